@@ -1,0 +1,5 @@
+"""The ground: operators, tasks, precedence; cell files and public formats; generators."""
+
+from tandem.cell.model import Cell, Mode, Operator, Task, Together, Tool, Zone
+
+__all__ = ["Cell", "Mode", "Operator", "Task", "Together", "Tool", "Zone"]

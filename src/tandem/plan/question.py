@@ -1,0 +1,80 @@
+"""What is asked of a cell: the whole front, or one best schedule, within limits. And what a method tells while it works."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+from tandem.cell.model import Cell
+from tandem.errors import UsageError
+from tandem.plan.result import Front, Result
+from tandem.schedule.model import Schedule
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked.
+
+    Attributes:
+      minimize: "front" for every compromise; "makespan" or "stress" for the one schedule that is best in it and, among those,
+        best in the other; "weighted" for the least `weights[0] * makespan + weights[1] * stress`.
+      weights: used by "weighted" only.
+      max_makespan, max_stress: limits on every schedule, seconds and the cell's measure of stress.
+    """
+
+    minimize: Literal["front", "makespan", "stress", "weighted"] = "front"
+    weights: tuple[float, float] = (1.0, 1.0)
+    max_makespan: float | None = None
+    max_stress: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.minimize not in ("front", "makespan", "stress", "weighted"):
+            raise UsageError(f"cannot minimize {self.minimize!r}: choose front, makespan, stress or weighted.")
+        if any(not math.isfinite(w) or w < 0 for w in self.weights) or not any(self.weights):
+            raise UsageError(f"weights {self.weights}: both must be 0 or more, and one of them more than 0.")
+        for name in ("max_makespan", "max_stress"):
+            limit = getattr(self, name)
+            if limit is not None and not (math.isfinite(limit) and limit >= 0):
+                raise UsageError(f"{name} {limit}: must be a number, 0 or more.")
+
+
+@dataclass(frozen=True)
+class Progress:
+    """What a method knows so far.
+
+    Attributes:
+      found: the results so far that nothing found beats, sorted by makespan.
+      bound: no schedule that answers the question now being worked on can be below this makespan, seconds.
+      wall_s: since the method began.
+    """
+
+    found: tuple[Result, ...]
+    bound: float
+    wall_s: float
+
+
+class Method(Protocol):
+    """Every method of planning: a cell and a question in, a front out.
+
+    `time_limit` in seconds (None: until done), `workers` threads or processes (None: as many as there are cores; 1 repeats exactly for a seed),
+    `hint` a schedule to begin with, `on_solution` is called with each improvement and may raise `KeyboardInterrupt` to stop: the
+    front found so far is then returned with `interrupted` set.
+
+    Raises:
+      InfeasibleError: it is proven that no schedule answers the question.
+      NothingFoundError: none was found within the limit.
+    """
+
+    def __call__(
+        self,
+        cell: Cell,
+        question: Question = Question(),
+        *,
+        time_limit: float | None = None,
+        seed: int = 0,
+        workers: int | None = None,
+        hint: Schedule | None = None,
+        on_solution: Callable[[Progress], None] | None = None,
+    ) -> Front: ...

@@ -1,0 +1,156 @@
+"""What a method found: one schedule with its bounds, or a front of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING, Any
+
+from tandem.cell.model import Cell, plain
+from tandem.schedule.measures import makespan, stress
+from tandem.schedule.model import Schedule
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.axes import Axes
+
+SCHEMA_VERSION = 1
+
+
+class Status(StrEnum):
+    """How far a result is proven, in the solver's words."""
+
+    OPTIMAL = "optimal"
+    FEASIBLE = "feasible"
+
+
+@dataclass(frozen=True)
+class Bound:
+    """No schedule that answers the same question can be better than this: seconds, and stress in the cell's measure.
+
+    For a point of a front the question is "least makespan among the schedules with at most this stress"
+    for `makespan`, and "least stress among the schedules with at most this makespan" for `stress`.
+    """
+
+    makespan: float
+    stress: float
+
+
+@dataclass(frozen=True)
+class Result:
+    """One schedule and how good it is proven to be."""
+
+    cell: Cell
+    schedule: Schedule
+    status: Status
+    bound: Bound
+
+    @property
+    def makespan(self) -> float:
+        """When the last task ends, seconds."""
+        return makespan(self.schedule)
+
+    @property
+    def stress(self) -> float:
+        """The cell's measure of stress: the sum over tasks done by humans unless the cell says otherwise."""
+        return stress(self.cell, self.schedule)
+
+    @property
+    def gap(self) -> float:
+        """How far the makespan may be above the best, as a share of it; 0 when optimal."""
+        return (self.makespan - self.bound.makespan) / max(self.makespan, 1e-9)
+
+    def to_dict(self) -> dict[str, Any]:
+        """One entry of `front` in a result document."""
+        return {
+            "makespan": plain(self.makespan),
+            "stress": plain(self.stress),
+            "status": str(self.status),
+            "bound": {"makespan": plain(self.bound.makespan), "stress": plain(self.bound.stress)},
+            "assignments": self.schedule.to_list(),
+        }
+
+
+@dataclass(frozen=True)
+class Front:
+    """The results that nothing found beats in both makespan and stress, sorted by makespan.
+
+    Attributes:
+      complete: every point, and the absence of others, is proven.
+      solver: name and version of what proved or found it.
+      interrupted: the search was stopped from outside; what it had is here.
+    """
+
+    cell: Cell
+    results: tuple[Result, ...]
+    complete: bool
+    method: str
+    solver: str
+    seed: int
+    wall_s: float
+    interrupted: bool = False
+
+    def __iter__(self) -> Iterator[Result]:
+        return iter(self.results)
+
+    def __len__(self) -> int:
+        return len(self.results)
+
+    def __getitem__(self, place: int) -> Result:
+        return self.results[place]
+
+    @property
+    def points(self) -> list[tuple[float, float]]:
+        """(makespan, stress) of each result."""
+        return [(result.makespan, result.stress) for result in self.results]
+
+    @property
+    def knee(self) -> Result:
+        """The recommended compromise: the point farthest below the straight line between the front's two ends,
+        both axes scaled to the front's own range (Das 1999). The quickest when the front has fewer than three points
+        or none lies below the line.
+        """
+        return self.results[knee_index(self.points)]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result document of `tandem plan --json`."""
+        return {
+            "schema_version": SCHEMA_VERSION,
+            "cell": self.cell.name,
+            "cell_digest": self.cell.digest,
+            "objectives": ["makespan", "stress"],
+            "complete": self.complete,
+            "method": self.method,
+            "solver": self.solver,
+            "seed": self.seed,
+            "wall_s": round(self.wall_s, 4),
+            "interrupted": self.interrupted,
+            "front": [result.to_dict() for result in self.results],
+        }
+
+    def to_frame(self) -> pandas.DataFrame:
+        """One row a point: makespan, stress, status, bounds. Needs pandas."""
+        import pandas
+
+        rows = [
+            {"makespan": r.makespan, "stress": r.stress, "status": str(r.status), "bound_makespan": r.bound.makespan, "bound_stress": r.bound.stress}
+            for r in self.results
+        ]
+        return pandas.DataFrame(rows)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """The front as a picture; `ax` in, `ax` out. Needs matplotlib."""
+        from tandem.draw.front import plot_front
+
+        return plot_front(self, ax=ax)
+
+
+def knee_index(points: list[tuple[float, float]]) -> int:
+    """Index of the knee of points sorted by makespan; see `Front.knee`."""
+    if len(points) < 3:
+        return 0
+    (t0, s0), (t1, s1) = points[0], points[-1]
+    below = [1 - (t - t0) / (t1 - t0) - (s - s1) / (s0 - s1) for t, s in points]
+    best = max(range(len(points)), key=below.__getitem__)
+    return best if below[best] > 1e-12 else 0

@@ -1,0 +1,56 @@
+"""A schedule: who does which task, from when to when. What follows from it is computed, never stored."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True, order=True)
+class Assignment:
+    """One task on the clock.
+
+    Attributes:
+      start, end: seconds since the start of the assembly.
+      task: its name.
+      operators: who does it, in the cell's order; several for a joint task.
+    """
+
+    start: float
+    end: float
+    task: str
+    operators: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Assignments in order of their start. A schedule may break its cell; `faults(cell, schedule)` judges it."""
+
+    assignments: tuple[Assignment, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "assignments", tuple(sorted(self.assignments)))
+
+    def __iter__(self) -> Iterator[Assignment]:
+        return iter(self.assignments)
+
+    def __len__(self) -> int:
+        return len(self.assignments)
+
+    def of(self, operator: str) -> tuple[Assignment, ...]:
+        """What one operator does, in order."""
+        return tuple(a for a in self.assignments if operator in a.operators)
+
+    def to_list(self) -> list[dict[str, Any]]:
+        """As the `assignments` of a result document."""
+        return [{"task": a.task, "operators": list(a.operators), "start": _short(a.start), "end": _short(a.end)} for a in self.assignments]
+
+    @classmethod
+    def from_list(cls, rows: list[Mapping[str, Any]]) -> Schedule:
+        """The inverse of `to_list`. Raises KeyError, TypeError or ValueError when a row is not of its form."""
+        return cls(tuple(Assignment(float(r["start"]), float(r["end"]), str(r["task"]), tuple(map(str, r["operators"]))) for r in rows))
+
+
+def _short(seconds: float) -> float | int:
+    return int(seconds) if seconds == int(seconds) else seconds
