@@ -1,9 +1,17 @@
-"""What a schedule is worth: makespan, stress, idle time, utilisation, critical path, slack."""
+"""What a schedule is worth: makespan, stress, idle time, utilisation, difficulty.
+
+Sums are exact: every number is taken as the decimal that it prints as, and only the result becomes the nearest float.
+"""
 
 from __future__ import annotations
 
-from tandem.cell.model import Cell
-from tandem.schedule.model import Schedule
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+
+from tandem.cell.model import Cell, Mode
+from tandem.errors import UnsoundScheduleError
+from tandem.schedule.model import Assignment, Schedule
 
 
 def makespan(schedule: Schedule) -> float:
@@ -12,5 +20,144 @@ def makespan(schedule: Schedule) -> float:
 
 
 def stress(cell: Cell, schedule: Schedule) -> float:
-    """The cell's measure of stress: the sum over the tasks done by humans, or the value of that set in `stress_of_set`."""
-    raise NotImplementedError
+    """The cell's measure of stress: the sum over the tasks done by humans, or the value of that set in `stress_of_set`.
+
+    Raises:
+      UnsoundScheduleError: an assignment is no way of doing its task, or `stress_of_set` does not list the set.
+    """
+    modes = [(a, _mode(cell, a)) for a in schedule]
+    if cell.stress_of_set is None:
+        return float(sum((exact(load) for _, mode in modes for load in mode.stress.values()), Decimal(0)))
+    done = {a.task for a, mode in modes if mode.stress}
+    listed = stress_of_tasks(cell, done)
+    if listed is None:
+        raise UnsoundScheduleError([unlisted_set(cell, done)])
+    return listed
+
+
+def stress_by_human(cell: Cell, schedule: Schedule) -> dict[str, float]:
+    """Per human, the sum of their own stress over their tasks. Raises UnsoundScheduleError as `stress` does."""
+    sums = dict.fromkeys(cell.humans, Decimal(0))
+    for a in schedule:
+        for human, load in _mode(cell, a).stress.items():
+            sums[human] += exact(load)
+    return {human: float(total) for human, total in sums.items()}
+
+
+def peak_stress(cell: Cell, schedule: Schedule) -> float:
+    """The largest stress that one task puts on one human; 0 when humans do nothing. Raises UnsoundScheduleError as `stress` does."""
+    return max((load for a in schedule for load in _mode(cell, a).stress.values()), default=0.0)
+
+
+def difficulty(cell: Cell, schedule: Schedule) -> float:
+    """Sum over all tasks of their difficulty for each operator who does them; what the cell does not state is 0."""
+    return float(sum((exact(cell.tasks[a.task].difficulty.get(who, 0.0)) for a in schedule for who in a.operators), Decimal(0)))
+
+
+def working(cell: Cell, schedule: Schedule) -> dict[str, float]:
+    """Seconds that each operator spends on tasks."""
+    return {name: float(seconds) for name, seconds in _working(cell, schedule).items()}
+
+
+def utilisation(cell: Cell, schedule: Schedule) -> dict[str, float]:
+    """Share of the makespan that each operator spends on tasks; 0 in an empty schedule."""
+    total = exact(makespan(schedule))
+    return {name: float(seconds / total) if total else 0.0 for name, seconds in _working(cell, schedule).items()}
+
+
+def idle(cell: Cell, schedule: Schedule) -> dict[str, float]:
+    """Seconds until the makespan in which an operator neither works, nor changes tools, nor has a break."""
+    total = exact(makespan(schedule))
+    busy = _working(cell, schedule)
+    for change in changeovers(cell, schedule):
+        busy[change.operator] += exact(change.end) - exact(change.start)
+    for name, operator in cell.operators.items():
+        for start, end in operator.breaks:
+            busy[name] += max(Decimal(0), min(total, exact(end)) - exact(start))
+    return {name: float(total - seconds) for name, seconds in busy.items()}
+
+
+@dataclass(frozen=True)
+class Changeover:
+    """An operator takes up a tool directly before a task; `start` and `end` in seconds, `task` is what it is needed for."""
+
+    operator: str
+    tool: str
+    task: str
+    start: float
+    end: float
+
+
+def changeovers(cell: Cell, schedule: Schedule) -> tuple[Changeover, ...]:
+    """Every changeover that takes time, in the cell's order of operators and then in time."""
+    return tuple(change for name in cell.operators for change in _changeovers_of(cell, name, schedule.of(name)))
+
+
+def _changeovers_of(cell: Cell, operator: str, assignments: tuple[Assignment, ...]) -> Iterator[Changeover]:
+    for a, seconds in zip(assignments, changeover_times(cell, operator, [a.task for a in assignments]), strict=True):
+        tool = cell.tasks[a.task].tool
+        if seconds and tool is not None:
+            yield Changeover(operator, tool, a.task, float(exact(a.start) - exact(seconds)), a.start)
+
+
+def changeover_times(cell: Cell, operator: str, tasks: list[str]) -> list[float]:
+    """Seconds that the operator needs before each of these tasks, done in this order, to take up its tool."""
+    in_hand, seconds = cell.operators[operator].tool, []
+    for name in tasks:
+        tool = cell.tasks[name].tool if name in cell.tasks else None
+        swaps = tool is not None and in_hand is not None and tool != in_hand
+        seconds.append(cell.tools[tool].changeover.get(operator, 0.0) if swaps and tool in cell.tools else 0.0)
+        in_hand = in_hand if tool is None else tool
+    return seconds
+
+
+def mode_of(cell: Cell, assignment: Assignment) -> Mode | None:
+    """The mode that these operators and this duration mean; None when the task has no such mode.
+
+    Of modes that differ in stress alone, the one of least stress: an assignment cannot tell them apart.
+    """
+    if assignment.task not in cell.tasks:
+        return None
+    who, seconds = set(assignment.operators), exact(assignment.end) - exact(assignment.start)
+    same = [mode for mode in cell.modes(assignment.task) if who == set(mode.operators) and exact(mode.time) == seconds]
+    return min(same, key=lambda mode: sum(map(exact, mode.stress.values())), default=None)
+
+
+def stress_of_tasks(cell: Cell, tasks: set[str]) -> float | None:
+    """The value of this set of tasks in the cell's `stress_of_set`; None when the set is not listed."""
+    table: Mapping[str, float] = cell.stress_of_set or {}
+    key = ",".join(name for name in cell.tasks if name in tasks)
+    if key in table:
+        return table[key]
+    return next((value for names, value in table.items() if set(filter(None, names.split(","))) == tasks), None)
+
+
+def unlisted_set(cell: Cell, tasks: set[str]) -> str:
+    """The sentence about a set that `stress_of_set` does not list."""
+    names = ",".join(name for name in cell.tasks if name in tasks)
+    return f"stress_of_set does not list {names!r}, the tasks that humans do here: this set of tasks is not allowed."
+
+
+def exact(number: float) -> Decimal:
+    """The decimal that the number prints as."""
+    return Decimal(repr(float(number)))
+
+
+def _working(cell: Cell, schedule: Schedule) -> dict[str, Decimal]:
+    seconds = dict.fromkeys(cell.operators, Decimal(0))
+    for a in schedule:
+        for name in a.operators:
+            seconds[name] += exact(a.end) - exact(a.start)
+    return seconds
+
+
+def _mode(cell: Cell, assignment: Assignment) -> Mode:
+    mode = mode_of(cell, assignment)
+    if mode is None:
+        raise UnsoundScheduleError(
+            [
+                f"task {assignment.task!r}: {' and '.join(assignment.operators) or 'nobody'} from {assignment.start:g} s to {assignment.end:g} s "
+                "is no way of doing it; `faults` says what is wrong."
+            ]
+        )
+    return mode
