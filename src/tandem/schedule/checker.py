@@ -1,0 +1,416 @@
+"""The checker: judges a schedule by its cell alone. It knows no solver, and every rule of the model stands here once more.
+
+Times are compared as the exact decimals that they print as. Each rule is a generator of sentences and is tested alone.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from difflib import get_close_matches
+from math import isfinite, nan
+from operator import attrgetter
+from typing import NamedTuple
+
+from tandem.cell.model import Cell, Mode
+from tandem.schedule.measures import changeover_times, exact, mode_of, stress_of_tasks, unlisted_set
+from tandem.schedule.model import Assignment, Schedule
+
+
+def faults(cell: Cell, schedule: Schedule, *, max_makespan: float | None = None, max_stress: float | None = None) -> list[str]:
+    """Everything that is wrong with the schedule, in sentences; an empty list when it is sound.
+
+    Args:
+      max_makespan, max_stress: limits that the schedule has to keep besides its cell's, seconds and the cell's measure of stress.
+    """
+    judged = Judged.of(cell, schedule, max_makespan, max_stress)
+    return [sentence for rule in RULES for sentence in rule(judged)]
+
+
+class Row(NamedTuple):
+    """An assignment in exact numbers.
+
+    Attributes:
+      who: the operators that the cell knows, each once.
+      mode: what the assignment means by its operators and duration; None when it is no way of doing its task.
+    """
+
+    start: Decimal
+    end: Decimal
+    task: str
+    who: frozenset[str]
+    mode: Mode | None
+    given: Assignment
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A schedule laid out for the rules.
+
+    Attributes:
+      rows: assignments of known tasks at finite times, by start.
+      of_task: task -> its rows; a sound schedule has one each.
+      of_operator: operator -> rows of positive length, by start.
+    """
+
+    cell: Cell
+    given: tuple[Assignment, ...]
+    rows: tuple[Row, ...]
+    of_task: Mapping[str, list[Row]]
+    of_operator: Mapping[str, list[Row]]
+    max_makespan: Decimal | None
+    max_stress: Decimal | None
+
+    @classmethod
+    def of(cls, cell: Cell, schedule: Schedule, max_makespan: float | None = None, max_stress: float | None = None) -> Judged:
+        """Reads the schedule; what cannot be read is left to the rules on names and numbers."""
+        given = tuple(schedule)
+        rows = sorted((_row(cell, a) for a in given if a.task in cell.tasks and _is_finite(a)), key=attrgetter("start", "end"))
+        of_task: dict[str, list[Row]] = {}
+        of_operator: dict[str, list[Row]] = {}
+        for row in rows:
+            of_task.setdefault(row.task, []).append(row)
+            if row.start < row.end:
+                for name in row.who:
+                    of_operator.setdefault(name, []).append(row)
+        limits = (None if limit is None else exact(limit) for limit in (max_makespan, max_stress))
+        return cls(cell, given, tuple(rows), of_task, of_operator, *limits)
+
+
+def times_are_numbers(judged: Judged) -> Iterator[str]:
+    for a in judged.given:
+        if not _is_finite(a):
+            yield f"task {a.task!r}: from {a.start} to {a.end} is no time; both must be numbers of seconds."
+
+
+def tasks_are_known(judged: Judged) -> Iterator[str]:
+    for a in judged.given:
+        if a.task not in judged.cell.tasks:
+            yield f"task {a.task!r}: the cell has no such task. {_nearest(a.task, judged.cell.tasks)}"
+
+
+def each_task_is_done_once(judged: Judged) -> Iterator[str]:
+    count: dict[str, int] = {}
+    for a in judged.given:
+        count[a.task] = count.get(a.task, 0) + 1
+    for name in judged.cell.tasks:
+        if name not in count:
+            yield f"task {name!r}: is missing; every task must be done once."
+        elif count[name] > 1:
+            yield f"task {name!r}: is done {count[name]} times; every task must be done once."
+
+
+def operators_are_known(judged: Judged) -> Iterator[str]:
+    for a in judged.given:
+        for name in dict.fromkeys(a.operators):
+            if name not in judged.cell.operators:
+                yield f"task {a.task!r}: the cell has no operator {name!r}. {_nearest(name, judged.cell.operators)}"
+            if (times := a.operators.count(name)) > 1:
+                yield f"task {a.task!r}: operator {name!r} is named {times} times; once is enough."
+
+
+def the_group_can_do_the_task(judged: Judged) -> Iterator[str]:
+    for row in judged.rows:
+        if row.mode is None and not _modes_of_group(judged.cell, row) and _names_are_known(judged.cell, row):
+            ways = ", or ".join(dict.fromkeys(_and(mode.operators) for mode in judged.cell.modes(row.task)))
+            yield f"task {row.task!r}: {_and(row.given.operators)} cannot do it; {ways} can."
+
+
+def durations_are_right(judged: Judged) -> Iterator[str]:
+    for row in judged.rows:
+        if row.mode is None and (modes := _modes_of_group(judged.cell, row)):
+            right = " or ".join(_s(time) for time in sorted({exact(mode.time) for mode in modes}))
+            ends = " or ".join(_s(row.start + time) for time in sorted({exact(mode.time) for mode in modes}))
+            yield (
+                f"task {row.task!r}: {_and(row.given.operators)} cannot do it in {_s(row.end - row.start)} ({_span(row)}); "
+                f"it takes {right}, so it would end at {ends}."
+            )
+
+
+def nothing_starts_before_zero(judged: Judged) -> Iterator[str]:
+    for row in judged.rows:
+        if row.start < 0:
+            yield f"task {row.task!r}: starts at {_s(row.start)}; nothing can start before 0 s."
+
+
+def predecessors_end_first(judged: Judged) -> Iterator[str]:
+    for row in judged.rows:
+        for name in judged.cell.tasks[row.task].after:
+            end = max((first.end for first in judged.of_task.get(name, ())), default=row.start)
+            if row.start < end:
+                yield f"task {row.task!r}: starts at {_s(row.start)}, before task {name!r} has ended, which it comes after: {_s(end)} is the earliest."
+
+
+def an_operator_does_one_task_at_a_time(judged: Judged) -> Iterator[str]:
+    for name in judged.cell.operators:
+        latest: Row | None = None
+        for row in judged.of_operator.get(name, ()):
+            if latest is not None and row.start < latest.end:
+                yield (
+                    f"operator {name!r}: does task {latest.task!r} ({_span(latest)}) and task {row.task!r} ({_span(row)}) at the same time; "
+                    f"after the first, {_s(latest.end)} is the earliest."
+                )
+            if latest is None or row.end > latest.end:
+                latest = row
+
+
+def releases_are_kept(judged: Judged) -> Iterator[str]:
+    for row in judged.rows:
+        release = exact(judged.cell.tasks[row.task].release)
+        if row.start < release and release:
+            yield f"task {row.task!r}: starts at {_s(row.start)}, before its release: {_s(release)} is the earliest."
+
+
+def deadlines_are_kept(judged: Judged) -> Iterator[str]:
+    for row in judged.rows:
+        deadline = judged.cell.tasks[row.task].deadline
+        if deadline is not None and row.end > exact(deadline):
+            yield f"task {row.task!r}: ends at {_s(row.end)}, after its deadline: {_s(exact(deadline))} is the latest."
+
+
+def breaks_are_free_of_work(judged: Judged) -> Iterator[str]:
+    for name, breaks in _breaks(judged.cell):
+        for row in judged.of_operator.get(name, ()):
+            for start, end in _overlapping(breaks, row.start, row.end):
+                yield f"operator {name!r}: task {row.task!r} ({_span(row)}) runs into the break from {_s(start)} to {_s(end)}."
+
+
+def tools_change_hands_in_time(judged: Judged) -> Iterator[str]:
+    for name, change in _changeovers(judged):
+        if change.free > change.row.start:
+            continue  # the tasks themselves overlap, which another rule says
+        if change.start < change.free:
+            since = f"task {change.after.task!r}" if change.after else "the beginning"
+            yield (
+                f"{_needs(name, change)}, which starts only {_s(change.row.start - change.free)} after {since}; "
+                f"{_s(change.free + change.time)} is the earliest."
+            )
+
+
+def breaks_are_free_of_changeovers(judged: Judged) -> Iterator[str]:
+    breaks_of = dict(_breaks(judged.cell))
+    for name, change in _changeovers(judged):
+        for start, end in _overlapping(breaks_of.get(name, []), change.start, change.row.start):
+            yield (
+                f"{_needs(name, change)}; from {_s(change.start)} to {_s(change.row.start)} that runs into the break "
+                f"from {_s(start)} to {_s(end)}; after it, {_s(end + change.time)} is the earliest."
+            )
+
+
+def tools_are_enough(judged: Judged) -> Iterator[str]:
+    for name, rows in _by_place(judged, "tool"):
+        places = judged.cell.tools[name].capacity if name in judged.cell.tools else 1
+        for crowd in _crowds(rows, places):
+            yield f"tool {name!r}: there {_are(places)} of it, but {crowd}"
+
+
+def zones_are_wide_enough(judged: Judged) -> Iterator[str]:
+    for name, rows in _by_place(judged, "zone"):
+        places = judged.cell.zones[name].capacity if name in judged.cell.zones else 1
+        for crowd in _crowds(rows, places):
+            yield f"zone {name!r}: there {_are(places, 'place')}, but {crowd}"
+
+
+def stress_limits_are_kept(judged: Judged) -> Iterator[str]:
+    for name, operator in judged.cell.operators.items():
+        if operator.stress_limit is None:
+            continue
+        loads = [(exact(row.mode.stress[name]), row.task) for row in judged.rows if row.mode and name in row.mode.stress]
+        total, limit = sum((load for load, _ in loads), Decimal(0)), exact(operator.stress_limit)
+        if total > limit:
+            hardest = ", ".join(f"{task!r} {_n(load)}" for load, task in sorted(loads, reverse=True)[:3])
+            yield f"operator {name!r}: collects {_n(total)} of stress, the limit is {_n(limit)}; {_n(total - limit)} must go (most from {hardest})."
+
+
+def pairs_have_the_same_operators(judged: Judged) -> Iterator[str]:
+    for first, second in judged.cell.same_operator:
+        for one in judged.of_task.get(first, ()):
+            for other in judged.of_task.get(second, ()):
+                if one.who != other.who:
+                    yield (
+                        f"tasks {first!r} and {second!r}: must be done by the same operators, but {_and(one.given.operators)} "
+                        f"and {_and(other.given.operators)} do them."
+                    )
+
+
+def the_set_of_human_tasks_is_listed(judged: Judged) -> Iterator[str]:
+    if judged.cell.stress_of_set is not None and all(len(judged.of_task.get(name, ())) == 1 for name in judged.cell.tasks):
+        done = _human_tasks(judged)
+        if stress_of_tasks(judged.cell, done) is None:
+            yield unlisted_set(judged.cell, done)
+
+
+def the_makespan_is_within_its_limit(judged: Judged) -> Iterator[str]:
+    if judged.max_makespan is not None:
+        for row in judged.rows:
+            if row.end > judged.max_makespan:
+                yield f"task {row.task!r}: ends at {_s(row.end)}, after the limit on the makespan of {_s(judged.max_makespan)}."
+
+
+def the_stress_is_within_its_limit(judged: Judged) -> Iterator[str]:
+    if judged.max_stress is None:
+        return
+    if judged.cell.stress_of_set is None:
+        total = sum((exact(load) for row in judged.rows if row.mode for load in row.mode.stress.values()), Decimal(0))
+    else:
+        listed = stress_of_tasks(judged.cell, _human_tasks(judged))
+        total = Decimal(0) if listed is None else exact(listed)
+    if total > judged.max_stress:
+        yield f"stress: is {_n(total)}, over its limit of {_n(judged.max_stress)}."
+
+
+RULES: tuple[Callable[[Judged], Iterator[str]], ...] = (
+    times_are_numbers,
+    tasks_are_known,
+    each_task_is_done_once,
+    operators_are_known,
+    the_group_can_do_the_task,
+    durations_are_right,
+    nothing_starts_before_zero,
+    predecessors_end_first,
+    an_operator_does_one_task_at_a_time,
+    releases_are_kept,
+    deadlines_are_kept,
+    breaks_are_free_of_work,
+    tools_change_hands_in_time,
+    breaks_are_free_of_changeovers,
+    tools_are_enough,
+    zones_are_wide_enough,
+    stress_limits_are_kept,
+    pairs_have_the_same_operators,
+    the_set_of_human_tasks_is_listed,
+    the_makespan_is_within_its_limit,
+    the_stress_is_within_its_limit,
+)
+
+
+class _Change(NamedTuple):
+    """A changeover to the tool that `row` needs: `time` long, directly before it; the operator is free from `free` on, when `after` has ended."""
+
+    row: Row
+    tool: str | None
+    time: Decimal
+    free: Decimal
+    after: Row | None
+
+    @property
+    def start(self) -> Decimal:
+        return self.row.start - self.time
+
+
+def _changeovers(judged: Judged) -> Iterator[tuple[str, _Change]]:
+    for name in judged.cell.operators:
+        after, free = None, Decimal(0)
+        rows = judged.of_operator.get(name, [])
+        for row, seconds in zip(rows, changeover_times(judged.cell, name, [row.task for row in rows]), strict=True):
+            if seconds:
+                yield name, _Change(row, judged.cell.tasks[row.task].tool, exact(seconds), free, after)
+            if row.end > free:
+                after, free = row, row.end
+
+
+def _needs(name: str, change: _Change) -> str:
+    return f"operator {name!r}: needs {_s(change.time)} to take up tool {change.tool!r} before task {change.row.task!r}"
+
+
+def _by_place(judged: Judged, kind: str) -> Iterator[tuple[str, list[Row]]]:
+    """Rows of positive length by the tool or zone that their tasks name."""
+    rows: dict[str, list[Row]] = {}
+    for row in judged.rows:
+        name = getattr(judged.cell.tasks[row.task], kind)
+        if name is not None and row.start < row.end and row.who:
+            rows.setdefault(name, []).append(row)
+    yield from rows.items()
+
+
+def _crowds(rows: Iterable[Row], places: int) -> Iterator[str]:
+    """A sentence for each span of time in which more operators are there than there are places."""
+    events = sorted([(row.end, 0, row) for row in rows] + [(row.start, 1, row) for row in rows], key=lambda event: event[:2])
+    present: dict[int, Row] = {}
+    used, since, most, crowd = 0, Decimal(0), 0, dict[str, None]()
+    for time, starts, row in events:
+        if starts:
+            present[id(row)] = row
+            used += len(row.who)
+            if used > places:
+                since = since if crowd else time
+                crowd.update(dict.fromkeys([row.task] if crowd else [other.task for other in present.values()]))
+                most = max(most, used)
+        else:
+            del present[id(row)]
+            used -= len(row.who)
+            if crowd and used <= places:
+                yield f"{most} operators need it at once from {_s(since)} to {_s(time)} (tasks {_and(map(repr, crowd))})."
+                most, crowd = 0, {}
+
+
+def _human_tasks(judged: Judged) -> set[str]:
+    humans = set(judged.cell.humans)
+    return {row.task for row in judged.rows if row.who & humans}
+
+
+def _breaks(cell: Cell) -> Iterator[tuple[str, list[tuple[Decimal, Decimal]]]]:
+    for name, operator in cell.operators.items():
+        if operator.breaks:
+            yield name, sorted((exact(start), exact(end)) for start, end in operator.breaks)
+
+
+def _overlapping(breaks: list[tuple[Decimal, Decimal]], start: Decimal, end: Decimal) -> Iterator[tuple[Decimal, Decimal]]:
+    """The breaks that share more than a moment with the span; breaks sorted and disjoint."""
+    place = bisect_right(breaks, start, key=lambda pause: pause[1])
+    while place < len(breaks) and breaks[place][0] < end:
+        yield breaks[place]
+        place += 1
+
+
+def _row(cell: Cell, a: Assignment) -> Row:
+    return Row(exact(a.start), exact(a.end), a.task, frozenset(a.operators) & cell.operators.keys(), mode_of(cell, a), a)
+
+
+def _is_finite(a: Assignment) -> bool:
+    return all(isfinite(_number(time)) for time in (a.start, a.end))
+
+
+def _number(value: object) -> float:
+    try:
+        return float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        return nan
+
+
+def _modes_of_group(cell: Cell, row: Row) -> list[Mode]:
+    who = set(row.given.operators)
+    return [mode for mode in cell.modes(row.task) if set(mode.operators) == who]
+
+
+def _names_are_known(cell: Cell, row: Row) -> bool:
+    return all(name in cell.operators for name in row.given.operators)
+
+
+def _nearest(name: object, known: Iterable[str]) -> str:
+    known = list(known)
+    near = get_close_matches(str(name), known, n=1)
+    return f"Did you mean {near[0]!r}?" if near else f"It has {', '.join(known[:12])}{', ...' if len(known) > 12 else ''}."
+
+
+def _and(names: Iterable[str]) -> str:
+    *most, last = list(names) or ["nobody"]
+    return f"{', '.join(most)} and {last}" if most else last
+
+
+def _are(places: int, what: str = "") -> str:
+    return f"is only 1 {what}".rstrip() if places == 1 else f"are only {places} {what + 's' if what else ''}".rstrip()
+
+
+def _span(row: Row) -> str:
+    return f"{_n(row.start)} to {_s(row.end)}"
+
+
+def _s(seconds: Decimal) -> str:
+    return f"{_n(seconds)} s"
+
+
+def _n(number: Decimal) -> str:
+    return f"{number.normalize():f}" if abs(number) < Decimal(10) ** 15 else f"{number:.6g}"

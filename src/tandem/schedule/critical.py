@@ -1,0 +1,194 @@
+"""Why a schedule takes as long as it does: its critical path, and how far each task could slip."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Literal, NamedTuple
+
+from tandem.cell.model import Cell
+from tandem.schedule.measures import changeover_times, exact
+from tandem.schedule.model import Assignment, Schedule
+
+Reason = Literal["start", "release", "break", "predecessor", "operator", "changeover", "tool", "zone", "choice"]
+
+
+@dataclass(frozen=True)
+class Link:
+    """One task on the critical path, and what it waited for.
+
+    Attributes:
+      assignment: the task.
+      reason: why it starts exactly when it does: at the "start" of the assembly (there may be a changeover first), at its "release", when a
+        "break" of `by` ends, when its "predecessor" `by` ends, when the "operator" `by` is free, when that operator's "changeover" is done,
+        when a unit of the "tool" or a place in the "zone" `by` is given back; or by "choice": it could have started earlier.
+      by: name of the predecessor, operator, tool or zone; empty otherwise.
+      waited_for: the task before it on the path, which ended then; None at the path's beginning.
+    """
+
+    assignment: Assignment
+    reason: Reason
+    by: str = ""
+    waited_for: str | None = None
+
+    def __str__(self) -> str:
+        wait = {
+            "start": "from the start",
+            "release": "at its release",
+            "break": f"after a break of {self.by}",
+            "predecessor": f"when {self.waited_for} has ended",
+            "operator": f"when {self.by} is free from {self.waited_for}",
+            "changeover": f"when {self.by} has changed tools after {self.waited_for}",
+            "tool": f"when {self.waited_for} gives back tool {self.by}",
+            "zone": f"when {self.waited_for} leaves zone {self.by}",
+            "choice": "later than it could",
+        }
+        return f"{self.assignment.task} at {self.assignment.start:g} s, {wait[self.reason]}"
+
+
+def critical_path(cell: Cell, schedule: Schedule) -> tuple[Link, ...]:
+    """A chain of tasks from the start, a release or a break to the makespan, each starting exactly when what it waited for ended.
+
+    Of several chains, one that reaches back to the start rather than to a task that could have started earlier. Assumes a sound schedule;
+    empty for an empty one. In a schedule with gaps that nothing explains the chain begins with a "choice".
+    """
+    if not len(schedule):
+        return ()
+    plan = _Plan.of(cell, schedule)
+    best: dict[str, Link] = {}
+    grounded: dict[str, bool] = {}
+    for a in schedule:
+        links = sorted(plan.links(a), key=lambda link: (link.waited_for is not None and not grounded[link.waited_for], _PREFERENCE.index(link.reason)))
+        best[a.task] = links[0] if links else Link(a, "choice")
+        grounded[a.task] = bool(links) and (links[0].waited_for is None or grounded[links[0].waited_for])
+    makespan = max(a.end for a in schedule)
+    path = [best[min((a for a in schedule if a.end == makespan), key=lambda a: (not grounded[a.task], a)).task]]
+    while (before := path[-1].waited_for) is not None:
+        path.append(best[before])
+    return tuple(reversed(path))
+
+
+def slack(cell: Cell, schedule: Schedule) -> dict[str, float]:
+    """Task -> seconds by which its end can slip without a later makespan or a missed deadline.
+
+    Allocation and order are kept: on every operator, and on every unit of a tool and place in a zone. Tasks that follow may slip along;
+    breaks stay free of work and changeovers. Assumes a sound schedule.
+    """
+    plan = _Plan.of(cell, schedule)
+    makespan = max((exact(a.end) for a in schedule), default=Decimal(0))
+    latest: dict[str, Decimal] = {}
+    for a in reversed(schedule.assignments):
+        deadline = cell.tasks[a.task].deadline
+        limits = [makespan, *([] if deadline is None else [exact(deadline)])]
+        time = exact(a.end) - exact(a.start)
+        for after, gap in plan.followers[a.task]:
+            row = plan.of_task[after]
+            limits.append(latest[after] - (exact(row.end) - exact(row.start)) - gap)
+        latest[a.task] = plan.latest_end(a, min(limits), time)
+    return {a.task: float(latest[a.task] - exact(a.end)) for a in schedule}
+
+
+_PREFERENCE: tuple[Reason, ...] = ("start", "predecessor", "operator", "changeover", "release", "break", "tool", "zone", "choice")
+
+
+class _Turn(NamedTuple):
+    """One operator's part in a task: what the operator did before, and the changeover (seconds) directly before it."""
+
+    operator: str
+    previous: Assignment | None
+    change: Decimal
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """A sound schedule with what follows what.
+
+    Attributes:
+      turns: task -> each operator's part in it.
+      followers: task -> (task that cannot start before it has ended, seconds that must lie between).
+      handed: task -> (reason, tool or zone, task that used the same unit of it directly before).
+    """
+
+    cell: Cell
+    of_task: Mapping[str, Assignment]
+    turns: Mapping[str, list[_Turn]]
+    followers: Mapping[str, list[tuple[str, Decimal]]]
+    handed: Mapping[str, list[tuple[Reason, str, str]]]
+
+    @classmethod
+    def of(cls, cell: Cell, schedule: Schedule) -> _Plan:
+        of_task = {a.task: a for a in schedule}
+        turns: dict[str, list[_Turn]] = {name: [] for name in of_task}
+        followers: dict[str, list[tuple[str, Decimal]]] = {name: [] for name in of_task}
+        handed: dict[str, list[tuple[Reason, str, str]]] = {name: [] for name in of_task}
+        for name in cell.operators:
+            rows = schedule.of(name)
+            previous = None
+            for a, seconds in zip(rows, changeover_times(cell, name, [a.task for a in rows]), strict=True):
+                turns[a.task].append(_Turn(name, previous, exact(seconds)))
+                if previous is not None:
+                    followers[previous.task].append((a.task, exact(seconds)))
+                previous = a
+        for name in of_task:
+            for before in cell.tasks[name].after:
+                followers[before].append((name, Decimal(0)))
+        for reason, place, before, after in _hand_overs(cell, schedule):
+            handed[after].append((reason, place, before))
+            followers[before].append((after, Decimal(0)))
+        return cls(cell, of_task, turns, followers, handed)
+
+    def links(self, a: Assignment) -> Iterator[Link]:
+        """Every reason for which the task cannot start a moment earlier."""
+        start = exact(a.start)
+        for name in self.cell.tasks[a.task].after:
+            if exact(self.of_task[name].end) == start:
+                yield Link(a, "predecessor", name, name)
+        if start == 0:
+            yield Link(a, "start")
+        elif start == exact(self.cell.tasks[a.task].release):
+            yield Link(a, "release")
+        for turn in self.turns[a.task]:
+            begin = start - turn.change
+            if turn.previous is not None and exact(turn.previous.end) == begin:
+                yield Link(a, "changeover" if turn.change else "operator", turn.operator, turn.previous.task)
+            elif begin == 0:
+                yield Link(a, "start")
+            elif any(exact(end) == begin for _, end in self.cell.operators[turn.operator].breaks):
+                yield Link(a, "break", turn.operator)
+        for reason, place, before in self.handed[a.task]:
+            if exact(self.of_task[before].end) == start:
+                yield Link(a, reason, place, before)
+
+    def latest_end(self, a: Assignment, limit: Decimal, time: Decimal) -> Decimal:
+        """The latest end up to the limit at which neither the task nor its changeovers run into a break."""
+        blocks = [
+            (exact(start), exact(end), turn.change) for turn in self.turns[a.task] for start, end in self.cell.operators[turn.operator].breaks
+        ]
+        end, moved = limit, True
+        while moved:
+            moved = False
+            for off, back, change in blocks:
+                if off < end and end - time - change < back:
+                    end, moved = off, True
+        return max(end, exact(a.end))
+
+
+def _hand_overs(cell: Cell, schedule: Schedule) -> Iterator[tuple[Reason, str, str, str]]:
+    """(reason, tool or zone, task before, task after) for every unit or place, given out in order of start: the one free the longest first."""
+    kinds: tuple[tuple[Reason, Mapping[str, object]], ...] = (("tool", cell.tools), ("zone", cell.zones))
+    for reason, places in kinds:
+        users: dict[str, list[Assignment]] = {}
+        for a in schedule:
+            name = getattr(cell.tasks[a.task], reason)
+            if name is not None:
+                users.setdefault(name, []).append(a)
+        for name, rows in users.items():
+            units: list[Assignment | None] = [None] * int(getattr(places.get(name), "capacity", 1))
+            for a in rows:
+                units.sort(key=lambda last: Decimal(-1) if last is None else exact(last.end))
+                for unit in range(min(len(a.operators), len(units))):
+                    before = units[unit]
+                    if before is not None:
+                        yield reason, name, before.task, a.task
+                    units[unit] = a
