@@ -1,0 +1,72 @@
+"""Tandem plans and runs the work that people and collaborative robots share.
+
+    cell = tandem.load("cell.yaml")
+    front = tandem.plan(cell, time_limit=10, seed=0)     # every compromise between makespan and stress
+    tandem.faults(cell, front.knee.schedule)             # [] or sentences
+
+Importing it is quick: each name is fetched from its home when it is first used.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from tandem.cell.files import load
+    from tandem.cell.model import Cell, Operator, Task, Together, Tool, Zone
+    from tandem.errors import CellError, Fault, InfeasibleError, NothingFoundError, TandemError, UnsoundScheduleError, UsageError
+    from tandem.plan.methods import plan
+    from tandem.plan.question import Question
+    from tandem.plan.result import Front, Result
+    from tandem.schedule.checker import faults
+    from tandem.schedule.model import Assignment, Schedule
+
+__all__ = [
+    "Assignment",
+    "Cell",
+    "CellError",
+    "Fault",
+    "Front",
+    "InfeasibleError",
+    "NothingFoundError",
+    "Operator",
+    "Question",
+    "Result",
+    "Schedule",
+    "TandemError",
+    "Task",
+    "Together",
+    "Tool",
+    "UnsoundScheduleError",
+    "UsageError",
+    "Zone",
+    "faults",
+    "load",
+    "plan",
+]
+
+_HOME = {
+    "tandem.cell.files": ("load",),
+    "tandem.cell.model": ("Cell", "Operator", "Task", "Together", "Tool", "Zone"),
+    "tandem.errors": ("CellError", "Fault", "InfeasibleError", "NothingFoundError", "TandemError", "UnsoundScheduleError", "UsageError"),
+    "tandem.plan.question": ("Question",),
+    "tandem.plan.result": ("Front", "Result"),
+    "tandem.schedule.checker": ("faults",),
+    "tandem.schedule.model": ("Assignment", "Schedule"),
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name == "plan":  # a room and a verb: tandem.plan(cell) plans, tandem.plan.methods is a module
+        return importlib.import_module("tandem.plan")
+    for home, names in _HOME.items():
+        if name in names:
+            return getattr(importlib.import_module(home), name)
+    raise AttributeError(f"module 'tandem' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
