@@ -1,0 +1,1 @@
+"""Standard faces of Tandem's worlds: PettingZoo and Gymnasium."""
