@@ -1,14 +1,24 @@
-"""What the parts of a cell must be to each other: one rule a function, every fault reported."""
+"""What the parts of a cell must be to each other: one rule a function, every fault reported.
+
+A rule reads the whole cell and leaves to the others what is theirs: an unknown name is met by the rule for names, and
+all other rules step over it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
+from tandem.cell.clock import a_deadline_can_be_met, breaks_are_apart, exact_planning_can_count_it, numbers_have_few_decimals
+from tandem.cell.cycles import no_task_waits_for_itself
+from tandem.cell.names import Known
 from tandem.errors import Fault
 
 if TYPE_CHECKING:
-    from tandem.cell.model import Cell
+    from tandem.cell.model import Cell, Task
+
+Path = tuple[str | int, ...]
 
 
 def faults(cell: Cell) -> Iterator[Fault]:
@@ -17,4 +27,206 @@ def faults(cell: Cell) -> Iterator[Fault]:
         yield from rule(cell)
 
 
-RULES: tuple[Callable[[Cell], Iterator[Fault]], ...] = ()
+def operators_are_known(cell: Cell) -> Iterator[Fault]:
+    """Whoever a task or a tool names is one of the cell's operators."""
+    known = Known(cell.operators)
+    for path, name, what in _operators_named(cell):
+        if name not in known:
+            yield Fault(f"{what} names {name!r}, who is no operator of the cell. {known.hint(name)}", path)
+
+
+def tasks_are_known(cell: Cell) -> Iterator[Fault]:
+    """Whatever stands in `after` and `same_operator` is one of the cell's tasks; `stress_of_set` has a rule of its own."""
+    known = Known(cell.tasks)
+    for name, task in cell.tasks.items():
+        for place, first in enumerate(task.after):
+            if first not in known:
+                yield Fault(f"task {name!r} comes after {first!r}, which is no task. {known.hint(first)}", ("tasks", name, "after", place))
+    for place, pair in enumerate(cell.same_operator):
+        for side, name in enumerate(pair):
+            if name not in known:
+                yield Fault(f"same_operator names {name!r}, which is no task. {known.hint(name)}", ("same_operator", place, side))
+
+
+def no_task_comes_after_itself(cell: Cell) -> Iterator[Fault]:
+    """A task is not its own predecessor, and no pair of `same_operator` holds one task twice."""
+    for name, task in cell.tasks.items():
+        if name in task.after:
+            yield Fault(f"task {name!r} comes after itself. Take {name!r} out of its `after`.", ("tasks", name, "after", task.after.index(name)))
+    for place, (one, other) in enumerate(cell.same_operator):
+        if one == other:
+            yield Fault(f"same_operator pairs task {one!r} with itself. Name two different tasks, or take the pair out.", ("same_operator", place))
+
+
+def a_group_names_each_operator_once(cell: Cell) -> Iterator[Fault]:
+    """No operator takes part in a joint task twice, and no group is stated twice for a task."""
+    for name, task in cell.tasks.items():
+        seen: dict[frozenset[str], int] = {}
+        for place, joint in enumerate(task.together):
+            path: Path = ("tasks", name, "together", place)
+            twice = [who for who, count in Counter(joint.operators).items() if count > 1]
+            if twice:
+                yield Fault(f"task {name!r}: {_listed(twice)} stands twice in one group. A joint task needs different operators.", (*path, "operators"))
+                continue
+            first = seen.setdefault(frozenset(joint.operators), place)
+            if first != place:
+                times = f"{_number(task.together[first].time)} s and {_number(joint.time)} s"
+                yield Fault(f"task {name!r}: the group {_listed(joint.operators)} is stated twice, with {times}. Keep one of them.", path)
+
+
+def someone_can_do_each_task(cell: Cell) -> Iterator[Fault]:
+    """Each task has a way of being done that finds room: enough places in its zone and enough of its tool."""
+    for name, task in cell.tasks.items():
+        path: Path = ("tasks", name)
+        if not task.time and not task.together:
+            here = _listed(cell.operators)
+            yield Fault(f"task {name!r}: nobody can do it. Give `time` for one of {here}, or a group in `together`.", path)
+        elif not task.time:
+            yield from _room_for_a_group(cell, name, task)
+
+
+def _room_for_a_group(cell: Cell, name: str, task: Task) -> Iterator[Fault]:
+    smallest = min(task.together, key=lambda joint: len(set(joint.operators)))
+    size = len(set(smallest.operators))
+    for key, used, table in (("zone", task.zone, cell.zones), ("tool", task.tool, cell.tools)):
+        if used is None:
+            continue
+        capacity = table[used].capacity if used in table else 1
+        if size > capacity:
+            room = f"zone {used!r} holds {capacity} at a time" if key == "zone" else f"there is {capacity} of tool {used!r}"
+            yield Fault(
+                f"task {name!r}: {_listed(smallest.operators)} can only do it together, but {room}, so they never meet. "
+                f"State `{key}s: {{{used}: {{capacity: {size}}}}}`, or let one operator do it alone.",
+                ("tasks", name, key),
+            )
+
+
+def stress_is_put_on_humans(cell: Cell) -> Iterator[Fault]:
+    """Stress per human names humans, and only humans have a stress limit."""
+    for path, stress, what in _stresses(cell):
+        for who in stress:
+            if who in cell.operators and cell.operators[who].kind == "robot":
+                yield Fault(f"{what}: stress is stated for {who!r}, a robot. Only humans have stress; take {who!r} out.", (*path, who))
+    for who, operator in cell.operators.items():
+        if operator.kind == "robot" and operator.stress_limit is not None:
+            yield Fault(f"operator {who!r} is a robot and has a stress_limit. Only humans have stress; take it out.", ("operators", who, "stress_limit"))
+
+
+def pairs_have_a_common_way(cell: Cell) -> Iterator[Fault]:
+    """Two tasks that must be done by the same operators can be done by the same operators."""
+    for place, (one, other) in enumerate(cell.same_operator):
+        if one == other or one not in cell.tasks or other not in cell.tasks:
+            continue
+        ways = [_groups(cell.tasks[name]) for name in (one, other)]
+        if all(ways) and not ways[0] & ways[1]:
+            can = " and ".join(f"{name!r} by {_or(way)}" for name, way in zip((one, other), ways, strict=True))
+            yield Fault(
+                f"tasks {one!r} and {other!r} must have the same operators, but nobody can do both: {can}. Take the pair out, or give a time for both.",
+                ("same_operator", place),
+            )
+
+
+def sets_are_spelled_in_order(cell: Cell) -> Iterator[Fault]:
+    """The keys of `stress_of_set` are known tasks that humans can do, each once, in the cell's order, joined by commas."""
+    if cell.stress_of_set is None:
+        return
+    order = {name: place for place, name in enumerate(cell.tasks)}
+    known = Known(cell.tasks)
+    for name in cell.tasks:
+        if "," in name:
+            yield Fault(f"task {name!r} has a comma in its name, so that stress_of_set cannot name it. Rename the task.", ("tasks", name))
+    seen: dict[str, str] = {}
+    for key in cell.stress_of_set:
+        path: Path = ("stress_of_set", key)
+        names = [part.strip() for part in key.split(",")] if key else []
+        unknown = [name for name in names if name not in order]
+        for name in unknown:
+            yield Fault(f"stress_of_set {key!r} names {name!r}, which is no task. {known.hint(name)}", path)
+        if unknown:
+            continue
+        right = ",".join(sorted(set(names), key=order.__getitem__))
+        if right in seen:
+            yield Fault(f"stress_of_set states the set {right!r} twice, as {seen[right]!r} and {key!r}. Keep one of them.", path)
+        elif right != key:
+            yield Fault(f"stress_of_set {key!r}: the tasks stand in the cell's order, each once, without blanks. Write {right!r}.", path)
+        seen.setdefault(right, key)
+
+
+def listed_tools_and_zones_are_not_misspelled(cell: Cell) -> Iterator[Fault]:
+    """A tool or zone that is listed, used by nobody and spelled almost like an unlisted one in use is a slip of the pen.
+
+    One that is listed, unused and like no other is no fault.
+    """
+    tools = {task.tool for task in cell.tasks.values()} | {operator.tool for operator in cell.operators.values()}
+    zones = {task.zone for task in cell.tasks.values()}
+    for key, used, table in (("tools", tools, cell.tools), ("zones", zones, cell.zones)):
+        strays = Known(name for name in used if name is not None and name not in table)
+        for name in table:
+            if name not in used and (meant := strays.nearest(name)) is not None:
+                yield Fault(f"{key[:-1]} {name!r} is listed but never used, while {meant!r} is used but not listed. Spell both alike.", (key, name))
+
+
+def _operators_named(cell: Cell) -> Iterator[tuple[Path, str, str]]:
+    for name, task in cell.tasks.items():
+        here: Path = ("tasks", name)
+        for who in task.time:
+            yield (*here, "time", who), who, f"task {name!r}: time"
+        for place, joint in enumerate(task.together):
+            for seat, who in enumerate(joint.operators):
+                yield (*here, "together", place, "operators", seat), who, f"task {name!r}: together"
+        for who in task.difficulty:
+            yield (*here, "difficulty", who), who, f"task {name!r}: difficulty"
+        if isinstance(task.spread, Mapping):
+            for who in task.spread:
+                yield (*here, "spread", who), who, f"task {name!r}: spread"
+    for path, stress, what in _stresses(cell):
+        for who in stress:
+            yield (*path, who), who, f"{what}: stress"
+    for name, tool in cell.tools.items():
+        for who in tool.changeover:
+            yield ("tools", name, "changeover", who), who, f"tool {name!r}: changeover"
+
+
+def _stresses(cell: Cell) -> Iterator[tuple[Path, Mapping[str, float], str]]:
+    """Every stress that is stated per human."""
+    for name, task in cell.tasks.items():
+        if isinstance(task.stress, Mapping):
+            yield ("tasks", name, "stress"), task.stress, f"task {name!r}"
+        for place, joint in enumerate(task.together):
+            if isinstance(joint.stress, Mapping):
+                yield ("tasks", name, "together", place, "stress"), joint.stress, f"task {name!r}: together"
+
+
+def _groups(task: Task) -> set[frozenset[str]]:
+    return {frozenset((who,)) for who in task.time} | {frozenset(joint.operators) for joint in task.together}
+
+
+def _or(groups: set[frozenset[str]]) -> str:
+    return " or ".join(sorted("+".join(sorted(group)) for group in groups))
+
+
+def _listed(names: object) -> str:
+    quoted = [repr(name) for name in names]  # type: ignore[attr-defined]
+    return quoted[0] if len(quoted) == 1 else f"{', '.join(quoted[:-1])} and {quoted[-1]}"
+
+
+def _number(value: float) -> str:
+    return f"{value:.6f}".rstrip("0").rstrip(".")
+
+
+RULES: tuple[Callable[[Cell], Iterator[Fault]], ...] = (
+    operators_are_known,
+    tasks_are_known,
+    no_task_comes_after_itself,
+    no_task_waits_for_itself,
+    a_group_names_each_operator_once,
+    someone_can_do_each_task,
+    stress_is_put_on_humans,
+    breaks_are_apart,
+    a_deadline_can_be_met,
+    pairs_have_a_common_way,
+    sets_are_spelled_in_order,
+    listed_tools_and_zones_are_not_misspelled,
+    numbers_have_few_decimals,
+    exact_planning_can_count_it,
+)

@@ -1,0 +1,237 @@
+"""Whether the times of a cell fit together: breaks, deadlines, and numbers that can be counted exactly.
+
+Times are compared in whole microseconds: seconds have at most six decimals, so nothing is lost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from tandem.errors import Fault
+
+if TYPE_CHECKING:
+    from tandem.cell.model import Cell
+
+DECIMALS = 6
+MICRO = 10**DECIMALS
+LARGEST = 2**40
+"""The largest sum in units of the finest number: solvers add such numbers, in 64 bits, with room to spare."""
+
+Path = tuple[str | int, ...]
+
+
+def breaks_are_apart(cell: Cell) -> Iterator[Fault]:
+    """A break ends after it starts, and an operator's breaks do not overlap; touching ones may."""
+    for who, operator in cell.operators.items():
+        here: Path = ("operators", who, "breaks")
+        good = []
+        for place, (start, end) in enumerate(operator.breaks):
+            if end > start:
+                good.append((start, end, place))
+                continue
+            remedy = f"write [{_short(end)}, {_short(start)}]" if end < start else "a break must last a while"
+            yield Fault(f"operator {who!r}: the break [{_short(start)}, {_short(end)}] ends before or when it starts; {remedy}.", (*here, place))
+        good.sort()
+        for (a, b, _), (c, d, place) in zip(good, good[1:], strict=False):
+            if c < b:
+                both = f"[{_short(a)}, {_short(b)}] and [{_short(c)}, {_short(d)}]"
+                yield Fault(f"operator {who!r}: the breaks {both} overlap. Make them one: [{_short(a)}, {_short(max(b, d))}].", (*here, place))
+
+
+@dataclass(frozen=True)
+class Earliest:
+    """The soonest that a task can be over, were it not for other tasks on the same operators.
+
+    Attributes:
+      end: microseconds.
+      chain_end: the same without breaks.
+      first: the predecessor that it waits for longest; None when it need not wait for one.
+      operators: who would do it.
+    """
+
+    end: int
+    chain_end: int
+    first: str | None
+    operators: tuple[str, ...]
+
+
+def a_deadline_can_be_met(cell: Cell) -> Iterator[Fault]:
+    """No task is bound to be late: its predecessors and itself, each in its quickest way, from the release on, around breaks."""
+    if all(task.deadline is None for task in cell.tasks.values()):
+        return
+    rest = {who: _rests(cell.operators[who].breaks) for who in cell.operators}
+    found: dict[str, Earliest] = {}
+    for name in _in_order(cell):
+        task = cell.tasks[name]
+        soonest = _earliest(cell, name, found, rest)
+        if soonest is None:
+            continue
+        found[name] = soonest
+        if task.deadline is not None and soonest.end > _micro(task.deadline):
+            yield Fault(_too_late(cell, name, found), ("tasks", name, "deadline"))
+            deadline = _micro(task.deadline)  # what follows it is not blamed for the same delay
+            found[name] = Earliest(deadline, min(soonest.chain_end, deadline), soonest.first, soonest.operators)
+
+
+def _earliest(cell: Cell, name: str, found: Mapping[str, Earliest], rest: Mapping[str, Sequence[tuple[int, int]]]) -> Earliest | None:
+    task = cell.tasks[name]
+    ways = [((who,), time) for who, time in task.time.items()] + [(joint.operators, joint.time) for joint in task.together]
+    ways = [(who, time) for who, time in ways if all(one in rest for one in who)]
+    if not ways:
+        return None
+    before = [first for first in task.after if first in found]
+    start = chain_start = _micro(task.release)
+    first = max(before, key=lambda one: found[one].end, default=None)
+    if first is not None and found[first].end > start:
+        start = found[first].end
+    else:
+        first = None
+    chain_start = max([chain_start, *(found[one].chain_end for one in before)])
+    end, operators = min((_fit(start, _micro(time), [rest[one] for one in who]), tuple(who)) for who, time in ways)
+    return Earliest(end, chain_start + min(_micro(time) for _, time in ways), first, operators)
+
+
+def _fit(start: int, length: int, rests: Sequence[Sequence[tuple[int, int]]]) -> int:
+    """The soonest end of something that lasts so long, starts then or later and touches none of the breaks."""
+    for a, b in sorted(rest for one in rests for rest in one):
+        if a < start + length and b > start:
+            start = b
+    return start + length
+
+
+def _too_late(cell: Cell, name: str, found: Mapping[str, Earliest]) -> str:
+    chain = [name]
+    while (first := found[chain[-1]].first) is not None:
+        chain.append(first)
+    chain.reverse()
+    if len(chain) > 12:
+        chain = [*chain[:5], "", *chain[-6:]]
+    steps = " then ".join(_step(cell, one) if one else "..." for one in chain)
+    deadline, end = cell.tasks[name].deadline, found[name].end
+    around = " around the breaks" if found[name].chain_end <= _micro(deadline or 0.0) else ""
+    return (
+        f"task {name!r} can never keep its deadline of {_short(deadline or 0.0)} s: {steps} ends at {_short(end / MICRO)} s at the soonest{around}. "
+        f"Set the deadline to {_short(end / MICRO)} or later, or make what goes before it quicker."
+    )
+
+
+def _step(cell: Cell, name: str) -> str:
+    task = cell.tasks[name]
+    quickest = min([*task.time.values(), *(joint.time for joint in task.together)])
+    release = f", released at {_short(task.release)} s" if task.release else ""
+    return f"{name!r} ({_short(quickest)} s{release})"
+
+
+def _in_order(cell: Cell) -> list[str]:
+    """Tasks so that predecessors come first; those on a circle or behind one are left out."""
+    waiting = {name: len({first for first in task.after if first in cell.tasks}) for name, task in cell.tasks.items()}
+    behind: dict[str, list[str]] = {name: [] for name in cell.tasks}
+    for name, task in cell.tasks.items():
+        for first in set(task.after):
+            if first in behind:
+                behind[first].append(name)
+    ready = [name for name, count in waiting.items() if count == 0]
+    for name in ready:
+        for after in behind[name]:
+            waiting[after] -= 1
+            if waiting[after] == 0:
+                ready.append(after)
+    return ready
+
+
+def numbers_have_few_decimals(cell: Cell) -> Iterator[Fault]:
+    """At most six decimals: more than any stopwatch has, and few enough to count exactly."""
+    for path, value in _numbers(cell):
+        if round(value, DECIMALS) != value:
+            rounded = round(value, 3) or round(value, DECIMALS)
+            example = f", to {rounded!r} for example" if rounded else ""
+            yield Fault(f"{value!r} has more than {DECIMALS} decimals. Round it{example}.", path)
+
+
+def exact_planning_can_count_it(cell: Cell) -> Iterator[Fault]:
+    """All times together, and all stress together, in units of the finest of them, stay below 2^40."""
+    times, stresses = [], []
+    longest = stressed = 0.0
+    changeover = max((seconds for tool in cell.tools.values() for seconds in tool.changeover.values()), default=0.0)
+    for task in cell.tasks.values():
+        own = [*task.time.values(), *(joint.time for joint in task.together)]
+        strain = [*_values(task.stress), *(value for joint in task.together if joint.stress is not None for value in _values(joint.stress))]
+        times += [*own, task.release, task.deadline or 0.0]
+        stresses += strain
+        longest += max(own, default=0.0) + changeover
+        stressed += max(strain, default=0.0) * len(cell.operators)
+    ends = [end for operator in cell.operators.values() for pair in operator.breaks for end in pair]
+    times += [*ends, *(seconds for tool in cell.tools.values() for seconds in tool.changeover.values())]
+    longest += max((task.release for task in cell.tasks.values()), default=0.0) + sum(ends)
+    table = list((cell.stress_of_set or {}).values())
+    stresses += [*table, *(operator.stress_limit for operator in cell.operators.values() if operator.stress_limit is not None)]
+    for what, unit, total, numbers in (("times", " s", longest, times), ("stresses", "", max(stressed, *table, 0.0), stresses)):
+        scale = _scale(numbers)
+        if total * scale > LARGEST:
+            yield Fault(
+                f"the {what} add up to {total:.6g}{unit} and the finest has a step of {1 / scale:.6g}{unit}: too wide a range to plan exactly. "
+                f"Round the {what} to {_step_that_fits(total)}{unit}.",
+                ("tasks",),
+            )
+
+
+def _step_that_fits(total: float) -> str:
+    step = 1 / MICRO
+    while total / step > LARGEST:
+        step *= 10
+    return f"{step:.6g}"
+
+
+def _scale(numbers: Sequence[float]) -> int:
+    """The smallest power of ten, up to a million, that makes every number whole."""
+    for decimals in range(DECIMALS):
+        if all(round(number, decimals) == number for number in numbers):
+            return int(10**decimals)
+    return MICRO
+
+
+def _numbers(cell: Cell) -> Iterator[tuple[Path, float]]:
+    """Every number of the cell and where it stands."""
+    for who, operator in cell.operators.items():
+        for place, pair in enumerate(operator.breaks):
+            yield from ((("operators", who, "breaks", place, side), value) for side, value in enumerate(pair))
+        yield from _if_stated(("operators", who, "stress_limit"), operator.stress_limit)
+    for name, task in cell.tasks.items():
+        here: Path = ("tasks", name)
+        yield from _if_stated((*here, "time"), task.time)
+        yield from _if_stated((*here, "stress"), task.stress)
+        for place, joint in enumerate(task.together):
+            yield (*here, "together", place, "time"), joint.time
+            yield from _if_stated((*here, "together", place, "stress"), joint.stress)
+        yield from _if_stated((*here, "difficulty"), task.difficulty)
+        yield from _if_stated((*here, "spread"), task.spread)
+        yield (*here, "release"), task.release
+        yield from _if_stated((*here, "deadline"), task.deadline)
+    for name, tool in cell.tools.items():
+        yield from _if_stated(("tools", name, "changeover"), tool.changeover)
+    yield from _if_stated(("stress_of_set",), cell.stress_of_set)
+
+
+def _if_stated(path: Path, value: float | Mapping[str, float] | None) -> Iterator[tuple[Path, float]]:
+    if isinstance(value, Mapping):
+        yield from (((*path, key), number) for key, number in value.items())
+    elif value is not None:
+        yield path, value
+
+
+def _values(value: float | Mapping[str, float]) -> list[float]:
+    return list(value.values()) if isinstance(value, Mapping) else [value]
+
+
+def _rests(breaks: Sequence[tuple[float, float]]) -> list[tuple[int, int]]:
+    return sorted((_micro(a), _micro(b)) for a, b in breaks if b > a)
+
+
+def _micro(seconds: float) -> int:
+    return round(seconds * MICRO)
+
+
+def _short(seconds: float) -> str:
+    return f"{seconds:.{DECIMALS}f}".rstrip("0").rstrip(".")

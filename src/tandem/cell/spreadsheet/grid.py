@@ -1,0 +1,112 @@
+"""A sheet as it lies on the planner's screen: values in a rectangle from A1, and what is odd about some of them."""
+
+from __future__ import annotations
+
+import datetime
+import re
+import unicodedata
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+Value = str | float | bool | datetime.date | datetime.time | datetime.timedelta
+"""What one sheet cell holds; the empty text when it holds nothing."""
+
+MOST_ROWS = 10_000
+"""A sheet with more rows than this is data of another kind, not the tasks of one station."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """One sheet.
+
+    Attributes:
+      name: of the sheet; of the file without its ending for CSV.
+      rows: values from A1 on, every row equally long, empty ones as "".
+      merged: merged areas, `(top, left, bottom, right)`, all counted from 0 and included.
+      odd: `(row, column)` of cells without a usable value -> what they hold, as the end of a sentence and the way out.
+      hidden: the sheet itself is hidden.
+      hidden_rows, hidden_columns: counted from 0.
+    """
+
+    name: str
+    rows: tuple[tuple[Value, ...], ...]
+    merged: tuple[tuple[int, int, int, int], ...] = ()
+    odd: Mapping[tuple[int, int], str] = field(default_factory=dict)
+    hidden: bool = False
+    hidden_rows: frozenset[int] = frozenset()
+    hidden_columns: frozenset[int] = frozenset()
+
+    @property
+    def width(self) -> int:
+        return max((len(row) for row in self.rows), default=0)
+
+    def place(self, row: int, column: int) -> str:
+        """Where a person finds it: `Sheet1!C4`."""
+        return f"{self.name}!{letters(column)}{row + 1}"
+
+    def is_blank(self, row: int) -> bool:
+        """Nothing stands in the row, not even a formula without a result."""
+        return all(blank(value) for value in self.rows[row]) and not any(r == row for r, _ in self.odd)
+
+    def spread_of(self, row: int, column: int) -> tuple[int, int, int, int]:
+        """The merged area around a cell; the cell itself when it is not merged."""
+        for area in self.merged:
+            if area[0] <= row <= area[2] and area[1] <= column <= area[3]:
+                return area
+        return row, column, row, column
+
+    def filled(self, row: int) -> Iterator[tuple[int, Value]]:
+        """`(column, value)` of what is not blank in a row."""
+        return ((column, value) for column, value in enumerate(self.rows[row]) if not blank(value))
+
+
+@dataclass(frozen=True)
+class Book:
+    """A file of sheets.
+
+    Attributes:
+      grids: worksheets in the file's order.
+      passed_over: sheets without rows of their own (charts, macros), and sheets that are too long, name -> why.
+      remarks: how the file was read, one sentence each.
+      sees_errors: error values can be told from empty cells.
+    """
+
+    path: Path
+    grids: tuple[Grid, ...]
+    passed_over: Mapping[str, str] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
+    sees_errors: bool = True
+
+
+def letters(column: int) -> str:
+    """0 -> A, 25 -> Z, 26 -> AA."""
+    text = ""
+    column += 1
+    while column:
+        column, rest = divmod(column - 1, 26)
+        text = chr(65 + rest) + text
+    return text
+
+
+def blank(value: Value) -> bool:
+    """Nothing to see: empty, or blanks of any width."""
+    return isinstance(value, str) and not tidy(value)
+
+
+def tidy(text: str) -> str:
+    """Blanks of every kind, line breaks and invisible marks as single spaces; look-alike characters as the usual ones."""
+    text = unicodedata.normalize("NFKC", text)
+    text = "".join(" " if unicodedata.category(c) in ("Zs", "Zl", "Zp") else c for c in text if unicodedata.category(c) != "Cf")
+    return re.sub(r"\s+", " ", text).strip()
+
+
+def shown(value: Value) -> str:
+    """The value as a person reads it in the sheet."""
+    if isinstance(value, bool):
+        return str(value).upper()
+    if isinstance(value, float | int):
+        return f"{value:.15g}"
+    if isinstance(value, str):
+        return tidy(value)
+    return str(value)
