@@ -1,0 +1,114 @@
+"""What someone meets before the first plan: the import, the command, the wheel, the files around the code."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import re
+import subprocess
+import sys
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import tandem
+
+ROOT = Path(__file__).resolve().parents[1]
+HEAVY = {"jax", "jaxlib", "torch", "matplotlib", "starlette", "pandas", "numpy", "ortools", "pydantic", "rich", "click"}
+
+
+def python(*arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, *arguments], capture_output=True, text=True, env=os.environ | variables, cwd=ROOT)
+
+
+def test_importing_is_quick_and_loads_nothing_heavy() -> None:
+    program = (
+        "import json, sys, time; begun = time.perf_counter(); import tandem; spent = time.perf_counter() - begun;"
+        "print(json.dumps([spent, sorted(sys.modules)]))"
+    )
+    runs = [json.loads(python("-c", program).stdout) for _ in range(3)]
+    assert min(spent for spent, _ in runs) < 0.3
+    assert HEAVY & {name.partition(".")[0] for name in runs[0][1]} == set()
+
+
+def test_asking_the_command_for_help_is_quick_and_loads_neither_solver_nor_pictures() -> None:
+    program = (
+        "import json, sys, time; begun = time.perf_counter()\nfrom tandem.cli import main\nsys.argv = ['tandem', '--help']\n"
+        "try: main()\nexcept SystemExit: pass\n"
+        "print(json.dumps([time.perf_counter() - begun, sorted(sys.modules)]), file=sys.stderr)"
+    )
+    runs = [json.loads(python("-c", program).stderr.splitlines()[-1]) for _ in range(3)]
+    assert min(spent for spent, _ in runs) < 1.0
+    assert (HEAVY - {"click", "rich", "pydantic"}) & {name.partition(".")[0] for name in runs[0][1]} == set()
+
+
+def test_the_face_is_sorted_and_every_name_on_it_is_there() -> None:
+    assert list(tandem.__all__) == sorted(tandem.__all__)
+    assert set(tandem.__all__) <= set(dir(tandem))
+    for name in tandem.__all__:
+        assert getattr(tandem, name) is not None
+
+
+@pytest.mark.parametrize("room", ["cell", "plan", "schedule"])
+def test_the_faces_of_the_rooms_hold_what_they_promise(room: str) -> None:
+    module = importlib.import_module(f"tandem.{room}")
+    names = list(getattr(module, "__all__", ()))
+    assert names == sorted(names)
+    assert all(hasattr(module, name) for name in names)
+
+
+def test_a_name_that_is_not_there_is_refused() -> None:
+    with pytest.raises(AttributeError, match="'tandem' has no attribute 'solve'"):
+        tandem.solve  # noqa: B018
+
+
+def test_plan_is_a_room_and_a_verb_whichever_comes_first() -> None:
+    cell = "tandem.load('examples/thesis.yaml')"
+    for program in (
+        f"import tandem; print(tandem.plan({cell}).points)",
+        f"import tandem, tandem.plan.result; print(tandem.plan({cell}).points)",
+        f"import tandem; from tandem import plan; print(plan({cell}).points)",
+        f"import tandem; import tandem.plan.methods; print(tandem.plan.methods.plan({cell}).points)",
+    ):
+        done = python("-c", program)
+        assert done.stdout.strip() == "[(23.0, 7.0), (24.0, 3.0), (34.0, 2.0)]", done.stderr
+
+
+def test_the_wheel_holds_types_licence_and_command(tmp_path: Path) -> None:
+    done = python("-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path))
+    assert done.returncode == 0, done.stderr
+    (path,) = tmp_path.glob("tandem-*.whl")
+    with zipfile.ZipFile(path) as wheel:
+        names = set(wheel.namelist())
+        meta = f"tandem-{tandem.__version__}.dist-info"
+        assert {"tandem/py.typed", "tandem/__init__.py", f"{meta}/licenses/LICENSE"} <= names
+        assert "tandem = tandem.cli:main" in wheel.read(f"{meta}/entry_points.txt").decode()
+        assert "License-Expression: Apache-2.0" in wheel.read(f"{meta}/METADATA").decode()
+    tracked = subprocess.run(["git", "ls-files", "src/tandem"], capture_output=True, text=True, cwd=ROOT).stdout.split()
+    assert {name.removeprefix("src/") for name in tracked} <= names
+
+
+def declared() -> dict[str, str]:
+    """Every distribution that pyproject.toml asks for, with its specifier, extras among themselves left out."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    lines = [*project["dependencies"], *(line for lines in project["optional-dependencies"].values() for line in lines)]
+    return {name: rest for name, rest in (re.match(r"([A-Za-z0-9_.-]+)(.*)", line).groups() for line in lines) if name != "tandem"}  # type: ignore[union-attr]
+
+
+def test_every_dependency_is_pinned_and_has_its_reason() -> None:
+    pinned = {line.partition("==")[0].lower().replace("_", "-") for line in (ROOT / "constraints.txt").read_text().splitlines() if "==" in line}
+    reasons = (ROOT / "docs" / "dependencies.md").read_text()
+    assert {name.lower() for name in declared()} <= pinned
+    assert [name for name in declared() if f"`{name}`" not in reasons] == []
+
+
+def test_the_solver_stays_at_the_version_that_is_right() -> None:
+    assert declared()["ortools"] == "==9.14.*"
+
+
+def test_the_changelog_and_the_citation_name_this_version() -> None:
+    assert "## [Unreleased]" in (ROOT / "CHANGELOG.md").read_text()
+    assert f"version: {tandem.__version__}" in (ROOT / "CITATION.cff").read_text()
