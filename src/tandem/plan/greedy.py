@@ -1,0 +1,125 @@
+"""Three ways of building a schedule in one go, task by task, from a priority per task and a score per way of doing it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from heapq import heapify, heappop, heappush
+
+from tandem.plan.decode import Layout, State, Step
+
+Score = Callable[[int, Step], float]
+"""`(end in ticks, step) -> how unwelcome it is`: of a task's steps the one with the least is taken."""
+
+LOOKAHEAD = 24
+"""So many waiting tasks are looked at per moment; it bounds the time per task, whatever the size of the cell."""
+
+
+def clockwise(layout: Layout, priority: Sequence[float], score: Score) -> State | None:
+    """Along the clock: whenever an operator is free, the tasks that are ready are looked at by priority (least first).
+
+    A task that would rather wait for an operator who is busy waits, and its work is reckoned to that operator for the tasks looked at after
+    it. None when a task is left without a step: limits or teams stand in the way.
+    """
+    state = State(layout)
+    future = [(state.ready[task], task) for task, count in enumerate(state.waiting) if not count]
+    heapify(future)
+    now: list[tuple[float, int]] = []
+    clock, left = 0, len(state.ready)
+    while left:
+        while future and future[0][0] <= clock:
+            task = heappop(future)[1]
+            heappush(now, (priority[task], task))
+        placed, deferred, moment = _scan(state, now, future, clock, score)
+        if placed is None:
+            return None
+        left -= placed
+        for item in deferred:
+            heappush(now, item)
+        later = [free for free in state.free if free > clock]
+        if future:
+            later.append(future[0][0])
+        if moment is not None:
+            later.append(moment)
+        clock = max(clock + 1, min(later, default=clock + 1)) if left else clock
+    return state
+
+
+def _scan(
+    state: State, now: list[tuple[float, int]], future: list[tuple[int, int]], clock: int, score: Score
+) -> tuple[int | None, list[tuple[float, int]], int | None]:
+    """Places what starts now. Gives the number placed (None: a task has no step), the tasks looked at in vain, and when the first of them can start."""
+    reckoned = list(state.free)
+    deferred: list[tuple[float, int]] = []
+    placed, moment = 0, None
+    while now and len(deferred) < LOOKAHEAD and min(state.free) <= clock:
+        item = heappop(now)
+        task = item[1]
+        best = _best(state, task, score, reckoned)
+        if best is None:
+            return None, deferred, moment
+        step, start = best
+        if start > clock:
+            if not deferred or moment is None or start < moment:
+                moment = state.earliest(task, step)
+            deferred.append(item)
+            for operator in step.operators:
+                reckoned[operator] = start + step.ticks
+            continue
+        for after in state.put(task, step, state.earliest(task, step)):
+            heappush(future, (state.ready[after], after))
+        for operator in step.operators:
+            reckoned[operator] = max(reckoned[operator], state.free[operator])
+        placed += 1
+    return placed, deferred, moment
+
+
+def by_rank(layout: Layout, priority: Sequence[float], score: Score) -> State | None:
+    """Down the list: of the tasks whose predecessors are placed always the one of least priority, at whatever time. None as `clockwise`."""
+    state = State(layout)
+    ready = [(priority[task], task) for task, count in enumerate(state.waiting) if not count]
+    heapify(ready)
+    while ready:
+        task = heappop(ready)[1]
+        best = _best(state, task, score, state.free)
+        if best is None:
+            return None
+        for after in state.put(task, *best):
+            heappush(ready, (priority[after], after))
+    return state
+
+
+def by_score(layout: Layout, priority: Sequence[float], score: Score) -> State | None:
+    """Always the task whose best step has the least score now; equal ones by priority. None as `clockwise`.
+
+    Scores grow as operators fill up, so one that was right when it was pushed is looked at again only when it comes to the top.
+    """
+    state = State(layout)
+    ready: list[tuple[float, float, int]] = [(0.0, priority[task], task) for task, count in enumerate(state.waiting) if not count]
+    heapify(ready)
+    while ready:
+        known, _, task = ready[0]
+        best = _best(state, task, score, state.free)
+        if best is None:
+            return None
+        fresh = score(best[1] + best[0].ticks, best[0])
+        heappop(ready)
+        if fresh > known and ready and (fresh, priority[task], task) > ready[0]:
+            heappush(ready, (fresh, priority[task], task))
+            continue
+        for after in state.put(task, *best):
+            heappush(ready, (0.0, priority[after], after))
+    return state
+
+
+def _best(state: State, task: int, score: Score, reckoned: Sequence[int]) -> tuple[Step, int] | None:
+    """The step of least score, and its start; operators are not free before they are reckoned to be."""
+    best, least = None, 0.0
+    for step in state.steps(task):
+        start = state.earliest(task, step)
+        for operator in step.operators:
+            if reckoned[operator] > start:
+                start = reckoned[operator]
+        value = score(start + step.ticks, step)
+        if best is None or value < least:
+            best, least = (step, start), value
+    return best

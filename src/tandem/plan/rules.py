@@ -1,0 +1,273 @@
+"""Dispatch rules: a schedule in milliseconds, without a promise. The best of them is what every other method begins with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import islice
+from random import Random
+from time import perf_counter
+
+from tandem.cell.model import Cell
+from tandem.errors import NothingFoundError
+from tandem.plan.bounds import least_makespan, least_stress, load_prices
+from tandem.plan.decode import Layout, State, Step
+from tandem.plan.greedy import Score, by_rank, by_score, clockwise
+from tandem.plan.instance import Instance
+from tandem.plan.question import Method, Progress, Question
+from tandem.plan.result import Bound, Front, Result, Status
+from tandem.schedule.checker import faults
+from tandem.schedule.model import Schedule
+
+Priority = Callable[[Layout, Random], list[float]]
+
+
+@dataclass(frozen=True)
+class Rule:
+    """How a rule builds a schedule.
+
+    Attributes:
+      build: the order of building: along the clock, down a list, or by score.
+      priority: per task, least first.
+      time, stress: what a step's end (ticks) and its stress (units) weigh when the step is chosen.
+      prices: what a step's ticks weigh besides, each operator's time at its price (`bounds.load_prices`): work goes to whom it suits, so that
+        a task rather waits for that operator than keeps another one busy for long.
+      sweeps: the weight of stress is varied, so that the rule gives several compromises.
+      samples: so many schedules are drawn, the priorities shaken by `temperature`; the first one is not shaken.
+    """
+
+    build: Callable[[Layout, Sequence[float], Score], State | None]
+    priority: Priority
+    time: float = 1.0
+    stress: float = 0.0
+    prices: float = 0.0
+    sweeps: bool = False
+    samples: int = 1
+    temperature: float = 0.0
+
+
+def _shuffled(layout: Layout, random: Random) -> list[float]:
+    return [random.random() for _ in layout.steps]
+
+
+def _shortest(layout: Layout, _: Random) -> list[float]:
+    return [min(step.ticks for step in row) for row in layout.steps]
+
+
+def _longest(layout: Layout, _: Random) -> list[float]:
+    return [-min(step.ticks for step in row) for row in layout.steps]
+
+
+def _longest_tail(layout: Layout, _: Random) -> list[float]:
+    return [-tail for tail in layout.tail]
+
+
+def _upward_rank(layout: Layout, _: Random) -> list[float]:
+    """Minus the longest chain from each task to the end over mean times (Topcuoglu et al. 2002, IEEE TPDS 13(3), equation 4)."""
+    rank = [0.0] * len(layout.steps)
+    for task in reversed(layout.instance.order):
+        mean = sum(step.ticks for step in layout.steps[task]) / len(layout.steps[task])
+        rank[task] = mean + max((rank[after] for after in layout.instance.behind[task]), default=0.0)
+    return [-r for r in rank]
+
+
+def latest_start(layout: Layout, _: Random) -> list[float]:
+    """The tick by which each task must have started if it and all behind it are to keep their deadlines; what has none counts from the horizon."""
+    instance = layout.instance
+    latest = [float(instance.horizon)] * len(layout.steps)
+    for task in reversed(instance.order):
+        deadline = instance.deadline[task]
+        end = min([instance.horizon if deadline is None else deadline, *(latest[after] for after in instance.behind[task])])
+        latest[task] = end - min(step.ticks for step in layout.steps[task])
+    return latest
+
+
+SPECS: dict[str, Rule] = {
+    "random": Rule(clockwise, _shuffled),
+    "spt": Rule(clockwise, _shortest),
+    "lpt": Rule(clockwise, _longest),
+    "longest-tail": Rule(clockwise, _longest_tail),
+    "earliest-completion": Rule(by_score, _longest_tail),
+    "heft": Rule(by_rank, _upward_rank),
+    "least-stress": Rule(clockwise, _longest_tail, time=1e-6, stress=1.0),
+    "balanced": Rule(clockwise, _longest_tail, prices=8.0),
+    "weighted": Rule(clockwise, _longest_tail, stress=1.0, sweeps=True),
+    "best-of-n": Rule(clockwise, _longest_tail, prices=8.0, sweeps=True, samples=100, temperature=0.3),
+}
+"""Every rule by its name."""
+
+SWEEP = (0.0, 0.03, 0.07, 0.12, 0.2, 0.3, 0.45, 0.65, 1.0, 1.5, 2.2, 3.3, 5.0, 10.0, 1e6)
+"""Weights of stress against time that a sweep tries, in the cell's own mean time per mean stress of a task."""
+
+REPAIRS = 60
+"""So many further schedules are tried when those of the rule break a limit or a deadline."""
+
+
+def build(
+    layout: Layout,
+    rule: Rule,
+    random: Random,
+    *,
+    stress: float | None = None,
+    temperature: float | None = None,
+    prices: Sequence[float] | None = None,
+) -> State | None:
+    """One schedule by the rule; None when it runs into a limit that leaves a task without a way.
+
+    `stress` overrides the rule's weight of stress (per unit, against a weight of 1 per tick), `temperature` how far priorities are shaken:
+    each is multiplied by a factor whose logarithm has this standard deviation.
+    `prices` are those of `load_prices`; given, they need not be reckoned again.
+    """
+    time, weight = (rule.time, rule.stress) if stress is None else (1.0, stress)
+    priority = rule.priority(layout, random)
+    shake = rule.temperature if temperature is None else temperature
+    if shake:
+        priority = [p * random.lognormvariate(0.0, shake) for p in priority]
+
+    def score(end: int, step: Step) -> float:
+        return time * end + weight * step.stress
+
+    if not rule.prices:
+        return rule.build(layout, priority, score)
+    dear = rule.prices * (random.lognormvariate(0.0, 3 * shake) if shake else 1.0)
+    price = [dear * price for price in (load_prices(layout)[1] if prices is None else prices)]
+
+    def priced(end: int, step: Step) -> float:
+        return score(end, step) + step.ticks * sum(price[operator] for operator in step.operators)
+
+    return rule.build(layout, priority, priced)
+
+
+def method(
+    name: str,
+    cell: Cell,
+    question: Question = Question(),
+    *,
+    time_limit: float | None = None,
+    seed: int = 0,
+    workers: int | None = None,
+    hint: Schedule | None = None,
+    on_solution: Callable[[Progress], None] | None = None,
+) -> Front:
+    """Schedules by the rule of this name, as every planning method gives them; see `plan.question.Method`. Nothing is proven but simple bounds.
+
+    Rules that know only time give one point. "weighted" and "best-of-n" vary the weight of stress and give every compromise met. Where limits or
+    deadlines are broken, schedules of least stress and by the latest start are tried before giving up. `workers` and `hint` play no part.
+
+    Raises:
+      NothingFoundError: no schedule was found that keeps the limits; whether there is one is open.
+    """
+    began = perf_counter()
+    layout = Layout.of(Instance.of(cell))
+    bound = Bound(layout.instance.seconds(least_makespan(layout)), layout.instance.stress(least_stress(layout) or 0))
+    keeper = Keeper(cell, question, bound)
+    interrupted = False
+    try:
+        for state in _attempts(layout, SPECS[name], Random(seed), keeper):
+            if state is not None and keeper.offer(layout.instance.schedule(state.starts())) and on_solution is not None:
+                on_solution(Progress(keeper.results(), bound.makespan, perf_counter() - began))
+            if time_limit is not None and perf_counter() - began > time_limit:
+                break
+    except KeyboardInterrupt:
+        interrupted = True
+    if not keeper.found:
+        raise NothingFoundError(f"{name}: no schedule that keeps {keeper.limits()} was found by this rule; another method may find one.")
+    return Front(cell, keeper.results(), False, name, name, seed, perf_counter() - began, interrupted)
+
+
+RULES: dict[str, Method] = {name: partial(method, name) for name in SPECS}
+"""Every rule as a planning method."""
+
+
+class Keeper:
+    """Keeps the schedules that answer a question and that none of the others beats."""
+
+    def __init__(self, cell: Cell, question: Question, bound: Bound) -> None:
+        self.cell, self.question, self.bound = cell, question, bound
+        self.found: list[Result] = []
+
+    def offer(self, schedule: Schedule) -> bool:
+        """Takes the schedule when it is sound, within the limits and better than what is there; says whether it did."""
+        result = Result(self.cell, schedule, Status.FEASIBLE, self.bound)
+        if faults(self.cell, schedule, max_makespan=self.question.max_makespan, max_stress=self.question.max_stress):
+            return False
+        point = self._rank(result)
+        if self.question.minimize == "front":
+            if any(other.makespan <= result.makespan and other.stress <= result.stress for other in self.found):
+                return False
+            self.found = [other for other in self.found if other.makespan < result.makespan or other.stress < result.stress]
+        else:
+            if any(self._rank(other) <= point for other in self.found):
+                return False
+            self.found = []
+        self.found.append(result)
+        return True
+
+    def results(self) -> tuple[Result, ...]:
+        """What is kept, by makespan."""
+        return tuple(sorted(self.found, key=lambda result: result.makespan))
+
+    def limits(self) -> str:
+        """The limits in words."""
+        question = self.question
+        words = [
+            *([f"a makespan of at most {question.max_makespan:g} s"] if question.max_makespan is not None else []),
+            *([f"a stress of at most {question.max_stress:g}"] if question.max_stress is not None else []),
+        ]
+        return " and ".join([*words, "the cell's own limits"])
+
+    def _rank(self, result: Result) -> tuple[float, float]:
+        if self.question.minimize == "weighted":
+            time, stress = self.question.weights
+            return (time * result.makespan + stress * result.stress, result.makespan)
+        return (result.stress, result.makespan) if self.question.minimize == "stress" else (result.makespan, result.stress)
+
+
+def _attempts(layout: Layout, rule: Rule, random: Random, keeper: Keeper) -> Iterator[State | None]:
+    """Schedules by the rule, then repairs for as long as nothing that counts has been found."""
+    if layout.impossible():
+        return
+    if layout.instance.stress_of_set is not None:
+        yield from _by_listed_sets(layout, rule, random)
+        return
+    prices = load_prices(layout)[1]
+    for sample in range(rule.samples):
+        for weight in _weights(layout, rule, keeper.question, sample, random):
+            yield build(layout, rule, random, stress=weight, temperature=rule.temperature if sample else 0.0, prices=prices)
+    for attempt in range(REPAIRS):
+        if keeper.found:
+            return
+        repair = Rule(by_rank if attempt % 3 == 2 else clockwise, latest_start if attempt % 2 else _longest_tail)
+        yield build(layout, repair, random, stress=SWEEP[-1 - attempt // 2 % len(SWEEP)] * _exchange(layout), temperature=0.02 * attempt)
+
+
+def _weights(layout: Layout, rule: Rule, question: Question, sample: int, random: Random) -> Sequence[float | None]:
+    """The weights of stress to build with: one drawn for a further sample, all for a rule that sweeps, the rule's own otherwise."""
+    if not rule.sweeps:
+        return (None,)
+    if question.minimize == "makespan" and question.max_stress is None:
+        own: tuple[float, ...] = (0.0,)
+    elif question.minimize == "weighted" and question.weights[0]:
+        own = (question.weights[1] / question.weights[0] * layout.instance.per_second / layout.instance.per_stress, 0.0)
+    else:
+        own = ()
+    if sample:
+        return (random.choice(own or SWEEP) * (1.0 if own else _exchange(layout)),)
+    return (*own, *(weight * _exchange(layout) for weight in SWEEP))
+
+
+def _exchange(layout: Layout) -> float:
+    """Ticks that one unit of stress is worth when the cell's time and its stress count the same."""
+    steps = [step for row in layout.steps for step in row]
+    stress = sum(step.stress for step in steps)
+    return sum(step.ticks for step in steps) / stress if stress else 1.0
+
+
+def _by_listed_sets(layout: Layout, rule: Rule, random: Random) -> Iterator[State | None]:
+    """Schedules for the sets of human tasks that `stress_of_set` lists, least stress first; at most a few hundred sets."""
+    table = layout.instance.stress_of_set or {}
+    for tasks in islice(sorted(table, key=lambda tasks: (table[tasks], sorted(tasks))), 400):
+        narrow = layout.with_humans_at(tasks)
+        if not narrow.impossible():
+            yield build(narrow, rule, random, temperature=0.0)
