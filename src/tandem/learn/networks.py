@@ -1,0 +1,72 @@
+"""Networks as pure functions over an array namespace: trained under JAX, and the same lines decide in NumPy.
+
+A network is a nested dictionary of arrays, `{"0": {"weight": [in, out], "bias": [out]}, "1": ...}`, layer by layer; a policy holds
+several. Nothing in it executes code, so it can be kept in a safetensors file and read by anyone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from types import ModuleType
+from typing import Any
+
+Array = Any
+Network = dict[str, dict[str, Array]]
+
+ACTIVATIONS: tuple[str, ...] = ("relu", "tanh")
+
+
+def init(draw: Callable[[tuple[int, ...]], Array], sizes: Sequence[int], last: float = 1.0) -> Network:
+    """A network with `sizes[0]` inputs, `sizes[-1]` outputs and the hidden layers between; biases 0.
+
+    Weights are uniform within +-sqrt(6 / (in + out)) (Glorot and Bengio 2010, equation 16); those of the last layer times `last`: a small
+    number makes a first policy that prefers nothing.
+
+    Args:
+      draw: shape -> an array of that shape, uniform in [-1, 1), of the wanted namespace and type.
+    """
+    layers: Network = {}
+    for place, (inputs, outputs) in enumerate(zip(sizes, sizes[1:], strict=False)):
+        reach = math.sqrt(6 / (inputs + outputs)) * (last if place == len(sizes) - 2 else 1.0)
+        weight = draw((inputs, outputs)) * reach
+        layers[str(place)] = {"weight": weight, "bias": weight[0] * 0}
+    return layers
+
+
+def forward(xp: ModuleType, network: Network, inputs: Array, activation: str) -> Array:
+    """`[..., out]` from `inputs` `[..., in]`; the activation (`ACTIVATIONS`) stands between the layers, not after the last.
+
+    Args:
+      xp: the namespace of the arrays, `numpy` or `jax.numpy`.
+    """
+    flow = inputs
+    for place in range(len(network)):
+        layer = network[str(place)]
+        if place:
+            flow = xp.tanh(flow) if activation == "tanh" else xp.maximum(flow, 0)
+        flow = flow @ layer["weight"] + layer["bias"]
+    return flow
+
+
+def masked_log_softmax(xp: ModuleType, logits: Array, legal: Array) -> Array:
+    """`[..., K]` log-probabilities over the legal actions; a very low number (about -1e9), never infinity, for the others.
+
+    With infinity an illegal action's 0 x -inf would turn the entropy and every gradient into nan.
+    """
+    allowed = xp.where(legal, logits, xp.asarray(ILLEGAL, logits.dtype))
+    shifted = allowed - allowed.max(-1, keepdims=True)
+    return shifted - xp.log(xp.exp(shifted).sum(-1, keepdims=True))
+
+
+ILLEGAL = -1e9
+
+
+def sample(xp: ModuleType, log_probability: Array, uniform: Array) -> Array:
+    """`[...]` the action drawn from `log_probability` `[..., K]` with one number `uniform` `[...]` in [0, 1) each.
+
+    Inverse of the cumulative distribution: one random number a decision instead of one an action. An action of probability 0 is never
+    drawn: it adds nothing to the running sum, and the draw is scaled by the sum that was really reached.
+    """
+    reached = xp.cumsum(xp.exp(log_probability), -1)
+    return (reached <= uniform[..., None] * reached[..., -1:]).sum(-1)
