@@ -48,8 +48,8 @@ def decide_step(station: Station, rewards: Rewards, state: State, action: Array)
     nothing was begun, only the one tick passes.
 
     Returns:
-      the state at the next decision or at the end; reward `[2]` float32, the sum over the ticks; done `[]` bool; `Info`, whose
-      `finished` holds the last task that each agent ended.
+      the state at the next decision or at the end; reward `[2]` float32, the sum over the ticks; done `[]` bool; `Info` of these
+      ticks (an agent begins at most one task in them and ends at most one).
     """
     xp = namespace(state.time)
     state, reward, done, info = step(station, rewards, state, action)
@@ -79,5 +79,11 @@ def _wait(
         + rewards.task_done * (finished != 0)
         + rewards.all_done * (now_done & ~done)
     )
-    info = info._replace(finished=xp.where(finished != 0, finished, info.finished), idle=info.idle + idle, ticks=info.ticks + ticks)
-    return moved, (reward + paid).astype(xp.float32), now_done, info, event | xp.any(finished != 0)
+    ended = finished != 0
+    info = info._replace(
+        finished=xp.where(ended, finished, info.finished),
+        finished_at=xp.where(ended, moved.clock, info.finished_at),
+        idle=info.idle + idle,
+        ticks=info.ticks + ticks,
+    )
+    return moved, (reward + paid).astype(xp.float32), now_done, info, event | xp.any(ended)

@@ -74,6 +74,7 @@ class Info(NamedTuple):
 
     started: `[2]` int32, number of the task that the agent began, else 0.
     finished: `[2]` int32, number of the task that the agent ended, else 0.
+    finished_at: `[2]` int32, the clock when it ended, else 0.
     illegal: `[2]` int32, rules that the agent's action broke, 0 to 3 in a tick.
     idle: `[2]` int32, ticks in which the agent was free and named no task.
     ticks: `[]` int32, how much time passed.
@@ -81,6 +82,7 @@ class Info(NamedTuple):
 
     started: Array
     finished: Array
+    finished_at: Array
     illegal: Array
     idle: Array
     ticks: Array
@@ -149,7 +151,14 @@ def step(station: Station, rewards: Rewards, state: State, action: Array) -> tup
         + rewards.all_done * done
         + rewards.stress_factor * paid
     )
-    info = Info(xp.where(xp.any(starts, axis=1), action, 0).astype(xp.int32), finished, broken, idle, xp.ones((), xp.int32))
+    info = Info(
+        started=xp.where(xp.any(starts, axis=1), action, 0).astype(xp.int32),
+        finished=finished,
+        finished_at=xp.where(finished != 0, after.clock, 0),
+        illegal=broken,
+        idle=idle,
+        ticks=xp.ones((), xp.int32),
+    )
     return after, reward.astype(xp.float32), done, info
 
 
