@@ -146,8 +146,8 @@ class Cell(Frozen):
 
     format: Literal[1] = Field(default=1, description="Version of this file format.")
     name: str = Field(default="", max_length=500, description="What charts and reports call the cell.")
-    operators: Annotated[Mapping[Name, Operator], Field(min_length=1), AfterValidator(Table)]
-    tasks: Annotated[Mapping[Name, Task], Field(min_length=1), AfterValidator(Table)]
+    operators: Annotated[Mapping[Name, Operator], Field(min_length=1, description="Who works here: name to operator."), AfterValidator(Table)]
+    tasks: Annotated[Mapping[Name, Task], Field(min_length=1, description="What is to be done: name to task."), AfterValidator(Table)]
     tools: Annotated[Mapping[Name, Tool], AfterValidator(Table)] = Field(
         default=Table(), description="What is special about a tool. One that is not listed exists once and costs no changeover."
     )
