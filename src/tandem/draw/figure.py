@@ -1,0 +1,63 @@
+"""Figures without a display, and how large they must be so that everything on them can be read."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+from tandem.cell.model import Cell
+from tandem.draw.layers import Layers, layers
+from tandem.schedule.model import Schedule
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+NODE = (1.5, 0.62)
+"""Inches that one task takes in the precedence graph, box only."""
+PITCH = (2.1, 0.84)
+"""Inches from one task to the next, across and down."""
+
+
+def figure_for(cell: Cell, schedule: Schedule | None = None, *, kind: str = "gantt") -> Figure:
+    """An empty figure with one axes, large enough for this cell: `figure_for(cell, schedule).axes[0]`.
+
+    Args:
+      kind: "gantt" for one schedule, "compare" for two, "graph" for the precedence graph, "front" for the trade-off.
+    """
+    sizes = {"gantt": gantt_size, "compare": compare_size}
+    if kind == "graph":
+        return blank(*graph_size(layers(cell)))
+    return blank(*(sizes[kind](cell, schedule) if kind in sizes else (7.0, 4.8)))
+
+
+def blank(width: float, height: float) -> Figure:
+    """A figure of that many inches with one axes. It belongs to nobody: no window, no pyplot state."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    figure.add_subplot()
+    return figure
+
+
+def gantt_size(cell: Cell, schedule: Schedule | None = None) -> tuple[float, float]:
+    """Inches for a Gantt chart: as wide as the fullest lane needs, as high as there are lanes."""
+    fullest = max(Counter(who for a in schedule or () for who in a.operators).values(), default=0)
+    return min(max(10.0, 2.5 + 0.42 * fullest), 60.0), 1.7 + 0.72 * len(cell.operators)
+
+
+def compare_size(cell: Cell, schedule: Schedule | None = None) -> tuple[float, float]:
+    """Inches for two Gantt charts over each other."""
+    width, height = gantt_size(cell, schedule)
+    return width, 2 * height - 0.2
+
+
+def graph_size(drawn: Layers) -> tuple[float, float]:
+    """Inches for the precedence graph: every task gets the same room, however many there are."""
+    columns, rows = drawn.extent
+    return max(5.0, columns * PITCH[0] + 0.6), max(2.6, rows * PITCH[1] + 1.1)
+
+
+def axes_or_new(ax: Axes | None, size: tuple[float, float]) -> Axes:
+    """The given axes, or those of a new figure of that size in inches."""
+    return ax if ax is not None else blank(*size).axes[0]

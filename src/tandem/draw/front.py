@@ -1,0 +1,117 @@
+"""The trade-off between makespan and stress as a chart."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from tandem.draw.figure import axes_or_new
+from tandem.draw.style import FAINT_INK, INK, RULE, SHADE, number, seconds
+from tandem.plan.result import Front, Result, Status
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+POINT = "#0072B2"
+MOST_LABELS = 40
+
+
+def plot_front(front: Front, ax: Axes | None = None) -> Axes:
+    """Draws every point with its numbers and returns the axes.
+
+    What the points dominate is shaded, the knee has a ring, and a point that is not proven is hollow, with lines that reach to its bounds.
+    """
+    ax = axes_or_new(ax, (7.0, 4.8))
+    left, right, low, high = window(front)
+    ax.set_xlim(left, right)
+    ax.set_ylim(low, high)
+    ax.set_xlabel("makespan [s]")
+    ax.set_ylabel("stress")
+    ax.grid(color=RULE, lw=0.6)
+    ax.set_axisbelow(True)
+    for side in ("top", "right"):
+        ax.spines[side].set_visible(False)
+    if len(front):
+        _dominated(ax, front, right, high)
+        for result in front:
+            _point(ax, result)
+        knee = front.knee
+        ax.plot([knee.makespan], [knee.stress], ls="", marker="o", ms=17, mfc="none", mec=INK, mew=1.6, zorder=4, gid="knee")
+        _labels(ax, front)
+    proof = "complete and proven" if front.complete else "not complete: better points may exist"
+    ax.set_title(f"{len(front)} {'point' if len(front) == 1 else 'points'}, {proof}", loc="left", fontsize=11, fontweight="bold")
+    if len(front):
+        _legend(ax, front)
+    return ax
+
+
+def window(front: Front) -> tuple[float, float, float, float]:
+    """Left, right, low, high of a chart in which every point and bound has room, seconds and stress."""
+    times = [value for r in front for value in (r.makespan, r.bound.makespan if r.status != Status.OPTIMAL else r.makespan)] or [0.0, 1.0]
+    loads = [value for r in front for value in (r.stress, r.bound.stress if r.status != Status.OPTIMAL else r.stress)] or [0.0, 1.0]
+    across = (max(times) - min(times)) or max(0.3 * max(times), 1.0)
+    up = (max(loads) - min(loads)) or max(0.4 * max(loads), 1.0)
+    return max(0.0, min(times) - 0.14 * across), max(times) + 0.22 * across, max(0.0, min(loads) - 0.16 * up), max(loads) + 0.22 * up
+
+
+def staircase(front: Front, right: float, high: float) -> list[tuple[float, float]]:
+    """Corners of the edge between what the points dominate and the rest, from top left to bottom right."""
+    corners = [(front[0].makespan, high)]
+    for result in front:
+        corners += [(result.makespan, corners[-1][1]), (result.makespan, result.stress)]
+    return [*corners[1:], (right, corners[-1][1])]
+
+
+def _dominated(ax: Axes, front: Front, right: float, high: float) -> None:
+    from matplotlib.patches import Polygon
+
+    edge = staircase(front, right, high)
+    ax.add_patch(Polygon([*edge, (right, high)], closed=True, facecolor=SHADE, lw=0, zorder=0.6, gid="dominated"))
+    ax.plot([x for x, _ in edge], [y for _, y in edge], color="#7A828A", lw=1.1, zorder=1)
+
+
+def _point(ax: Axes, result: Result) -> None:
+    x, y = result.makespan, result.stress
+    proven = result.status == Status.OPTIMAL
+    if not proven:
+        ax.plot([result.bound.makespan, x], [y, y], color=POINT, lw=1.3, ls=(0, (3, 2)), marker="|", ms=9, markevery=[0], zorder=2)
+        ax.plot([x, x], [result.bound.stress, y], color=POINT, lw=1.3, ls=(0, (3, 2)), marker="_", ms=9, markevery=[0], zorder=2)
+    ax.plot([x], [y], ls="", marker="o", ms=9, mfc=POINT if proven else "white", mec=POINT, mew=1.8, zorder=5)
+
+
+def _labels(ax: Axes, front: Front) -> None:
+    """The knee and the ends first, then every other point whose label meets no other."""
+    from matplotlib.transforms import Bbox
+
+    knee = front.results.index(front.knee)
+    order = list(dict.fromkeys([knee, 0, len(front) - 1, *range(len(front))]))
+    to_points = 72 / ax.figure.dpi
+    dots = [to_points * ax.transData.transform((r.makespan, r.stress)) for r in front]
+    taken: list[Bbox] = [Bbox.from_bounds(x - 5, y - 5, 10, 10) for x, y in dots]
+    for place in order[: 3 * MOST_LABELS]:
+        result, (x, y) = front[place], dots[place]
+        words = f"{seconds(result.makespan)}, {number(result.stress)}" + (" (knee)" if place == knee and len(front) > 2 else "")
+        away = 10 if place == knee else 7
+        # Above right of a point lies only what it dominates: the one side that is always free of other points.
+        box = Bbox.from_bounds(x + away, y + away - 2, 5.6 * len(words), 11)
+        if place not in (knee, 0, len(front) - 1) and any(box.overlaps(other) for other in taken):
+            continue
+        taken.append(box)
+        bold = "bold" if place == knee else "normal"
+        at = {"textcoords": "offset points", "fontsize": 9.5, "color": INK, "fontweight": bold, "zorder": 6}
+        ax.annotate(words, (result.makespan, result.stress), (away, away - 2), **at)
+
+
+def _legend(ax: Axes, front: Front) -> None:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    marks = {"ls": "", "marker": "o", "mec": POINT, "mew": 1.8}
+    entries = []
+    if any(r.status == Status.OPTIMAL for r in front):
+        entries.append((Line2D([], [], mfc=POINT, ms=8, **marks), "proven"))
+    if any(r.status != Status.OPTIMAL for r in front):
+        entries.append((Line2D([], [], mfc="white", ms=8, **marks), "not proven, with bounds"))
+    entries.append((Line2D([], [], ls="", marker="o", mfc="none", mec=INK, mew=1.6, ms=12), "knee: recommended" if len(front) > 2 else "recommended"))
+    entries.append((Patch(facecolor=SHADE, edgecolor="#7A828A"), "dominated"))
+    handles, labels = [handle for handle, _ in entries], [label for _, label in entries]
+    ax.legend(handles, labels, loc="upper right", fontsize=9, frameon=True, facecolor="white", edgecolor=FAINT_INK, framealpha=0.9)

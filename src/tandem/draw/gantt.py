@@ -1,0 +1,205 @@
+"""A schedule as a Gantt chart: one lane per operator, seconds to the right."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from tandem.cell.model import Cell
+from tandem.draw.figure import axes_or_new, gantt_size
+from tandem.draw.lanes import Bar, Lane, lanes
+from tandem.draw.style import ACCENT, FAINT_INK, INK, RULE, SHADE, number, seconds, share
+from tandem.schedule.critical import critical_path
+from tandem.schedule.measures import makespan, stress
+from tandem.schedule.model import Schedule
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+HALF = 0.33
+"""Half the height of a bar; lanes are one apart."""
+
+
+def plot_gantt(
+    cell: Cell,
+    schedule: Schedule,
+    ax: Axes | None = None,
+    *,
+    critical: bool = True,
+    limit: float | None = None,
+    until: float | None = None,
+    title: str | None = None,
+    legend: bool = True,
+) -> Axes:
+    """Draws the schedule and returns the axes.
+
+    Tasks on the critical path have a bold outline and are joined by a line; a joint task stands in the lane of everyone who takes part,
+    joined by a bracket; breaks and changeovers are shaded; a task's own deadline is a mark in its lane.
+
+    Args:
+      schedule: a sound schedule of the cell.
+      critical: whether the critical path is marked.
+      limit: a time to draw a line at, such as the takt; seconds.
+      until: where the axis ends, seconds, so that several charts can be compared; a little behind the makespan when absent.
+      title: what stands above; makespan and stress when absent, nothing when empty.
+      legend: whether marks are explained below the chart; only those that occur.
+    """
+    ax = axes_or_new(ax, gantt_size(cell, schedule))
+    end = until if until is not None else axis_end(schedule, limit)
+    rows = lanes(cell, schedule, until=end, critical=critical)
+    ax.set_xlim(0, end)
+    ax.set_ylim(len(rows) - 0.45, -0.55)
+    draw_lanes(ax, rows)
+    if critical:
+        _critical_links(ax, cell, schedule)
+    _joint_links(ax, rows)
+    _end_line(ax, makespan(schedule), limit)
+    _dress(ax, rows, title if title is not None else f"makespan {seconds(makespan(schedule))}, stress {number(stress(cell, schedule))}")
+    if legend:
+        draw_legend(ax, rows, critical=critical and len(schedule) > 0)
+    return ax
+
+
+def axis_end(schedule: Schedule, limit: float | None = None) -> float:
+    """Where a time axis ends so that makespan and limit have room, seconds."""
+    return 1.03 * max(makespan(schedule), limit or 0.0, 1e-3)
+
+
+def draw_lanes(ax: Axes, rows: Sequence[Lane], *, at: float = 0.0) -> None:
+    """Bars, breaks and changeovers of every lane, the first lane at height `at`."""
+    for place, lane in enumerate(rows):
+        y = at + place
+        ax.axhspan(y - HALF - 0.08, y + HALF + 0.08, color="#F6F7F8", zorder=0, lw=0)
+        for off in lane.breaks:
+            _shaded(ax, off.start, off.end, y, "break", "xxxx")
+        for swap in lane.changeovers:
+            _shaded(ax, swap.start, swap.end, y, swap.why, "....")
+        for bar in lane.bars:
+            _bar(ax, lane, bar, y)
+
+
+def _bar(ax: Axes, lane: Lane, bar: Bar, y: float) -> None:
+    import matplotlib
+    from matplotlib.patches import Rectangle
+
+    from tandem.draw.fitted import fitted_text
+
+    place, width = (bar.start, y - HALF), bar.end - bar.start
+    with matplotlib.rc_context({"hatch.linewidth": 0.6}):
+        patch = Rectangle(place, width, 2 * HALF, facecolor=lane.look.tint, edgecolor=lane.look.colour, hatch=lane.look.hatch, lw=0, zorder=2)
+        ax.add_patch(patch)
+    edge, weight, above = (INK, 2.2, 4) if bar.critical else ("#6B7280", 0.8, 3)
+    outline = Rectangle(place, width, 2 * HALF, fill=False, edgecolor=edge, lw=weight, zorder=above)
+    outline.set_gid(f"task {bar.task} {lane.look.operator}")
+    ax.add_patch(outline)
+    backing = {"boxstyle": "round,pad=0.12", "facecolor": lane.look.tint, "edgecolor": "none"} if lane.look.hatch else None
+    text = fitted_text(ax, (bar.start, y - HALF, bar.end, y + HALF), wordings(bar), size=10, bbox=backing, clip_path=patch)
+    text.set_clip_path(patch)
+    if bar.deadline is not None:
+        above = y - HALF - 0.06
+        ax.plot([bar.end, bar.deadline, bar.deadline], [above, above, above + 0.12], color=ACCENT, lw=1.4, solid_joinstyle="miter", zorder=4.5)
+
+
+def wordings(bar: Bar) -> list[str]:
+    """What may stand in a bar, from the fullest to the shortest."""
+    longest = max((len(word) for word in bar.label.split()), default=1)
+    folded = [textwrap.wrap(bar.label, max(longest, -(-len(bar.label) // lines) + 1), break_long_words=False) for lines in (2, 3)]
+    return [bar.label, *("\n".join(lines) for lines in folded if 1 < len(lines) < 4), bar.task]
+
+
+def _shaded(ax: Axes, start: float, end: float, y: float, why: str, hatch: str) -> None:
+    import matplotlib
+    from matplotlib.patches import Rectangle
+
+    from tandem.draw.fitted import fitted_text
+
+    with matplotlib.rc_context({"hatch.linewidth": 0.5}):
+        ax.add_patch(Rectangle((start, y - HALF), end - start, 2 * HALF, facecolor=SHADE, edgecolor="#9AA0A6", hatch=hatch, lw=0, zorder=1))
+    backing = {"boxstyle": "round,pad=0.1", "facecolor": SHADE, "edgecolor": "none"}
+    fitted_text(ax, (start, y - HALF, end, y + HALF), [why], size=8, color=FAINT_INK, bbox=backing, zorder=1.5)
+
+
+def _critical_links(ax: Axes, cell: Cell, schedule: Schedule) -> None:
+    """Where the critical path goes from one operator to another, a line shows it."""
+    place = {name: y for y, name in enumerate(cell.operators)}
+    of_task = {a.task: a for a in schedule}
+    for link in critical_path(cell, schedule):
+        if link.waited_for is None or set(of_task[link.waited_for].operators) & set(link.assignment.operators):
+            continue
+        first, then = of_task[link.waited_for], link.assignment
+        pairs = [(place[one], place[two]) for one in first.operators for two in then.operators]
+        y0, y1 = min(pairs, key=lambda pair: abs(pair[0] - pair[1]))
+        side = HALF if y1 > y0 else -HALF
+        ax.plot([first.end, first.end, then.start, then.start], [y0 + side, (y0 + y1) / 2, (y0 + y1) / 2, y1 - side], color=INK, lw=2.2, zorder=1.9)
+
+
+def _joint_links(ax: Axes, rows: Sequence[Lane]) -> None:
+    spans: dict[str, list[tuple[int, Bar]]] = {}
+    for y, lane in enumerate(rows):
+        for bar in lane.bars:
+            if bar.joint:
+                spans.setdefault(bar.task, []).append((y, bar))
+    for found in spans.values():
+        bar, ys = found[0][1], [y for y, _ in found]
+        middle = (bar.start + bar.end) / 2
+        ax.plot([middle] * 2, [min(ys) + HALF, max(ys) - HALF], color=INK, lw=1.4, ls=(0, (1, 1)), zorder=1.8, gid=f"joint {bar.task}")
+        for y in ys:
+            ends = ([y + HALF] if y < max(ys) else []) + ([y - HALF] if y > min(ys) else [])
+            ax.plot([middle] * len(ends), ends, ls="", marker="o", ms=4.5, color=INK, zorder=6)
+
+
+def _end_line(ax: Axes, end: float, limit: float | None) -> None:
+    ax.axvline(end, color=INK, lw=1.2, zorder=1.6)
+    at = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "va": "bottom", "fontsize": 9.5}
+    ax.annotate(seconds(end), (end, 1), (-3, 3), ha="right", **at)
+    if limit is not None:
+        ax.axvline(limit, color=ACCENT, lw=1.4, ls=(0, (5, 2)), zorder=6)
+        ax.annotate(f"limit {seconds(limit)}", (limit, 1), (-3, 15), ha="right", color=ACCENT, **at)
+
+
+def _dress(ax: Axes, rows: Sequence[Lane], title: str) -> None:
+    from matplotlib.ticker import MaxNLocator
+
+    ax.set_yticks(range(len(rows)), [lane_name(lane) for lane in rows], fontsize=10)
+    ax.tick_params(axis="y", length=0)
+    ax.xaxis.set_major_locator(MaxNLocator(nbins=12, steps=[1, 2, 5, 10]))
+    ax.set_xlabel("time [s]")
+    ax.grid(axis="x", color=RULE, lw=0.6, zorder=0.5)
+    ax.set_axisbelow(True)
+    for side in ("top", "right", "left"):
+        ax.spines[side].set_visible(False)
+    if title:
+        ax.set_title(title, loc="left", fontsize=11, fontweight="bold", pad=20, parse_math=False)
+
+
+def lane_name(lane: Lane) -> str:
+    """The operator, and below how busy it is."""
+    return f"{lane.look.label}\n{seconds(lane.busy)} busy, {share(lane.utilisation)}".replace("$", r"\$")
+
+
+def draw_legend(ax: Axes, rows: Sequence[Lane], *, critical: bool) -> None:
+    """Explains, below the axes, the marks that occur."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+    from matplotlib.transforms import ScaledTranslation
+
+    entries: list[tuple[Line2D | Patch, str]] = []
+    for kind in ("human", "robot"):
+        look = next((lane.look for lane in rows if lane.look.kind == kind), None)
+        if look:
+            entries.append((Patch(facecolor=look.tint, edgecolor=look.colour, hatch=look.hatch), f"{kind} ({'hatched' if look.hatch else 'plain'})"))
+    if critical:
+        entries.append((Patch(fill=False, edgecolor=INK, lw=2.2), "critical path"))
+    if any(bar.joint for lane in rows for bar in lane.bars):
+        entries.append((Line2D([], [], color=INK, ls=(0, (1, 1)), marker="o", ms=4.5), "joint task"))
+    if any(lane.breaks for lane in rows):
+        entries.append((Patch(facecolor=SHADE, edgecolor="#9AA0A6", hatch="xxxx", lw=0), "break"))
+    if any(lane.changeovers for lane in rows):
+        entries.append((Patch(facecolor=SHADE, edgecolor="#9AA0A6", hatch="....", lw=0), "tool changeover"))
+    if any(bar.deadline is not None for lane in rows for bar in lane.bars):
+        entries.append((Line2D([], [], color=ACCENT, lw=1.4), "until a task's deadline"))
+    columns = max(1, min(len(entries), int(ax.figure.get_figwidth() / 1.75)))
+    below = ax.transAxes + ScaledTranslation(0, -0.52, ax.figure.dpi_scale_trans)  # type: ignore[union-attr]
+    handles, labels = [handle for handle, _ in entries], [label for _, label in entries]
+    ax.legend(handles, labels, loc="upper left", bbox_to_anchor=(0, 0), bbox_transform=below, ncols=columns, frameon=False, fontsize=9, borderpad=0)

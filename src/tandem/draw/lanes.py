@@ -1,0 +1,66 @@
+"""What a Gantt chart shows, as plain data: the same lanes for matplotlib, SVG and the terminal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from tandem.cell.model import Cell
+from tandem.draw.style import Look, looks, task_label
+from tandem.schedule.critical import critical_path
+from tandem.schedule.measures import changeovers, utilisation, working
+from tandem.schedule.model import Schedule
+
+
+@dataclass(frozen=True)
+class Bar:
+    """One task in one lane. `start`, `end` and `deadline` in seconds; `joint` when other lanes hold the same task too."""
+
+    task: str
+    label: str
+    start: float
+    end: float
+    joint: bool
+    critical: bool
+    deadline: float | None
+
+
+@dataclass(frozen=True)
+class Shaded:
+    """A time in which an operator works on no task: `why` names the tool taken up, or is "break"."""
+
+    start: float
+    end: float
+    why: str
+
+
+@dataclass(frozen=True)
+class Lane:
+    """One operator over time. `busy` seconds on tasks, `utilisation` as a share of the makespan."""
+
+    look: Look
+    bars: tuple[Bar, ...]
+    breaks: tuple[Shaded, ...]
+    changeovers: tuple[Shaded, ...]
+    busy: float
+    utilisation: float
+
+
+def lanes(cell: Cell, schedule: Schedule, *, until: float, critical: bool = True) -> tuple[Lane, ...]:
+    """Every operator's lane, in the cell's order, also of those who do nothing.
+
+    Args:
+      until: where the time axis ends, seconds; breaks are cut there and later ones left out.
+      critical: whether bars on the critical path are marked.
+    """
+    path = {link.assignment.task for link in critical_path(cell, schedule)} if critical else set()
+    changes, busy, used = changeovers(cell, schedule), working(cell, schedule), utilisation(cell, schedule)
+    found = []
+    for name, look in looks(cell).items():
+        bars = tuple(
+            Bar(a.task, task_label(cell, a.task), a.start, a.end, len(a.operators) > 1, a.task in path, cell.tasks[a.task].deadline)
+            for a in schedule.of(name)
+        )
+        breaks = tuple(Shaded(start, min(end, until), "break") for start, end in cell.operators[name].breaks if start < until)
+        swaps = tuple(Shaded(c.start, c.end, c.tool) for c in changes if c.operator == name)
+        found.append(Lane(look, bars, breaks, swaps, busy[name], used[name]))
+    return tuple(found)

@@ -1,0 +1,111 @@
+"""What a method knows while it works, on stderr: one live line in a terminal, else a line now and then."""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from types import TracebackType
+from typing import TYPE_CHECKING, Self, TextIO
+
+from tandem.draw.style import number, seconds, share
+from tandem.plan.question import Progress
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.live import Live
+    from rich.text import Text
+
+EVERY_S = 10.0
+
+
+class SolveProgress:
+    """A context manager that is the `on_solution` of a method: `with SolveProgress() as progress: method(cell, on_solution=progress)`.
+
+    In a terminal one line is kept up to date; elsewhere a line is written with each improvement and every ten seconds.
+    `TERM=dumb` counts as elsewhere. Nothing is ever written to stdout.
+
+    Args:
+      stream: where to write; stderr when absent.
+      quiet: write nothing, only keep what was told in `last`.
+      every_s: seconds between lines when nothing happens and nobody sees a live line.
+    """
+
+    def __init__(self, stream: TextIO | None = None, *, quiet: bool = False, every_s: float = EVERY_S):
+        self.stream, self.quiet, self.every_s = stream, quiet, every_s
+        self.last: Progress | None = None
+        self.newest: tuple[float, float] | None = None
+        self._began = time.monotonic()
+        self._live: Live | None = None
+        self._console: Console | None = None
+        self._done = threading.Event()
+        self._writing = threading.Lock()
+        self._written_at = self._began
+        self._watch: threading.Thread | None = None
+
+    def __enter__(self) -> Self:
+        self._began = self._written_at = time.monotonic()
+        if self.quiet:
+            return self
+        from rich.console import Console
+
+        self._console = Console(file=self.stream or sys.stderr, highlight=False)
+        if self._console.is_terminal and not self._console.is_dumb_terminal:
+            from rich.live import Live
+
+            self._live = Live(get_renderable=self._line, console=self._console, refresh_per_second=4, transient=True)
+            self._live.start()
+        else:
+            self._watch = threading.Thread(target=self._remind, name="tandem-progress", daemon=True)
+            self._watch.start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self._done.set()
+        if self._watch is not None:
+            self._watch.join()
+        if self._live is not None:
+            self._live.stop()
+
+    def __call__(self, progress: Progress) -> None:
+        known = set(self._points(self.last))
+        new = [point for point in self._points(progress) if point not in known]
+        better_bound = self.last is None or progress.bound > self.last.bound
+        self.last = progress
+        self.newest = new[-1] if new else self.newest
+        if (new or better_bound) and self._live is None and not self.quiet:
+            self._write()
+
+    def wording(self) -> str:
+        """The line: time, objective, bound, gap, points so far. The gap is that of the newest point, to which the bound belongs."""
+        time_s = f"{time.monotonic() - self._began:.1f} s"
+        if self.last is None:
+            return f"{time_s}  searching"
+        if self.newest is None:
+            return f"{time_s}  no schedule yet, bound {seconds(self.last.bound)}"
+        makespan, stress = self.newest
+        gap = max(0.0, makespan - self.last.bound) / max(makespan, 1e-9)
+        count = len(self.last.found)
+        points = f"{count} point{'' if count == 1 else 's'}"
+        return f"{time_s}  makespan {seconds(makespan)}, stress {number(stress)}, bound {seconds(self.last.bound)}, gap {share(gap)}, {points}"
+
+    @staticmethod
+    def _points(progress: Progress | None) -> list[tuple[float, float]]:
+        return [] if progress is None else [(result.makespan, result.stress) for result in progress.found]
+
+    def _line(self) -> Text:
+        from rich.text import Text
+
+        return Text(self.wording(), no_wrap=True, overflow="ellipsis")
+
+    def _write(self) -> None:
+        if self._console is None:
+            return
+        with self._writing:
+            self._written_at = time.monotonic()
+            self._console.print(self.wording(), soft_wrap=True, markup=False)
+
+    def _remind(self) -> None:
+        while not self._done.wait(max(0.0, self._written_at + self.every_s - time.monotonic())):
+            if time.monotonic() - self._written_at >= self.every_s:
+                self._write()
