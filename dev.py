@@ -109,7 +109,9 @@ def create() -> None:
         bare = subprocess.run([base, "-m", "pip", "--python", str(PYTHON), "install", "-q", "pip"], capture_output=True, text=True)
     if bare.returncode:
         shutil.rmtree(VENV, ignore_errors=True)
-        raise SystemExit(f"dev.py: cannot create .venv.\n{made.stdout}{made.stderr}{bare.stderr}Install the system's package for Python's venv module.")
+        raise SystemExit(
+            f"dev.py: cannot create .venv.\n{made.stdout}{made.stderr}{bare.stderr}Install the system's package for Python's venv module."
+        )
 
 
 def pip(*arguments: str) -> None:

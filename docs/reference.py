@@ -1,0 +1,141 @@
+"""Writes the parts of the documentation that the code itself knows: the keys of a cell file, and the commands.
+
+A page asks for one with a line of its own, `<!-- cell reference -->` or `<!-- command reference -->`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from tandem.cell.model import Cell, Operator, Task, Together, Tool, Zone
+
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
+
+PLAIN = {"string": "text", "number": "number", "integer": "whole number", "boolean": "true or false", "null": "nothing"}
+
+
+def fill_in(app: Sphinx, page: str, source: list[str]) -> None:
+    """Sphinx calls this for each page it has read."""
+    for mark, write in (("<!-- cell reference -->", cell_reference), ("<!-- command reference -->", command_reference)):
+        if mark in source[0]:
+            source[0] = source[0].replace(mark, write())
+
+
+# ---------------------------------------------------------------- the cell file
+
+
+def cell_reference() -> str:
+    """One table for the cell and one for each thing in it, as Markdown, from the model's JSON Schema."""
+    schema = Cell.model_json_schema(mode="validation")
+    parts = {"Cell": schema, **schema.get("$defs", {})}
+    titles = {"Cell": "The file", "Operator": "An operator", "Task": "A task", "Together": "A group in `together`", "Tool": "A tool", "Zone": "A zone"}
+    missing = [name for name, part in parts.items() if name not in titles and part.get("properties")]
+    if missing:
+        raise LookupError(f"docs/reference.py has no title for {missing}.")
+    return "\n\n".join(_table(titles[name], parts[name]) for name in titles)
+
+
+def _table(title: str, part: Mapping[str, Any]) -> str:
+    needed = set(part.get("required", ()))
+    rows = ["| key | what it holds | when left out | meaning |", "|---|---|---|---|"]
+    for key, field in part["properties"].items():
+        absent = "**needed**" if key in needed else _absent(field)
+        rows.append(f"| `{key}` | {_kind(field)} | {absent} | {_cell(field.get('description', ''))} |")
+    return "\n".join([f"### {title}", "", *rows])
+
+
+def _absent(field: Mapping[str, Any]) -> str:
+    value = field.get("default")
+    return "" if value in (None, [], {}, "") else f"`{json.dumps(value).removesuffix('.0')}`"
+
+
+def _kind(field: Mapping[str, Any]) -> str:
+    """What a value may be, in words."""
+    if "$ref" in field:
+        return f"*{field['$ref'].rpartition('/')[2].lower()}*"
+    if "const" in field:
+        return f"`{field['const']}`"
+    if "enum" in field:
+        return " or ".join(f"`{value}`" for value in field["enum"])
+    if "anyOf" in field:
+        return " or ".join(dict.fromkeys(_kind(option) for option in field["anyOf"] if option.get("type") != "null"))
+    if field.get("type") == "object":
+        return f"{{name: {_kind(field['additionalProperties'])}}}"
+    if field.get("type") == "array":
+        if "prefixItems" in field:
+            return f"[{', '.join(_kind(item) for item in field['prefixItems'])}]"
+        return f"[{_kind(field['items'])}, …]"
+    return PLAIN[field["type"]] + _range(field)
+
+
+def _range(field: Mapping[str, Any]) -> str:
+    low = field.get("minimum", field.get("exclusiveMinimum"))
+    if low is None:
+        return ""
+    return f" ≥ {low:g}" if "minimum" in field else f" > {low:g}"
+
+
+def _cell(text: str) -> str:
+    return " ".join(text.split()).replace("|", "\\|")
+
+
+def keys() -> Iterator[str]:
+    """Every key that a cell file may hold."""
+    for model in (Cell, Operator, Task, Together, Tool, Zone):
+        yield from model.model_fields
+
+
+# ---------------------------------------------------------------- the commands
+
+
+def command_reference() -> str:
+    """One section a command, as Markdown, from the command tree."""
+    return "\n\n".join(_section(path, command) for path, command in commands())
+
+
+def commands() -> Iterator[tuple[str, click.Command]]:
+    """`tandem` and every command below it, with the words that call it."""
+    from tandem.cli import main
+
+    yield from _walk("tandem", main)
+
+
+def _walk(path: str, command: click.Command) -> Iterator[tuple[str, click.Command]]:
+    yield path, command
+    if isinstance(command, click.Group):
+        context = click.Context(command)
+        for name in command.list_commands(context):
+            below = command.get_command(context, name)
+            if below and not below.hidden:
+                yield from _walk(f"{path} {name}", below)
+
+
+def _section(path: str, command: click.Command) -> str:
+    context = click.Context(command, info_name=path)
+    usage = " ".join([path, *command.collect_usage_pieces(context)])
+    lines = [f"## {path}", "", "```text", usage, "```", "", _prose(command.help or "")]
+    rows = [_option(context, option) for option in command.get_params(context) if isinstance(option, click.Option) and not option.hidden]
+    if rows:
+        lines += ["", "| option | meaning |", "|---|---|", *rows]
+    return "\n".join(lines)
+
+
+def _option(context: click.Context, option: click.Option) -> str:
+    names, help_text = option.get_help_record(context) or (", ".join(option.opts), option.help or "")
+    return f"| `{_cell(names)}` | {_cell(help_text).replace('<', '&lt;')} |"
+
+
+def _prose(help_text: str) -> str:
+    """A help text as paragraphs; what it marks with \\b keeps its lines."""
+    paragraphs = []
+    for paragraph in help_text.replace("\r", "").split("\n\n"):
+        if paragraph.startswith("\b"):
+            paragraphs.append("```text\n" + paragraph.removeprefix("\b").strip("\n") + "\n```")
+        else:
+            paragraphs.append(paragraph.strip())
+    return "\n\n".join(paragraphs)
