@@ -1,0 +1,123 @@
+"""What comes to light while a sheet is read: remarks, faults, and where in the sheet each part of the cell stands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from decimal import Decimal
+from typing import Any
+
+from tandem.cell.model import plain
+from tandem.cell.spreadsheet.grid import Grid, Value, shown, tidy
+from tandem.cell.spreadsheet.values import FINEST_AMOUNT, FINEST_TIME, Mark, Number, UnreadableError, cannot, number, rounded, seconds
+from tandem.errors import Fault
+
+Path = tuple[str | int, ...]
+
+
+@dataclass(frozen=True)
+class Note:
+    """Something that was left out, assumed or understood in one of several ways.
+
+    Attributes:
+      kind: "column" or "row" for what was not read, "cannot" for a 0 or an empty time, "assumed" for what the sheet does not say,
+        "sheet" for other sheets.
+      place: where in the workbook; empty for the whole.
+    """
+
+    kind: str
+    message: str
+    place: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.place}: {self.message}" if self.place else self.message
+
+
+@dataclass
+class Findings:
+    """Collects while reading; nothing stops at the first fault.
+
+    Attributes:
+      places: path in the cell -> place in the sheet.
+      mark: the decimal mark of text numbers.
+      shaky: paths whose value could not be read; a stand-in is checked in its stead, and never leaves this room.
+    """
+
+    notes: list[Note] = field(default_factory=list)
+    faults: list[Fault] = field(default_factory=list)
+    places: dict[Path, str] = field(default_factory=dict)
+    mark: Mark | None = None
+    rounded: list[str] = field(default_factory=list)
+
+    def note(self, kind: str, message: str, place: str = "") -> None:
+        self.notes.append(Note(kind, message, place))
+
+    def fault(self, message: str, place: str, path: Path = ()) -> None:
+        self.faults.append(Fault(message, path, place))
+
+    def place_of(self, path: Path) -> str:
+        """The place of the path, or of the nearest thing around it."""
+        for length in range(len(path), 0, -1):
+            if found := self.places.get(path[:length]):
+                return found
+        return ""
+
+    def sound(self, grid: Grid, row: int, column: int) -> bool:
+        """The sheet cell holds a usable value; if not, that is a fault."""
+        if why := grid.odd.get((row, column)):
+            self.fault(f"{why}.", grid.place(row, column))
+            return False
+        return True
+
+    def text(self, grid: Grid, row: int, column: int | None) -> str:
+        """What stands there as text, the value of its merged area included; "" when nothing does or it is broken."""
+        if column is None or not self.sound(grid, row, column):
+            return ""
+        top, left, _, _ = grid.spread_of(row, column)
+        value = grid.rows[top][left]
+        return tidy(value) if isinstance(value, str) else shown(value)
+
+    def time(self, grid: Grid, row: int, column: int, unit: str, *, zero: bool = False) -> float | None:
+        """Seconds; None when the cell says "cannot" or is a fault. `zero` lets 0 pass, for moments."""
+        return self._amount(grid, row, column, lambda n: seconds(n, unit), "a time", zero, FINEST_TIME)
+
+    def amount(self, grid: Grid, row: int, column: int, what: str) -> float | None:
+        """A number that is 0 or more, such as stress; None when the cell is empty or a fault."""
+
+        def unitless(found: Number) -> tuple[Decimal, bool]:
+            if found.unit:
+                raise UnreadableError(f"holds {shown(grid.rows[row][column])!r}, a time, where {what} is expected")
+            return rounded(found.value, FINEST_AMOUNT)
+
+        return self._amount(grid, row, column, unitless, what, True, FINEST_AMOUNT)
+
+    def _amount(
+        self, grid: Grid, row: int, column: int, convert: Callable[[Number], tuple[Decimal, bool]], what: str, zero: bool, finest: Decimal
+    ) -> float | None:
+        if not self.sound(grid, row, column):
+            return None
+        value: Value = grid.rows[row][column]
+        place = grid.place(row, column)
+        if cannot(value) and not (zero and shown(value) == "0"):
+            return None
+        try:
+            found = number(value, self.mark)
+            size, changed = convert(found)
+        except UnreadableError as error:
+            self.fault(f"{error}.", place)
+            return None
+        if size < 0:
+            self.fault(f"holds {shown(value)}: {what} cannot be negative.", place)
+            return None
+        if size == 0 and found.value != 0:
+            self.fault(f"holds {shown(value)}: {what} shorter than {finest} cannot be planned.", place)
+            return None
+        if changed:
+            self.rounded.append(f"{place} {shown(value)} to {plain(float(size))}")
+        return float(size)
+
+
+def listed(items: Iterable[Any], most: int = 200) -> str:
+    """Joined by commas; the rest counted."""
+    texts = [str(item) for item in items]
+    return ", ".join(texts[:most]) + (f" and {len(texts) - most} more" if len(texts) > most else "")

@@ -1,0 +1,197 @@
+"""Finds the table in a sheet: which rows are its header, and what each column means.
+
+Planners put titles above, merge "Time [s]" over one column per operator, and write units into a row of their own. Every row near the top
+is tried as the header, alone and with the row above it; the one whose columns say most wins.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+from tandem.cell.spreadsheet.grid import Grid, blank, shown, tidy
+from tandem.cell.spreadsheet.values import UnreadableError, cannot, number, unit_named
+from tandem.cell.spreadsheet.words import Meaning, key, meaning
+
+LAST_HEADER_ROW = 60
+WEIGHTS = {"number": 2.0, "task": 2.0, "label": 2.0, "after": 2.0, "after rows": 2.0, "time": 3.0, "operator": 1.5, "ignore": 0.2}
+TASK_WORDS = frozenset(
+    ["number", "task", "label", "part", "tool", "zone", "release", "deadline", "operator", "same operator", "after", "after rows", "before"]
+    + ["ignore", "time", "stress", "difficulty", "spread"]
+)
+"""What a column of a task sheet can mean."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of the table.
+
+    Attributes:
+      index: counted from 0.
+      header: what stands above it, units included; empty when nothing does.
+      place: of its header, `Sheet1!C3`.
+      meaning: None when it is not read.
+      why: why it is not read, or what was assumed.
+    """
+
+    index: int
+    header: str
+    place: str
+    meaning: Meaning | None
+    why: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A header and where the rows below it begin.
+
+    Attributes:
+      first_row: of the data, counted from 0.
+      header_row: the last row of the header proper.
+      title: the first text above the header; "" when there is none.
+      unit: the unit of all times, when a line above the header says so ("all times in min").
+    """
+
+    grid: Grid
+    header_row: int
+    first_row: int
+    columns: tuple[Column, ...]
+    title: str = ""
+    unit: str | None = None
+
+    def having(self, *what: str) -> tuple[Column, ...]:
+        """Columns with one of these meanings."""
+        return tuple(column for column in self.columns if column.meaning is not None and column.meaning.what in what)
+
+    @property
+    def holds_tasks(self) -> bool:
+        """There is a name for each task, and a time."""
+        return bool(self.having("number", "task", "label") and self.having("time"))
+
+
+Reader = Callable[[str, int], Meaning | None]
+"""Header text and column -> meaning."""
+
+
+def find_table(grid: Grid, known: tuple[str, ...] = (), overrides: Mapping[str, Meaning | None] | None = None) -> Table | None:
+    """The task table of a sheet, or None when no row reads like a header.
+
+    Args:
+      known: operators known from elsewhere.
+      overrides: header text or column letters -> meaning; None for a column not to be read.
+    """
+    chosen = overrides or {}
+    by_key = {key(header): what for header, what in chosen.items()}
+
+    def read(text: str, column: int) -> Meaning | None:
+        place = re.sub(r"\d+", "", grid.place(0, column).rpartition("!")[2])
+        for name in (text, place):
+            if name in chosen:
+                return chosen[name]
+        if text and key(text) in by_key:
+            return by_key[key(text)]
+        found = meaning(text, known) if text else None
+        return found if found is None or found.what in TASK_WORDS else None
+
+    return best_table(grid, read)
+
+
+def best_table(grid: Grid, read: Reader) -> Table | None:
+    """The header whose columns `read` understands best; None when it understands none of any row."""
+    best: tuple[float, Table] | None = None
+    for row in range(min(len(grid.rows), LAST_HEADER_ROW)):
+        for above in (0, 1):
+            if row - above < 0 or not any(isinstance(value, str) for _, value in grid.filled(row)):
+                continue
+            table = _table(grid, row, above, read)
+            score = _score(grid, table, row)
+            if score >= 2 and (best is None or score > best[0] + 1e-9):
+                best = score, table
+    return None if best is None else _with_context(grid, best[1])
+
+
+def _table(grid: Grid, row: int, above: int, read: Reader) -> Table:
+    headers = [_header(grid, row, above, column) for column in range(grid.width)]
+    first = row + 1
+    if first < len(grid.rows):
+        units = [(column, unit_named(shown(value).strip("[]()"))) for column, value in grid.filled(first)]
+        if len(units) > 0 and all(unit for _, unit in units):
+            headers = [f"{text} [{dict(units)[column]}]" if column in dict(units) else text for column, text in enumerate(headers)]
+            first += 1
+    columns = []
+    for column, text in enumerate(headers):
+        columns.append(Column(column, text, grid.place(row, column), read(text, column)))
+    return Table(grid, row, first, tuple(columns))
+
+
+def _header(grid: Grid, row: int, above: int, column: int) -> str:
+    texts = [_text_at(grid, row, column)]
+    if above:
+        upper = _text_at(grid, row - 1, column)
+        if not upper and texts[0]:
+            left = column
+            while left > 0 and not upper:  # "Time [s]" stands over the first of its columns, merged or not
+                left -= 1
+                upper = _text_at(grid, row - 1, left)
+        texts.insert(0, upper)
+    return tidy(" ".join(dict.fromkeys(text for text in texts if text)))
+
+
+def _text_at(grid: Grid, row: int, column: int) -> str:
+    top, left, _, _ = grid.spread_of(row, column)
+    value = grid.rows[top][left]
+    return tidy(value) if isinstance(value, str) else shown(value)
+
+
+def _score(grid: Grid, table: Table, row: int) -> float:
+    found: set[tuple[str, object]] = set()
+    score = 0.0
+    for column in table.columns:
+        if column.meaning is None or blank(column.header):
+            continue
+        what = column.meaning
+        if (what.what, (what.who, what.human)) in found:
+            score -= 1.0
+            continue
+        found.add((what.what, (what.who, what.human)))
+        score += WEIGHTS.get(what.what, 1.0) - (0.0 if what.sure else 1.0) + (0.25 if what.unit else 0.0)
+    numbers = sum(1 for _, value in grid.filled(row) if isinstance(value, int | float) and not isinstance(value, bool))
+    return score - numbers
+
+
+def _with_context(grid: Grid, table: Table) -> Table:
+    first_of_header = table.header_row
+    texts = []
+    for row in range(first_of_header):
+        for _, value in grid.filled(row):
+            if isinstance(value, str):
+                texts.append(tidy(value))
+    header_texts = {column.header for column in table.columns}
+    inside = {word for header in header_texts for word in (header,)}
+    titles = [text for text in texts if re.search(r"[^\W\d]{2}", text) and not any(text in header for header in inside)]
+    unit = None
+    for text in texts:
+        said = re.search(r"(zeit\w*|times?|dauer\w*|durations?|angaben|values)\b.*?\bin\s+(1/100 min|\S+?)[.;,)\s]*$", text, re.IGNORECASE)
+        unit = unit or (unit_named(said[2]) if said else None)
+    columns = tuple(_reconsidered(grid, table, column) for column in table.columns)
+    return replace(table, columns=columns, title=titles[0][:200] if titles else "", unit=unit)
+
+
+def _reconsidered(grid: Grid, table: Table, column: Column) -> Column:
+    """A column called "Robot" that holds names instead of numbers says who does the task, not how long it takes."""
+    if column.meaning is None or column.meaning.sure:
+        return column
+    values = [grid.rows[row][column.index] for row in range(table.first_row, len(grid.rows))]
+    words = sum(1 for value in values if not cannot(value) and not _is_number(value))
+    if words * 2 > sum(1 for value in values if not blank(value)):
+        return replace(column, meaning=None, why="it holds texts, not times")
+    return column
+
+
+def _is_number(value: object) -> bool:
+    try:
+        number(value, ".")  # type: ignore[arg-type]
+    except UnreadableError:
+        return False
+    return True

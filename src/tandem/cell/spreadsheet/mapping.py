@@ -1,0 +1,168 @@
+"""Settles what the columns of a task table mean together, and says which are not read and what was assumed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from tandem.cell.names import Known
+from tandem.cell.spreadsheet.findings import Findings
+from tandem.cell.spreadsheet.grid import Grid, blank
+from tandem.cell.spreadsheet.header import TASK_WORDS, Column, Table
+from tandem.cell.spreadsheet.words import PHRASES, Meaning, key, kind_of, meaning
+from tandem.errors import UsageError
+
+ONCE = ("part", "tool", "zone", "release", "deadline", "operator", "same operator", "after", "after rows", "before")
+
+
+def settled(table: Table, known: tuple[str, ...], findings: Findings) -> Table:
+    """The same table with one meaning for each column that is read; the others lose theirs and are noted."""
+    columns = _with_known_names(list(table.columns), known)
+    columns = _one_name_for_each_task(columns)
+    columns = _who_takes_the_time(columns, findings)
+    columns = _each_meaning_once(columns, findings)
+    for column in columns:
+        if column.meaning is None and not _nothing_in(table.grid, table, column):
+            _note_unread(column, findings)
+    _note_units(table, columns, findings)
+    return replace(table, columns=tuple(columns))
+
+
+def overrides_from(texts: Mapping[str, str], grid: Grid | None = None) -> dict[str, Meaning | None]:
+    """`--map` options as meanings: header or column letters -> what it holds, in the words that a header may use.
+
+    Raises:
+      UsageError: a meaning that no header could have, with the nearest that could.
+    """
+    found: dict[str, Meaning | None] = {}
+    for header, text in texts.items():
+        wanted = meaning(text)
+        if wanted is None or wanted.what not in TASK_WORDS:
+            canonical = Known([*sorted(TASK_WORDS), "time robot [s]", "time human [s]", "stress human"])
+            raise UsageError(
+                f"--map {header}={text}: no column can mean {text!r}. {canonical.hint(text)} "
+                "Write for example name, label, 'time robot [s]', after, stress, 'stress anna', tool, operator or ignore."
+            )
+        found[header] = replace(wanted, sure=True)
+    return found
+
+
+def check_overrides(overrides: Mapping[str, Meaning | None], table: Table) -> None:
+    """Every `--map` names a column that exists.
+
+    Raises:
+      UsageError: with the nearest header for one that does not.
+    """
+    headers = [column.header for column in table.columns if column.header]
+    letters = {column.place.rpartition("!")[2].rstrip("0123456789") for column in table.columns}
+    for name in overrides:
+        if name not in letters and key(name) not in {key(header) for header in headers}:
+            raise UsageError(f"--map {name!r}: sheet {table.grid.name!r} has no such column. {Known(headers).hint(name)}")
+
+
+def _with_known_names(columns: list[Column], known: tuple[str, ...]) -> list[Column]:
+    """One spelling for each operator; "stress of the human" where no operator is called so is the stress of whoever does it."""
+    spelled: dict[str, str] = {key(name): name for name in reversed(known)}
+    for column in columns:
+        if column.meaning and column.meaning.what == "time":
+            for who in column.meaning.who:
+                spelled.setdefault(key(who), who)
+    settled_columns = []
+    for column in columns:
+        if column.meaning and column.meaning.who:
+            who = tuple(spelled.get(key(name), name) for name in column.meaning.who)
+            human = spelled.get(key(column.meaning.human), column.meaning.human)
+            if column.meaning.what != "time" and len(who) == 1 and key(who[0]) not in spelled and kind_of(who[0]) == "human":
+                who = ()
+            column = replace(column, meaning=replace(column.meaning, who=who, human=human))
+        settled_columns.append(column)
+    return settled_columns
+
+
+def _one_name_for_each_task(columns: list[Column]) -> list[Column]:
+    """A number beside a description names the task; of several candidates the first is taken."""
+    taken: dict[str, Column] = {}
+    found = []
+    for column in columns:
+        role = column.meaning.what if column.meaning else ""
+        if role in ("number", "task", "label"):
+            if role in taken:
+                column = replace(column, meaning=None, why=f"{taken[role].header!r} already says it; choose with --map")
+            else:
+                taken[role] = column
+        found.append(column)
+    if len(taken) == 3:
+        spare = taken["label"]
+        found = [replace(c, meaning=None, why=f"the label is taken from {taken['task'].header!r}; choose with --map") if c is spare else c for c in found]
+    return found
+
+
+def _who_takes_the_time(columns: list[Column], findings: Findings) -> list[Column]:
+    times = [column for column in columns if column.meaning and column.meaning.what == "time"]
+    wide = [column for column in times if column.meaning and column.meaning.who]
+    nobody = [column for column in times if column.meaning and not column.meaning.who]
+    operators = [column for column in columns if column.meaning and column.meaning.what == "operator"]
+    dropped: dict[int, str] = {}
+    if wide:
+        for column in operators:
+            dropped[column.index] = "the times have a column for each operator; who does a task is for the plan to say"
+    if nobody and (wide or not operators):
+        for column in nobody:
+            findings.fault(
+                f"{column.header!r} does not say whose time it is. Write the operator into the header, such as 'Time robot [s]', add a column "
+                f"'Operator', or give --map \"{column.header}=time robot [s]\" (=ignore leaves it out).",
+                column.place,
+            )
+            dropped[column.index] = "it does not say whose time it is"
+    return [replace(column, meaning=None, why=dropped[column.index]) if column.index in dropped else column for column in columns]
+
+
+def _each_meaning_once(columns: list[Column], findings: Findings) -> list[Column]:
+    first: dict[tuple[object, ...], Column] = {}
+    found = []
+    for column in columns:
+        what = column.meaning
+        if what is not None and what.what not in ("number", "task", "label", "ignore"):
+            same = (what.what,) if what.what in ONCE else (what.what, frozenset(what.who), what.human)
+            if what.what.startswith("after"):
+                same = ("after",)
+            if same in first:
+                other = first[same]
+                findings.fault(
+                    f"{column.header!r} means the same as {other.header!r} ({other.place.rpartition('!')[2]}): {what}. "
+                    f'Rename one, or leave it out with --map "{column.header}=ignore".',
+                    column.place,
+                )
+                column = replace(column, meaning=None, why="it means the same as another column")
+            else:
+                first[same] = column
+        found.append(column)
+    return found
+
+
+def _nothing_in(grid: Grid, table: Table, column: Column) -> bool:
+    return not column.header and all(blank(grid.rows[row][column.index]) for row in range(table.first_row, len(grid.rows)))
+
+
+def _note_unread(column: Column, findings: Findings) -> None:
+    letter = column.place.rpartition("!")[2].rstrip("0123456789")
+    name = f"column {letter} {column.header!r}" if column.header else f"column {letter}, which has no header,"
+    hint = "" if column.why or not column.header else f' If it matters, say what it means: --map "{column.header}=..."'
+    findings.note("column", f"{name} was not read{': ' + column.why if column.why else ''}.{hint}", column.place)
+
+
+def _note_units(table: Table, columns: list[Column], findings: Findings) -> None:
+    timed = [c for c in columns if c.meaning and c.meaning.what in ("time", "release", "deadline") and not c.meaning.unit]
+    if timed and table.unit:
+        findings.note("assumed", f"times are in {table.unit}, as the lines above the header say.", timed[0].place)
+    elif timed:
+        names = ", ".join(repr(column.header) for column in timed)
+        findings.note("assumed", f'no unit is stated for {names}: seconds are assumed. Write [s], [min], [1/100 min] or [TMU] into the header.', timed[0].place)
+    for column in columns:
+        if column.meaning and column.meaning.what == "ignore":
+            findings.note("column", f"column {column.header!r} was not read: remarks and ignored columns are left out.", column.place)
+
+
+def words_for(what: str) -> tuple[str, ...]:
+    """The phrases that a column of this meaning may be called by."""
+    return tuple(PHRASES.get(what, what).split("|"))

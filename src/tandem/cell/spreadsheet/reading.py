@@ -1,0 +1,309 @@
+"""The way in: a planner's workbook becomes a cell, or a list of everything that stands in the way, each with its sheet and cell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from tandem.cell.model import Cell
+from tandem.cell.names import Known
+from tandem.cell.spreadsheet.beside import Beside, read_beside, read_sets, role_of
+from tandem.cell.spreadsheet.findings import Findings, Note, listed
+from tandem.cell.spreadsheet.grid import Book, Grid, shown
+from tandem.cell.spreadsheet.header import Column, Table, find_table
+from tandem.cell.spreadsheet.mapping import check_overrides, overrides_from, settled
+from tandem.cell.spreadsheet.tasks import Tasks, read_tasks, unit_of
+from tandem.cell.spreadsheet.values import decimal_mark
+from tandem.cell.spreadsheet.words import Kind, Meaning, key, kind_of
+from tandem.cell.spreadsheet.workbook import open_book, refused
+from tandem.errors import CellError, Fault, UsageError
+
+PREVIEW_ROWS = 5
+
+
+@dataclass(frozen=True)
+class Draft:
+    """What a workbook seems to say, before anything is made of it.
+
+    Attributes:
+      sheet: the one that holds the tasks.
+      header: the place of its header row, `Sheet1!A3`.
+      columns: each with its meaning, or None when it is not read.
+      rows: the first rows below the header, as a person reads them.
+      notes: every column and row that was left out, and everything that was assumed.
+      faults: what stands in the way of a cell; `cell()` raises them.
+      document: the cell as a cell file would hold it; sound only when there are no faults.
+    """
+
+    path: Path
+    sheet: str
+    header: str
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[str, ...], ...]
+    notes: tuple[Note, ...]
+    faults: tuple[Fault, ...]
+    document: Mapping[str, Any]
+
+    def cell(self) -> Cell:
+        """The cell.
+
+        Raises:
+          CellError: with every fault and its place in the workbook.
+        """
+        if self.faults:
+            raise CellError(self.faults)
+        return Cell.model_validate(self.document)
+
+
+def import_cell(
+    path: str | Path,
+    *,
+    sheet: str | None = None,
+    columns: Mapping[str, str] | None = None,
+    humans: Iterable[str] = (),
+    robots: Iterable[str] = (),
+) -> tuple[Cell, tuple[Note, ...]]:
+    """The cell in a workbook, and everything that was left out or assumed on the way. The arguments are those of `read_workbook`.
+
+    Raises:
+      CellError: with every fault and its place in the workbook; nothing is imported by halves.
+      UsageError: a sheet, column or operator that the workbook does not have.
+    """
+    draft = read_workbook(path, sheet=sheet, columns=columns, humans=humans, robots=robots)
+    return draft.cell(), draft.notes
+
+
+def read_workbook(
+    path: str | Path,
+    *,
+    sheet: str | None = None,
+    columns: Mapping[str, str] | None = None,
+    humans: Iterable[str] = (),
+    robots: Iterable[str] = (),
+) -> Draft:
+    """Reads xlsx, xlsm, xls, xlsb, ods and csv as planners keep them; faults in the content are in the draft, not raised.
+
+    Args:
+      sheet: the one with the tasks, when several look like it.
+      columns: header or column letters -> what it means, such as `{"Spalte 4": "time robot [s]", "F": "ignore"}`.
+      humans, robots: operators whose names do not say what they are.
+
+    Raises:
+      CellError: the file cannot be opened, or no sheet or several look like tasks.
+      UsageError: a sheet, column or operator that the workbook does not have.
+    """
+    book = open_book(Path(path))
+    kinds: dict[str, Kind] = {**dict.fromkeys(humans, "human"), **dict.fromkeys(robots, "robot")}
+    overrides = overrides_from(columns or {})
+    findings = Findings(mark=decimal_mark(value for grid in book.grids for row in grid.rows for value in row))
+    for remark in book.remarks:
+        findings.note("assumed", remark, book.path.name)
+    roles = {role: grid for grid in book.grids if (role := role_of(grid)) and grid.name != sheet}
+    beside = read_beside({role: grid for role, grid in roles.items() if not _has_tasks(grid, role)}, findings)
+    known = tuple(dict.fromkeys([*beside.operators, *kinds]))
+    raw = _task_table(book, sheet, known, overrides, findings)
+    check_overrides(overrides, raw)
+    table = settled(raw, tuple(beside.operators), findings)
+    tasks = read_tasks(table, findings)
+    document = _document(book, table, tasks, beside, kinds, roles, findings)
+    _stress(table, document, findings)
+    _more_notes(book, table, findings)
+    faults = _all_faults(document, findings)
+    shown_rows = tuple(tuple(shown(value) for value in table.grid.rows[row]) for row in range(table.first_row, min(len(table.grid.rows), table.first_row + PREVIEW_ROWS)))
+    return Draft(
+        path=book.path,
+        sheet=table.grid.name,
+        header=table.grid.place(table.header_row, 0),
+        columns=tuple(column for column in table.columns if column.header or column.meaning),
+        rows=shown_rows,
+        notes=tuple(findings.notes),
+        faults=faults,
+        document=document,
+    )
+
+
+# --- which sheet --------------------------------------------------------------------------------------------------------------
+
+
+def _has_tasks(grid: Grid, role: str) -> bool:
+    """A sheet may be called "Station" and hold the tasks all the same."""
+    table = find_table(grid) if role not in ("help", "stress of sets", "tools", "zones") else None
+    return table is not None and table.holds_tasks
+
+
+def _task_table(
+    book: Book, sheet: str | None, known: tuple[str, ...], overrides: Mapping[str, Meaning | None], findings: Findings
+) -> Table:
+    if sheet is not None:
+        return _named_sheet(book, sheet, known, overrides)
+    tables = [table for grid in book.grids if not grid.hidden and (table := find_table(grid, known, overrides)) and table.holds_tasks]
+    tables = [table for table in tables if role_of(table.grid) not in ("help", "stress of sets", "tools", "zones")]
+    if not tables:
+        raise _no_task_sheet(book, known, overrides)
+    if len(tables) > 1:
+        names = [table.grid.name for table in tables]
+        places = " and ".join(table.grid.place(table.header_row, 0) for table in tables)
+        raise refused(book.path, f"holds several sheets that look like tasks ({places}). Choose one, such as --sheet {names[0]!r}.")
+    used = {tables[0].grid.name, *(grid.name for grid in book.grids if role_of(grid) and not _has_tasks(grid, role_of(grid) or ""))}
+    for grid in book.grids:
+        if grid.name not in used and grid.rows:
+            findings.note("sheet", f"sheet {grid.name!r} {'is hidden and ' if grid.hidden else ''}was not read.", f"{grid.name}!A1")
+    for name, why in book.passed_over.items():
+        findings.note("sheet", f"sheet {name!r} was not read: {why}.")
+    return tables[0]
+
+
+def _named_sheet(book: Book, sheet: str, known: tuple[str, ...], overrides: Mapping[str, Meaning | None]) -> Table:
+    grid = next((grid for grid in book.grids if grid.name == sheet), None)
+    if grid is None and sheet in book.passed_over:
+        raise refused(book.path, f"sheet {sheet!r} cannot be read: {book.passed_over[sheet]}.")
+    if grid is None:
+        raise UsageError(f"--sheet {sheet!r}: {book.path.name} has no such sheet. {Known(grid.name for grid in book.grids).hint(sheet)}")
+    table = find_table(grid, known, overrides)
+    if table is None or not table.holds_tasks:
+        raise CellError([Fault(_what_is_missing(table), place=f"{grid.name}!A1")])
+    return table
+
+
+def _no_task_sheet(book: Book, known: tuple[str, ...], overrides: Mapping[str, Meaning | None]) -> CellError:
+    if not book.grids and not book.passed_over:
+        return refused(book.path, "holds no sheet.")
+    faults = []
+    for name, why in book.passed_over.items():
+        faults.append(Fault(f"sheet {name!r} was not read: {why}.", place=book.path.name))
+    for grid in book.grids:
+        if role_of(grid) is None or len(book.grids) == 1:
+            hidden = f" The sheet is hidden; --sheet {grid.name!r} reads it all the same." if grid.hidden else ""
+            table = find_table(grid, known, overrides)
+            message = "the sheet is empty." if not grid.rows and not grid.odd else _what_is_missing(table)
+            if grid.hidden and table is not None and table.holds_tasks:
+                message = "holds the only tasks, but"
+            faults.append(Fault(message + hidden, place=f"{grid.name}!A1"))
+    return CellError(faults or [Fault("no sheet holds tasks.", place=book.path.name)])
+
+
+def _what_is_missing(table: Table | None) -> str:
+    if table is None:
+        return (
+            "no row reads like the header of a task list. One row must name the columns, such as 'Task', 'Time human [s]', 'Time robot [s]', "
+            "'Predecessors'. `tandem template` writes an example; --map says what a column means."
+        )
+    place = table.grid.place(table.header_row, 0).rpartition("!")[2]
+    read = listed(f"{column.header!r} as {column.meaning}" for column in table.columns if column.meaning)
+    missing = "names the tasks" if not table.having("number", "task", "label") else "holds a time, such as 'Time robot [s]'"
+    return f"in the header at {place} no column {missing}. Understood were: {read}. Say what a column means with --map \"header=time robot [s]\"."
+
+
+# --- the document -------------------------------------------------------------------------------------------------------------
+
+
+def _document(
+    book: Book, table: Table, tasks: Tasks, beside: Beside, kinds: dict[str, Kind], roles: Mapping[str, Grid], findings: Findings
+) -> dict[str, Any]:
+    operators: dict[str, dict[str, Any]] = {name: dict(data) for name, data in beside.operators.items()}
+    for name, place in tasks.operators.items():
+        operators.setdefault(name, {})
+        findings.places.setdefault(("operators", name), place)
+    _kinds(operators, kinds, findings)
+    document: dict[str, Any] = {"format": 1, "name": _name(book, table, beside, findings), "operators": operators, "tasks": tasks.tasks}
+    if beside.tools:
+        document["tools"] = beside.tools
+    if beside.zones:
+        document["zones"] = beside.zones
+    if tasks.same_operator:
+        document["same_operator"] = tasks.same_operator
+    if "stress of sets" in roles:
+        sets = read_sets(roles["stress of sets"], list(tasks.tasks), findings)
+        if sets is not None:
+            document["stress_of_set"] = sets
+    return document
+
+
+def _name(book: Book, table: Table, beside: Beside, findings: Findings) -> str:
+    if beside.name is not None:
+        return beside.name
+    if table.title:
+        findings.note("assumed", f"the cell is called {table.title!r}, after the line above the header.", f"{table.grid.name}!A1")
+        return table.title
+    return book.path.stem
+
+
+def _kinds(operators: dict[str, dict[str, Any]], kinds: dict[str, Kind], findings: Findings) -> None:
+    by_key = {key(name): name for name in operators}
+    for name, kind in kinds.items():
+        if (own := by_key.get(key(name))) is None:
+            raise UsageError(f"--{kind} {name!r}: the workbook has no such operator. {Known(operators).hint(name)}")
+        operators[own]["kind"] = kind
+    unclear, guessed = [], []
+    for name, data in operators.items():
+        if "kind" in data:
+            continue
+        if kind := kind_of(name):
+            data["kind"] = kind
+            guessed.append(f"{name} is a {kind}")
+        else:
+            data["kind"] = "human"
+            unclear.append(name)
+    for name in unclear:
+        findings.fault(
+            f"operator {name!r}: is this a human or a robot? Say it with --human {_quoted(name)} or --robot {_quoted(name)}, "
+            "or in a sheet 'Operators' with the columns 'operator' and 'kind'.",
+            findings.places.get(("operators", name), ""),
+        )
+    if guessed:
+        findings.note("assumed", f"by their names: {listed(guessed)}. --human NAME and --robot NAME say otherwise.")
+
+
+def _quoted(name: str) -> str:
+    return f'"{name}"' if " " in name else name
+
+
+# --- notes and faults at the end ----------------------------------------------------------------------------------------------
+
+
+def _stress(table: Table, document: Mapping[str, Any], findings: Findings) -> None:
+    """Says where stress is taken as 0 because the sheet does not state it."""
+    humans = {name for name, data in document["operators"].items() if data["kind"] == "human"}
+    columns = table.having("stress")
+    by_humans = {name: task for name, task in document["tasks"].items() if humans & {*task.get("time", ()), *(w for j in task.get("together", ()) for w in j["operators"])}}
+    bare = [name for name, task in by_humans.items() if "stress" not in task and all("stress" not in joint for joint in task.get("together", ()))]
+    if not columns and by_humans and "stress_of_set" not in document:
+        findings.note("assumed", "no column states the ergonomic stress: it is 0 for every task. A column 'Stress' or 'EAWS points' makes it count.")
+    elif columns and bare:
+        findings.note("assumed", f"no stress is stated for tasks that a human can do, so it is 0: {listed(bare)}.", columns[0].place)
+
+
+def _more_notes(book: Book, table: Table, findings: Findings) -> None:
+    if findings.rounded:
+        findings.note("assumed", f"rounded, times to 0.001 s: {listed(findings.rounded, 20)}.")
+    hidden = [column.header for column in table.columns if column.meaning and column.index in table.grid.hidden_columns]
+    if hidden:
+        findings.note("assumed", f"hidden columns were read all the same: {listed(map(repr, hidden))}.", table.grid.place(table.header_row, 0))
+    if not book.sees_errors and book.path.suffix.lower() in (".xls", ".xlsb") and any(note.kind == "cannot" for note in findings.notes):
+        findings.note("assumed", f"in {book.path.suffix} files an error such as #REF! cannot be told from an empty cell; save as .xlsx to be sure.")
+    units = {unit_of(table, column) for column in table.having("time")}
+    if units - {"s"}:
+        findings.note("assumed", f"times were converted to seconds from {listed(sorted(units - {'s'}))}.")
+
+
+def _all_faults(document: Mapping[str, Any], findings: Findings) -> tuple[Fault, ...]:
+    """Those of the sheet, and those of the cell that it describes, placed in the sheet."""
+    faults = list(dict.fromkeys(findings.faults))
+    touched = {fault.place for fault in faults}
+    try:
+        Cell.model_validate(document)
+    except CellError as error:
+        more = error.faults
+    except ValidationError as error:
+        more = tuple(Fault(f"{found['msg']} (it is {found['input']!r}).", tuple(found["loc"])) for found in error.errors())
+    else:
+        more = ()
+    for fault in more:
+        place = findings.place_of(fault.path)
+        if not (place and place in touched) and not (not document["tasks"] and faults):
+            faults.append(fault.at(place or fault.place))
+    return tuple(faults)

@@ -1,0 +1,310 @@
+"""The task sheet: a table in, the `tasks` of a cell document out. One row a task, or one row for each operator who can do it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Any
+
+from tandem.cell.spreadsheet.findings import Findings, listed
+from tandem.cell.spreadsheet.grid import shown
+from tandem.cell.spreadsheet.header import Column, Table
+from tandem.cell.spreadsheet.references import References, UnknownTaskError, task_name
+from tandem.cell.spreadsheet.rows import task_rows
+from tandem.cell.spreadsheet.values import cannot
+
+TEXTS = ("part", "tool", "zone")
+LISTS = ("after", "after rows", "before", "same operator")
+
+
+@dataclass
+class Entry:
+    """One task under construction: its rows, and its part of the cell document."""
+
+    name: str
+    rows: list[int]
+    data: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass
+class Tasks:
+    """What a task table holds, as parts of a cell document.
+
+    Attributes:
+      operators: named by the columns or rows, in order of appearance, with the place where each was first named.
+    """
+
+    tasks: dict[str, dict[str, Any]] = field(default_factory=dict)
+    same_operator: list[list[str]] = field(default_factory=list)
+    operators: dict[str, str] = field(default_factory=dict)
+
+
+def read_tasks(table: Table, findings: Findings) -> Tasks:
+    """Every task of the table; what is wrong goes to `findings`."""
+    found = Tasks()
+    name, label = _naming(table)
+    rows = task_rows(table, findings)
+    if not rows:
+        findings.fault("has a header but no task below it.", table.grid.place(table.header_row, 0))
+    long_form = bool(table.having("operator")) and not any(column.meaning and column.meaning.who for column in table.having("time"))
+    entries = _entries(table, rows, name, label, long_form, findings)
+    for entry in entries:
+        _texts(table, entry, label if label is not name else None, findings)
+        (_long_times if long_form else _wide_times)(table, entry, found, findings)
+        _measures(table, entry, long_form, findings)
+        found.tasks[entry.name] = entry.data
+        findings.places["tasks", entry.name] = table.grid.place(entry.rows[0], name.index if name else table.columns[0].index)
+    _cannot(table, entries, findings)
+    _lists(table, entries, found, findings)
+    return found
+
+
+def _naming(table: Table) -> tuple[Column | None, Column | None]:
+    """The columns of names and of labels. A number names the task; its text is then the label."""
+    numbers, words, labels = table.having("number"), table.having("task"), table.having("label")
+    if numbers:
+        return numbers[0], (words or labels or (None,))[0]
+    if words:
+        return words[0], (labels or (None,))[0]
+    return None, labels[0] if labels else None
+
+
+def _entries(table: Table, rows: list[int], name: Column | None, label: Column | None, long_form: bool, findings: Findings) -> list[Entry]:
+    entries: dict[str, Entry] = {}
+    last: Entry | None = None
+    for row in rows:
+        text = findings.text(table.grid, row, name.index) if name else ""
+        said = findings.text(table.grid, row, label.index) if label else ""
+        if long_form and last and not text and (name or not said or said == findings.text(table.grid, last.rows[0], label.index if label else None)):
+            last.rows.append(row)
+            continue
+        if not name:
+            text = str(len(entries) + 1) if said else ""
+        if not text:
+            place = table.grid.place(row, (name or label or table.columns[0]).index)
+            findings.fault("is empty: the row has values and no task. Give the task a name, or clear the row.", place)
+            continue
+        if text in entries:
+            if long_form:
+                entries[text].rows.append(row)
+                last = entries[text]
+                continue
+            first = table.grid.place(entries[text].rows[0], name.index if name else 0)
+            findings.fault(f"task {text!r} stands here a second time, the first is {first}. Give each task a name of its own.", table.grid.place(row, name.index if name else 0))
+            continue
+        last = entries[text] = Entry(task_name(text), [row])
+    return list(entries.values())
+
+
+def _texts(table: Table, entry: Entry, label: Column | None, findings: Findings) -> None:
+    columns = [*table.having(*TEXTS), *([label] if label else [])]
+    for column in columns:
+        what = column.meaning.what if column is not label and column.meaning else "label"
+        text = next((text for row in entry.rows if (text := findings.text(table.grid, row, column.index))), "")
+        if text and not (what != "label" and text in ("-", "–", "—", "/")):
+            entry.data[what] = text
+            findings.places["tasks", entry.name, what] = table.grid.place(entry.rows[0], column.index)
+    for column in table.having("release", "deadline"):
+        what = column.meaning.what if column.meaning else ""
+        moment = findings.time(table.grid, entry.rows[0], column.index, unit_of(table, column), zero=what == "release")
+        if moment is not None and not (what == "release" and moment == 0):
+            entry.data[what] = moment
+            findings.places["tasks", entry.name, what] = table.grid.place(entry.rows[0], column.index)
+
+
+def unit_of(table: Table, column: Column) -> str:
+    """The unit of a column of times: its own, the sheet's, or seconds."""
+    return (column.meaning.unit if column.meaning else None) or table.unit or "s"
+
+
+# --- one column for each operator ---------------------------------------------------------------------------------------------
+
+
+def _wide_times(table: Table, entry: Entry, found: Tasks, findings: Findings) -> None:
+    row = entry.rows[0]
+    for column in table.having("time"):
+        who = column.meaning.who if column.meaning else ()
+        if not who:
+            continue
+        for name in who:
+            found.operators.setdefault(name, column.place)
+        time = findings.time(table.grid, row, column.index, unit_of(table, column))
+        if time is not None:
+            _way(entry, who, time, table.grid.place(row, column.index), findings)
+    _stand_in(table, entry, found, findings)
+
+
+def _way(entry: Entry, who: tuple[str, ...], time: float, place: str, findings: Findings) -> None:
+    if len(who) == 1:
+        if who[0] in entry.data.setdefault("time", {}):
+            findings.fault(f"gives task {entry.name!r} a second time of {who[0]!r}. Keep one of them.", place)
+        entry.data["time"][who[0]] = time
+        findings.places["tasks", entry.name, "time", who[0]] = place
+    else:
+        ways = entry.data.setdefault("together", [])
+        findings.places["tasks", entry.name, "together", len(ways)] = place
+        ways.append({"operators": list(who), "time": time})
+
+
+def _stand_in(table: Table, entry: Entry, found: Tasks, findings: Findings) -> None:
+    """A task whose times are all faulty gets one to be checked with, so that "nobody can do it" is not said on top."""
+    if entry.data.get("time") or entry.data.get("together"):
+        return
+    faulty = {fault.place for fault in findings.faults}
+    if any(table.grid.place(row, column.index) in faulty for row in entry.rows for column in table.having("time", "operator")):
+        who = next(iter(found.operators), "human")
+        found.operators.setdefault(who, "")
+        entry.data["time"] = {who: 1.0}
+
+
+def _cannot(table: Table, entries: list[Entry], findings: Findings) -> None:
+    """Says for each operator which tasks a 0 or an empty cell has taken away."""
+    for column in table.having("time"):
+        if not column.meaning or (not column.meaning.who and not table.having("operator")):
+            continue
+        missing = [
+            (entry.name, row)
+            for entry in entries
+            for row in entry.rows
+            if (row, column.index) not in table.grid.odd and cannot(table.grid.rows[row][column.index])
+        ]
+        if missing:
+            who = " + ".join(column.meaning.who) or "the operator of the row"
+            cells = listed(f"{name} ({table.grid.place(row, column.index).rpartition('!')[2]} {_as_seen(table, row, column)})" for name, row in missing)
+            findings.note("cannot", f"{who} cannot do: {cells}.", column.place)
+
+
+def _as_seen(table: Table, row: int, column: Column) -> str:
+    text = shown(table.grid.rows[row][column.index])
+    return f"is {text}" if text else "is empty"
+
+
+# --- one row for each operator ------------------------------------------------------------------------------------------------
+
+
+def _long_times(table: Table, entry: Entry, found: Tasks, findings: Findings) -> None:
+    who_column, time_column = table.having("operator")[0], table.having("time")[0]
+    for row in entry.rows:
+        place = table.grid.place(row, who_column.index)
+        text = findings.text(table.grid, row, who_column.index)
+        time = findings.time(table.grid, row, time_column.index, unit_of(table, time_column))
+        if not text:
+            if time is not None:
+                findings.fault(f"is empty: nobody is named for the time of task {entry.name!r}.", place)
+            continue
+        for who in _alternatives(text, place, findings):
+            for name in who:
+                found.operators.setdefault(name, place)
+            if time is not None:
+                _way(entry, who, time, table.grid.place(row, time_column.index), findings)
+    _stand_in(table, entry, found, findings)
+
+
+def _alternatives(text: str, place: str, findings: Findings) -> list[tuple[str, ...]]:
+    """ "anna / ben" is one or the other, "anna + ben" both at once; "anna, ben" may be either, and is refused."""
+    if re.search(r"[,;]", text):
+        findings.fault(f"holds {text!r}: write 'A / B' when one of them does it, 'A + B' when both do it together.", place)
+        return []
+    choices = [part for part in re.split(r"\s*[/|]\s*|\s+(?:oder|or)\s+", text) if part]
+    return [tuple(name for name in re.split(r"\s*[+&]\s*|\s+(?:und|and)\s+", choice) if name) for choice in choices]
+
+
+# --- stress and the other measures --------------------------------------------------------------------------------------------
+
+
+def _measures(table: Table, entry: Entry, long_form: bool, findings: Findings) -> None:
+    for column in table.having("stress", "difficulty", "spread"):
+        if column.meaning is None:
+            continue
+        what, who, human = column.meaning.what, column.meaning.who, column.meaning.human
+        if long_form and not who and what == "stress" and len(entry.rows) > 1:
+            _stress_by_row(table, entry, column, findings)
+            continue
+        amount = findings.amount(table.grid, entry.rows[0], column.index, f"a number for {what}")
+        if amount is None:
+            continue
+        place = table.grid.place(entry.rows[0], column.index)
+        if len(who) > 1:
+            _joint_stress(entry, who, human, amount, place, findings)
+        elif who:
+            _per_operator(entry, what, who[0], amount, place, column, findings)
+        else:
+            entry.data[what] = amount
+            findings.places["tasks", entry.name, what] = place
+
+
+def _per_operator(entry: Entry, what: str, who: str, amount: float, place: str, column: Column, findings: Findings) -> None:
+    values = entry.data.setdefault(what, {})
+    if not isinstance(values, dict):
+        findings.fault(f"gives {what} of {who!r} although task {entry.name!r} has one number for all. Keep one of the two.", place)
+        return
+    values[who] = amount
+    findings.places["tasks", entry.name, what, who] = place
+
+
+def _joint_stress(entry: Entry, who: tuple[str, ...], human: str, amount: float, place: str, findings: Findings) -> None:
+    for way in entry.data.get("together", ()):
+        if set(way["operators"]) == set(who):
+            if human:
+                way["stress"] = {**way.get("stress", {}), human: amount}
+            else:
+                way["stress"] = amount
+            return
+    findings.fault(f"gives stress of {' + '.join(who)}, who have no time for task {entry.name!r} together. Add the time, or clear the cell.", place)
+
+
+def _stress_by_row(table: Table, entry: Entry, column: Column, findings: Findings) -> None:
+    """One number for all rows, or one for each: those of the joint rows go to the joint ways."""
+    who_column = table.having("operator")[0]
+    by_row = {row: amount for row in entry.rows if (amount := findings.amount(table.grid, row, column.index, "a number for stress")) is not None}
+    if not by_row:
+        return
+    findings.places["tasks", entry.name, "stress"] = table.grid.place(next(iter(by_row)), column.index)
+    if len(by_row) == 1 or len(set(by_row.values())) == 1:
+        entry.data["stress"] = next(iter(by_row.values()))
+        return
+    for row, amount in by_row.items():
+        for who in _alternatives(findings.text(table.grid, row, who_column.index), table.grid.place(row, who_column.index), Findings()):
+            if len(who) > 1:
+                _joint_stress(entry, who, "", amount, table.grid.place(row, column.index), findings)
+            elif amount:
+                _per_operator(entry, "stress", who[0], amount, table.grid.place(row, column.index), column, findings)
+
+
+# --- lists of tasks -----------------------------------------------------------------------------------------------------------
+
+
+def _lists(table: Table, entries: list[Entry], found: Tasks, findings: Findings) -> None:
+    labels = {entry.data["label"]: entry.name for entry in entries if "label" in entry.data}
+    rows = {entry.name: entry.rows[0] + 1 for entry in entries}
+    for column in table.having(*LISTS):
+        what = column.meaning.what if column.meaning else ""
+        references = References([entry.name for entry in entries], labels, rows)
+        references.agree_on_numbers([table.grid.rows[row][column.index] for entry in entries for row in entry.rows], what == "after rows")
+        if references.said:
+            findings.note("assumed", f"the numbers in {column.header!r} are {references.said}.", column.place)
+        for entry in entries:
+            for row in entry.rows:
+                _list(table, entry, row, column, what, references, found, findings)
+
+
+def _list(table: Table, entry: Entry, row: int, column: Column, what: str, references: References, found: Tasks, findings: Findings) -> None:
+    if not findings.sound(table.grid, row, column.index):
+        return
+    place = table.grid.place(row, column.index)
+    try:
+        names = references.read(table.grid.rows[row][column.index])
+    except UnknownTaskError as error:
+        findings.fault(f"{str(error).rstrip('.?')}{'?' if str(error).endswith('?') else '.'}", place)
+        return
+    for name in names:
+        if what == "same operator":
+            findings.places["same_operator", len(found.same_operator)] = place
+            found.same_operator.append([entry.name, name])
+            continue
+        later, first = (name, entry.name) if what == "before" else (entry.name, name)
+        after = found.tasks[later].setdefault("after", [])
+        if first not in after:
+            findings.places["tasks", later, "after", len(after)] = place
+            findings.places.setdefault(("tasks", later, "after"), place)
+            after.append(first)

@@ -1,0 +1,231 @@
+"""What planners write above their columns, in English and German, and what it means here.
+
+`meaning("Zeit Mensch [min]")` is a time of the operator "Mensch" in minutes. One table of phrases for columns without an operator, and
+a few measures (time, stress, difficulty, spread) that name one.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Literal
+
+from tandem.cell.spreadsheet.grid import tidy
+from tandem.cell.spreadsheet.values import unit_named
+
+Kind = Literal["human", "robot"]
+
+PHRASES: dict[str, str] = {
+    "number": "no|nr|id|number|nummer|pos|position|#|lfd nr|lfdnr|task no|task nr|task id|task number|vorgang nr|vorgangsnr|vorgangsnummer|"
+    "vorgangs nr|arbeitsgang nr|arbeitsgangnr|ag nr|agnr|ag|avo|avo nr|schritt nr|step no|step number|step nr|aufgabe nr|aufgaben nr|operation no|"
+    "op no|op nr|op|item|item no|wbs|psp|key|schluessel|aufgaben id|operation number|arbeitsgangnummer|seq|sequence|sequence no",
+    "task": "task|tasks|vorgang|vorgaenge|arbeitsgang|arbeitsgaenge|arbeitsvorgang|arbeitsschritt|schritt|step|work step|aufgabe|aufgaben|"
+    "operation|operations|work element|element|activity|taetigkeit|taetigkeiten|arbeitsinhalt|prozessschritt|process step|name|task name|vorgangsname|aufgabenname",
+    "label": "description|bezeichnung|beschreibung|label|text|task description|benennung|kurztext|titel|title|vorgangsbeschreibung|vorgangsbezeichnung|"
+    "arbeitsgangbezeichnung|operation description|what|was|aufgabenbeschreibung|step description",
+    "part": "part|parts|teil|teile|bauteil|produkt|product|component|komponente|part no|part number|teilenummer|teile nr|baugruppe|material",
+    "tool": "tool|tools|werkzeug|werkzeuge|hilfsmittel|tooling",
+    "zone": "zone|zones|bereich|arbeitsbereich|area|work area|workspace|shared space|arbeitsraum|place|ort|location|platz|zonen|bereiche",
+    "release": "release|release time|earliest start|fruehester start|fruehester beginn|frueheste startzeit|freigabe|available from|not before|nicht vor|"
+    "verfuegbar ab|ready|ready time",
+    "deadline": "deadline|due|due date|due time|latest end|latest finish|spaetestes ende|spaetester abschluss|frist|termin|faellig|fertig bis|not after",
+    "operator": "operator|operators|ressource|ressourcen|resource|resources|ressourcenname|ressourcennamen|resource name|resource names|who|wer|bediener|"
+    "ausfuehrender|ausgefuehrt von|done by|performer|performed by|mitarbeiter|zustaendig|worker|executor|akteur|agent|durch|ressourcenart|ausfuehrung",
+    "same operator": "same operator|same operator as|same operators as|same as|gleicher bediener wie|gleiche bediener wie|gleicher werker wie|selber bediener wie",
+    "after": "predecessor|predecessors|pred|preds|vorgaenger|vorg|after|nach|nach vorgang|after task|depends on|dependency|dependencies|abhaengig von|"
+    "abhaengigkeit|abhaengigkeiten|waits for|wartet auf|vorrang|vorraenge|voraussetzung|voraussetzungen|prerequisite|prerequisites|precedence|"
+    "immediate predecessors|immediate predecessor|direct predecessors|direkte vorgaenger|direkter vorgaenger|preceding tasks|preceded by|predecessor no|vorgaenger nr|"
+    "vorgaenger ids|predecessor ids|predecessors ids|vorgaenger id|predecessor id|requires|vorgaengervorgaenge|erst nach",
+    "after rows": "predecessor row|predecessor rows|predecessors rows|vorgaenger zeile|vorgaenger zeilen|vorgaengerzeile|after row|after rows|nach zeile",
+    "before": "successor|successors|nachfolger|before|followed by|next|next tasks|direkte nachfolger|immediate successors|nachfolger nr|naechste|vor",
+    "ignore": "ignore|ignorieren|skip|remark|remarks|comment|comments|note|notes|bemerkung|bemerkungen|kommentar|notiz|hinweis",
+    "kind": "kind|art|typ|type",
+    "breaks": "breaks|break|pausen|pause|times off|auszeiten",
+    "stress limit": "stress limit|max stress|maximum stress|belastungsgrenze|maximale belastung|max belastung|limit|grenze",
+    "capacity": "capacity|places|anzahl|count|number of|kapazitaet|plaetze|how many|menge",
+}
+"""What a column means -> how it may be called: casefolded, umlauts spelled out, marks between words as blanks."""
+
+MEANS = {spelling: what for what, spellings in PHRASES.items() for spelling in spellings.split("|")}
+
+FILLERS = set("for von fuer der die des den of the by durch je per pro in mit task tasks assembly work standard prozess process processing soll ist plan planned".split())
+FILLERS |= set("vorgabe required benoetigte value wert needed mtm uas".split())
+
+MEASURES: dict[str, str] = {
+    "time": r"t|te|times?|zeit(en)?|dauer|durations?|(vorgabe|soll|bearbeitungs|ausfuehrungs|prozess|montage|stueck|grund|standard|fertigungs)zeit(en)?",
+    "stress": r"stress|load|strain|(eaws|ergo|belastung|beanspruchung)\w*|points?|punkte?|score|niosh|reba|rula|owas|physical|koerperliche|bewertung",
+    "difficulty": r"difficulty|schwierigkeit(sgrad)?",
+    "spread": r"spread|streuung|cv|variation|variationskoeffizient",
+    "changeover": r"changeover|change|ruestzeit|ruesten|setup|umruesten|werkzeugwechsel|wechselzeit",
+}
+"""Words that make a column a measure of an operator. Those of a measure may be mixed: "EAWS points"."""
+
+NO_OPERATOR = re.compile(
+    r"ruest\w*|setup|set-up|wart\w*|wait\w*|idle|leer\w*|cycle|zyklus\w*|takt\w*|gesamt\w*|total|sum|summe|wege\w*|walk\w*|geh\w*|puffer\w*|buffer|"
+    r"start\w*|end|ende|beginn|begin|finish|max\w*|mean|avg|average|mittel\w*|durchschnitt\w*|kum\w*|cum\w*|anteil|share|alt|old|abweichung|std|"
+    r"deviation|minimum|date|datum|liege\w*|transport\w*|lead|lag|durchlauf\w*|changeover|wechsel\w*|neben\w*|hilfs\w*|verteil\w*|erhol\w*|priority|prio\w*"
+)
+"""Kinds of time that no single operator spends on the task: such columns are listed as not read."""
+
+HUMAN_WORDS = "human humans mensch menschen worker workers werker werkerin person operator bediener mitarbeiter ma monteur people arbeiter hand manual "
+HUMAN_WORDS += "manuell manuelle man mann frau herr mrs mr technician staff employee assembler monteurin menschlich h"
+ROBOT_WORDS = "robot robots roboter cobot cobots kobot kobots robo r bot ur ur3 ur3e ur5 ur5e ur10 ur10e ur16 ur16e ur20 ur30 kuka iiwa lbr franka emika panda "
+ROBOT_WORDS += "fanuc crx abb yumi gofa swifti techman tm5 tm12 doosan staubli tx2 agv amr machine maschine maschinen automat automation automatic "
+ROBOT_WORDS += "automatisch robotic roboterarm arm fr3 jaka aubo nachi yaskawa motoman denso sawyer baxter"
+KINDS: dict[str, Kind] = {**dict.fromkeys(HUMAN_WORDS.split(), "human"), **dict.fromkeys(ROBOT_WORDS.split(), "robot")}
+
+TOTALS = re.compile(r"(zwischen|gesamt)?summen?|totals?|sub-?totals?|gesamt(zeit|dauer)?|sum|grand total|σ|∑|Σ|gesamt.*|insgesamt|overall", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a column holds.
+
+    Attributes:
+      what: "time", "stress", "after", ... : a key of `PHRASES` or `MEASURES`.
+      who: the operators it speaks of; none for the task as a whole, several for a joint way of doing it.
+      human: the human whose stress it is, within the joint way `who`.
+      unit: the unit of time, when the header says one.
+      sure: the words say so; a guess from the operator's name alone is not sure.
+    """
+
+    what: str
+    who: tuple[str, ...] = ()
+    human: str = ""
+    unit: str | None = None
+    sure: bool = True
+
+    def __str__(self) -> str:
+        of = f" of {' + '.join(self.who)}" if self.who and not self.human else ""
+        joint = f" of {self.human} in {' + '.join(self.who)}" if self.human else ""
+        return f"{self.what}{of}{joint}{f', {self.unit}' if self.unit else ''}"
+
+
+def key(text: str) -> str:
+    """Casefolded, umlauts spelled out, marks as blanks: what tables are looked up by."""
+    plain = tidy(text).casefold().translate(str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue"}))
+    return " ".join(re.sub(r"[^\w#]|_", " ", plain).split())
+
+
+def kind_of(name: str) -> Kind | None:
+    """Human or robot, when the operator's name says so beyond doubt ("Werker 2", "UR5e"), else None."""
+    words = _words(name)
+    kinds = {KINDS[word] for word in words if word in KINDS}
+    return kinds.pop() if len(kinds) == 1 else None
+
+
+def _words(name: str) -> list[str]:
+    """The name's words without the digits behind them: "Werker1" -> werker; "H1" -> h; but "UR5" stays."""
+    words = [word for word in key(name).split() if word]
+    return [piece for word in words for piece in ([word] if word in KINDS else re.split(r"(?<=[a-z])(?=\d+$)", word))]
+
+
+def is_kind_word(name: str) -> bool:
+    """The name consists of nothing but kind words and digits: "Roboter", "robot 2"."""
+    words = _words(name)
+    return bool(words) and any(word in KINDS and len(word) > 1 for word in words) and all(word in KINDS or word.isdigit() for word in words)
+
+
+def split_unit(text: str) -> tuple[str, str | None]:
+    """The header without its unit, and the unit: `t human [s]`, `Zeit (min)`, `Dauer in Minuten`, `time_s`."""
+    for found in re.finditer(r"[\[(]([^\[\]()]*)[\])]", text):
+        if unit := unit_named(re.sub(r"^in ", "", found[1].strip(), flags=re.IGNORECASE)):
+            return tidy(text[: found.start()] + " " + text[found.end() :]), unit
+    if found := re.search(r"(?:\s+in\s+|\s*[/,;:]\s*|[\s_]+)([^\s_]+|1/100 ?min\.?|hundertstel minuten)$", text, re.IGNORECASE):
+        if unit := unit_named(found[1]):
+            return tidy(text[: found.start()]), unit
+    return text, None
+
+
+def meaning(header: str, known: tuple[str, ...] = ()) -> Meaning | None:
+    """What the header says, or None when it says nothing known.
+
+    Args:
+      known: operators that are known from elsewhere; their bare names count as times.
+    """
+    text, quoted = _without_quotes(tidy(header))
+    text, unit = split_unit(text)
+    if text and (what := MEANS.get(key(text))):
+        return Meaning(what, unit=unit)
+    measures, rest = _measures(text)
+    who, human = _who(rest, quoted, known)
+    if "changeover" in measures and (measures == {"changeover"} or measures == {"changeover", "time"}):
+        return Meaning("changeover", who, unit=unit)
+    if any(NO_OPERATOR.fullmatch(word) for name in rest for word in key(name).split()):
+        return None
+    if len(measures) == 1:
+        what = measures.pop()
+        return Meaning(what, who, human, unit) if what == "stress" or not human else None
+    if measures:
+        return None
+    if who and (unit or all(name in known or is_kind_word(name) for name in who)):
+        return Meaning("time", who, unit=unit, sure=bool(unit) or all(name in known for name in who))
+    return None
+
+
+def _without_quotes(text: str) -> tuple[str, list[str]]:
+    """Names in double quotes stand for themselves, whatever words they hold."""
+    quoted: list[str] = []
+
+    def keep(found: re.Match[str]) -> str:
+        quoted.append(found[1])
+        return f" \x00{len(quoted) - 1} "
+
+    return tidy_marks(re.sub(r'"([^"]+)"', keep, text)), quoted
+
+
+def tidy_marks(text: str) -> str:
+    """Single blanks; unlike `tidy` it keeps the marks that stand for quoted names."""
+    return re.sub(r"[ \t\n]+", " ", text).strip()
+
+
+def _measures(text: str) -> tuple[set[str], list[str]]:
+    """The measures that the words name, and the words that are left, as written; "+" and "with" stay as words."""
+    if " " not in text:
+        text = text.replace("_", " ")
+    measures, rest = set(), []
+    for word in re.findall(r"[+&]|[^\s\[\](),;:+&]+", text):
+        pieces = [word]
+        if re.search(r"[-_./]", word) and any(_measure(key(piece)) for piece in re.split(r"[-_./]", word)):
+            pieces = [piece for piece in re.split(r"[-_./]", word) if piece]
+        for piece in pieces:
+            plain = key(piece)
+            if what := _measure(plain):
+                measures.add(what)
+            elif who := _compound(plain):
+                measures.add("time")
+                rest.append(piece[: len(who)])
+            elif plain not in FILLERS or piece.lower() in ("mit",):
+                rest.append(piece)
+    return measures, rest
+
+
+def _compound(word: str) -> str | None:
+    """The operator in a German compound: "roboterzeit", "maschinenzeit"."""
+    if not (found := re.fullmatch(r"(..+)(zeit|dauer)", word)):
+        return None
+    return next((found[1].removesuffix(link) for link in ("n", "en", "s", "") if found[1].removesuffix(link) in KINDS), None)
+
+
+def _measure(word: str) -> str | None:
+    return next((what for what, pattern in MEASURES.items() if re.fullmatch(pattern, word)), None)
+
+
+def _who(rest: list[str], quoted: list[str], known: tuple[str, ...]) -> tuple[tuple[str, ...], str]:
+    """The operators named by the words, and for "anna with ben" the one that is meant."""
+    groups: list[list[str]] = [[]]
+    human_of_joint = False
+    for word in rest:
+        if word.startswith("\x00"):
+            groups[-1].append(quoted[int(word[1:])])
+        elif word in "+&" or word.casefold() in ("und", "and", "with", "mit"):
+            human_of_joint |= word.casefold() in ("with", "mit")
+            groups.append([])
+        else:
+            groups[-1].append(word.strip("-–_./"))
+    names = tuple(_known(" ".join(group), known) for group in groups if any(group))
+    return names, names[0] if human_of_joint and len(names) > 1 else ""
+
+
+def _known(name: str, known: tuple[str, ...]) -> str:
+    return next((other for other in known if other == name), next((other for other in known if key(other) == key(name)), name))
