@@ -164,7 +164,7 @@ def method(
     keeper = Keeper(cell, question, bound)
     interrupted = False
     try:
-        for state in _attempts(layout, SPECS[name], Random(seed), keeper):
+        for state in attempts(layout, SPECS[name], Random(seed), question, lambda: bool(keeper.found)):
             if state is not None and keeper.offer(layout.instance.schedule(state.starts())) and on_solution is not None:
                 on_solution(Progress(keeper.results(), bound.makespan, perf_counter() - began))
             if time_limit is not None and perf_counter() - began > time_limit:
@@ -224,8 +224,8 @@ class Keeper:
         return (result.stress, result.makespan) if self.question.minimize == "stress" else (result.makespan, result.stress)
 
 
-def _attempts(layout: Layout, rule: Rule, random: Random, keeper: Keeper) -> Iterator[State | None]:
-    """Schedules by the rule, then repairs for as long as nothing that counts has been found."""
+def attempts(layout: Layout, rule: Rule, random: Random, question: Question, enough: Callable[[], bool]) -> Iterator[State | None]:
+    """Schedules by the rule, then repairs until it is enough. None stands for an attempt that ran into a limit."""
     if layout.impossible():
         return
     if layout.instance.stress_of_set is not None:
@@ -233,10 +233,10 @@ def _attempts(layout: Layout, rule: Rule, random: Random, keeper: Keeper) -> Ite
         return
     prices = load_prices(layout)[1]
     for sample in range(rule.samples):
-        for weight in _weights(layout, rule, keeper.question, sample, random):
+        for weight in _weights(layout, rule, question, sample, random):
             yield build(layout, rule, random, stress=weight, temperature=rule.temperature if sample else 0.0, prices=prices)
     for attempt in range(REPAIRS):
-        if keeper.found:
+        if enough():
             return
         repair = Rule(by_rank if attempt % 3 == 2 else clockwise, latest_start if attempt % 2 else _longest_tail)
         yield build(layout, repair, random, stress=SWEEP[-1 - attempt // 2 % len(SWEEP)] * _exchange(layout), temperature=0.02 * attempt)
