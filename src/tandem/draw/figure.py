@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from tandem.cell.model import Cell
@@ -10,6 +11,7 @@ from tandem.draw.layers import Layers, layers
 from tandem.schedule.model import Schedule
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -61,3 +63,14 @@ def graph_size(drawn: Layers) -> tuple[float, float]:
 def axes_or_new(ax: Axes | None, size: tuple[float, float]) -> Axes:
     """The given axes, or those of a new figure of that size in inches."""
     return ax if ax is not None else blank(*size).axes[0]
+
+
+def legend_below(ax: Axes, entries: Sequence[tuple[Artist, str]], *, inches: float = 0.52) -> None:
+    """A legend that far under the axes, in as many columns as its figure is wide for."""
+    from matplotlib.transforms import ScaledTranslation
+
+    figure = ax.figure
+    columns = max(1, min(len(entries), int(figure.bbox.width / figure.dpi / 1.75)))
+    below = ax.transAxes + ScaledTranslation(0, -inches, figure.dpi_scale_trans)
+    handles, labels = [handle for handle, _ in entries], [label for _, label in entries]
+    ax.legend(handles, labels, loc="upper left", bbox_to_anchor=(0, 0), bbox_transform=below, ncols=columns, frameon=False, fontsize=9, borderpad=0)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from tandem.draw.figure import axes_or_new
-from tandem.draw.style import FAINT_INK, INK, RULE, SHADE, number, seconds
+from tandem.draw.figure import axes_or_new, legend_below
+from tandem.draw.style import INK, RULE, SHADE, number, seconds
 from tandem.plan.result import Front, Result, Status
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
 POINT = "#0072B2"
@@ -48,8 +49,8 @@ def window(front: Front) -> tuple[float, float, float, float]:
     """Left, right, low, high of a chart in which every point and bound has room, seconds and stress."""
     times = [value for r in front for value in (r.makespan, r.bound.makespan if r.status != Status.OPTIMAL else r.makespan)] or [0.0, 1.0]
     loads = [value for r in front for value in (r.stress, r.bound.stress if r.status != Status.OPTIMAL else r.stress)] or [0.0, 1.0]
-    across = (max(times) - min(times)) or max(0.3 * max(times), 1.0)
-    up = (max(loads) - min(loads)) or max(0.4 * max(loads), 1.0)
+    across = max(max(times) - min(times), 0.02 * max(times)) if len(front) > 1 else max(0.3 * max(times), 1.0)
+    up = max(max(loads) - min(loads), 0.02 * max(loads)) if len(front) > 1 else max(0.4 * max(loads), 1.0)
     return max(0.0, min(times) - 0.14 * across), max(times) + 0.22 * across, max(0.0, min(loads) - 0.16 * up), max(loads) + 0.22 * up
 
 
@@ -97,7 +98,7 @@ def _labels(ax: Axes, front: Front) -> None:
             continue
         taken.append(box)
         bold = "bold" if place == knee else "normal"
-        at = {"textcoords": "offset points", "fontsize": 9.5, "color": INK, "fontweight": bold, "zorder": 6}
+        at: dict[str, Any] = {"textcoords": "offset points", "fontsize": 9.5, "color": INK, "fontweight": bold, "zorder": 6}
         ax.annotate(words, (result.makespan, result.stress), (away, away - 2), **at)
 
 
@@ -105,13 +106,12 @@ def _legend(ax: Axes, front: Front) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    marks = {"ls": "", "marker": "o", "mec": POINT, "mew": 1.8}
-    entries = []
+    marks: dict[str, Any] = {"ls": "", "marker": "o", "mec": POINT, "mew": 1.8}
+    entries: list[tuple[Artist, str]] = []
     if any(r.status == Status.OPTIMAL for r in front):
         entries.append((Line2D([], [], mfc=POINT, ms=8, **marks), "proven"))
     if any(r.status != Status.OPTIMAL for r in front):
         entries.append((Line2D([], [], mfc="white", ms=8, **marks), "not proven, with bounds"))
     entries.append((Line2D([], [], ls="", marker="o", mfc="none", mec=INK, mew=1.6, ms=12), "knee: recommended" if len(front) > 2 else "recommended"))
     entries.append((Patch(facecolor=SHADE, edgecolor="#7A828A"), "dominated"))
-    handles, labels = [handle for handle, _ in entries], [label for _, label in entries]
-    ax.legend(handles, labels, loc="upper right", fontsize=9, frameon=True, facecolor="white", edgecolor=FAINT_INK, framealpha=0.9)
+    legend_below(ax, entries)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell
-from tandem.draw.figure import axes_or_new, gantt_size
+from tandem.draw.figure import axes_or_new, gantt_size, legend_below
 from tandem.draw.lanes import Bar, Lane, lanes
 from tandem.draw.style import ACCENT, FAINT_INK, INK, RULE, SHADE, number, seconds, share
 from tandem.schedule.critical import critical_path
@@ -15,6 +15,7 @@ from tandem.schedule.measures import makespan, stress
 from tandem.schedule.model import Schedule
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
 HALF = 0.33
@@ -66,8 +67,8 @@ def axis_end(schedule: Schedule, limit: float | None = None) -> float:
     return 1.03 * max(makespan(schedule), limit or 0.0, 1e-3)
 
 
-def draw_lanes(ax: Axes, rows: Sequence[Lane], *, at: float = 0.0) -> None:
-    """Bars, breaks and changeovers of every lane, the first lane at height `at`."""
+def draw_lanes(ax: Axes, rows: Sequence[Lane], *, at: float = 0.0, deadlines: bool = True) -> None:
+    """Bars, breaks and changeovers of every lane, the first lane at height `at`; from a task's end to its deadline a line if wanted."""
     for place, lane in enumerate(rows):
         y = at + place
         ax.axhspan(y - HALF - 0.08, y + HALF + 0.08, color="#F6F7F8", zorder=0, lw=0)
@@ -77,6 +78,9 @@ def draw_lanes(ax: Axes, rows: Sequence[Lane], *, at: float = 0.0) -> None:
             _shaded(ax, swap.start, swap.end, y, swap.why, "....")
         for bar in lane.bars:
             _bar(ax, lane, bar, y)
+            if deadlines and bar.deadline is not None:
+                above = y - HALF - 0.06
+                ax.plot([bar.end, bar.deadline, bar.deadline], [above, above, above + 0.12], color=ACCENT, lw=1.4, zorder=4.5)
 
 
 def _bar(ax: Axes, lane: Lane, bar: Bar, y: float) -> None:
@@ -96,9 +100,6 @@ def _bar(ax: Axes, lane: Lane, bar: Bar, y: float) -> None:
     backing = {"boxstyle": "round,pad=0.12", "facecolor": lane.look.tint, "edgecolor": "none"} if lane.look.hatch else None
     text = fitted_text(ax, (bar.start, y - HALF, bar.end, y + HALF), wordings(bar), size=10, bbox=backing, clip_path=patch)
     text.set_clip_path(patch)
-    if bar.deadline is not None:
-        above = y - HALF - 0.06
-        ax.plot([bar.end, bar.deadline, bar.deadline], [above, above, above + 0.12], color=ACCENT, lw=1.4, solid_joinstyle="miter", zorder=4.5)
 
 
 def wordings(bar: Bar) -> list[str]:
@@ -151,7 +152,7 @@ def _joint_links(ax: Axes, rows: Sequence[Lane]) -> None:
 
 def _end_line(ax: Axes, end: float, limit: float | None) -> None:
     ax.axvline(end, color=INK, lw=1.2, zorder=1.6)
-    at = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "va": "bottom", "fontsize": 9.5}
+    at: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "va": "bottom", "fontsize": 9.5}
     ax.annotate(seconds(end), (end, 1), (-3, 3), ha="right", **at)
     if limit is not None:
         ax.axvline(limit, color=ACCENT, lw=1.4, ls=(0, (5, 2)), zorder=6)
@@ -182,9 +183,8 @@ def draw_legend(ax: Axes, rows: Sequence[Lane], *, critical: bool) -> None:
     """Explains, below the axes, the marks that occur."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
-    from matplotlib.transforms import ScaledTranslation
 
-    entries: list[tuple[Line2D | Patch, str]] = []
+    entries: list[tuple[Artist, str]] = []
     for kind in ("human", "robot"):
         look = next((lane.look for lane in rows if lane.look.kind == kind), None)
         if look:
@@ -199,7 +199,4 @@ def draw_legend(ax: Axes, rows: Sequence[Lane], *, critical: bool) -> None:
         entries.append((Patch(facecolor=SHADE, edgecolor="#9AA0A6", hatch="....", lw=0), "tool changeover"))
     if any(bar.deadline is not None for lane in rows for bar in lane.bars):
         entries.append((Line2D([], [], color=ACCENT, lw=1.4), "until a task's deadline"))
-    columns = max(1, min(len(entries), int(ax.figure.get_figwidth() / 1.75)))
-    below = ax.transAxes + ScaledTranslation(0, -0.52, ax.figure.dpi_scale_trans)  # type: ignore[union-attr]
-    handles, labels = [handle for handle, _ in entries], [label for _, label in entries]
-    ax.legend(handles, labels, loc="upper left", bbox_to_anchor=(0, 0), bbox_transform=below, ncols=columns, frameon=False, fontsize=9, borderpad=0)
+    legend_below(ax, entries)

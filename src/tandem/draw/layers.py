@@ -127,7 +127,7 @@ def _linked_part(after: Mapping[str, tuple[str, ...]]) -> tuple[dict[str, Point]
 
 
 def _columns(after: Mapping[str, tuple[str, ...]]) -> dict[str, int]:
-    """Task -> number of tasks on the longest chain before it."""
+    """Task -> number of tasks on the longest chain before it; what waits for nothing stands right before the first that waits for it."""
     column: dict[str, int] = {}
     waiting = list(after)
     while waiting:
@@ -136,6 +136,9 @@ def _columns(after: Mapping[str, tuple[str, ...]]) -> dict[str, int]:
             if all(first in column for first in after[name]):
                 column[name] = 1 + max((column[first] for first in after[name]), default=-1)
         waiting = [name for name in rest if name not in column]
+    for name, firsts in after.items():
+        if not firsts:
+            column[name] = min(column[other] for other, others in after.items() if name in others) - 1
     return column
 
 

@@ -64,11 +64,12 @@ def front_table(front: Front, *, width: int = 80) -> Table:
 
     The knee has a star. Bounds stand behind a value that is not proven.
     """
+    from rich.box import SIMPLE_HEAD
     from rich.markup import escape
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(box=_plain_box(), pad_edge=False, header_style="bold")
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, header_style="bold")
     table.add_column("", no_wrap=True)
     table.add_column(escape("makespan [s]"), justify="right", no_wrap=True)
     table.add_column("stress", justify="right", no_wrap=True)
@@ -243,9 +244,3 @@ def _colour(cell: Cell, operator: str) -> str:
 
 def _count(count: int, noun: str) -> str:
     return f"{count} {noun}{'' if count == 1 else 's'}"
-
-
-def _plain_box() -> object:
-    from rich.box import SIMPLE_HEAD
-
-    return SIMPLE_HEAD

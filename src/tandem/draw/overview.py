@@ -1,0 +1,42 @@
+"""One picture of a front for a slide or a mail: the trade-off on top, the recommended plan below."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING
+
+from tandem.draw.figure import gantt_size
+from tandem.draw.front import plot_front
+from tandem.draw.gantt import plot_gantt
+from tandem.draw.style import number, seconds
+from tandem.plan.result import Front
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def overview(front: Front) -> Figure:
+    """The front and the Gantt chart of its knee on one figure; the front alone when it is empty."""
+    from matplotlib.figure import Figure
+
+    width, height = gantt_size(front.cell, front.knee.schedule) if len(front) else (10.0, 0.0)
+    figure = Figure(figsize=(width, height + 5.2), layout="constrained")
+    figure.get_layout_engine().set(h_pad=0.12, w_pad=0.1, hspace=0.06)  # type: ignore[union-attr, call-arg]
+    if front.cell.name:
+        figure.suptitle(
+            "\n".join(textwrap.wrap(front.cell.name, int(9 * width))), x=0.01, ha="left", fontsize=14, fontweight="bold", parse_math=False
+        )
+    if not len(front):
+        plot_front(front, figure.add_subplot())
+        return figure
+    grid = figure.add_gridspec(2, 1, height_ratios=[4.4, height])
+    plot_front(front, figure.add_subplot(grid[0]))
+    knee = front.knee
+    name = "Recommended: " if len(front) > 1 else ""
+    plot_gantt(
+        front.cell,
+        knee.schedule,
+        figure.add_subplot(grid[1]),
+        title=f"{name}makespan {seconds(knee.makespan)}, stress {number(knee.stress)}",
+    )
+    return figure
