@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any, Literal, Self, TypeVar
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, Strict, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Strict, Tag, WithJsonSchema, model_validator
 
 from tandem.cell import soundness
 from tandem.errors import CellError
@@ -41,7 +41,15 @@ def _whole_number_names(value: object) -> object:
     return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
-Name = Annotated[str, BeforeValidator(_whole_number_names), Field(min_length=1, max_length=200, pattern=r"\S")]
+Name = Annotated[
+    str,
+    BeforeValidator(_whole_number_names),
+    Field(min_length=1, max_length=200, pattern=r"\S"),
+    WithJsonSchema({"type": ["string", "number"], "minLength": 1, "maxLength": 200, "pattern": r"\S"}),
+]
+"""A name. Files may write one without quotes though it looks like a number; it is taken as it is written."""
+Text = Annotated[str, BeforeValidator(_whole_number_names), Field(max_length=500), WithJsonSchema({"type": ["string", "number"], "maxLength": 500})]
+"""A title for people; it may look like a number, too."""
 Seconds = Annotated[float, Strict(), Field(gt=0, le=1e7, allow_inf_nan=False)]
 """A duration: more than 0 s."""
 Moment = Annotated[float, Strict(), Field(ge=0, le=1e7, allow_inf_nan=False)]
@@ -50,8 +58,15 @@ Amount = Annotated[float, Strict(), Field(ge=0, le=1e7, allow_inf_nan=False)]
 """Ergonomic stress, difficulty or a spread: 0 or more."""
 Places = Annotated[int, Strict(), Field(ge=1, le=10_000)]
 
-PerHuman = Amount | Annotated[Mapping[Name, Amount], AfterValidator(Table)]
 PerOperator = Annotated[Mapping[Name, Amount], AfterValidator(Table)]
+
+
+def _form(value: object) -> str:
+    return "table" if isinstance(value, Mapping) else "number"
+
+
+OneOrEach = Annotated[Annotated[Amount, Tag("number")] | Annotated[PerOperator, Tag("table")], Discriminator(_form)]
+"""One number for all, or a number for each by name; 0 for who is not named."""
 
 
 class Frozen(BaseModel):
@@ -64,7 +79,7 @@ class Operator(Frozen):
     """A human or a robot."""
 
     kind: Literal["human", "robot"] = Field(description="Stress counts for humans only.")
-    label: str | None = Field(default=None, description="What charts and messages call the operator; the name when absent.")
+    label: Text | None = Field(default=None, description="What charts and messages call the operator; the name when absent.")
     breaks: tuple[tuple[Moment, Seconds], ...] = Field(
         default=(), description="Times off, each `[from, to]` in seconds since the start. No task and no changeover runs into one."
     )
@@ -80,28 +95,28 @@ class Together(Frozen):
 
     operators: tuple[Name, ...] = Field(min_length=2, description="All who take part, from start to end.")
     time: Seconds = Field(description="Seconds.")
-    stress: PerHuman | None = Field(
-        default=None, description="Stress on each human who takes part: one number for each of them, or a number per human. The task's own when absent."
+    stress: OneOrEach | None = Field(
+        default=None, description="Stress on each human who takes part: one number for each of them, or a number per human (0 for who is not named). The task's own when absent."
     )
 
 
 class Task(Frozen):
     """One assembly step. It can be done by each operator in `time` alone, or by each group in `together`."""
 
-    label: str | None = Field(default=None, description="What charts and messages call the task; its name when absent.")
-    part: str | None = Field(default=None, description="The part or product that it mounts.")
+    label: Text | None = Field(default=None, description="What charts and messages call the task; its name when absent.")
+    part: Text | None = Field(default=None, description="The part or product that it mounts.")
     time: Annotated[Mapping[Name, Seconds], AfterValidator(Table)] = Field(
-        default=Table(), description="Operator to seconds. An operator that is missing cannot do the task."
+        default_factory=Table, description="Operator to seconds. An operator that is missing cannot do the task."
     )
     together: tuple[Together, ...] = Field(default=(), description="Alternatives that occupy several operators at once.")
-    stress: PerHuman = Field(default=0.0, description="Ergonomic stress on the human who does it: one number, or a number per human.")
+    stress: OneOrEach = Field(default=0.0, description="Ergonomic stress on the human who does it: one number, or a number per human (0 for who is not named).")
     after: tuple[Name, ...] = Field(default=(), description="Tasks that must have ended before this one starts.")
     tool: Name | None = Field(default=None, description="The tool that every operator who does the task needs in hand.")
     zone: Name | None = Field(default=None, description="The shared space in which it is done.")
-    difficulty: PerOperator = Field(default=Table(), description="How hard the task is for an operator: operator to a number; 0 when absent.")
+    difficulty: PerOperator = Field(default_factory=Table, description="How hard the task is for an operator: operator to a number; 0 when absent.")
     release: Moment = Field(default=0.0, description="Earliest start, seconds.")
     deadline: Seconds | None = Field(default=None, description="Latest end, seconds.")
-    spread: Amount | PerOperator = Field(
+    spread: OneOrEach = Field(
         default=0.0, description="Coefficient of variation of the time, for simulation: one number, or a number per operator."
     )
 
@@ -111,7 +126,7 @@ class Tool(Frozen):
 
     capacity: Places = Field(default=1, description="How many of it there are: so many operators can work with it at once.")
     changeover: PerOperator = Field(
-        default=Table(), description="Operator to seconds needed to take it up when another tool was in hand; 0 when absent."
+        default_factory=Table, description="Operator to seconds needed to take it up when another tool was in hand; 0 when absent."
     )
 
 
@@ -145,17 +160,17 @@ class Cell(Frozen):
     """
 
     format: Literal[1] = Field(default=1, description="Version of this file format.")
-    name: str = Field(default="", max_length=500, description="What charts and reports call the cell.")
+    name: Text = Field(default="", description="What charts and reports call the cell.")
     operators: Annotated[Mapping[Name, Operator], Field(min_length=1, description="Who works here: name to operator."), AfterValidator(Table)]
     tasks: Annotated[Mapping[Name, Task], Field(min_length=1, description="What is to be done: name to task."), AfterValidator(Table)]
     tools: Annotated[Mapping[Name, Tool], AfterValidator(Table)] = Field(
-        default=Table(), description="What is special about a tool. One that is not listed exists once and costs no changeover."
+        default_factory=Table, description="What is special about a tool. One that is not listed exists once and costs no changeover."
     )
     zones: Annotated[Mapping[Name, Zone], AfterValidator(Table)] = Field(
-        default=Table(), description="What is special about a zone. One that is not listed holds one operator at a time."
+        default_factory=Table, description="What is special about a zone. One that is not listed holds one operator at a time."
     )
     same_operator: tuple[tuple[Name, Name], ...] = Field(default=(), description="Pairs of tasks that must be done by the same operators.")
-    stress_of_set: Annotated[Mapping[Name | Literal[""], Amount], AfterValidator(Table)] | None = Field(
+    stress_of_set: Annotated[Mapping[Annotated[str, BeforeValidator(_whole_number_names)], Amount], AfterValidator(Table)] | None = Field(
         default=None,
         description=(
             "Stress by table instead of by sum, for methods that do not add up (such as the Strain Index): the tasks done by humans, in the "
@@ -168,6 +183,17 @@ class Cell(Frozen):
         if faults := list(soundness.faults(self)):
             raise CellError(faults)
         return self
+
+    @classmethod
+    def of(cls, data: Mapping[str, Any]) -> Cell:
+        """The cell that plain values describe, keyed as in a cell file.
+
+        Raises:
+          CellError: with every fault, of form and of fit.
+        """
+        from tandem.cell.reading import cell_of
+
+        return cell_of(data)
 
     @cached_property
     def humans(self) -> tuple[str, ...]:

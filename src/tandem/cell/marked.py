@@ -1,0 +1,107 @@
+"""Text that remembers where it stands: what the YAML and the JSON reader hand on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from tandem.errors import Fault
+
+Path = tuple[str | int, ...]
+
+DEPTH = 30
+"""Levels that a file may nest; a cell needs six."""
+
+
+class Place(NamedTuple):
+    """Where something stands: line and column to sort by, counted from 1, and what a person reads."""
+
+    line: int
+    column: int
+    text: str
+
+
+@dataclass(slots=True)
+class Node:
+    """One value of a file.
+
+    Attributes:
+      line, column: where it begins, counted from 1.
+      value: a scalar, a list of nodes, or a dictionary from key to entry.
+      text: a scalar as it was written, without quotes.
+    """
+
+    line: int
+    column: int
+    value: Any
+    text: str | None = None
+
+
+class Entry(NamedTuple):
+    """One key of a mapping, with the place of the key, and its value."""
+
+    line: int
+    column: int
+    node: Node
+
+
+@dataclass
+class Document:
+    """A file as a tree of nodes.
+
+    Attributes:
+      source: what the file is called in messages.
+      faults: what is wrong with the text itself though it could be read, such as a key that is stated twice.
+    """
+
+    source: str
+    root: Node
+    faults: list[Fault] = field(default_factory=list)
+
+    def plain(self) -> Any:
+        """The values alone. Where a name belongs, a number is taken as it was written: task 1.10 is not task 1.1."""
+        return _plain(self.root, ())
+
+    def place(self, path: Path) -> Place:
+        """Where the value at the path stands: a mapping's entry at its key. A path that leads nowhere stops at its last known step."""
+        line, column, node = self.root.line, self.root.column, self.root
+        for step in path:
+            if isinstance(node.value, dict) and str(step) in node.value:
+                line, column, node = node.value[str(step)]
+            elif isinstance(node.value, list) and isinstance(step, int) and step < len(node.value):
+                node = node.value[step]
+                line, column = node.line, node.column
+            else:
+                break
+        return Place(line, column, f"{self.source}:{line}:{column}")
+
+
+def entries(node: Node) -> Iterator[tuple[str, Node]]:
+    """Keys and values of a mapping."""
+    return ((key, entry.node) for key, entry in node.value.items())
+
+
+def repeated(source: str, key: str, first: Entry, line: int, column: int) -> Fault:
+    """The fault of a key that is stated twice in one mapping."""
+    return Fault(f"{key!r} is stated twice, first in line {first.line} and again here in line {line}. Keep one of them.", (), f"{source}:{line}:{column}")
+
+
+def _plain(node: Node, path: Path) -> Any:
+    if isinstance(node.value, dict):
+        return {key: _plain(entry.node, (*path, key)) for key, entry in node.value.items()}
+    if isinstance(node.value, list):
+        return [_plain(item, (*path, place)) for place, item in enumerate(node.value)]
+    if node.text and not isinstance(node.value, str) and _is_name(path, node.value is None):
+        return node.text
+    return node.value
+
+
+def _is_name(path: Path, null: bool) -> bool:
+    """Whether a scalar there is a name or a title. A null stays one where a name may be absent."""
+    match path:
+        case ("tasks", _, "after", _) | ("tasks", _, "together", _, "operators", _) | ("same_operator", _, _):
+            return True
+        case ("name",) | ("operators", _, "label" | "tool") | ("tasks", _, "label" | "part" | "tool" | "zone"):
+            return not null
+    return False
