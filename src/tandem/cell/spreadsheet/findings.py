@@ -98,7 +98,7 @@ class Findings:
             return None
         value: Value = grid.rows[row][column]
         place = grid.place(row, column)
-        if cannot(value) and not (zero and shown(value) == "0"):
+        if cannot(value) and not (zero and shown(value)[:1] == "0"):
             return None
         try:
             found = number(value, self.mark)

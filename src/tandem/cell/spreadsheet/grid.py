@@ -95,8 +95,8 @@ def blank(value: Value) -> bool:
 
 
 def tidy(text: str) -> str:
-    """Blanks of every kind, line breaks and invisible marks as single spaces; look-alike characters as the usual ones."""
-    text = unicodedata.normalize("NFKC", text)
+    """Blanks of every kind, line breaks and invisible marks as single spaces; letters with their accents in one piece."""
+    text = unicodedata.normalize("NFC", text)
     text = "".join(" " if unicodedata.category(c) in ("Zs", "Zl", "Zp") else c for c in text if unicodedata.category(c) != "Cf")
     return re.sub(r"\s+", " ", text).strip()
 

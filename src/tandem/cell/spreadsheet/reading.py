@@ -20,6 +20,7 @@ from tandem.cell.spreadsheet.tasks import Tasks, read_tasks, unit_of
 from tandem.cell.spreadsheet.values import decimal_mark
 from tandem.cell.spreadsheet.words import Kind, Meaning, key, kind_of
 from tandem.cell.spreadsheet.workbook import open_book, refused
+from tandem.cell.wording import flaws
 from tandem.errors import CellError, Fault, UsageError
 
 PREVIEW_ROWS = 5
@@ -96,7 +97,18 @@ def read_workbook(
       CellError: the file cannot be opened, or no sheet or several look like tasks.
       UsageError: a sheet, column or operator that the workbook does not have.
     """
-    book = open_book(Path(path))
+    return read_book(open_book(Path(path)), sheet=sheet, columns=columns, humans=humans, robots=robots)
+
+
+def read_book(
+    book: Book,
+    *,
+    sheet: str | None = None,
+    columns: Mapping[str, str] | None = None,
+    humans: Iterable[str] = (),
+    robots: Iterable[str] = (),
+) -> Draft:
+    """The same for an open book; see `read_workbook`."""
     kinds: dict[str, Kind] = {**dict.fromkeys(humans, "human"), **dict.fromkeys(robots, "robot")}
     overrides = overrides_from(columns or {})
     findings = Findings(mark=decimal_mark(value for grid in book.grids for row in grid.rows for value in row))
@@ -299,7 +311,7 @@ def _all_faults(document: Mapping[str, Any], findings: Findings) -> tuple[Fault,
     except CellError as error:
         more = error.faults
     except ValidationError as error:
-        more = tuple(Fault(f"{found['msg']} (it is {found['input']!r}).", tuple(found["loc"])) for found in error.errors())
+        more = tuple(flaw.fault for flaw in flaws(error))
     else:
         more = ()
     for fault in more:

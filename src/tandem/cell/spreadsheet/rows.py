@@ -11,7 +11,7 @@ from tandem.cell.spreadsheet.header import Table
 from tandem.cell.spreadsheet.values import UnreadableError, cannot, number
 from tandem.cell.spreadsheet.words import TOTALS, key
 
-AVERAGES = re.compile(r"mittelwerte?|durchschnitt|average|mean|min|max|minimum|maximum|taktzeit|cycle time|kontrolle|check", re.IGNORECASE)
+AVERAGES = re.compile(r"mittelwerte?|durchschnitt|average|mean|min|max|minimum|maximum|taktzeit|cycle time", re.IGNORECASE)
 
 
 def task_rows(table: Table, findings: Findings) -> list[int]:
@@ -42,7 +42,8 @@ def _no_task(table: Table, row: int, before: list[int], below_all: bool) -> str 
     grid = table.grid
     filled = list(grid.filled(row))
     texts = [tidy(value) for _, value in filled if isinstance(value, str)]
-    if texts and (TOTALS.fullmatch(texts[0].rstrip(":. ")) or AVERAGES.fullmatch(texts[0].rstrip(":. "))):
+    first = texts[0].rstrip(":. ") if texts else ""
+    if TOTALS.fullmatch(first) or (AVERAGES.fullmatch(first) and isinstance(filled[0][1], str)):
         return f"{texts[0]!r} is a total, not a task"
     if _repeats_header(table, row):
         return "it repeats the header"

@@ -57,10 +57,12 @@ def unit_named(text: str) -> str | None:
 
 
 def cannot(value: Value) -> bool:
-    """Empty, 0, or one of the words for "cannot do it"."""
+    """Empty, 0 (also as text, "0,0 s"), or one of the words for "cannot do it"."""
     if isinstance(value, bool):
         return False
-    return value == 0 if isinstance(value, int | float) else isinstance(value, str) and tidy(value).casefold() in CANNOT
+    if isinstance(value, int | float):
+        return value == 0
+    return isinstance(value, str) and (tidy(value).casefold() in CANNOT or bool(re.fullmatch(r"0+([.,]0*)?(\s*[^\W\d]+\.?)?", tidy(value))))
 
 
 def decimal_mark(values: Iterable[Value]) -> Mark | None:

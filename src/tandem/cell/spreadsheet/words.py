@@ -7,6 +7,7 @@ a few measures (time, stress, difficulty, spread) that name one.
 from __future__ import annotations
 
 import re
+import unicodedata
 from dataclasses import dataclass
 from typing import Literal
 
@@ -103,7 +104,7 @@ class Meaning:
 
 def key(text: str) -> str:
     """Casefolded, umlauts spelled out, marks as blanks: what tables are looked up by."""
-    plain = tidy(text).casefold().translate(str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue"}))
+    plain = unicodedata.normalize("NFKC", tidy(text)).casefold().translate(str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue"}))
     return " ".join(re.sub(r"[^\w#]|_", " ", plain).split())
 
 
@@ -145,7 +146,7 @@ def meaning(header: str, known: tuple[str, ...] = ()) -> Meaning | None:
     """
     text, quoted = _without_quotes(tidy(header))
     text, unit = split_unit(text)
-    if text and (what := MEANS.get(key(text))):
+    if text and (what := MEANS.get(key(text)) or _stem(key(text))):
         return Meaning(what, unit=unit)
     measures, rest = _measures(text)
     who, human = _who(rest, quoted, known)
@@ -161,6 +162,13 @@ def meaning(header: str, known: tuple[str, ...] = ()) -> Meaning | None:
     if who and (unit or all(name in known or is_kind_word(name) for name in who)):
         return Meaning("time", who, unit=unit, sure=bool(unit) or all(name in known for name in who))
     return None
+
+
+def _stem(plain: str) -> str | None:
+    """Lists of tasks under a longer header: "Predecessors (row)", "alle Vorgänger laut Graph"."""
+    if re.search(r"\b(predecess|vorgaenger)", plain):
+        return "after rows" if re.search(r"\b(rows?|zeilen?(nr|nummern?)?)\b", plain) else "after"
+    return "before" if re.search(r"\b(success|nachfolger)", plain) else None
 
 
 def _without_quotes(text: str) -> tuple[str, list[str]]:

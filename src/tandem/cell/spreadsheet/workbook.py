@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,11 @@ def open_book(path: Path) -> Book:
         raise refused(path, f"cannot be read: {error.strerror or error}.") from error
     if content is None:
         raise refused(path, f"is larger than {MOST_BYTES // 1_000_000} MB. Keep only the sheet with the tasks, and save it under a new name.")
+    return book_of(path, content)
+
+
+def book_of(path: Path, content: bytes) -> Book:
+    """The same for content that is at hand; `path` gives it a name. Raises as `open_book` does."""
     if not content.strip(b"\0 \r\n\t"):
         raise refused(path, "is empty. Was it saved or copied completely?")
     if content.startswith(b"PK\x03\x04"):
@@ -61,8 +67,6 @@ def _looks_like_text(content: bytes) -> bool:
 
 
 def _calamine(path: Path, content: bytes) -> Book:
-    import io
-
     import python_calamine as calamine
 
     zipped = content.startswith(b"PK")
@@ -110,8 +114,6 @@ def _rows(sheet: Any) -> list[list[Any]]:
 
 
 def _refuse_a_damaged_archive(path: Path, content: bytes) -> None:
-    import io
-
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             unpacked = sum(entry.file_size for entry in archive.infolist())

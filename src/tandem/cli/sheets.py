@@ -1,0 +1,138 @@
+"""`tandem import` and `tandem template`: planners' workbooks in, and a form to fill out."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from tandem.errors import UsageError
+
+if TYPE_CHECKING:
+    from tandem.cell.spreadsheet.reading import Draft
+
+TITLES = {"column": "Columns not read", "row": "Rows not read", "sheet": "Sheets not read", "cannot": "Who cannot do what", "assumed": "Assumed"}
+
+
+@click.command("import", epilog="Notes and faults go to the error stream, each with its place such as Sheet1!C4.")
+@click.argument("workbook", type=click.Path(path_type=Path, dir_okay=False))
+@click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False), help="Cell file to write, .yaml or .json. Without it the YAML goes to stdout.")
+@click.option("--preview", is_flag=True, help="Show what would be read, and write nothing.")
+@click.option("--sheet", help="The sheet with the tasks, when several look like it.")
+@click.option("--map", "columns", multiple=True, metavar='"HEADER=MEANING"', help="What a column holds, such as \"Spalte 4=time robot [s]\" or \"F=ignore\".")
+@click.option("--human", "humans", multiple=True, metavar="NAME", help="An operator that is a human.")
+@click.option("--robot", "robots", multiple=True, metavar="NAME", help="An operator that is a robot.")
+@click.option("--force", is_flag=True, help="Replace the output file when it exists.")
+def import_command(
+    workbook: Path,
+    output: Path | None,
+    preview: bool,
+    sheet: str | None,
+    columns: tuple[str, ...],
+    humans: tuple[str, ...],
+    robots: tuple[str, ...],
+    force: bool,
+) -> None:
+    """Turn a planner's workbook (xlsx, xls, xlsb, ods, csv) into a cell file.
+
+    \b
+    Examples:
+      tandem import tasks.xlsx --preview
+      tandem import tasks.xlsx -o cell.yaml --human Anna --robot "Station 2"
+    """
+    from tandem.cell.files import dump, dumps
+    from tandem.cell.spreadsheet.reading import read_workbook
+
+    if output is not None and output.exists() and not force and not preview:
+        raise UsageError(f"{output} exists already. Give --force to replace it, or another name.")
+    draft = read_workbook(workbook, sheet=sheet, columns=dict(map(_pair, columns)), humans=humans, robots=robots)
+    if preview:
+        click.echo(preview_text(draft))
+    _tell_notes(draft)
+    cell = draft.cell()
+    if preview:
+        return
+    if output is None:
+        click.echo(dumps(cell), nl=False)
+        return
+    dump(cell, output)
+    click.echo(f"{output}: {_count(cell.tasks, 'task')}, {_count(cell.operators, 'operator')} ({', '.join(cell.operators)}).", err=True)
+
+
+@click.command("template")
+@click.argument("cell_file", metavar="[CELL]", required=False, type=click.Path(path_type=Path, dir_okay=False))
+@click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False), default=Path("template.xlsx"), show_default=True, help="Workbook to write.")
+@click.option("--lang", type=click.Choice(["en", "de"]), default="en", show_default=True, help="Language of headers and help.")
+@click.option("--force", is_flag=True, help="Replace the workbook when it exists.")
+def template_command(cell_file: Path | None, output: Path, lang: Any, force: bool) -> None:
+    """Write a workbook to fill in, with an example; or CELL in the same form.
+
+    \b
+    Examples:
+      tandem template -o tasks.xlsx --lang de
+      tandem template cell.yaml -o tasks.xlsx
+    """
+    from tandem.cell.spreadsheet.template import export_cell, write_template
+
+    if output.suffix.lower() != ".xlsx":
+        raise UsageError(f"-o {output}: a template is an .xlsx workbook. Write -o {output.with_suffix('.xlsx')}.")
+    if output.exists() and not force:
+        raise UsageError(f"{output} exists already. Give --force to replace it, or another name.")
+    if cell_file is None:
+        write_template(output, lang=lang)
+    else:
+        from tandem.cell.files import load
+
+        for sentence in export_cell(load(cell_file), output, lang=lang):
+            click.echo(f"not kept in the workbook: {sentence}", err=True)
+    click.echo(f"{output}: overwrite the tasks, save, then `tandem import {output} -o cell.yaml`.", err=True)
+
+
+def preview_text(draft: Draft) -> str:
+    """The mapping of columns, the first rows, and what cell would come out, as plain text."""
+    lines = [f"{draft.path.name}: tasks are in sheet {draft.sheet!r}, header at {draft.header}", ""]
+    table = [("column", "header", "is read as")]
+    for column in draft.columns:
+        letter = column.place.rpartition("!")[2].rstrip("0123456789")
+        table.append((letter, column.header, str(column.meaning) if column.meaning and column.meaning.what != "ignore" else "(not read)"))
+    lines += _aligned(table)
+    if draft.rows:
+        letters = [column.place.rpartition("!")[2].rstrip("0123456789") for column in draft.columns]
+        lines += ["", "first rows:"]
+        lines += _aligned([tuple(letters), *(tuple(_short(row[column.index]) for column in draft.columns) for row in draft.rows)])
+    tasks, operators = draft.document["tasks"], draft.document["operators"]
+    who = ", ".join(f"{name} ({data.get('kind')})" for name, data in operators.items())
+    lines += ["", f"{_count(tasks, 'task')}, {_count(operators, 'operator')}: {who}"]
+    return "\n".join(lines)
+
+
+def _tell_notes(draft: Draft) -> None:
+    for kind, title in TITLES.items():
+        notes = [note for note in draft.notes if note.kind == kind]
+        if notes:
+            click.echo(f"{title}:", err=True)
+        for note in notes:
+            click.echo(f"  {note}", err=True)
+    sys.stderr.flush()
+
+
+def _aligned(rows: list[tuple[str, ...]]) -> list[str]:
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    return ["  " + "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 24 else text[:23] + "…"
+
+
+def _count(things: Any, name: str) -> str:
+    return f"{len(things)} {name}{'' if len(things) == 1 else 's'}"
+
+
+def _pair(text: str) -> tuple[str, str]:
+    header, equals, meaning = text.rpartition("=")
+    if not equals or not header.strip() or not meaning.strip():
+        raise UsageError(f"--map {text!r}: write HEADER=MEANING, such as --map \"Spalte 4=time robot [s]\".")
+    return header.strip(), meaning.strip()
