@@ -1,6 +1,6 @@
-"""Writes the parts of the documentation that the code itself knows: the keys of a cell file, and the commands.
+"""Writes the parts of the documentation that the code itself knows: keys of a cell file, formats, methods, commands.
 
-A page asks for one with a line of its own, `<!-- cell reference -->` or `<!-- command reference -->`.
+A page asks for one with a line of its own such as `<!-- cell reference -->`.
 """
 
 from __future__ import annotations
@@ -12,17 +12,18 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tandem.cell.model import Cell, Operator, Task, Together, Tool, Zone
+from tandem.cell.schema import schema
 
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
 
-PLAIN = {"string": "text", "number": "number", "integer": "whole number", "boolean": "true or false", "null": "nothing"}
+PLAIN = {"string": "text", "number": "number", "integer": "whole number", "boolean": "true or false"}
 
 
 def fill_in(app: Sphinx, page: str, source: list[str]) -> None:
     """Sphinx calls this for each page it has read."""
-    for mark, write in (("<!-- cell reference -->", cell_reference), ("<!-- command reference -->", command_reference)):
-        if mark in source[0]:
+    for name, write in REFERENCES.items():
+        if (mark := f"<!-- {name} reference -->") in source[0]:
             source[0] = source[0].replace(mark, write())
 
 
@@ -31,8 +32,8 @@ def fill_in(app: Sphinx, page: str, source: list[str]) -> None:
 
 def cell_reference() -> str:
     """One table for the cell and one for each thing in it, as Markdown, from the model's JSON Schema."""
-    schema = Cell.model_json_schema(mode="validation")
-    parts = {"Cell": schema, **schema.get("$defs", {})}
+    document = schema()
+    parts = {"Cell": document, **document["$defs"]}
     titles = {"Cell": "The file", "Operator": "An operator", "Task": "A task", "Together": "A group in `together`", "Tool": "A tool", "Zone": "A zone"}
     missing = [name for name, part in parts.items() if name not in titles and part.get("properties")]
     if missing:
@@ -62,8 +63,10 @@ def _kind(field: Mapping[str, Any]) -> str:
         return f"`{field['const']}`"
     if "enum" in field:
         return " or ".join(f"`{value}`" for value in field["enum"])
-    if "anyOf" in field:
-        return " or ".join(dict.fromkeys(_kind(option) for option in field["anyOf"] if option.get("type") != "null"))
+    if options := field.get("anyOf", field.get("oneOf")):
+        return " or ".join(dict.fromkeys(_kind(option) for option in options if option.get("type") != "null"))
+    if field.get("type") == ["string", "number"]:  # a name; a number is taken as its digits
+        return "text"
     if field.get("type") == "object":
         return f"{{name: {_kind(field['additionalProperties'])}}}"
     if field.get("type") == "array":
@@ -88,6 +91,23 @@ def keys() -> Iterator[str]:
     """Every key that a cell file may hold."""
     for model in (Cell, Operator, Task, Together, Tool, Zone):
         yield from model.model_fields
+
+
+# ---------------------------------------------------------------- tables of things
+
+
+def format_reference() -> str:
+    """Every format that can be read, as a Markdown table."""
+    from tandem.cell.formats.table import FORMATS
+
+    return "\n".join(["| name | what |", "|---|---|", *(f"| `{name}` | {_cell(one.what)} |" for name, one in FORMATS.items())])
+
+
+def method_reference() -> str:
+    """Every planning method, as a Markdown table."""
+    from tandem.plan.methods import METHODS
+
+    return "\n".join(["| name | what it does |", "|---|---|", *(f"| `{name}` | {_cell(one.what)} |" for name, one in METHODS.items())])
 
 
 # ---------------------------------------------------------------- the commands
@@ -139,3 +159,6 @@ def _prose(help_text: str) -> str:
         else:
             paragraphs.append(paragraph.strip())
     return "\n\n".join(paragraphs)
+
+
+REFERENCES = {"cell": cell_reference, "format": format_reference, "method": method_reference, "command": command_reference}
