@@ -97,7 +97,7 @@ class Moves:
         )
 
     def children(self, node: Node, horizon: int) -> Iterator[Node]:
-        """Every node with one task more that can still lead to a makespan of at most `horizon`, but for those that a shift to the left makes needless.
+        """Every node with one task more that can still end by `horizon`, but for those that a shift to the left makes needless.
 
         A task that starts when another one could already have ended can be left for later, if that other one costs nothing to take first: it
         is in its step of least stress, belongs to no team, and no tool has to change hands.

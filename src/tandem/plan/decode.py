@@ -98,7 +98,8 @@ class Layout:
         """The layout in which humans take part in these tasks and in no other."""
         human = self.instance.human
         steps = tuple(
-            tuple(step for step in row if any(human[operator] for operator in step.operators) == (task in tasks)) for task, row in enumerate(self.steps)
+            tuple(step for step in row if any(human[operator] for operator in step.operators) == (task in tasks))
+            for task, row in enumerate(self.steps)
         )
         return replace(self, steps=steps, must=_must(steps, len(human)))
 
@@ -119,7 +120,22 @@ class State:
       need: per operator, stress that the tasks not yet placed put on them at least.
     """
 
-    __slots__ = ("end", "free", "hand", "layout", "load", "need", "operators_of", "ready", "start", "stress", "tool_free", "waiting", "way", "zone_free")
+    __slots__ = (
+        "end",
+        "free",
+        "hand",
+        "layout",
+        "load",
+        "need",
+        "operators_of",
+        "ready",
+        "start",
+        "stress",
+        "tool_free",
+        "waiting",
+        "way",
+        "zone_free",
+    )
 
     def __init__(self, layout: Layout) -> None:
         instance = layout.instance

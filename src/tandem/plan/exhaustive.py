@@ -107,7 +107,7 @@ class Search:
         self.instance = self.layout.instance
         self.best = Best(_rank(question, self.instance), {})
         self.most_ticks = _most(question.max_makespan, self.instance.per_second, self.instance.horizon)
-        self.most_units = _most(question.max_stress, self.instance.per_stress, None)
+        self.most_units = _most(question.max_stress, self.instance.per_stress, UNREACHABLE - 1)
         self.open: list[list[Node]] = []
         self.done = False
         self.limits = Limits(self.layout, self.most_ticks)
@@ -134,7 +134,7 @@ class Search:
             self.open = [level]
             count = 0
             while level:
-                if self.until is not None and perf_counter() > self.until or count > MOST_NODES:
+                if (self.until is not None and perf_counter() > self.until) or count > MOST_NODES:
                     self.open = [level, [node for row in kept.values() for _, node in row]]
                     return
                 for child in self.moves.children(level[-1], self.most_ticks):
@@ -176,7 +176,7 @@ class Search:
 
     def _is_promising(self, node: Node) -> bool:
         ticks, units = self.limits.of(node)
-        return ticks <= self.most_ticks and (self.most_units is None or units <= self.most_units) and not self.best.beats(ticks, units)
+        return ticks <= self.most_ticks and units <= self.most_units and not self.best.beats(ticks, units)
 
     def _keep(self, kept: dict[Key, list[tuple[tuple[int, ...], Node]]], node: Node) -> int:
         """Merges the node into those of its key; gives by how many they have grown."""
@@ -193,7 +193,7 @@ class Search:
     def _finish(self, node: Node) -> None:
         units = self.limits.stress_of(node)
         ticks = max(node.free)
-        if units is not None and ticks <= self.most_ticks and (self.most_units is None or units <= self.most_units):
+        if units is not None and ticks <= self.most_ticks and units <= self.most_units:
             self._take(ticks, units, self.instance.schedule(self.moves.starts(node)))
 
     def _take(self, ticks: int, units: int, schedule: Schedule) -> None:
@@ -291,7 +291,7 @@ def _rank(question: Question, instance: Instance) -> Callable[[int, int], tuple[
     return lambda ticks, units: (per_tick * ticks + per_unit * units, ticks, units)
 
 
-def _most(limit: float | None, scale: int, otherwise: int | None) -> int | None:
+def _most(limit: float | None, scale: int, otherwise: int) -> int:
     return otherwise if limit is None else floor(exact(limit) * scale)
 
 

@@ -47,7 +47,7 @@ def clockwise(layout: Layout, priority: Sequence[float], score: Score) -> State 
 def _scan(
     state: State, now: list[tuple[float, int]], future: list[tuple[int, int]], clock: int, score: Score
 ) -> tuple[int | None, list[tuple[float, int]], int | None]:
-    """Places what starts now. Gives the number placed (None: a task has no step), the tasks looked at in vain, and when the first of them can start."""
+    """Places what starts now. Gives the number placed (None: a task has no step), the tasks looked at in vain, and when one of them can start."""
     reckoned = list(state.free)
     deferred: list[tuple[float, int]] = []
     placed, moment = 0, None

@@ -114,8 +114,10 @@ def operators_are_known(judged: Judged) -> Iterator[str]:
 def the_group_can_do_the_task(judged: Judged) -> Iterator[str]:
     for row in judged.rows:
         if row.mode is None and not _modes_of_group(judged.cell, row) and _names_are_known(judged.cell, row):
-            ways = ", or ".join(dict.fromkeys(_and(mode.operators) for mode in judged.cell.modes(row.task)))
-            yield f"task {row.task!r}: {_and(row.given.operators)} cannot do it; {ways} can."
+            who = f"{_and(row.given.operators)} cannot do it" if row.given.operators else "nobody does it"
+            groups = dict.fromkeys(mode.operators for mode in judged.cell.modes(row.task))
+            ways = (", or " if any(len(group) > 1 for group in groups) else " or ").join(map(_and, groups))
+            yield f"task {row.task!r}: {who}; {ways} can."
 
 
 def durations_are_right(judged: Judged) -> Iterator[str]:
@@ -140,7 +142,9 @@ def predecessors_end_first(judged: Judged) -> Iterator[str]:
         for name in judged.cell.tasks[row.task].after:
             end = max((first.end for first in judged.of_task.get(name, ())), default=row.start)
             if row.start < end:
-                yield f"task {row.task!r}: starts at {_s(row.start)}, before task {name!r} has ended, which it comes after: {_s(end)} is the earliest."
+                yield (
+                    f"task {row.task!r}: starts at {_s(row.start)}, before task {name!r} has ended, which it comes after: {_s(end)} is the earliest."
+                )
 
 
 def an_operator_does_one_task_at_a_time(judged: Judged) -> Iterator[str]:

@@ -59,7 +59,7 @@ def critical_path(cell: Cell, schedule: Schedule) -> tuple[Link, ...]:
     best: dict[str, Link] = {}
     grounded: dict[str, bool] = {}
     for a in schedule:
-        links = sorted(plan.links(a), key=lambda link: (link.waited_for is not None and not grounded[link.waited_for], _PREFERENCE.index(link.reason)))
+        links = sorted(plan.links(a), key=lambda link: (not grounded.get(link.waited_for or "", True), _PREFERENCE.index(link.reason)))
         best[a.task] = links[0] if links else Link(a, "choice")
         grounded[a.task] = bool(links) and (links[0].waited_for is None or grounded[links[0].waited_for])
     makespan = max(a.end for a in schedule)
@@ -162,9 +162,7 @@ class _Plan:
 
     def latest_end(self, a: Assignment, limit: Decimal, time: Decimal) -> Decimal:
         """The latest end up to the limit at which neither the task nor its changeovers run into a break."""
-        blocks = [
-            (exact(start), exact(end), turn.change) for turn in self.turns[a.task] for start, end in self.cell.operators[turn.operator].breaks
-        ]
+        blocks = [(exact(start), exact(end), turn.change) for turn in self.turns[a.task] for start, end in self.cell.operators[turn.operator].breaks]
         end, moved = limit, True
         while moved:
             moved = False

@@ -105,9 +105,12 @@ def changeover_times(cell: Cell, operator: str, tasks: list[str]) -> list[float]
     in_hand, seconds = cell.operators[operator].tool, []
     for name in tasks:
         tool = cell.tasks[name].tool if name in cell.tasks else None
-        swaps = tool is not None and in_hand is not None and tool != in_hand
-        seconds.append(cell.tools[tool].changeover.get(operator, 0.0) if swaps and tool in cell.tools else 0.0)
-        in_hand = in_hand if tool is None else tool
+        if tool is None:
+            seconds.append(0.0)
+            continue
+        swaps = in_hand not in (None, tool) and tool in cell.tools
+        seconds.append(cell.tools[tool].changeover.get(operator, 0.0) if swaps else 0.0)
+        in_hand = tool
     return seconds
 
 
