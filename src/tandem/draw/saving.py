@@ -1,14 +1,13 @@
-"""Pictures and other files on disk: whole or absent, and the same bytes every time."""
+"""Pictures on disk: whole or absent, and the same bytes every time."""
 
 from __future__ import annotations
 
 import io
 import os
-import secrets
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tandem.cell.storing import store
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
@@ -30,7 +29,8 @@ def save(picture: Figure | Axes, path: str | os.PathLike[str], *, dpi: int = 150
     target = Path(path)
     if target.suffix.lower() not in PICTURES:
         raise UsageError(f"{target}: a picture's name ends in {', '.join(PICTURES[:-1])} or {PICTURES[-1]}, not {target.suffix or 'nothing'!r}.")
-    return write_whole(target, picture_bytes(picture, target.suffix.lower()[1:], dpi=dpi))
+    store(target, picture_bytes(picture, target.suffix.lower()[1:], dpi=dpi))
+    return target
 
 
 def picture_bytes(picture: Figure | Axes, form: str, *, dpi: int = 150) -> bytes:
@@ -48,35 +48,3 @@ def picture_bytes(picture: Figure | Axes, form: str, *, dpi: int = 150) -> bytes
     with matplotlib.rc_context({"svg.hashsalt": "tandem", "svg.fonttype": "none", "pdf.fonttype": 42}):
         figure.savefig(buffer, format=form, dpi=dpi, metadata=undated, facecolor="white")
     return buffer.getvalue()
-
-
-def write_whole(path: str | os.PathLike[str], data: bytes | str) -> Path:
-    """Writes the file under a temporary name beside its place and renames it, so that readers see the old or the new one, never a part.
-
-    A device or a pipe is written to directly. Raises OSError when that fails; the temporary file is then gone.
-    """
-    target = Path(path)
-    content = data.encode() if isinstance(data, str) else data
-    if target.exists() and not target.is_file() and not target.is_dir():
-        target.write_bytes(content)
-        return target
-    real = Path(os.path.realpath(target))
-    if real.is_dir():
-        raise IsADirectoryError(21, "is a folder, not a file", str(path))
-    draft = real.with_name(f".{real.name[:100]}.{secrets.token_hex(4)}.part")
-    try:
-        with open(draft, "xb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(draft, real)
-    except OSError as error:
-        with suppress(OSError):
-            draft.unlink()
-        # What the user knows is the name they gave, not the draft's.
-        raise OSError(error.errno, error.strerror, str(path)) from error
-    except BaseException:
-        with suppress(OSError):
-            draft.unlink()
-        raise
-    return target

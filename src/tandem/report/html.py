@@ -1,0 +1,212 @@
+"""A front as one HTML file: it opens anywhere, without a network, prints on A4 and needs no script to be read."""
+
+from __future__ import annotations
+
+import json
+import os
+from functools import lru_cache
+from importlib import resources
+from pathlib import Path
+
+import tandem
+from tandem.cell.model import Cell
+from tandem.cell.storing import store
+from tandem.draw.style import Look, looks, number, seconds, share
+from tandem.plan.result import Front, Result, Status
+from tandem.report.language import Words, words
+from tandem.report.markup import Markup, hatch_id, hatches, tag
+from tandem.report.svg_front import front_chart
+from tandem.report.svg_gantt import gantt
+from tandem.report.svg_graph import chain_words, graph
+from tandem.report.tables import balance, plans, steps, tasks
+from tandem.schedule.critical import critical_path
+
+POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
+"""What a browser may load for this page: nothing that is not in it."""
+
+
+def write_html(front: Front, path: str | os.PathLike[str], *, command: str = "", date: str = "", language: str = "en") -> Path:
+    """Writes the report and returns where. The same arguments give the same bytes.
+
+    Args:
+      command: the command line that made the front, to be printed in the report.
+      date: when it was made, to be printed; left out when empty.
+
+    Raises:
+      OSError: the file cannot be written; nothing is left behind.
+      UsageError: there is no such language.
+    """
+    store(path, html(front, command=command, date=date, language=language))
+    return Path(path)
+
+
+def html(front: Front, *, command: str = "", date: str = "", language: str = "en") -> str:
+    """The report as text; see `write_html`."""
+    t = words(language)
+    name = front.cell.name or t("unnamed")
+    knee = front.results.index(front.knee) + 1 if len(front) else 0
+    sections = [_trade_off(front, t), *(_plan(front, place, t) for place in range(len(front))), _graph(front.cell, t), _tasks(front, t)]
+    body = tag(
+        "body",
+        hatches(looks(front.cell)),
+        tag("header", tag("h1", t("title", name=name)), *(tag("p", sentence, class_="lead") for sentence in summary(front, t))),
+        tag("main", *sections, _assumptions(front, t), _made(front, t, command, date)),
+        tag("footer", tag("p", t("safety"), class_="note")),
+        _data(front),
+        tag("script", Markup(_shipped("page.js"))),
+        data_recommended=knee,
+    )
+    head = tag(
+        "head",
+        Markup('<meta charset="utf-8">'),
+        Markup(f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'),
+        Markup('<meta name="viewport" content="width=device-width, initial-scale=1">'),
+        Markup('<link rel="icon" href="data:,">'),
+        tag("title", t("title", name=name)),
+        tag("style", Markup(_shipped("page.css"))),
+    )
+    return "<!DOCTYPE html>\n" + tag("html", head, body, lang=t("language")) + "\n"
+
+
+def summary(front: Front, t: Words) -> list[str]:
+    """What a reader must know, in a few sentences."""
+    cell = front.cell
+    people = [t.count(kind, len(names)) for kind, names in (("human", cell.humans), ("robot", cell.robots)) if names]
+    operators = t("and", first=people[0], last=people[1]) if len(people) == 2 else people[0]
+    first = t("summary.cell", tasks=t.count("task", len(cell.tasks)), operators=operators)
+    if not len(front):
+        return [first, t("summary.none")]
+    if len(front) == 1:
+        found = t("summary.one", makespan=seconds(front[0].makespan), stress=number(front[0].stress))
+    else:
+        ends = {"first_makespan": seconds(front[0].makespan), "first_stress": number(front[0].stress)}
+        ends |= {"last_makespan": seconds(front[len(front) - 1].makespan), "last_stress": number(front[len(front) - 1].stress)}
+        found = t("summary.many", n=len(front), **ends) + " " + _advice(front, t)
+    proof = "proven" if front.complete else "answer" if all(r.status == Status.OPTIMAL for r in front) and len(front) == 1 else "open"
+    sentences = [f"{first} {found}", t(f"summary.{proof}")]
+    return [*sentences, t("summary.interrupted")] if front.interrupted else sentences
+
+
+def _advice(front: Front, t: Words) -> str:
+    knee, quickest = front.knee, front[0]
+    values = {"n": front.results.index(knee) + 1, "makespan": seconds(knee.makespan), "stress": number(knee.stress)}
+    if knee is quickest:
+        return t("summary.knee.first", **values)
+    longer, spared = knee.makespan - quickest.makespan, quickest.stress - knee.stress
+    part = share(spared / quickest.stress) if quickest.stress else "0 %"
+    return t("summary.knee", **values, longer=f"{seconds(longer)} ({share(longer / quickest.makespan)})", spared=f"{number(spared)} ({part})")
+
+
+def _trade_off(front: Front, t: Words) -> Markup:
+    if not len(front):
+        return Markup("")
+    button = tag("button", t("front.all"), id="all", type="button", hidden=True, data_all=t("front.all"), data_single=t("front.single"))
+    hint = tag("p", t("front.hint"), " ", button, class_="screen") if len(front) > 1 else Markup("")
+    legend = tag("p", t("front.legend"), class_="note")
+    return tag("section", tag("h2", t("front.title"), id="trade-off"), hint, front_chart(front, t), legend, plans(front, t))
+
+
+def _plan(front: Front, place: int, t: Words) -> Markup:
+    result = front[place]
+    values = {"n": place + 1, "makespan": seconds(result.makespan), "stress": number(result.stress)}
+    badge = [" ", tag("span", t("plan.recommended"), class_="badge")] if len(front) > 1 and result is front.knee else []
+    return tag(
+        "section",
+        tag("h2", t("plan.title", **values), *badge),
+        gantt(front.cell, result.schedule, t, label=t("plan.chart", **values)),
+        tag("p", *(_key(look, front.cell) for look in looks(front.cell).values())),
+        tag("p", _legend(front.cell, result, t), class_="note"),
+        tag("p", t("plan.critical", chain=_chain(result))),
+        tag("h3", t("balance.title")),
+        tag("div", balance(front.cell, result.schedule, t), class_="keep"),
+        tag("h3", t("plan.steps")),
+        tag("div", steps(front.cell, result.schedule, t), class_="steps"),
+        id=f"plan-{place + 1}",
+        class_="plan",
+        data_plan=place + 1,
+    )
+
+
+def _chain(result: Result) -> str:
+    names = [link.assignment.task for link in critical_path(result.cell, result.schedule)]
+    return " → ".join([*names[:20], "…", *names[-10:]] if len(names) > 32 else names)
+
+
+def _key(look: Look, cell: Cell) -> Markup:
+    """An operator's fill, name and letters."""
+    box = tag("svg", tag("rect", width=30, height=20, fill=f"url(#{hatch_id(look, looks(cell))})"), width=30, height=20, aria_hidden="true")
+    return tag("span", box, f"{look.letters}: {look.label}", class_="key")
+
+
+def _legend(cell: Cell, result: Result, t: Words) -> str:
+    found = [t("plan.legend")]
+    found += [t("plan.legend.joint")] if any(len(a.operators) > 1 for a in result.schedule) else []
+    found += [t("plan.legend.break")] if any(operator.breaks for operator in cell.operators.values()) else []
+    found += [t("plan.legend.changeover")] if any(tool.changeover for tool in cell.tools.values()) else []
+    return " ".join(found)
+
+
+def _graph(cell: Cell, t: Words) -> Markup:
+    notes = [tag("p", chain_words(cell, t)), tag("p", t("graph.legend"), class_="note")]
+    keys = tag("p", *(_key(look, cell) for look in looks(cell).values()))
+    return tag("section", tag("h2", t("graph.title"), id="graph"), *notes[:1], graph(cell, t), keys, *notes[1:], class_="page")
+
+
+def _tasks(front: Front, t: Words) -> Markup:
+    return tag("section", tag("h2", t("tasks.title"), id="tasks"), tasks(front, t), class_="page")
+
+
+def _assumptions(front: Front, t: Words) -> Markup:
+    """What was modelled and how far it is proven. Only what this cell has."""
+    cell = front.cell
+    shown = looks(cell)
+    found = [t("assume.units"), t("assume.table" if cell.stress_of_set is not None else "assume.sum"), t("assume.tasks"), t("assume.fixed")]
+    used = {task.tool: None for task in cell.tasks.values() if task.tool}
+    zones = {task.zone: None for task in cell.tasks.values() if task.zone}
+    breaks = [f"{shown[o].label} {number(a)}–{number(b)} s" for o, operator in cell.operators.items() for a, b in operator.breaks]
+    limits = [f"{shown[o].label} {number(operator.stress_limit)}" for o, operator in cell.operators.items() if operator.stress_limit is not None]
+    if any(task.together for task in cell.tasks.values()):
+        found.append(t("assume.joint"))
+    if used:
+        found.append(
+            t("assume.tools", tools=", ".join(t("assume.tool", tool=name, n=cell.tools[name].capacity if name in cell.tools else 1) for name in used))
+        )
+    if zones:
+        found.append(t("assume.zones", zones=", ".join(f"{name} {cell.zones[name].capacity if name in cell.zones else 1}" for name in zones)))
+    found += [t("assume.breaks", breaks=", ".join(breaks))] if breaks else []
+    found += [t("assume.limits", limits=", ".join(limits))] if limits else []
+    found += [t("assume.same", pairs=", ".join(f"{a} + {b}" for a, b in cell.same_operator))] if cell.same_operator else []
+    found += [t("assume.release")] if any(task.release or task.deadline is not None for task in cell.tasks.values()) else []
+    proven = sum(result.status == Status.OPTIMAL for result in front)
+    found += [t("assume.checked"), t("proof.complete") if front.complete else t("proof.partial", proven=proven, n=len(front))]
+    return tag("section", tag("h2", t("assume.title"), id="assumptions"), tag("ul", *(tag("li", sentence) for sentence in found)), class_="keep")
+
+
+def _made(front: Front, t: Words, command: str, date: str) -> Markup:
+    entries = [
+        ("program", f"tandem {tandem.__version__}"),
+        ("solver", front.solver),
+        ("method", front.method),
+        ("seed", str(front.seed)),
+        ("time", f"{number(round(front.wall_s, 3))} s"),
+        ("cell", front.cell.name or t("unnamed")),
+        ("digest", front.cell.digest),
+        ("command", command),
+        ("date", date),
+    ]
+    listed = tag("dl", *(piece for key, value in entries if value for piece in (tag("dt", t(f"made.{key}")), tag("dd", value))))
+    return tag("section", tag("h2", t("made.title"), id="made"), listed, tag("p", t("made.data"), class_="note"), class_="keep")
+
+
+def _data(front: Front) -> Markup:
+    """The result document and the cell, so that every number of the page can be read by a program."""
+    document = {**front.to_dict(), "cell_file": front.cell.to_dict()}
+    text = json.dumps(document, ensure_ascii=False, separators=(",", ":"))
+    for sign, safe in (("<", "\\u003c"), (">", "\\u003e"), ("&", "\\u0026"), ("\u2028", "\\u2028"), ("\u2029", "\\u2029")):
+        text = text.replace(sign, safe)
+    return tag("script", Markup(text), type="application/json", id="result")
+
+
+@lru_cache
+def _shipped(name: str) -> str:
+    return (resources.files("tandem.report") / name).read_text("utf-8")

@@ -1,0 +1,33 @@
+"use strict";
+// Shows one plan at a time; without this script all of them stand on the page.
+(() => {
+  const plans = [...document.querySelectorAll(".plan")];
+  const button = document.getElementById("all");
+  if (plans.length < 2) return;
+  let all = false;
+  const wanted = () => {
+    const asked = /^#plan-(\d+)$/.exec(location.hash);
+    return asked && Number(asked[1]) <= plans.length ? asked[1] : document.body.dataset.recommended;
+  };
+  const show = () => {
+    const chosen = wanted();
+    for (const plan of plans) plan.hidden = !all && plan.dataset.plan !== chosen;
+    for (const mark of document.querySelectorAll("[data-plan]:not(.plan)")) {
+      if (mark.dataset.plan === chosen) mark.setAttribute("aria-current", "true");
+      else mark.removeAttribute("aria-current");
+    }
+    button.textContent = all ? button.dataset.single : button.dataset.all;
+  };
+  button.hidden = false;
+  button.addEventListener("click", () => { all = !all; show(); });
+  window.addEventListener("hashchange", () => {
+    show();
+    const target = document.getElementById("plan-" + wanted());
+    if (target) target.scrollIntoView({ block: "start" });
+  });
+  for (const row of document.querySelectorAll("tr[data-plan]")) {
+    row.style.cursor = "pointer";
+    row.addEventListener("click", () => { location.hash = "plan-" + row.dataset.plan; });
+  }
+  show();
+})();

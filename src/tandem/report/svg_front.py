@@ -1,0 +1,110 @@
+"""The trade-off as SVG for the page: every point is a link to its plan."""
+
+from __future__ import annotations
+
+from tandem.draw.front import staircase, window
+from tandem.draw.style import number, seconds
+from tandem.plan.result import Front, Result, Status
+from tandem.report.language import Words
+from tandem.report.markup import Markup, figure, tag, text, ticks, width_of
+
+WIDTH, HEIGHT = 740.0, 420.0
+LEFT, RIGHT, TOP, BOTTOM = 80.0, 20.0, 18.0, 58.0
+
+
+def front_chart(front: Front, t: Words) -> Markup:
+    """The chart with dominated area, knee and, where something is not proven, bounds."""
+    low_x, high_x, low_y, high_y = window(front)
+
+    def at(makespan: float, stress: float) -> tuple[float, float]:
+        across = LEFT + (makespan - low_x) / (high_x - low_x) * (WIDTH - LEFT - RIGHT)
+        return across, HEIGHT - BOTTOM - (stress - low_y) / (high_y - low_y) * (HEIGHT - TOP - BOTTOM)
+
+    edge = [at(*corner) for corner in staircase(front, high_x, high_y)]
+    corner = at(high_x, high_y)
+    area = " ".join(f"{x:.2f},{y:.2f}" for x, y in [*edge, corner])
+    line = " ".join(f"{x:.2f},{y:.2f}" for x, y in edge)
+    pieces = [
+        tag("polygon", tag("title", t("front.dominated")), points=area, class_="dominated"),
+        _axes(low_x, high_x, low_y, high_y, at, t),
+        tag("polyline", points=line, class_="edge"),
+    ]
+    places = [at(r.makespan, r.stress) for r in front]
+    knee = front.results.index(front.knee)
+    labelled = _labelled(front, places, knee)
+    for place, result in enumerate(front):
+        bounds = at(result.bound.makespan, result.bound.stress)
+        pieces.append(_point(place, result, places[place], bounds, t, knee=place == knee, label=place in labelled, many=len(front) > 2))
+    drawing = tag(
+        "svg",
+        *pieces,
+        viewBox=f"0 0 {WIDTH:g} {HEIGHT:g}",
+        width=WIDTH,
+        height=HEIGHT,
+        role="group",
+        aria_label=t("front.chart"),
+        class_="front",
+        xmlns="http://www.w3.org/2000/svg",
+    )
+    return figure(drawing, t("front.chart"))
+
+
+def _axes(low_x: float, high_x: float, low_y: float, high_y: float, at: object, t: Words) -> Markup:
+    assert callable(at)
+    base, pieces = HEIGHT - BOTTOM, []
+    for value in ticks(low_x, high_x, 10):
+        x, _ = at(value, low_y)
+        pieces.append(tag("line", x1=x, x2=x, y1=TOP, y2=base + 5, class_="grid"))
+        pieces.append(text(x, base + 23, number(value), text_anchor="middle", class_="faint"))
+    for value in ticks(low_y, high_y, 8):
+        _, y = at(low_x, value)
+        pieces.append(tag("line", x1=LEFT - 5, x2=WIDTH - RIGHT, y1=y, y2=y, class_="grid"))
+        pieces.append(text(LEFT - 10, y + 5.5, number(value), text_anchor="end", class_="faint"))
+    pieces.append(tag("path", d=f"M{LEFT:g},{TOP:g} V{base:g} H{WIDTH - RIGHT:g}", class_="axis"))
+    pieces.append(text((LEFT + WIDTH) / 2, HEIGHT - 8, t("front.makespan"), text_anchor="middle"))
+    middle = (TOP + base) / 2
+    pieces.append(text(20, middle, t("front.stress"), text_anchor="middle", transform=f"rotate(-90 20 {middle:g})"))
+    return tag("g", *pieces)
+
+
+def _label(result: Result, t: Words, *, knee: bool) -> str:
+    return f"{seconds(result.makespan)}, {number(result.stress)}" + (f" ({t('front.knee')})" if knee else "")
+
+
+def _labelled(front: Front, places: list[tuple[float, float]], knee: int) -> set[int]:
+    """The knee and the ends, then every other point whose label meets no other point or label."""
+    boxes = [(x - 9, y - 9, x + 9, y + 9) for x, y in places]
+    chosen: set[int] = set()
+    for place in dict.fromkeys([knee, 0, len(front) - 1, *range(len(front))]):
+        x, y = places[place]
+        box = (x + 17, y - 28, x + 19 + width_of(_label(front[place], _NO_WORDS, knee=False), 16) + (120 if place == knee else 0), y - 8)
+        free = not any(box[0] < b[2] and b[0] < box[2] and box[1] < b[3] and b[1] < box[3] for b in boxes)
+        if free or place == knee:
+            chosen.add(place)
+            boxes.append(box)
+    return chosen
+
+
+_NO_WORDS = Words("", {})
+
+
+def _point(
+    place: int, result: Result, at: tuple[float, float], bounds: tuple[float, float], t: Words, *, knee: bool, label: bool, many: bool
+) -> Markup:
+    x, y = at
+    proven = result.status == Status.OPTIMAL
+    key = "front.point.proven" if proven else "front.point.open"
+    values = {"makespan": seconds(result.makespan), "stress": number(result.stress)}
+    words = t(key, n=place + 1, low_makespan=seconds(result.bound.makespan), low_stress=number(result.bound.stress), **values)
+    pieces = [tag("title", words)]
+    if not proven:
+        pieces.append(tag("path", d=f"M{bounds[0]:.2f},{y - 6:.2f} v12 m0,-6 H{x:.2f} V{bounds[1]:.2f} m-6,0 h12", class_="bounds"))
+    if knee:
+        pieces.append(tag("circle", cx=x, cy=y, r=14, class_="knee"))
+    pieces.append(tag("circle", cx=x, cy=y, r=17, class_="target"))
+    pieces.append(tag("circle", cx=x, cy=y, r=8, class_="dot" if proven else "dot open"))
+    if label:
+        shown = _label(result, t, knee=knee and many)
+        inside = x + 19 + width_of(shown, 16) < WIDTH
+        pieces.append(text(x + 19 if inside else x - 19, y - 13, shown, text_anchor="start" if inside else "end", class_="strong" if knee else None))
+    return tag("a", *pieces, href=f"#plan-{place + 1}", class_="point", data_plan=place + 1, aria_label=words)

@@ -1,0 +1,99 @@
+"""The precedence graph as SVG for the page."""
+
+from __future__ import annotations
+
+from tandem.cell.model import Cell
+from tandem.draw.graph import HALF_HEIGHT, HALF_WIDTH, Chip, arrow_curve, chips, critical_pairs
+from tandem.draw.layers import Layers, layers
+from tandem.draw.style import looks, number, seconds, task_label
+from tandem.report.language import Words
+from tandem.report.markup import Markup, figure, fitting, hatch_id, tag, text, width_of
+
+COLUMN, ROW = 236.0, 88.0
+
+
+def graph(cell: Cell, t: Words) -> Markup:
+    """The graph; a node says who can do the task and in how many seconds."""
+    drawn = layers(cell)
+    columns, rows = drawn.extent
+    width, height = columns * COLUMN, rows * ROW + 6
+    marker = tag(
+        "marker",
+        tag("path", d="M0,0 L9,4 L0,8 z", class_="tip"),
+        id="tip",
+        viewBox="0 0 9 8",
+        refX=9,
+        refY=4,
+        markerWidth=9,
+        markerHeight=8,
+        orient="auto",
+        markerUnits="userSpaceOnUse",
+    )
+    bold = marker.replace('id="tip"', 'id="tip-bold"').replace('class="tip"', 'class="tip bold"')
+    pieces = [tag("defs", marker, Markup(bold)), *_arrows(drawn)]
+    pieces += [_node(cell, task, drawn.at[task], t, critical=task in drawn.critical) for task in cell.tasks]
+    drawing = tag(
+        "svg",
+        *pieces,
+        viewBox=f"0 0 {width:.0f} {height:.0f}",
+        width=width,
+        height=height,
+        role="img",
+        aria_label=t("graph.chart"),
+        class_="graph small" if width < 1040 else "graph",
+        xmlns="http://www.w3.org/2000/svg",
+    )
+    return figure(drawing, t("graph.chart"))
+
+
+def _at(column: float, row: float) -> tuple[float, float]:
+    return (column + 0.5) * COLUMN, (row + 0.5) * ROW + 3
+
+
+def _arrows(drawn: Layers) -> list[Markup]:
+    strong = critical_pairs(drawn)
+    found = []
+    for pair, points in sorted(drawn.arrows.items(), key=lambda item: item[0] in strong):
+        (x, y), *rest = [_at(*point) for point in arrow_curve(points)]
+        curve = f"M{x:.1f},{y:.1f} C" + " ".join(f"{a:.1f},{b:.1f}" for a, b in rest)
+        bold = pair in strong
+        found.append(tag("path", d=curve, class_="arrow bold" if bold else "arrow", marker_end=f"url(#{'tip-bold' if bold else 'tip'})"))
+    return found
+
+
+def _node(cell: Cell, task: str, at: tuple[float, float], t: Words, *, critical: bool) -> Markup:
+    x, y = _at(*at)
+    half, high = HALF_WIDTH * COLUMN, HALF_HEIGHT * ROW
+    label = task_label(cell, task)
+    after = ", ".join(cell.tasks[task].after)
+    details = t("graph.node.after", task=label, after=after) if after else t("graph.node", task=label)
+    named = f"{task}: {label}" if label != task else task
+    pieces = [
+        tag("title", details),
+        tag("rect", x=x - half, y=y - high, width=2 * half, height=2 * high, rx=3, class_="node critical" if critical else "node"),
+        text(x, y - high + 23, fitting([named, label, task], 2 * half - 10), text_anchor="middle", class_="strong"),
+    ]
+    found = chips(cell, task)
+    each = (2 * half - 6 - 4 * (len(found) - 1)) / len(found)
+    for place, chip in enumerate(found):
+        pieces += _chip(cell, chip, x - half + 3 + place * (each + 4), y, each, high - 3, task)
+    return tag("g", *pieces, class_="task")
+
+
+def _chip(cell: Cell, chip: Chip, x: float, y: float, width: float, height: float, task: str) -> list[Markup]:
+    order = looks(cell)
+    part = width / max(len(chip.looks), 1)
+    pieces = [tag("rect", x=x + i * part, y=y, width=part, height=height, fill=f"url(#{hatch_id(look, order)})") for i, look in enumerate(chip.looks)]
+    shown = fitting([chip.words, chip.words.split()[0]], width - 4)
+    back = min(width_of(shown, 16), width)
+    if shown and any(look.hatch for look in chip.looks):
+        pieces.append(tag("rect", x=x + (width - back) / 2, y=y + height / 2 - 9, width=back, height=18, rx=3, fill="#FFFFFF", fill_opacity="0.85"))
+    pieces.append(text(x + width / 2, y + height / 2 + 5.5, shown, text_anchor="middle", class_="on-bar"))
+    return pieces
+
+
+def chain_words(cell: Cell, t: Words) -> str:
+    """A sentence on the longest chain."""
+    drawn = layers(cell)
+    names = [*drawn.critical[:8], "…", *drawn.critical[-4:]] if len(drawn.critical) > 14 else list(drawn.critical)
+    return t("graph.chain", seconds=seconds(drawn.critical_s), chain=" → ".join(names), n=number(len(drawn.critical)))
