@@ -1,0 +1,101 @@
+"""What is known about a cell's front while it is searched: the schedules that none beats, and the facts that bound all others."""
+
+from __future__ import annotations
+
+from math import inf
+
+from tandem.cell.model import Cell
+from tandem.plan.bounds import least_makespan, least_stress
+from tandem.plan.cpsat import Starts
+from tandem.plan.decode import Layout
+from tandem.plan.instance import Instance
+from tandem.plan.race import Goal, keeps_deadlines, measures
+from tandem.plan.result import Bound, Result, Status
+from tandem.schedule.checker import faults
+from tandem.schedule.model import Schedule
+
+Point = tuple[int, int]
+"""Makespan in ticks, stress in units."""
+
+
+class Archive:
+    """Schedules and facts.
+
+    A fact `(stress, makespan)` says: every schedule (within the question's limits) of at most this stress takes at least this makespan.
+    All bounds and proofs of a front follow from facts: a point is optimal when they leave no room on either side of it.
+    """
+
+    def __init__(self, cell: Cell, layout: Layout, limits: Goal) -> None:
+        self.cell, self.layout, self.limits = cell, layout, limits
+        self.found: dict[Point, Starts] = {}
+        self.least_stress = least_stress(layout) or 0
+        self.facts: list[tuple[float, float]] = [(inf, least_makespan(layout)), (self.least_stress - 1, inf)]
+        self._schedules: dict[Point, Schedule] = {}
+
+    @property
+    def instance(self) -> Instance:
+        return self.layout.instance
+
+    def offer(self, starts: Starts) -> bool:
+        """Keeps the schedule if it is within the limits and nothing kept is at least as good; says whether it did. Assumes that it is sound."""
+        point = measures(self.instance, starts)
+        if not self.limits.allows(*point) or not keeps_deadlines(self.instance, starts):
+            return False
+        if any(m <= point[0] and s <= point[1] for m, s in self.found):
+            return False
+        self.found = {(m, s): kept for (m, s), kept in self.found.items() if m < point[0] or s < point[1]}
+        self.found[point] = starts
+        return True
+
+    def learn(self, stress: float, makespan: float) -> None:
+        """Adds a fact."""
+        self.facts.append((stress, makespan))
+
+    def best(self, goal: Goal) -> Starts | None:
+        """The kept schedule of least value for the goal."""
+        fitting = [point for point in self.found if goal.allows(*point)]
+        return self.found[min(fitting, key=lambda point: goal.value(*point))] if fitting else None
+
+    def least_makespan(self, stress: float) -> float:
+        """Ticks; infinite when no schedule has at most this stress."""
+        return max(makespan for cap, makespan in self.facts if cap >= stress)
+
+    def least_stress_within(self, makespan: int) -> float:
+        """Units that every schedule of at most this makespan has at least."""
+        return max((cap + 1 for cap, least in self.facts if least > makespan), default=0)
+
+    @property
+    def points(self) -> list[Point]:
+        """What is kept, by makespan."""
+        return sorted(self.found)
+
+    @property
+    def complete(self) -> bool:
+        """Every kept point is optimal and no other exists."""
+        cap, latest = self.limits.max_stress, self.limits.max_makespan
+        floors = [inf if cap is None else cap, *(stress - 1 for _, stress in self.points)]
+        ends = [*(makespan for makespan, _ in self.points), inf if latest is None else latest + 1]
+        return bool(self.found) and all(self.least_makespan(floor) >= end for floor, end in zip(floors, ends, strict=True))
+
+    def results(self) -> tuple[Result, ...]:
+        """The kept schedules with their bounds as they stand."""
+        return tuple(self.result(point) for point in self.points)
+
+    def result(self, point: Point, proven: bool | None = None) -> Result:
+        """One kept schedule; `proven` overrides what follows from the facts."""
+        instance = self.instance
+        makespan = min(self.least_makespan(point[1]), point[0])
+        stress = min(self.least_stress_within(point[0]), point[1])
+        optimal = (makespan, stress) == point if proven is None else proven
+        if optimal:
+            makespan, stress = point
+        bound = Bound(instance.seconds(int(makespan)), instance.stress(int(stress)))
+        return Result(self.cell, self._checked(point), Status.OPTIMAL if optimal else Status.FEASIBLE, bound)
+
+    def _checked(self, point: Point) -> Schedule:
+        if point not in self._schedules:
+            schedule = self.instance.schedule(self.found[point])
+            if wrong := faults(self.cell, schedule):
+                raise AssertionError("a planned schedule breaks its cell: " + "; ".join(wrong))
+            self._schedules[point] = schedule
+        return self._schedules[point]

@@ -1,0 +1,309 @@
+"""The cell as a CP-SAT model: the decisions, and one function for each rule of the cell.
+
+The engine's types stay behind this door; `exact.py` and `neighbourhoods.py` ask questions of the model.
+
+Alternatives share one start and one end per task, every alternative has an interval of fixed size. OR-Tools is pinned to 9.14
+because 9.15.6755 answers such models wrongly; `tests/plan/test_ortools_pin.py` tells the story.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from itertools import combinations
+
+from ortools.sat.python import cp_model
+
+from tandem.plan.instance import Instance
+
+Literal = cp_model.LiteralT
+Starts = tuple[tuple[int, int], ...]
+"""Per task, in the instance's order: the way it is done and the tick at which it starts."""
+
+
+@dataclass
+class Decisions:
+    """The variables of the model, and how to read them back.
+
+    Attributes:
+      start, end: per task, ticks.
+      chosen: per task and way, a literal; exactly one per task is true.
+      intervals: per task and way, present when the way is chosen.
+      at: per operator, the intervals that occupy it.
+      makespan: ticks; stress: units, in the cell's measure.
+    """
+
+    model: cp_model.CpModel
+    instance: Instance
+    upper: int
+    start: list[cp_model.IntVar] = field(default_factory=list)
+    end: list[cp_model.LinearExprT] = field(default_factory=list)
+    chosen: list[list[cp_model.IntVar]] = field(default_factory=list)
+    intervals: list[list[cp_model.IntervalVar]] = field(default_factory=list)
+    at: dict[int, list[cp_model.IntervalVar]] = field(default_factory=lambda: defaultdict(list))
+    makespan: cp_model.IntVar = None  # type: ignore[assignment]
+    stress: cp_model.IntVar = None  # type: ignore[assignment]
+
+    def does(self, task: int, operator: int) -> list[cp_model.IntVar]:
+        """The literals under which the operator takes part in the task; at most one is true."""
+        return [x for x, way in zip(self.chosen[task], self.instance.ways[task], strict=True) if operator in way.operators]
+
+    def read(self, value: Callable[[cp_model.IntVar], int]) -> Starts:
+        """The schedule that the values describe."""
+        return tuple((next(w for w, x in enumerate(self.chosen[t]) if value(x)), value(self.start[t])) for t in range(len(self.start)))
+
+    def hint(self, starts: Starts) -> None:
+        """Tells the solver a schedule to begin with."""
+        self.model.clear_hints()
+        for task, (way, start) in enumerate(starts):
+            self.model.add_hint(self.start[task], start)
+            for w, x in enumerate(self.chosen[task]):
+                if w or len(self.chosen[task]) > 1:
+                    self.model.add_hint(x, w == way)
+
+
+def formulate(instance: Instance, upper: int, rules: Iterable[Rule] | None = None) -> Decisions:
+    """The model of the cell for schedules that end by `upper` ticks: its decisions, and every rule in `rules` (default: all)."""
+    model = cp_model.CpModel()
+    plan = Decisions(model, instance, upper)
+    model_is_trivially_false = False
+    for task, ways in enumerate(instance.ways):
+        shortest = min(way.ticks for way in ways)
+        latest = min(upper - instance.tail[task], (upper if instance.deadline[task] is None else instance.deadline[task]) - shortest)  # type: ignore[operator]
+        if latest < instance.head[task]:
+            model_is_trivially_false, latest = True, instance.head[task]
+        start = model.new_int_var(instance.head[task], latest, f"start {task}")
+        chosen = [model.new_bool_var(f"way {task} {w}") for w in range(len(ways))] if len(ways) > 1 else [model.new_constant(1)]
+        if len(ways) > 1:
+            model.add_exactly_one(chosen)
+        intervals = []
+        for way, literal in zip(ways, chosen, strict=True):
+            interval = (
+                model.new_optional_fixed_size_interval_var(start, way.ticks, literal, "")
+                if len(ways) > 1
+                else model.new_fixed_size_interval_var(start, way.ticks, "")
+            )
+            intervals.append(interval)
+            for operator in way.operators:
+                plan.at[operator].append(interval)
+        plan.start.append(start)
+        plan.chosen.append(chosen)
+        plan.intervals.append(intervals)
+        plan.end.append(start + (sum(way.ticks * x for way, x in zip(ways, chosen, strict=True)) if len(ways) > 1 else ways[0].ticks))
+    plan.makespan = model.new_int_var(0, upper, "makespan")
+    for task in range(len(instance.tasks)):
+        if not instance.behind[task]:
+            model.add(plan.end[task] <= plan.makespan)
+    if model_is_trivially_false:
+        model.add_bool_or([])
+    for rule in RULES if rules is None else rules:
+        rule(plan)
+    return plan
+
+
+Rule = Callable[[Decisions], None]
+
+
+def predecessors_end_first(plan: Decisions) -> None:
+    """A task starts when all that it comes after have ended."""
+    for task, firsts in enumerate(plan.instance.before):
+        for first in firsts:
+            plan.model.add(plan.end[first] <= plan.start[task])
+
+
+def an_operator_does_one_thing_at_a_time(plan: Decisions) -> None:
+    """Tasks, breaks and changeovers of an operator do not overlap."""
+    for operator in range(len(plan.instance.operators)):
+        busy = [*plan.at[operator], *_changeovers(plan, operator)]
+        busy += [plan.model.new_fixed_size_interval_var(begin, end - begin, "") for begin, end in plan.instance.breaks[operator]]
+        if len(busy) > 1:
+            plan.model.add_no_overlap(busy)
+
+
+def _changeovers(plan: Decisions, operator: int) -> list[cp_model.IntervalVar]:
+    """The intervals in which the operator takes up another tool, directly before the task that needs it."""
+    instance, model = plan.instance, plan.model
+    tasks = [t for t, tool in enumerate(instance.tool) if tool is not None and plan.does(t, operator)]
+    cost = {t: instance.changeover[instance.tool[t]][operator] for t in tasks}  # type: ignore[index]
+    in_hand = instance.in_hand[operator]
+    kinds = {instance.tool[t] for t in tasks} | ({in_hand} if in_hand is not None else set())
+    if len(kinds) < 2 or not any(cost.values()):
+        return []
+    arcs: list[tuple[int, int, Literal]] = []
+    into: dict[int, list[cp_model.IntVar]] = {t: [] for t in tasks}
+    nobody = model.new_bool_var("no tool used")
+    arcs.append((0, 0, nobody))
+    for place, task in enumerate(tasks, start=1):
+        does = _any_of(plan, plan.does(task, operator))
+        arcs.append((place, place, does.negated()))
+        first, last = model.new_bool_var(""), model.new_bool_var("")
+        arcs += [(0, place, first), (place, 0, last)]
+        if in_hand is not None and in_hand != instance.tool[task]:
+            into[task].append(first)
+        model.add_implication(does, nobody.negated())
+    for (i, first_task), (j, second_task) in combinations(enumerate(tasks, start=1), 2):
+        for a, one, b, two in ((i, first_task, j, second_task), (j, second_task, i, first_task)):
+            follows = model.new_bool_var("")
+            arcs.append((a, b, follows))
+            model.add(plan.end[one] <= plan.start[two]).only_enforce_if(follows)
+            if instance.tool[one] != instance.tool[two]:
+                into[two].append(follows)
+    model.add_circuit(arcs)
+    swaps = []
+    for task, causes in into.items():
+        if causes and cost[task]:
+            swap = _any_of(plan, causes)
+            model.add(plan.start[task] >= cost[task]).only_enforce_if(swap)
+            swaps.append(model.new_optional_fixed_size_interval_var(plan.start[task] - cost[task], cost[task], swap, ""))
+    return swaps
+
+
+def _any_of(plan: Decisions, literals: list[cp_model.IntVar]) -> cp_model.IntVar:
+    """A literal that is true when one of these, of which at most one is true, is true."""
+    if len(literals) == 1:
+        return literals[0]
+    either = plan.model.new_bool_var("")
+    plan.model.add(sum(literals) == either)
+    return either
+
+
+def a_tool_is_used_as_often_as_it_exists(plan: Decisions) -> None:
+    """At most `capacity` operators work with a tool at once."""
+    _share(plan, plan.instance.tool, plan.instance.tool_places)
+
+
+def a_zone_holds_as_many_as_it_has_places(plan: Decisions) -> None:
+    """At most `capacity` operators are in a zone at once."""
+    _share(plan, plan.instance.zone, plan.instance.zone_places)
+
+
+def _share(plan: Decisions, needs: tuple[int | None, ...], places: tuple[int, ...]) -> None:
+    for thing, capacity in enumerate(places):
+        users = [t for t, need in enumerate(needs) if need == thing]
+        intervals = [interval for t in users for interval in plan.intervals[t]]
+        demands = [len(way.operators) for t in users for way in plan.instance.ways[t]]
+        if len({operator for t in users for way in plan.instance.ways[t] for operator in way.operators}) <= capacity:
+            continue
+        if capacity == 1 and max(demands) == 1:
+            plan.model.add_no_overlap(intervals)
+        else:
+            plan.model.add_cumulative(intervals, demands, capacity)
+
+
+def a_human_stays_within_the_stress_limit(plan: Decisions) -> None:
+    """The stress of all that a human does, alone or with others, is at most their limit."""
+    for operator, limit in enumerate(plan.instance.stress_limit):
+        if limit is not None:
+            plan.model.add(sum(load * x for load, x in _loads_of(plan, operator)) <= limit)
+
+
+def _loads_of(plan: Decisions, operator: int) -> list[tuple[int, cp_model.IntVar]]:
+    return [
+        (load, x)
+        for chosen, ways in zip(plan.chosen, plan.instance.ways, strict=True)
+        for x, way in zip(chosen, ways, strict=True)
+        for who, load in zip(way.operators, way.load, strict=True)
+        if who == operator and load
+    ]
+
+
+def some_tasks_have_the_same_operators(plan: Decisions) -> None:
+    """Tasks of a `same_operator` pair are done by the very same operators."""
+    for one, two in plan.instance.same_operator:
+        groups: dict[tuple[int, ...], tuple[list[cp_model.IntVar], list[cp_model.IntVar]]] = defaultdict(lambda: ([], []))
+        for side, task in enumerate((one, two)):
+            for x, way in zip(plan.chosen[task], plan.instance.ways[task], strict=True):
+                groups[way.operators][side].append(x)
+        for mine, yours in groups.values():
+            plan.model.add(sum(mine) == sum(yours))
+
+
+def stress_is_counted(plan: Decisions) -> None:
+    """Stress is the sum over the tasks done by humans, or the value of that set of tasks in the cell's table."""
+    instance, model = plan.instance, plan.model
+    table = instance.stress_of_set
+    if table is None:
+        low = sum(min(way.stress for way in ways) for ways in instance.ways)
+        high = sum(max(way.stress for way in ways) for ways in instance.ways)
+        plan.stress = model.new_int_var(low, high, "stress")
+        model.add(plan.stress == sum(way.stress * x for ways, xs in zip(instance.ways, plan.chosen, strict=True) for way, x in zip(ways, xs, strict=True) if way.stress))
+        return
+    by_human = []
+    for ways, chosen in zip(instance.ways, plan.chosen, strict=True):
+        human = [x for x, way in zip(chosen, ways, strict=True) if any(instance.human[o] for o in way.operators)]
+        literal = model.new_bool_var("")
+        model.add(sum(human) == literal)
+        by_human.append(literal)
+    plan.stress = model.new_int_var(min(table.values()), max(table.values()), "stress")
+    rows = [[*(int(t in tasks) for t in range(len(instance.tasks))), value] for tasks, value in table.items()]
+    model.add_allowed_assignments([*by_human, plan.stress], rows)
+
+
+def the_work_of_an_operator_fits_before_the_end(plan: Decisions) -> None:
+    """Implied by the others, but it is what proves optimality: all that an operator does lies between the first head and the last tail."""
+    instance = plan.instance
+    for operator in range(len(instance.operators)):
+        work = _work_of(plan, operator, range(len(instance.tasks)))
+        mine = [t for t in range(len(instance.tasks)) if plan.does(t, operator)]
+        if len(mine) > 1:
+            earliest = min(instance.head[t] for t in mine)
+            after = min(instance.tail[t] - min(way.ticks for way in instance.ways[t]) for t in mine)
+            plan.model.add(sum(ticks * x for ticks, x in work) + earliest + after <= plan.makespan)
+
+
+def work_before_and_behind_a_task_fits(plan: Decisions) -> None:
+    """Implied too: what an operator does before a task fits before its start, what it does behind the task fits behind its end."""
+    instance = plan.instance
+    ancestors, descendants = closure(instance.before, instance.order), closure(instance.behind, instance.order[::-1])
+    if sum(map(len, ancestors)) > MOST_CLOSURE_TERMS:
+        return
+    for task in range(len(instance.tasks)):
+        for operator in range(len(instance.operators)):
+            if len(work := _work_of(plan, operator, sorted(ancestors[task]))) > 1:
+                plan.model.add(sum(ticks * x for ticks, x in work) <= plan.start[task])
+            if len(work := _work_of(plan, operator, sorted(descendants[task]))) > 1:
+                plan.model.add(plan.end[task] + sum(ticks * x for ticks, x in work) <= plan.makespan)
+
+
+MOST_CLOSURE_TERMS = 4_000
+"""Above so many pairs of a task and one that comes before it, the rows cost more time than they save."""
+
+
+def _work_of(plan: Decisions, operator: int, tasks: Iterable[int]) -> list[tuple[int, cp_model.IntVar]]:
+    return [
+        (way.ticks, x)
+        for task in tasks
+        for x, way in zip(plan.chosen[task], plan.instance.ways[task], strict=True)
+        if operator in way.operators
+    ]
+
+
+def closure(direct: tuple[tuple[int, ...], ...], order: Iterable[int]) -> list[set[int]]:
+    """Per task, all that is reached by following `direct`, given an order in which what is followed comes first."""
+    reached: list[set[int]] = [set() for _ in direct]
+    for task in order:
+        for other in direct[task]:
+            reached[task] |= {other} | reached[other]
+    return reached
+
+
+RULES: tuple[Rule, ...] = (
+    predecessors_end_first,
+    an_operator_does_one_thing_at_a_time,
+    a_tool_is_used_as_often_as_it_exists,
+    a_zone_holds_as_many_as_it_has_places,
+    a_human_stays_within_the_stress_limit,
+    some_tasks_have_the_same_operators,
+    stress_is_counted,
+    the_work_of_an_operator_fits_before_the_end,
+    work_before_and_behind_a_task_fits,
+)
+
+ALLOCATION: tuple[Rule, ...] = (
+    a_human_stays_within_the_stress_limit,
+    some_tasks_have_the_same_operators,
+    stress_is_counted,
+    the_work_of_an_operator_fits_before_the_end,
+)
+"""The rules that do not ask for an order: what is left when operators may do several things at once."""

@@ -1,0 +1,137 @@
+"""Why no schedule exists, in the cell's own words: the smallest group of limits that cannot be kept together, each confirmed by planning anew.
+
+Limits are lifted one after the other as a user would: by leaving a key out of the cell or an option out of the call. What is found is
+therefore something the user can do, and not a statement about a model (a deletion filter: Chinneck and Dravnieks 1991, ORSA Journal on
+Computing 3(2), 157-168).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from time import monotonic
+
+from tandem.cell.model import Cell, Tool, Zone
+from tandem.errors import CellError, InfeasibleError, NothingFoundError
+from tandem.plan import exact
+from tandem.plan.question import Question
+
+EACH_S = 5.0
+"""Seconds for one question "is there a schedule without this?"."""
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Something that can be lifted.
+
+    Attributes:
+      words: what it says, to stand in a sentence.
+      where: `question` or the key of the cell that holds it, with the names below it.
+    """
+
+    words: str
+    where: tuple[str, ...]
+
+
+def reasons(cell: Cell, question: Question, *, seconds: float = 30.0) -> list[str]:
+    """Sentences: the limits that cannot be kept together, and what lifting each one of them would give. Empty when there is no limit to lift.
+
+    Every sentence that says "without it there is a schedule" was found by planning without it.
+    """
+    until = monotonic() + seconds
+    group = _minimal(cell, question, list(limits(cell, question)), until)
+    if not group:
+        return []
+    names = [limit.words for limit in group]
+    together = f"{names[0]} cannot be kept" if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]} cannot be kept together"
+    return [f"{together}.", *(_without(cell, question, limit) for limit in group)]
+
+
+def limits(cell: Cell, question: Question) -> Iterator[Limit]:
+    """Everything that could be lifted: the question's limits first, then the cell's."""
+    if question.max_makespan is not None:
+        yield Limit(f"the limit on the makespan ({question.max_makespan:g} s)", ("question", "max_makespan"))
+    if question.max_stress is not None:
+        yield Limit(f"the limit on stress ({question.max_stress:g})", ("question", "max_stress"))
+    for name, operator in cell.operators.items():
+        if operator.stress_limit is not None:
+            yield Limit(f"the stress limit of {name} ({operator.stress_limit:g})", ("operators", name, "stress_limit"))
+    for name, task in cell.tasks.items():
+        if task.deadline is not None:
+            yield Limit(f"the deadline of task {name} ({task.deadline:g} s)", ("tasks", name, "deadline"))
+    if cell.stress_of_set is not None:
+        yield Limit("the list of allowed sets of human tasks (stress_of_set)", ("stress_of_set",))
+    for one, two in cell.same_operator:
+        yield Limit(f"that tasks {one} and {two} need the same operators", ("same_operator", one, two))
+    for name, operator in cell.operators.items():
+        if operator.breaks:
+            yield Limit(f"the breaks of {name}", ("operators", name, "breaks"))
+    for name, task in cell.tasks.items():
+        if task.release > 0:
+            yield Limit(f"the release of task {name} ({task.release:g} s)", ("tasks", name, "release"))
+    for kind, used in (("zones", {t.zone for t in cell.tasks.values()}), ("tools", {t.tool for t in cell.tasks.values()})):
+        for name in sorted(x for x in used if x):
+            shared = getattr(cell, kind).get(name)
+            yield Limit(f"the {kind[:-1]} {name}, of which there is {shared.capacity if shared else 1}", (kind, name))
+
+
+def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell, Question]:
+    """The cell and the question without these limits."""
+    operators, tasks, changes = dict(cell.operators), dict(cell.tasks), {}
+    same = list(cell.same_operator)
+    tools, zones = dict(cell.tools), dict(cell.zones)
+    for limit in lifted:
+        room, *names = limit.where
+        if room == "question":
+            question = replace(question, **{names[0]: None})
+        elif room == "operators":
+            operators[names[0]] = operators[names[0]].model_copy(update={names[1]: () if names[1] == "breaks" else None})
+        elif room == "tasks":
+            tasks[names[0]] = tasks[names[0]].model_copy(update={names[1]: 0.0 if names[1] == "release" else None})
+        elif room == "same_operator":
+            same.remove((names[0], names[1]))
+        elif room == "zones":
+            zones[names[0]] = Zone(capacity=max(len(operators), 1))
+        elif room == "tools":
+            tools[names[0]] = Tool(capacity=max(len(operators), 1))
+        else:
+            changes[room] = None
+    return cell.replace(operators=operators, tasks=tasks, same_operator=tuple(same), tools=tools, zones=zones, **changes), question
+
+
+def _minimal(cell: Cell, question: Question, group: list[Limit], until: float) -> list[Limit]:
+    """A group of limits that is infeasible on its own and would not be without any one of its members, as far as time allows."""
+    everything = list(group)
+    if _possible(cell, question, everything, until) is not False:
+        pass  # without any limit there is a schedule, or nobody knows: some of the limits are to blame
+    elif not everything:
+        return []
+    kept = list(everything)
+    for limit in everything:
+        rest = [other for other in kept if other is not limit]
+        lifted = [other for other in everything if other not in rest]
+        if monotonic() < until and _possible(cell, question, lifted, until) is False:
+            kept = rest
+    return kept
+
+
+def _possible(cell: Cell, question: Question, lifted: Sequence[Limit], until: float) -> bool | None:
+    """Whether there is a schedule without these limits; None when time was too short to tell."""
+    try:
+        variant, asked = lift(cell, question, lifted)
+        exact.solve(variant, replace(asked, minimize="stress" if asked.max_stress is not None else "makespan"), time_limit=min(EACH_S, max(until - monotonic(), 0.2)))
+    except InfeasibleError:
+        return False
+    except (NothingFoundError, CellError):
+        return None
+    return True
+
+
+def _without(cell: Cell, question: Question, limit: Limit) -> str:
+    """What is gained by lifting this one limit, found by planning without it."""
+    try:
+        variant, asked = lift(cell, question, [limit])
+        result = exact.solve(variant, replace(asked, minimize="makespan"), time_limit=EACH_S)[0]
+    except (InfeasibleError, NothingFoundError, CellError):
+        return f"Lifting {limit.words} alone does not help."
+    return f"Without {limit.words} it works: {result.makespan:g} s with a stress of {result.stress:g}."

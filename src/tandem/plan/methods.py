@@ -1,0 +1,65 @@
+"""Every method of planning in one table, and `plan`, the way in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from difflib import get_close_matches
+
+from tandem.cell.model import Cell
+from tandem.errors import InfeasibleError, UsageError
+from tandem.plan import exact, exhaustive
+from tandem.plan.infeasible import reasons
+from tandem.plan.question import Method, Progress, Question
+from tandem.plan.result import Front
+from tandem.plan.rules import RULES
+from tandem.schedule.model import Schedule
+
+METHODS: dict[str, Method] = {"exact": exact.solve, "exhaustive": exhaustive.solve, **RULES}
+"""Name -> method. A new one is a file and a line here."""
+
+
+def plan(
+    cell: Cell,
+    question: Question | None = None,
+    *,
+    method: str = "exact",
+    minimize: str = "front",
+    weights: tuple[float, float] = (1.0, 1.0),
+    max_makespan: float | None = None,
+    max_stress: float | None = None,
+    time_limit: float | None = 60.0,
+    seed: int = 0,
+    workers: int | None = None,
+    hint: Schedule | None = None,
+    on_solution: Callable[[Progress], None] | None = None,
+) -> Front:
+    """The complete trade-off between makespan (seconds) and stress, each point with a schedule and what is proven about it.
+
+    Args:
+      cell: what is to be assembled, and who is there.
+      question: instead of `minimize`, `weights`, `max_makespan` and `max_stress`, which are its parts.
+      method: a name in `METHODS`.
+      time_limit: seconds; None to go on until everything is proven.
+      workers: threads; None for one a core. One worker and a run that ends before its limit repeats exactly for a seed and version.
+      hint: a schedule to begin with.
+      on_solution: called with each improvement; raising KeyboardInterrupt in it ends the search with what was found.
+
+    Raises:
+      UsageError: an unknown method, or an option out of range.
+      InfeasibleError: it is proven that no schedule answers the question; its `reasons` say, in the cell's words, what stands in the way.
+      NothingFoundError: none was found within the limit.
+    """
+    if method not in METHODS:
+        near = get_close_matches(method, METHODS, 1, 0.5)
+        hint_text = f"Did you mean {near[0]!r}? " if near else ""
+        raise UsageError(f"there is no method {method!r}. {hint_text}There are {', '.join(METHODS)}.")
+    if time_limit is not None and not time_limit > 0:
+        raise UsageError(f"time limit {time_limit}: must be more than 0 seconds.")
+    if workers is not None and workers < 1:
+        raise UsageError(f"workers {workers}: must be 1 or more.")
+    if question is None:
+        question = Question(minimize, weights, max_makespan, max_stress)  # type: ignore[arg-type]
+    try:
+        return METHODS[method](cell, question, time_limit=time_limit, seed=seed, workers=workers, hint=hint, on_solution=on_solution)
+    except InfeasibleError as error:
+        raise InfeasibleError(str(error), reasons(cell, question)) from error

@@ -1,0 +1,395 @@
+"""One question to one cell, worked on from two sides at once: one prover raises the bound, improvers lower the incumbent, all share both.
+
+The incumbent is what the dispatch rules gave, from the first moment on; nothing that comes later may be worse.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from math import ceil
+from queue import Empty, SimpleQueue
+from random import Random
+from time import monotonic
+
+from ortools.sat.python import cp_model
+
+from tandem.plan import cpsat
+from tandem.plan.cpsat import Decisions, Starts, formulate
+from tandem.plan.decode import Layout, Step, append_in_order
+from tandem.plan.instance import Instance
+from tandem.plan.neighbourhoods import plan_anew, take_out
+from tandem.plan.rules import SPECS, build
+
+
+@dataclass(frozen=True)
+class Goal:
+    """The least `time * makespan + stress * stress` within limits; ticks and units."""
+
+    time: int
+    stress: int
+    max_makespan: int | None = None
+    max_stress: int | None = None
+
+    def value(self, makespan: int, stress: int) -> int:
+        """What is minimized."""
+        return self.time * makespan + self.stress * stress
+
+    def allows(self, makespan: int, stress: int) -> bool:
+        """Whether the limits are kept."""
+        return (self.max_makespan is None or makespan <= self.max_makespan) and (self.max_stress is None or stress <= self.max_stress)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What is known about a goal.
+
+    Attributes:
+      starts: the best schedule found, None when none was.
+      bound: no schedule within the limits has a lower value; meaningless when the goal is proven infeasible.
+      proven: the schedule is optimal or, when there is none, no schedule keeps the limits.
+    """
+
+    starts: Starts | None
+    bound: int
+    proven: bool
+
+
+@dataclass
+class Effort:
+    """How hard to work, and on whose behalf.
+
+    Attributes:
+      until: `monotonic()` seconds at which to stop; None for never.
+      seed, workers: of the search; one worker repeats exactly.
+      offer: called in the calling thread with each schedule found and the bound, may raise KeyboardInterrupt.
+    """
+
+    until: float | None
+    seed: int
+    workers: int
+    offer: Callable[[Starts, int], None] = field(default=lambda starts, bound: None)
+
+    def left(self) -> float:
+        """Seconds left."""
+        return 1e9 if self.until is None else self.until - monotonic()
+
+
+SMALL = 30
+"""Up to so many tasks CP-SAT alone proves faster than it can be helped."""
+LARGE = 150
+"""From so many tasks on CP-SAT no longer proves anything whole; a relaxation gives the bound and all cores improve."""
+PATIENCE = 60
+"""With one worker: so many stretches in a row without an improvement before CP-SAT has its turn."""
+
+
+class Race:
+    """The state that the workers of one question share."""
+
+    def __init__(self, instance: Instance, layout: Layout, goal: Goal, effort: Effort, incumbent: Starts | None, bound: int) -> None:
+        self.instance, self.layout, self.goal, self.effort = instance, layout, goal, effort
+        self.lock = threading.Lock()
+        self.best = incumbent
+        self.value = None if incumbent is None else goal.value(*measures(instance, incumbent))
+        self.bound = bound
+        self.infeasible = False
+        self.stopped = False
+        self.news: SimpleQueue[Starts | BaseException | None] = SimpleQueue()
+        self.running: list[cp_model.CpSolver] = []
+
+    @property
+    def over(self) -> bool:
+        """Nothing is left to do."""
+        return self.stopped or self.infeasible or (self.value is not None and self.bound >= self.value) or self.effort.left() <= 0
+
+    def found(self, starts: Starts) -> bool:
+        """Takes a schedule from a worker; says whether it is the best so far."""
+        makespan, stress = measures(self.instance, starts)
+        value = self.goal.value(makespan, stress)
+        with self.lock:
+            if not self.goal.allows(makespan, stress) or (self.value is not None and value >= self.value):
+                return False
+            self.best, self.value = starts, value
+        self.news.put(starts)
+        return True
+
+    def raise_bound(self, bound: int) -> None:
+        """Takes a bound from a worker."""
+        with self.lock:
+            self.bound = max(self.bound, bound)
+
+    def run(self) -> Answer:
+        """Works until it is proven, time is up or someone interrupts."""
+        work = self._alone if self.effort.workers == 1 else self._together
+        threads = [threading.Thread(target=self._guarded, args=(job,), daemon=True) for job in work()]
+        try:
+            for thread in threads:
+                thread.start()
+            while any(thread.is_alive() for thread in threads):
+                self._tell(0.05)
+                if self.over:
+                    self._stop()
+            self._tell(0)
+        finally:
+            self._stop()
+            for thread in threads:
+                thread.join()
+        return Answer(self.best, self.bound, self.infeasible or (self.value is not None and self.bound >= self.value))
+
+    def _tell(self, seconds: float) -> None:
+        """Passes on what workers found, in the calling thread; re-raises what they stumbled over."""
+        try:
+            while True:
+                news = self.news.get(timeout=seconds) if seconds else self.news.get_nowait()
+                if isinstance(news, BaseException):
+                    raise news
+                if news is not None:
+                    self.effort.offer(news, self.bound)
+                seconds = 0
+        except Empty:
+            return
+
+    def _guarded(self, job: Callable[[], None]) -> None:
+        try:
+            job()
+        except BaseException as error:  # noqa: BLE001  it is raised again in the calling thread
+            self.news.put(error)
+        self.news.put(None)
+
+    def _stop(self) -> None:
+        self.stopped = True
+        with self.lock:
+            for solver in self.running:
+                solver.stop_search()
+
+    def _together(self) -> list[Callable[[], None]]:
+        tasks, workers, seed = len(self.instance.tasks), self.effort.workers, self.effort.seed
+        if tasks <= SMALL or self.instance.stress_of_set is not None:
+            return [lambda: self.prove(workers, seed)]
+        improvers = max(1, workers // 2)
+        jobs: list[Callable[[], None]] = [lambda i=i: self.improve(Random(f"{seed} {i}"), None) for i in range(improvers)]  # type: ignore[misc]
+        if tasks < LARGE:
+            return [*jobs, lambda: self.prove(workers - improvers, seed)]
+        return [*jobs, lambda: (self.relax(seed), self.improve(Random(f"{seed} -"), None))]  # type: ignore[list-item, return-value]
+
+    def _alone(self) -> list[Callable[[], None]]:
+        """Turn by turn in one thread, by counts and not by clocks, so that a run repeats."""
+
+        def turns() -> None:
+            seed, random = self.effort.seed, Random(str(self.effort.seed))
+            if len(self.instance.tasks) <= SMALL or self.instance.stress_of_set is not None:
+                return self.prove(1, seed)
+            if len(self.instance.tasks) >= LARGE:
+                self.relax(seed)
+            slice_ = 4.0
+            while not self.over:
+                self.improve(random, PATIENCE)
+                self.prove(1, seed, work=slice_)
+                slice_ *= 2
+            return None
+
+        return [turns]
+
+    def relax(self, seed: int) -> None:
+        """Who does what, the order left out: a bound, and work shared out so that a list schedule is a good beginning."""
+        plan = self._model(cpsat.ALLOCATION)
+        solver = self._solver(1, seed, None)
+        solver.parameters.max_deterministic_time = 2.0
+        status = self._solve(solver, plan)
+        if status == cp_model.INFEASIBLE:
+            return self._ruled_out()
+        if status in (cp_model.OPTIMAL, cp_model.FEASIBLE):
+            self.raise_bound(ceil(solver.best_objective_bound - 1e-6))
+            ways = [way for way, _ in plan.read(solver.value)]
+            if (starts := list_schedule(self.layout, ways)) is not None:
+                self.found(starts)
+        return None
+
+    def prove(self, workers: int, seed: int, work: float | None = None) -> None:
+        """CP-SAT on the whole cell, begun again whenever the incumbent has moved away from under it. `work` in deterministic seconds."""
+        patience = 1.0
+        while not self.over:
+            cut = self.value
+            plan = self._model(cpsat.RULES)
+            solver = self._solver(workers, seed, work)
+            watcher = _Watcher(self, solver, plan, cut, patience)
+            solver.best_bound_callback = watcher.on_bound
+            status = self._solve(solver, plan, watcher)
+            if status == cp_model.INFEASIBLE:
+                return self._ruled_out() if cut is None else self.raise_bound(cut)
+            if status == cp_model.OPTIMAL:
+                return self.raise_bound(round(solver.objective_value))
+            watcher.on_bound(solver.best_objective_bound)
+            if not watcher.outdated or work is not None:
+                return None
+            patience *= 2
+        return None
+
+    def improve(self, random: Random, patience: int | None) -> None:
+        """Takes out stretches and plans them anew, larger ones when that is quick; ends after `patience` failures in a row."""
+        if not self._await_incumbent():
+            return
+        current = self.best
+        assert current is not None
+        operators, tasks, failures = len(self.instance.operators), len(self.instance.tasks), 0
+        sizes = {width: 24.0 for width in {operators, min(operators, 2), (operators + 2) // 2 if operators > 2 else operators}}
+        while not self.over and (patience is None or failures < patience):
+            if self.goal.value(*measures(self.instance, current)) > (self.value or 0):
+                current = self.best or current
+            width = random.choice(list(sizes))
+            movers = frozenset(random.sample(range(operators), width))
+            count = min(tasks, int(sizes[width]))
+            first = max(0, min(tasks - count, random.randrange(-(count // 2), tasks - count // 2)))
+            began = monotonic()
+            better = self._try_stretch(current, first, count, movers, random)
+            sizes[width] = min(sizes[width] * 1.05, tasks) if monotonic() - began < 0.6 * STRETCH_S else max(8.0, sizes[width] * 0.9)
+            failures += 1
+            if better is not None:
+                current = better
+                if self.found(better):
+                    failures = 0
+
+    def _try_stretch(self, current: Starts, first: int, count: int, movers: frozenset[int], random: Random) -> Starts | None:
+        """The schedule with one stretch planned anew; None when it is worse or breaks a limit."""
+        instance, goal = self.instance, self.goal
+        makespan, stress = measures(instance, current)
+        order = sorted(range(len(current)), key=lambda task: (current[task][1], task))
+        stretch = take_out(instance, current, order, first, count, movers)
+        rest = stress - sum(instance.ways[task][current[task][0]].stress for task in stretch.tasks)
+        upper = makespan if goal.stress == 0 else goal.max_makespan or 2 * makespan
+        most = None if goal.max_stress is None else goal.max_stress - rest
+        weights = (goal.time, goal.stress)
+        if goal.stress == 0 and most is not None:
+            weights = (sum(max(way.stress for way in ways) for ways in stretch.instance.ways) + 1, 1)
+        fresh = plan_anew(stretch, upper, most_stress=most, weights=weights, seconds=STRETCH_S, seed=random.randrange(1 << 30))
+        if fresh is None:
+            return None
+        ways = [way for way, _ in current]
+        for place, task in enumerate(stretch.tasks):
+            ways[task] = stretch.ways[place][fresh[place][0]]
+        middle = sorted(range(len(fresh)), key=lambda place: fresh[place][1])
+        order[first : first + count] = [stretch.tasks[place] for place in middle]
+        starts = append(self.layout, order, ways)
+        if starts is None or not goal.allows(*measures(instance, starts)) or not keeps_deadlines(instance, starts):
+            return None
+        return starts if goal.value(*measures(instance, starts)) <= goal.value(makespan, stress) else None
+
+    def _await_incumbent(self) -> bool:
+        while self.best is None and not self.over:
+            threading.Event().wait(0.02)
+        return self.best is not None and not self.over
+
+    def _model(self, rules: Sequence[cpsat.Rule]) -> Decisions:
+        goal, value = self.goal, self.value
+        least = sum(min(way.stress for way in ways) for ways in self.instance.ways) if self.instance.stress_of_set is None else 0
+        upper = self.instance.horizon if goal.max_makespan is None else min(goal.max_makespan, self.instance.horizon)
+        if value is not None and goal.time:
+            upper = min(upper, (value - 1 - goal.stress * least) // goal.time)
+        plan = formulate(self.instance, upper, rules)
+        objective = goal.time * plan.makespan + goal.stress * plan.stress
+        if goal.max_stress is not None:
+            plan.model.add(plan.stress <= goal.max_stress)
+        if value is not None:
+            plan.model.add(objective <= value - 1)
+        plan.model.minimize(objective)
+        return plan
+
+    def _solver(self, workers: int, seed: int, work: float | None) -> cp_model.CpSolver:
+        solver = cp_model.CpSolver()
+        solver.parameters.num_workers = workers
+        solver.parameters.random_seed = seed % (1 << 31)
+        solver.parameters.catch_sigint_signal = False
+        if self.effort.until is not None:
+            solver.parameters.max_time_in_seconds = max(0.01, self.effort.left())
+        if work is not None:
+            solver.parameters.max_deterministic_time = work
+        return solver
+
+    def _solve(self, solver: cp_model.CpSolver, plan: Decisions, watcher: _Watcher | None = None) -> int:
+        with self.lock:
+            self.running.append(solver)
+        try:
+            return cp_model.UNKNOWN if self.stopped else int(solver.solve(plan.model, watcher))  # type: ignore[arg-type]
+        finally:
+            with self.lock:
+                self.running.remove(solver)
+
+    def _ruled_out(self) -> None:
+        if self.value is None:
+            self.infeasible = True
+        else:
+            self.raise_bound(self.value)
+
+
+STRETCH_S = 0.2
+"""Seconds that CP-SAT may spend on one stretch."""
+
+
+class _Watcher(cp_model.CpSolverSolutionCallback):
+    """Hands on what the prover finds, and stops it when an improver has overtaken it for long."""
+
+    def __init__(self, race: Race, solver: cp_model.CpSolver, plan: Decisions, cut: int | None, patience: float) -> None:
+        super().__init__()
+        self.race, self.solver, self.plan, self.cut, self.patience = race, solver, plan, cut, patience
+        self.began, self.mine, self.outdated = monotonic(), cut, False
+
+    def on_solution_callback(self) -> None:
+        starts = self.plan.read(self.value)
+        self.race.found(starts)
+        self.mine = self.race.goal.value(*measures(self.race.instance, starts))
+        self._look()
+
+    def on_bound(self, bound: float) -> None:
+        known = ceil(bound - 1e-6)
+        self.race.raise_bound(known if self.cut is None else min(known, self.cut))
+        self._look()
+
+    def _look(self) -> None:
+        race = self.race
+        overtaken = race.value is not None and (self.mine is None or race.value < self.mine)
+        if race.over or (overtaken and monotonic() - self.began > self.patience):
+            self.outdated = not race.over
+            self.solver.stop_search()
+
+
+def measures(instance: Instance, starts: Starts) -> tuple[int, int]:
+    """(makespan in ticks, stress in units) of a schedule; a set that `stress_of_set` does not list counts as unbearable."""
+    ways = [instance.ways[task][way] for task, (way, _) in enumerate(starts)]
+    makespan = max(start + way.ticks for way, (_, start) in zip(ways, starts, strict=True))
+    if instance.stress_of_set is None:
+        return makespan, sum(way.stress for way in ways)
+    tasks = frozenset(task for task, way in enumerate(ways) if any(instance.human[o] for o in way.operators))
+    return makespan, instance.stress_of_set.get(tasks, 1 << 60)
+
+
+def keeps_deadlines(instance: Instance, starts: Starts) -> bool:
+    """Whether every task ends by its deadline."""
+    return all(
+        deadline is None or start + instance.ways[task][way].ticks <= deadline
+        for task, ((way, start), deadline) in enumerate(zip(starts, instance.deadline, strict=True))
+    )
+
+
+def append(layout: Layout, order: Sequence[int], ways: Sequence[int]) -> Starts | None:
+    """The tasks appended in this order in these ways, or equal ones of less stress; None when a way is none that can be part of a schedule."""
+    steps = [_step(layout, task, way) for task, way in enumerate(ways)]
+    if any(step is None for step in steps):
+        return None
+    return tuple(append_in_order(layout, order, steps).starts())  # type: ignore[arg-type]
+
+
+def list_schedule(layout: Layout, ways: Sequence[int]) -> Starts | None:
+    """The list schedule by longest tail in which every task is done in the way given; None when limits or deadlines are broken."""
+    steps = [_step(layout, task, way) for task, way in enumerate(ways)]
+    if any(step is None for step in steps):
+        return None
+    narrow = replace(layout, steps=tuple((step,) for step in steps if step is not None))
+    state = build(narrow, SPECS["longest-tail"], Random(0))
+    starts = None if state is None else tuple(state.starts())
+    return starts if starts is not None and keeps_deadlines(layout.instance, starts) else None
+
+
+def _step(layout: Layout, task: int, way: int) -> Step | None:
+    wanted = layout.instance.ways[task][way]
+    return next((step for step in layout.steps[task] if step.operators == wanted.operators and step.ticks == wanted.ticks), None)
