@@ -1,6 +1,6 @@
 """The thesis's station as its appendix E reads: one object, loops, `if` after `if`, NumPy where it has matrices.
 
-Written from the description alone, without a look at `tandem.envs.thesis`, so that the two can judge each other. Nothing is clever here.
+It shares no line with `tandem.envs.thesis`, so that the two can judge each other. Nothing is clever here.
 """
 
 from __future__ import annotations

@@ -73,12 +73,7 @@ def _wait(
     moved, finished = run(state, ticks * busy, ticks)
     now_done = is_done(moved)
     idle = ticks * ~busy
-    paid = (
-        rewards.step * ticks
-        + rewards.idle * idle
-        + rewards.task_done * (finished != 0)
-        + rewards.all_done * (now_done & ~done)
-    )
+    paid = rewards.step * ticks + rewards.idle * idle + rewards.task_done * (finished != 0) + rewards.all_done * (now_done & ~done)
     ended = finished != 0
     info = info._replace(
         finished=xp.where(ended, finished, info.finished),

@@ -136,7 +136,9 @@ def actions_of(cell: Cell, schedule: Schedule, *, per_second: int = 1) -> list[t
     actions = [[0, 0] for _ in range(ticks)]
     for row in schedule:
         if len(row.operators) != 1 or row.operators[0] not in agents:
-            raise UsageError(f"task {row.task!r} is done by {' and '.join(row.operators)}; the thesis's station has {agents[0]} and {agents[1]}, one a task.")
+            raise UsageError(
+                f"task {row.task!r} is done by {' and '.join(row.operators)}; the thesis's station has {agents[0]} and {agents[1]}, one a task."
+            )
         actions[_whole(row.start, per_second)][agents.index(row.operators[0])] = numbers[row.task]
     return [(robot, human) for robot, human in actions]
 

@@ -31,12 +31,11 @@ def station(cell: Cell, *, per_second: int = 1) -> Station:
     faults += list(_times_do_not_fit(cell, per_second))
     if faults:
         raise CellError(faults)
-    agents, tasks, human = (cell.robots[0], cell.humans[0]), list(cell.tasks), cell.humans[0]
-    return Station(
-        time=np.array([[int(_ticks(task.time[who], per_second)) if who in task.time else 0 for task in cell.tasks.values()] for who in agents], np.int32),
-        stress=np.array([task.stress.get(human, 0.0) if isinstance(task.stress, Mapping) else task.stress for task in cell.tasks.values()], np.float32),
-        needs=np.array([[other in task.after for other in tasks] for task in cell.tasks.values()], bool).reshape(len(tasks), len(tasks)),
-    )
+    agents, tasks, human = (cell.robots[0], cell.humans[0]), cell.tasks.values(), cell.humans[0]
+    time = [[int(_ticks(task.time[who], per_second)) if who in task.time else 0 for task in tasks] for who in agents]
+    stress = [task.stress.get(human, 0.0) if isinstance(task.stress, Mapping) else task.stress for task in tasks]
+    needs = [[other in task.after for other in cell.tasks] for task in tasks]
+    return Station(np.array(time, np.int32), np.array(stress, np.float32), np.array(needs, bool))
 
 
 def whole_ticks(cell: Cell) -> int:
@@ -107,7 +106,7 @@ def _ticks(seconds: float, per_second: int) -> Decimal:
 
 
 def _says_something(task: Task, key: str) -> bool:
-    return getattr(task, key) != Task.model_fields[key].default
+    return bool(getattr(task, key) != Task.model_fields[key].default)
 
 
 def _unknown(key: str) -> str:

@@ -1,0 +1,120 @@
+"""The thesis's station as Gymnasium wants it: one controller for both agents, paid the sum of their rewards."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from tandem.cell.model import Cell
+from tandem.envs.thesis.decisions import after_human
+from tandem.envs.thesis.game import RENDER_MODES, Game, Options
+from tandem.envs.thesis.world import HUMAN, ROBOT
+from tandem.errors import UsageError
+
+Observation = dict[str, NDArray[Any]]
+
+
+class ThesisEnv(gymnasium.Env[Observation, int]):
+    """One controller of robot and human, in one of two ways.
+
+    `by="decisions"` (the default): one decision at a time. The action is 0, wait, or a task's number, for the agent whose turn it is;
+    where both decide at once the human comes first and time stands still in between. The first two numbers of the observation say whose turn
+    it is (robot, human), the next T + 1 what the human has just named.
+
+    `by="ticks"`: every second a joint action, `robot * (T + 1) + human`. The mask leaves out what would make the robot yield.
+
+    Observation, mask and illegal actions as in the PettingZoo face; `action_masks()` is what sb3-contrib asks for. `info["episode"]` is left
+    to `gymnasium.wrappers.RecordEpisodeStatistics` and to SB3's `Monitor`, which insist on writing it.
+    """
+
+    metadata = {"render_modes": list(RENDER_MODES), "render_fps": 4}
+
+    def __init__(self, cell: Cell | str | os.PathLike[str], **options: Any):
+        self.game = Game(cell, Options(**{"by": "decisions", "observation": "normalised", **options}))
+        self.render_mode = self.game.options.render_mode
+        self.joint = self.game.options.by == "ticks"
+        actions = self.game.tasks + 1
+        turn = [] if self.joint else [np.ones(2 + actions, np.float32)]
+        highest = np.concatenate([*turn, self.game.highest()])
+        self.action_space = spaces.Discrete(actions**2 if self.joint else actions)
+        self.observation_space = spaces.Dict(
+            {
+                "observation": spaces.Box(np.zeros_like(highest), highest, dtype=np.float32),
+                "action_mask": spaces.MultiBinary(int(self.action_space.n)),
+            }
+        )
+        self.turn, self.named = HUMAN, 0
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
+        """The first observation. The station knows no chance: `seed` is taken and changes nothing."""
+        super().reset(seed=seed)
+        self.game.reset()
+        self._next_turn()
+        return self._observation(), self._info([self.game.happenings(agent) for agent in range(2)])
+
+    def step(self, action: int) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """One decision or one second. Raises UsageError for an illegal action when strict."""
+        action = int(action)
+        illegal = not self.action_masks()[action]
+        if self.joint:
+            robot, human = divmod(action, self.game.tasks + 1)
+            masks = self.game.masks()
+            reward, happenings = self.game.step((robot, human), (not masks[ROBOT, robot], not masks[HUMAN, human]))
+        elif self.turn == HUMAN and self.game.deciding()[ROBOT]:
+            return self._then_the_robot(action, illegal)
+        else:
+            joint = (action, self.named) if self.turn == ROBOT else (0, action)
+            reward, happenings = self.game.step(joint, (illegal and self.turn == ROBOT, illegal and self.turn == HUMAN))
+            self._next_turn()
+        info = self._info(happenings)
+        info["illegal"] = info["illegal"] or (illegal and not self.joint)
+        return self._observation(), float(reward.sum()), self.game.done, self.game.truncated, info
+
+    def action_masks(self) -> NDArray[np.int8]:
+        """`[A]` int8, 1 = legal; never all 0."""
+        masks = self.game.masks()
+        if self.joint:
+            both = np.outer(masks[ROBOT], masks[HUMAN]).astype(np.int8)
+            np.fill_diagonal(both[1:, 1:], 0)
+            return both.ravel()
+        if self.turn == HUMAN:
+            return masks[HUMAN]
+        return np.asarray(after_human(self.game.state, masks.astype(bool), np.int32(self.named)), np.int8)
+
+    def render(self) -> Any:
+        """The schedule so far, as the render mode says: text, pixels, or None."""
+        return self.game.render()
+
+    def _then_the_robot(self, action: int, illegal: bool) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """The human has named; no time passes, the robot is asked."""
+        if illegal and self.game.options.strict:
+            raise UsageError(
+                f"the human named {action}; legal are {', '.join(map(str, np.flatnonzero(self.action_masks())))}. Take an action from action_masks()."
+            )
+        self.turn, self.named = ROBOT, action
+        info = self._info([self.game.happenings(ROBOT), self.game.happenings(HUMAN, broken=illegal)])
+        return self._observation(), 0.0, False, False, info
+
+    def _next_turn(self) -> None:
+        """The human's, when the human decides; else the robot's."""
+        self.turn, self.named = (HUMAN if self.game.deciding()[HUMAN] else ROBOT), 0
+
+    def _observation(self) -> Observation:
+        seen = self.game.observe()[self.turn if not self.joint else ROBOT]
+        if not self.joint:
+            turn, named = np.zeros(2, np.float32), np.zeros(self.game.tasks + 1, np.float32)
+            turn[self.turn], named[self.named] = 1.0, 1.0
+            seen = np.concatenate([turn, named, seen])
+        return {"observation": seen, "action_mask": self.action_masks()}
+
+    def _info(self, happenings: list[dict[str, Any]]) -> dict[str, Any]:
+        """Both agents' happenings in one: what is said per agent becomes a pair (robot, human), idle seconds add up."""
+        robot, human = happenings
+        each = {key: (robot[key], human[key]) for key in ("task_started", "task_finished")}
+        both = {"idle": robot["idle"] + human["idle"], "illegal": robot["illegal"] or human["illegal"]}
+        return {"action_mask": self.action_masks(), **robot, **each, **both}
