@@ -11,14 +11,14 @@ from pathlib import Path
 from tandem.cell.formats.table import FORMATS, detected
 from tandem.cell.model import Cell
 from tandem.cell.names import Known
-from tandem.cell.pretty import to_yaml
+from tandem.cell.pretty import escaped, to_yaml
 from tandem.cell.reading import cell_of
 from tandem.cell.storing import store
 from tandem.errors import CellError, Fault, UsageError
 
 LARGEST = 20_000_000
 """Bytes that a cell file may have: a cell of 10,000 tasks has about one million."""
-CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
+CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff]")
 
 
 def load(path: str | os.PathLike[str], format: str | None = None) -> Cell:
@@ -59,7 +59,7 @@ def dumps(cell: Cell, format: str = "yaml") -> str:
     if format == "yaml":
         return to_yaml(cell)
     if format == "json":
-        return json.dumps(cell.to_dict(), ensure_ascii=False, indent=1) + "\n"
+        return escaped(json.dumps(cell.to_dict(), ensure_ascii=False, indent=1)) + "\n"
     raise UsageError(f"cells are written as 'yaml' or 'json', not as {format!r}.")
 
 

@@ -15,6 +15,8 @@ WIDTH = 120
 PLAIN = re.compile(r"[^\W_](?:[\w ./()+-]*[\w)])?")
 """Text that needs no quotes: nothing in it has a meaning in YAML."""
 
+UNSEEN = re.compile(r"[\x7f-\xa0\u2028\u2029\ufeff\ufffe\uffff]")
+
 NAMES = ("after", "same_operator", "operators", "tool", "zone", "label", "part", "name")
 """Keys whose values are names: these are read as they are written, so digits need no quotes."""
 
@@ -57,8 +59,18 @@ def _number(value: float | int | None) -> str:
 
 def _name(text: str) -> str:
     """Text where names belong: also digits stand without quotes there."""
-    return text if PLAIN.fullmatch(text) and text not in SPECIAL else json.dumps(text, ensure_ascii=False)
+    return text if PLAIN.fullmatch(text) and text not in SPECIAL else quoted(text)
 
 
 def _text(text: str) -> str:
-    return _name(text) if text[:1].isalpha() else json.dumps(text, ensure_ascii=False)
+    return _name(text) if text[:1].isalpha() else quoted(text)
+
+
+def quoted(text: str) -> str:
+    """Text in double quotes, for YAML and JSON alike; signs that cannot be seen are written as their number."""
+    return escaped(json.dumps(text, ensure_ascii=False))
+
+
+def escaped(json_text: str) -> str:
+    """JSON or quoted YAML without signs that YAML refuses or takes for the end of a line."""
+    return UNSEEN.sub(lambda found: f"\\u{ord(found.group()):04x}", json_text)

@@ -55,6 +55,8 @@ def repaired(data: Mapping[str, Any], flaws: list[Flaw]) -> Repaired | None:
         _put(copy, path, value)
     moved: dict[Path, list[int]] = {}
     _sweep(copy, (), moved)
+    if not copy.get("tasks"):
+        return None
     if not isinstance(copy.get("operators"), dict) or not copy["operators"]:
         copy["operators"] = {who: {"kind": "human"} for who in _named(copy) or ["somebody"]}
     for name in open_tasks & copy["tasks"].keys():
@@ -67,7 +69,7 @@ def repaired(data: Mapping[str, Any], flaws: list[Flaw]) -> Repaired | None:
 def _stand_in(flaw: Flaw) -> tuple[Path, Any]:
     """Which value to replace, and by what."""
     path = flaw.path
-    if flaw.kind in ("key", "extra_forbidden"):
+    if flaw.kind in ("key", "comma", "extra_forbidden"):
         return path, _GONE
     match path:
         case ("operators", name):

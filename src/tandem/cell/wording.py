@@ -27,7 +27,7 @@ class Flaw:
     """One value that is not well formed.
 
     Attributes:
-      kind: pydantic's name for what is wrong.
+      kind: pydantic's name for what is wrong, or "key" or "comma".
       path: keys from the top of the document to the value.
       meant: for an unknown key, the known one that was probably meant.
     """
@@ -44,6 +44,10 @@ def flaws(error: ValidationError) -> list[Flaw]:
     for item in error.errors(include_url=False):
         path = _path(item["loc"])
         kind = "key" if item["loc"][-1:] == ("[key]",) else item["type"]
+        if kind == "too_short" and path in (("operators",), ("tasks",)) and item["input"]:
+            continue  # it only became empty because none of its names is one
+        if kind in ("extra_forbidden", "float_type") and item["input"] is None and str(path[-1]).isdigit():
+            kind = "comma"  # `{human: 1,5}` is read as a time of 1 and an empty key 5
         meant = _meant(path) if kind == "extra_forbidden" else None
         sentence = _SENTENCES.get(kind, _other)(path, item)
         found.setdefault(path, Flaw(kind, path, Fault(f"{_subject(path)}: {sentence}" if _subject(path) else sentence, path), meant))
@@ -123,12 +127,14 @@ def shown(value: object) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def _unknown_key(path: Path, item: Any) -> str:
+def _unknown_key(path: Path, _: Any) -> str:
     key, keys = str(path[-1]), _model(path)[0].model_fields
-    if key.isdigit() and item["input"] is None:
-        return f"{key!r} stands here like a key. If it is the rest of a number with a decimal comma, write the number with a point."
     meant = _meant(path)
     return f"{key!r} is no key that is known here. " + (f"Did you mean {meant!r}?" if meant else f"Known: {', '.join(keys)}.")
+
+
+def _comma(path: Path, _: Any) -> str:
+    return f"{path[-1]!r} stands here like a key without a value. If it is the rest of a number with a decimal comma, write the number with a point."
 
 
 def _missing(path: Path, item: Any) -> str:
@@ -258,6 +264,7 @@ def _other(path: Path, item: Any) -> str:
 
 _SENTENCES: dict[str, Callable[[Path, Any], str]] = {
     "key": _bad_key,
+    "comma": _comma,
     "extra_forbidden": _unknown_key,
     "missing": _missing,
     "greater_than": _too_small,

@@ -21,7 +21,7 @@ INFINITE = re.compile(r"[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)")
 MOST = 20
 """Refused signs told of at once."""
 
-_Parser = getattr(yaml, "CParser", None) or yaml.SafeLoader  # libyaml is ten times faster; PyYAML can be built without it
+_Parser = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml is ten times faster; PyYAML can be built without it
 
 
 def read(text: str, source: str) -> Document:
@@ -30,8 +30,8 @@ def read(text: str, source: str) -> Document:
     Raises:
       CellError: it is not well-formed YAML, holds several documents, nests too deep, or uses tags, anchors or aliases.
     """
-    reader = _Reader(text, source)
     try:
+        reader = _Reader(text, source)
         document = reader.document()
     except yaml.MarkedYAMLError as error:
         raise CellError([_malformed(error, text, source)]) from error
