@@ -25,10 +25,10 @@ def gantt(cell: Cell, schedule: Schedule, t: Words, *, label: str) -> Markup:
     """The chart, one drawing per panel."""
     end = makespan(schedule)
     rows = lanes(cell, schedule, until=end)
-    left = 24 + max(max(width_of(lane.look.label, 16), width_of(_busy(lane, t), 15)) for lane in rows)
-    left = min(left, 230.0)
+    left = 24 + max(max(width_of(lane.look.label, 16), width_of(_busy(lane, t), 16)) for lane in rows)
+    left = min(left, 250.0)
     slacks = slack(cell, schedule)
-    panels = panel_times(schedule, WIDTH - left)
+    panels = panel_times(schedule, WIDTH - left - 22)
     drawn = [_panel(rows, slacks, begin, stop, left, t, label, end, looks(cell)) for begin, stop in panels]
     return figure(Markup("".join(drawn)), label)
 
@@ -54,7 +54,7 @@ def _busy(lane: Lane, t: Words) -> str:
 def _panel(
     rows: Sequence[Lane], slacks: dict[str, float], begin: float, stop: float, left: float, t: Words, label: str, end: float, order: dict[str, Look]
 ) -> Markup:
-    scale = (WIDTH - left - 12) / (stop - begin)
+    scale = (WIDTH - left - 22) / (stop - begin)
     height = TOP + LANE * len(rows) + BOTTOM
 
     def x(moment: float) -> float:
@@ -65,8 +65,8 @@ def _panel(
     for place, lane in enumerate(rows):
         y = TOP + place * LANE
         pieces.append(text(left - 10, y + 27, fitting([lane.look.label], left - 20), text_anchor="end", class_="lane-name"))
-        pieces.append(text(left - 10, y + 47, _busy(lane, t), size=15, text_anchor="end", class_="faint"))
-        pieces.append(tag("rect", x=left, y=y + 5, width=WIDTH - left - 12, height=LANE - 10, class_="lane"))
+        pieces.append(text(left - 10, y + 47, _busy(lane, t), text_anchor="end", class_="faint"))
+        pieces.append(tag("rect", x=left, y=y + 5, width=WIDTH - left - 22, height=LANE - 10, class_="lane"))
         for why, found in (("break", lane.breaks), ("changeover", lane.changeovers)):
             for off in found:
                 if off.end > begin and off.start < stop:
@@ -116,13 +116,15 @@ def _bar(look: Look, bar: Bar, x0: float, x1: float, y: float, slacks: dict[str,
         tag("rect", x=x0, y=y, width=max(x1 - x0, 0.5), height=BAR, fill=f"url(#{fill})", class_="critical" if bar.critical else "bar"),
     ]
     room = x1 - x0 - 8
-    lines = next((w.split("\n") for w in wordings(bar)[:-1] if w.count("\n") < 2 and all(width_of(line, 16) <= room for line in w.split("\n"))), None)
+    whole = [w.split("\n") for w in wordings(bar) if w.count("\n") < 2]
+    lines = next((lines for lines in whole if all(width_of(line, 16) <= room for line in lines)), None)
     if lines is None:
+        upright = next((lines[0] for lines in whole if len(lines) == 1 and width_of(lines[0], 16) <= BAR - 4), "")
+        if upright and x1 - x0 >= 17:
+            middle = ((x0 + x1) / 2 + 5.5, y + BAR / 2)
+            turned = f"rotate(-90 {middle[0]:.2f} {middle[1]:.2f})"
+            return tag("g", *pieces, text(*middle, upright, text_anchor="middle", class_="on-bar", transform=turned), class_="task")
         lines = [fitting([bar.task], room)]
-    if not lines[0] and width_of(bar.task, 16) <= BAR - 4 and x1 - x0 >= 17:
-        middle = ((x0 + x1) / 2 + 5.5, y + BAR / 2)
-        turned = f"rotate(-90 {middle[0]:.2f} {middle[1]:.2f})"
-        return tag("g", *pieces, text(*middle, bar.task, text_anchor="middle", class_="on-bar", transform=turned), class_="task")
     for place, line in enumerate(lines):
         shift = (place - (len(lines) - 1) / 2) * 18
         if line:

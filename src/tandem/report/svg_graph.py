@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from tandem.cell.model import Cell
 from tandem.draw.graph import HALF_HEIGHT, HALF_WIDTH, Chip, arrow_curve, chips, critical_pairs
 from tandem.draw.layers import Layers, layers
@@ -10,6 +12,8 @@ from tandem.report.language import Words
 from tandem.report.markup import Markup, figure, fitting, hatch_id, tag, text, width_of
 
 COLUMN, ROW = 236.0, 88.0
+TILE = (6, 8)
+"""Columns and rows of a piece of a large graph that fills a printed page. Half a row more is shown above and below, so that no task is only cut."""
 
 
 def graph(cell: Cell, t: Words) -> Markup:
@@ -30,11 +34,11 @@ def graph(cell: Cell, t: Words) -> Markup:
         markerUnits="userSpaceOnUse",
     )
     bold = marker.replace('id="tip"', 'id="tip-bold"').replace('class="tip"', 'class="tip bold"')
-    pieces = [tag("defs", marker, Markup(bold)), *_arrows(drawn)]
-    pieces += [_node(cell, task, drawn.at[task], t, critical=task in drawn.critical) for task in cell.tasks]
+    pieces = [*_arrows(drawn), *(_node(cell, task, drawn.at[task], t, critical=task in drawn.critical) for task in cell.tasks)]
     drawing = tag(
         "svg",
-        *pieces,
+        tag("defs", marker, Markup(bold)),
+        tag("g", *pieces, id="graph-drawing"),
         viewBox=f"0 0 {width:.0f} {height:.0f}",
         width=width,
         height=height,
@@ -43,7 +47,24 @@ def graph(cell: Cell, t: Words) -> Markup:
         class_="graph small" if width < 1040 else "graph",
         xmlns="http://www.w3.org/2000/svg",
     )
-    return figure(drawing, t("graph.chart"))
+    shown = figure(drawing, t("graph.chart"))
+    if columns <= TILE[0] and rows <= TILE[1]:
+        return shown
+    return tag("div", shown, tag("div", *_tiles(drawn, t), class_="tiles", aria_hidden="true"), class_="tiled")
+
+
+def _tiles(drawn: Layers, t: Words) -> list[Markup]:
+    """The same drawing in pieces that can be read on paper; pieces without a task are left out."""
+    (columns, rows), (across, down) = drawn.extent, TILE
+    corners = [(x, y) for y in range(0, math.ceil(rows), down) for x in range(0, math.ceil(columns), across)]
+    filled = [(x, y) for x, y in corners if any(x - 0.5 <= a < x + across and y - 0.5 <= b < y + down for a, b in drawn.at.values())]
+    found = []
+    for place, (x, y) in enumerate(filled, 1):
+        wide, high = min(across, columns - x) * COLUMN, min(down, rows - y) * ROW + ROW
+        box = f"{x * COLUMN:.0f} {(y - 0.5) * ROW:.0f} {max(wide, COLUMN * across):.0f} {high:.0f}"
+        drawing = tag("svg", tag("use", href="#graph-drawing"), viewBox=box, class_="graph", xmlns="http://www.w3.org/2000/svg")
+        found.append(tag("figure", tag("figcaption", t("graph.part", n=place, of=len(filled))), drawing))
+    return found
 
 
 def _at(column: float, row: float) -> tuple[float, float]:

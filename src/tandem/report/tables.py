@@ -116,7 +116,9 @@ def _spent(look: Look, parts: tuple[float, float, float, float], total: float, t
         width = 160 * value / total if total else 0.0
         pieces.append(tag("rect", x=x, y=0, width=width, height=18, fill=paint))
         x += width
-    return tag("svg", tag("title", words), *pieces, width=160, height=18, viewBox="0 0 160 18", role="img", aria_label=words)
+    return tag(
+        "svg", tag("title", words), *pieces, width=160, height=18, viewBox="0 0 160 18", preserveAspectRatio="none", role="img", aria_label=words
+    )
 
 
 def shown_plans(front: Front) -> list[int]:
@@ -145,7 +147,11 @@ def tasks(front: Front, t: Words) -> Markup:
     rows = []
     for name, task in cell.tasks.items():
         cells = [tag("th", named(cell, name), scope="row"), *([tag("td", task.part or "")] if has_part else [])]
-        cells += [tag("td", ", ".join(task.after) or "–"), tag("td", ways(cell, name, shown)), tag("td", _loads(cell, name, shown), class_="number")]
+        cells += [
+            tag("td", ", ".join(task.after) or "–"),
+            tag("td", ways(cell, name, shown), class_="ways"),
+            tag("td", _loads(cell, name, shown), class_="number"),
+        ]
         cells += [tag("td", pieces(rules[name]))] if any(rules.values()) else []
         cells += [tag("td", _choice(plan.get(name), shown), class_="choice") for plan in chosen]
         rows.append(tag("tr", *cells))
@@ -160,8 +166,8 @@ def named(cell: Cell, task: str) -> str:
 
 
 def ways(cell: Cell, task: str, shown: dict[str, Look]) -> Markup:
-    """Every way of doing a task in words: `Anna 6.5 s, Anna + Cobot 8 s`."""
-    return pieces(f"{' + '.join(shown[o].label for o in mode.operators)} {seconds(mode.time)}" for mode in cell.modes(task))
+    """Every way of doing a task in words: `Anna: 6.5 s, Anna + Cobot: 8 s`."""
+    return pieces(f"{' + '.join(shown[o].label for o in mode.operators)}: {seconds(mode.time)}" for mode in cell.modes(task))
 
 
 def pieces(found: Iterable[str]) -> Markup:
@@ -185,13 +191,16 @@ def _loads(cell: Cell, task: str, shown: dict[str, Look]) -> Markup | str:
     joint = {mode.operators: sum(mode.stress.values()) for mode in cell.modes(task) if len(mode.operators) > 1 and mode.stress}
     if not joint and len(set(alone.values())) == 1:
         return number(next(iter(alone.values())))
-    found = [f"{shown[who].label} {number(load)}" for who, load in alone.items()]
-    found += [f"{' + '.join(shown[o].label for o in who)} {number(load)}" for who, load in joint.items()]
+    found = [f"{shown[who].label}: {number(load)}" for who, load in alone.items()]
+    found += [f"{' + '.join(shown[o].label for o in who)}: {number(load)}" for who, load in joint.items()]
     return pieces(found) if found else "–"
 
 
 def _choice(a: Assignment | None, shown: dict[str, Look]) -> Markup | str:
-    return pieces([" + ".join(shown[o].label for o in a.operators), f"{number(a.start)}–{number(a.end)}"]) if a else "–"
+    if a is None:
+        return "–"
+    lines = (" + ".join(shown[o].label for o in a.operators), f"{number(a.start)}–{number(a.end)} s")
+    return join(tag("span", line, " ", class_="piece") for line in lines)
 
 
 def _number(value: float) -> Markup:

@@ -1,0 +1,116 @@
+"""A front as a file, by the ending of its name. Every file is whole or absent."""
+
+from __future__ import annotations
+
+import csv
+import difflib
+import io
+import json
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from tandem.cell.storing import store
+from tandem.draw.saving import save
+from tandem.draw.style import number, task_label
+from tandem.errors import UsageError
+from tandem.plan.result import Front
+from tandem.report.html import write_html
+from tandem.schedule.critical import critical_path, slack
+from tandem.schedule.measures import mode_of
+
+COLUMNS = (
+    "point", "makespan_s", "stress", "status", "bound_makespan_s", "bound_stress", "knee",
+    "task", "label", "operators", "start_s", "end_s", "task_stress", "slack_s", "critical",
+)  # fmt: skip
+
+
+def export(front: Front, path: str | os.PathLike[str], *, command: str = "", date: str = "", language: str = "en") -> Path:
+    """Writes the front and returns where.
+
+    `.json` is the result document, `.csv` has one row for each task of each point, `.svg`, `.png` and `.pdf` show the front above the knee's
+    Gantt chart, `.html` is the report. `command`, `date` and `language` are for the report.
+
+    Raises:
+      UsageError: the name has none of these endings.
+      OSError: the file cannot be written; nothing is left behind.
+    """
+    check_ending(path)
+    ending = Path(path).suffix.lower()
+    if ending == ".html":
+        return write_html(front, path, command=command, date=date, language=language)
+    WRITERS[ending](front, path)
+    return Path(path)
+
+
+def check_ending(path: str | os.PathLike[str]) -> None:
+    """Raises UsageError when `export` cannot write a file of that name; to be asked before a long search begins."""
+    ending = Path(path).suffix.lower()
+    if ending not in ENDINGS:
+        near = difflib.get_close_matches(ending, ENDINGS, n=1, cutoff=0.5)
+        hint = f" Did you mean {near[0]}?" if near else ""
+        raise UsageError(
+            f"{os.fspath(path)}: cannot tell what to write from {ending or 'a name without an ending'!r}; use {', '.join(ENDINGS)}.{hint}"
+        )
+
+
+def to_json(front: Front) -> str:
+    """The result document as text."""
+    return json.dumps(front.to_dict(), indent=2, ensure_ascii=False) + "\n"
+
+
+def to_csv(front: Front) -> str:
+    """One row for each task of each point, times in seconds, decimals with a point.
+
+    A name that a spreadsheet would take for a formula gets an apostrophe in front, as spreadsheets themselves write it.
+    """
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\r\n")
+    writer.writerow(COLUMNS)
+    writer.writerows(_rows(front))
+    return buffer.getvalue()
+
+
+def _rows(front: Front) -> Iterator[list[str]]:
+    knee = front.knee if len(front) else None
+    for place, result in enumerate(front, 1):
+        path = {link.assignment.task for link in critical_path(front.cell, result.schedule)}
+        slacks = slack(front.cell, result.schedule)
+        point = [str(place), number(result.makespan), number(result.stress), str(result.status), number(result.bound.makespan)]
+        point += [number(result.bound.stress), "yes" if result is knee else "no"]
+        for a in result.schedule:
+            mode = mode_of(front.cell, a)
+            load = number(sum(mode.stress.values())) if mode else ""
+            names = [_harmless(name) for name in (a.task, task_label(front.cell, a.task), " + ".join(a.operators))]
+            yield [*point, *names, number(a.start), number(a.end), load, number(slacks[a.task]), "yes" if a.task in path else "no"]
+
+
+def _harmless(name: str) -> str:
+    return "'" + name if name[:1] in "=+@\t\r" or (name[:1] == "-" and not name[1:2].isdigit()) else name
+
+
+def _write_json(front: Front, path: str | os.PathLike[str]) -> None:
+    store(path, to_json(front))
+
+
+def _write_csv(front: Front, path: str | os.PathLike[str]) -> None:
+    text = to_csv(front)
+    # Excel takes a CSV file for the local 8-bit encoding unless it begins with this mark; plain ASCII does without.
+    store(path, text if text.isascii() else text.encode("utf-8-sig"))
+
+
+def _write_picture(front: Front, path: str | os.PathLike[str]) -> None:
+    from tandem.draw.overview import overview
+
+    save(overview(front), path)
+
+
+WRITERS: dict[str, Callable[[Front, Any], None]] = {
+    ".json": _write_json,
+    ".csv": _write_csv,
+    ".svg": _write_picture,
+    ".png": _write_picture,
+    ".pdf": _write_picture,
+}
+ENDINGS = (*WRITERS, ".html")
