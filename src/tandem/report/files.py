@@ -7,7 +7,7 @@ import difflib
 import io
 import json
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +26,7 @@ COLUMNS = (
 )  # fmt: skip
 
 
-def export(front: Front, path: str | os.PathLike[str], *, command: str = "", date: str = "", language: str = "en") -> Path:
+def write(front: Front, path: str | os.PathLike[str], *, command: str = "", date: str = "", language: str = "en") -> Path:
     """Writes the front and returns where.
 
     `.json` is the result document, `.csv` has one row for each task of each point, `.svg`, `.png` and `.pdf` show the front above the knee's
@@ -36,7 +36,8 @@ def export(front: Front, path: str | os.PathLike[str], *, command: str = "", dat
       UsageError: the name has none of these endings.
       OSError: the file cannot be written; nothing is left behind.
     """
-    check_ending(path)
+    if Path(path).suffix.lower() not in ENDINGS:
+        raise UsageError(_not_ready(Path(path)))
     ending = Path(path).suffix.lower()
     if ending == ".html":
         return write_html(front, path, command=command, date=date, language=language)
@@ -44,15 +45,28 @@ def export(front: Front, path: str | os.PathLike[str], *, command: str = "", dat
     return Path(path)
 
 
-def check_ending(path: str | os.PathLike[str]) -> None:
-    """Raises UsageError when `export` cannot write a file of that name; to be asked before a long search begins."""
-    ending = Path(path).suffix.lower()
+def ready_to_write(paths: Iterable[str | os.PathLike[str]]) -> None:
+    """Asks, before a long search begins, whether `write` can write files of these names.
+
+    Raises UsageError with everything that is wrong: an ending that says nothing, a folder that is missing or closed, a folder in place of a file.
+    """
+    if wrong := [fault for path in paths if (fault := _not_ready(Path(path)))]:
+        raise UsageError("\n".join(wrong))
+
+
+def _not_ready(path: Path) -> str:
+    ending, folder = path.suffix.lower(), Path(os.path.realpath(path)).parent
     if ending not in ENDINGS:
         near = difflib.get_close_matches(ending, ENDINGS, n=1, cutoff=0.5)
         hint = f" Did you mean {near[0]}?" if near else ""
-        raise UsageError(
-            f"{os.fspath(path)}: cannot tell what to write from {ending or 'a name without an ending'!r}; use {', '.join(ENDINGS)}.{hint}"
-        )
+        return f"{path}: cannot tell what to write from {repr(ending) if ending else 'a name without an ending'}; use {', '.join(ENDINGS)}.{hint}"
+    if path.is_dir():
+        return f"{path}: is a folder; name a file."
+    if not folder.is_dir():
+        return f"{path}: the folder {folder} does not exist; make it first or name another."
+    if not path.exists() and not os.access(folder, os.W_OK | os.X_OK):
+        return f"{path}: no permission to write into {folder}; name another folder."
+    return ""
 
 
 def to_json(front: Front) -> str:
