@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from tests.envs.conftest import cell_of
 
 from tandem.cell.model import Cell
 from tandem.envs.thesis import REWARDS, reward_set, station, whole_ticks
 from tandem.errors import CellError, UsageError
-from tests.envs.conftest import cell_of
 
 
 def test_the_thesis_cell_is_the_thesis_arrays(thesis):
@@ -95,7 +95,7 @@ def test_what_the_world_does_not_know_is_refused_by_name(path):
 def test_a_task_that_nobody_can_do_alone_is_refused():
     joint = {"time": {}, "together": [{"operators": ["robot", "human"], "time": 2.0}]}
     cell = Cell.model_validate({"operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}}, "tasks": {"a": joint}})
-    with pytest.raises(CellError, match="nobody can do it alone.*counts as done from the start"):
+    with pytest.raises(CellError, match=r"nobody can do it alone.*counts as done from the start"):
         station(cell)
 
 

@@ -88,7 +88,7 @@ class Game:
     def reset(self) -> None:
         """Everything to do again."""
         self.state, self.record = reset(self.station), Record(self.cell, self.options.per_second)
-        self.done = False
+        self.done, self._masks = False, self._judge()
 
     def step(self, action: tuple[int, int], broken: tuple[bool, bool]) -> tuple[NDArray[np.float32], list[dict[str, Any]]]:
         """Moves on; returns both rewards and both agents' happenings. `broken` says whose action the mask had forbidden.
@@ -99,7 +99,7 @@ class Game:
             raise UsageError(self._complaint(action, broken))
         before = self.state
         self.state, reward, done, info = self._step(self.station, self.rewards, before, np.asarray(action, np.int32))
-        self.done = bool(done)
+        self.done, self._masks = bool(done), self._judge()
         self.record.note(before, info)
         return reward, [self.happenings(agent, info, broken[agent]) for agent in range(2)]
 
@@ -109,8 +109,8 @@ class Game:
         return not self.done and int(self.state.clock) >= self.options.limit
 
     def masks(self) -> NDArray[np.int8]:
-        """`[2, T + 1]`, 1 = legal."""
-        return np.asarray(self.legal(self.station, self.state), np.int8)
+        """`[2, T + 1]`, 1 = legal; a copy."""
+        return self._masks.copy()
 
     def observe(self) -> NDArray[np.float32]:
         """`[2, D]`."""
@@ -158,6 +158,9 @@ class Game:
         if self.options.render_mode == "rgb_array":
             return pictures.rgb_gantt(self.cell, self.schedule(), now, float(self.state.stress))
         return None
+
+    def _judge(self) -> NDArray[np.int8]:
+        return np.asarray(self.legal(self.station, self.state), np.int8)
 
     def _complaint(self, action: tuple[int, int], broken: tuple[bool, bool]) -> str:
         names = ["wait", *self.cell.tasks]

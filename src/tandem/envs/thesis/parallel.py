@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from typing import Any
+from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
@@ -26,7 +26,7 @@ class ThesisParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
     says, and sets `info["illegal"]`. Options: see `Options`.
     """
 
-    metadata = {"name": "thesis_v0", "render_modes": list(RENDER_MODES), "is_parallelizable": True, "render_fps": 4}
+    metadata: ClassVar[dict[str, Any]] = {"name": "thesis_v0", "render_modes": list(RENDER_MODES), "is_parallelizable": True, "render_fps": 4}
 
     def __init__(self, cell: Cell | str | os.PathLike[str], **options: Any):
         self.game = Game(cell, Options(**options))
@@ -51,9 +51,7 @@ class ThesisParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         """The same object at each call."""
         return self.action_spaces[agent]
 
-    def reset(
-        self, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
+    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
         """The first observations. The station knows no chance: `seed` is taken and changes nothing."""
         self.game.reset()
         self.agents = list(AGENTS)
@@ -90,7 +88,7 @@ class ThesisParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
 
     def state(self) -> NDArray[np.float32]:
         """What the robot observes: both see the whole station."""
-        return self.game.observe()[0]
+        return np.asarray(self.game.observe()[0])
 
     def render(self) -> str | NDArray[np.uint8] | None:
         """The schedule so far, as the render mode says: text, pixels, or None."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
@@ -19,12 +19,12 @@ from tandem.errors import UsageError
 Observation = dict[str, NDArray[Any]]
 
 
-class ThesisEnv(gymnasium.Env[Observation, int]):
+class ThesisEnv(gymnasium.Env[Any, Any]):
     """One controller of robot and human, in one of two ways.
 
     `by="decisions"` (the default): one decision at a time. The action is 0, wait, or a task's number, for the agent whose turn it is;
-    where both decide at once the human comes first and time stands still in between. The first two numbers of the observation say whose turn
-    it is (robot, human), the next T + 1 what the human has just named.
+    where both decide at once the human comes first and time stands still in between (who has only one choice is not asked). The first two
+    numbers of the observation say whose turn it is (robot, human), the next T + 1 what the human has just named.
 
     `by="ticks"`: every second a joint action, `robot * (T + 1) + human`. The mask leaves out what would make the robot yield.
 
@@ -32,7 +32,7 @@ class ThesisEnv(gymnasium.Env[Observation, int]):
     to `gymnasium.wrappers.RecordEpisodeStatistics` and to SB3's `Monitor`, which insist on writing it.
     """
 
-    metadata = {"render_modes": list(RENDER_MODES), "render_fps": 4}
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": list(RENDER_MODES), "render_fps": 4}  # type: ignore[misc]
 
     def __init__(self, cell: Cell | str | os.PathLike[str], **options: Any):
         self.game = Game(cell, Options(**{"by": "decisions", "observation": "normalised", **options}))
@@ -45,7 +45,7 @@ class ThesisEnv(gymnasium.Env[Observation, int]):
         self.observation_space = spaces.Dict(
             {
                 "observation": spaces.Box(np.zeros_like(highest), highest, dtype=np.float32),
-                "action_mask": spaces.MultiBinary(int(self.action_space.n)),
+                "action_mask": spaces.MultiBinary(actions**2 if self.joint else actions),
             }
         )
         self.turn, self.named = HUMAN, 0
@@ -65,10 +65,10 @@ class ThesisEnv(gymnasium.Env[Observation, int]):
             robot, human = divmod(action, self.game.tasks + 1)
             masks = self.game.masks()
             reward, happenings = self.game.step((robot, human), (not masks[ROBOT, robot], not masks[HUMAN, human]))
-        elif self.turn == HUMAN and self.game.deciding()[ROBOT]:
+        elif self.turn == HUMAN and self._left_to_the_robot(action).sum() > 1:
             return self._then_the_robot(action, illegal)
         else:
-            joint = (action, self.named) if self.turn == ROBOT else (0, action)
+            joint = (action, self.named) if self.turn == ROBOT else (int(self._left_to_the_robot(action).argmax()), action)
             reward, happenings = self.game.step(joint, (illegal and self.turn == ROBOT, illegal and self.turn == HUMAN))
             self._next_turn()
         info = self._info(happenings)
@@ -79,12 +79,13 @@ class ThesisEnv(gymnasium.Env[Observation, int]):
         """`[A]` int8, 1 = legal; never all 0."""
         masks = self.game.masks()
         if self.joint:
-            both = np.outer(masks[ROBOT], masks[HUMAN]).astype(np.int8)
+            both = masks[ROBOT][:, None] * masks[HUMAN]
             np.fill_diagonal(both[1:, 1:], 0)
-            return both.ravel()
+            flat: NDArray[np.int8] = both.ravel()
+            return flat
         if self.turn == HUMAN:
-            return masks[HUMAN]
-        return np.asarray(after_human(self.game.state, masks.astype(bool), np.int32(self.named)), np.int8)
+            return np.asarray(masks[HUMAN])
+        return self._left_to_the_robot(self.named)
 
     def render(self) -> Any:
         """The schedule so far, as the render mode says: text, pixels, or None."""
@@ -99,6 +100,9 @@ class ThesisEnv(gymnasium.Env[Observation, int]):
         self.turn, self.named = ROBOT, action
         info = self._info([self.game.happenings(ROBOT), self.game.happenings(HUMAN, broken=illegal)])
         return self._observation(), 0.0, False, False, info
+
+    def _left_to_the_robot(self, human: int) -> NDArray[np.int8]:
+        return np.asarray(after_human(self.game.state, self.game.masks().astype(bool), np.int32(human)), np.int8)
 
     def _next_turn(self) -> None:
         """The human's, when the human decides; else the robot's."""
