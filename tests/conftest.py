@@ -7,6 +7,10 @@ from collections.abc import Generator
 from typing import Any
 
 import pytest
+from hypothesis import settings
+
+settings.register_profile("tandem", deadline=None)  # a busy machine is no fault of the code
+settings.load_profile("tandem")
 
 
 @pytest.hookimpl(wrapper=True)

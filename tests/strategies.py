@@ -153,12 +153,18 @@ def _pairs(draw: st.DrawFn, tasks: dict[str, dict[str, Any]]) -> list[tuple[str,
 def _table(draw: st.DrawFn, tasks: dict[str, dict[str, Any]], operators: dict[str, Any]) -> dict[str, float]:
     """Stress of every set of tasks that humans may do, not additive; a few sets are left out and so forbidden."""
     weights = {
-        name: draw(st.integers(0, 6)) for name, task in tasks.items() if any(operators[who]["kind"] == "human" for group in _groups(task) for who in group)
+        name: draw(st.integers(0, 6))
+        for name, task in tasks.items()
+        if any(operators[who]["kind"] == "human" for group in _groups(task) for who in group)
     }
     bend = draw(st.sampled_from((0.0, 0.5, 1.5)))
     sets = [chosen for size in range(len(weights) + 1) for chosen in combinations(weights, size)]
     missing = draw(st.lists(st.sampled_from(sets), max_size=2))
-    return {",".join(s): sum(weights[x] for x in s) + bend * max((weights[x] for x in s), default=0) * len(s) for s in sets if s not in missing or s == sets[-1]}
+    return {
+        ",".join(s): sum(weights[x] for x in s) + bend * max((weights[x] for x in s), default=0) * len(s)
+        for s in sets
+        if s not in missing or s == sets[-1]
+    }
 
 
 def _with_deadlines(draw: st.DrawFn, data: dict[str, Any], step: float) -> Cell:

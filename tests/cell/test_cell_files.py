@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.strategies import cells
 
 from tandem.cell.files import dump, dumps, load, loads
 from tandem.cell.model import Cell
 from tandem.cell.yaml_text import scalar
 from tandem.errors import CellError, UsageError
-from tests.strategies import cells
 
 EXAMPLES = sorted(Path(__file__).parents[2].glob("examples/*.yaml"))
 
@@ -41,7 +41,34 @@ def test_any_name_survives_a_file(name, other):
         assert loads(dumps(cell, form)) == cell
 
 
-@pytest.mark.parametrize("name", ["1.10", "010", "1e3", "null", "~", "yes", "true", "0x1F", "1:30", "-", "- a", "a: b", "a #b", " x ", "é", "[", "'", '"', "*a", "&a", "!t", "<<", "\\"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "1.10",
+        "010",
+        "1e3",
+        "null",
+        "~",
+        "yes",
+        "true",
+        "0x1F",
+        "1:30",
+        "-",
+        "- a",
+        "a: b",
+        "a #b",
+        " x ",
+        "é",
+        "[",
+        "'",
+        '"',
+        "*a",
+        "&a",
+        "!t",
+        "<<",
+        "\\",
+    ],
+)
 def test_names_are_kept_to_the_letter(name):
     data = {"operators": {"h": {"kind": "human"}}, "tasks": {name: {"time": {"h": 1}}, "next": {"time": {"h": 1}, "after": [name]}}}
     for form in ("yaml", "json"):
@@ -51,7 +78,10 @@ def test_names_are_kept_to_the_letter(name):
 
 
 def test_names_written_like_numbers_are_taken_as_written():
-    cell = loads("operators: {7: {kind: human}}\ntasks:\n 1.10: {time: {7: 1}}\n 010: {time: {7: 2}, after: [1.10]}\n 1.1: {time: {7: 2}, after: [010, 1.10], label: 1.50}\n")
+    cell = loads(
+        "operators: {7: {kind: human}}\ntasks:\n 1.10: {time: {7: 1}}\n 010: {time: {7: 2}, after: [1.10]}\n"
+        " 1.1: {time: {7: 2}, after: [010, 1.10], label: 1.50}\n"
+    )
     assert list(cell.tasks) == ["1.10", "010", "1.1"]
     assert cell.tasks["1.1"].after == ("010", "1.10")
     assert cell.tasks["1.1"].label == "1.50"
@@ -60,8 +90,10 @@ def test_names_written_like_numbers_are_taken_as_written():
 @pytest.mark.parametrize(
     ("text", "value"),
     [
-        ("10", 10), ("010", 10), ("-3", -3), ("+3", 3), ("1.5", 1.5), (".5", 0.5), ("5.", 5.0), ("1e3", 1000.0), ("true", True), ("false", False), ("null", None),
-        ("~", None), ("yes", "yes"), ("no", "no"), ("on", "on"), ("Off", "Off"), ("1_000", "1_000"), ("1:30", "1:30"), ("0x10", "0x10"), ("0o17", "0o17"),
+        ("10", 10), ("010", 10), ("-3", -3), ("+3", 3), ("1.5", 1.5), (".5", 0.5), ("5.", 5.0), ("1e3", 1000.0),
+        ("true", True), ("false", False), ("null", None),
+        ("~", None), ("yes", "yes"), ("no", "no"), ("on", "on"), ("Off", "Off"), ("1_000", "1_000"),
+        ("1:30", "1:30"), ("0x10", "0x10"), ("0o17", "0o17"),
         ("2024-01-01", "2024-01-01"), ("1,5", "1,5"), (".inf", float("inf")), ("-.inf", float("-inf")), ("+.inf", float("inf")),
     ],
 )  # fmt: skip
@@ -115,7 +147,7 @@ def test_a_byte_order_mark_and_windows_line_ends_do_no_harm(tmp_path):
 
 
 def test_an_unknown_format_is_a_wrong_call():
-    with pytest.raises(UsageError, match="no format 'fsj'. Did you mean 'fjs'"):
+    with pytest.raises(UsageError, match=r"no format 'fsj'\. Did you mean 'fjs'"):
         loads("", "fsj")
     with pytest.raises(UsageError, match="not as 'fjs'"):
         dumps(load(EXAMPLES[0]), "fjs")

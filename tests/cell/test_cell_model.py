@@ -8,10 +8,10 @@ import pickle
 import pytest
 from hypothesis import given
 from pydantic import ValidationError
+from tests.strategies import cells
 
 from tandem.cell.model import Cell, Mode
 from tandem.errors import CellError
-from tests.strategies import cells
 
 PRESS = {
     "operators": {"cobot": {"kind": "robot"}, "anna": {"kind": "human"}, "ben": {"kind": "human"}},

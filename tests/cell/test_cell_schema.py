@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from jsonschema import Draft202012Validator
+from tests.strategies import cells
 
 from tandem.cell import yaml_text
 from tandem.cell.files import loads
 from tandem.cell.formats.table import FORMATS
 from tandem.cell.schema import SHIPPED, schema, schema_text
 from tandem.errors import CellError
-from tests.strategies import cells
 
 EXAMPLES = sorted(Path(__file__).parents[2].glob("examples/*.yaml"))
 VALIDATOR = Draft202012Validator(schema())

@@ -52,7 +52,9 @@ def test_seeds_differ():
     assert len({layered(12, seed=seed).digest for seed in range(20)}) == 20
 
 
-@pytest.mark.parametrize("wrong", [{"tasks": 0}, {"tasks": 3, "humans": 0, "robots": 0}, {"tasks": 3, "layers": 4}, {"tasks": 3, "density": 1.5}], ids=str)
+@pytest.mark.parametrize(
+    "wrong", [{"tasks": 0}, {"tasks": 3, "humans": 0, "robots": 0}, {"tasks": 3, "layers": 4}, {"tasks": 3, "density": 1.5}], ids=str
+)
 def test_what_cannot_be_generated_is_said(wrong):
     with pytest.raises(ValueError, match=r"cell needs|layers is 4|density is 1\.5"):
         layered(**wrong, seed=0)

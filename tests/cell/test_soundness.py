@@ -55,7 +55,11 @@ CASES: list[tuple[dict[str, Any], tuple[str | int, ...], str]] = [
     ({"press__stress": {"ana": 3}}, ("tasks", "press", "stress", "ana"), "stress names 'ana'.* mean 'anna'"),
     ({"press__difficulty": {"ana": 3}}, ("tasks", "press", "difficulty", "ana"), "difficulty names 'ana'.* mean 'anna'"),
     ({"press__spread": {"ana": 0.3}}, ("tasks", "press", "spread", "ana"), "spread names 'ana'.* mean 'anna'"),
-    ({"press__tool": "driver", "tools": {"driver": {"changeover": {"cobo": 1}}}}, ("tools", "driver", "changeover", "cobo"), "changeover names 'cobo'"),
+    (
+        {"press__tool": "driver", "tools": {"driver": {"changeover": {"cobo": 1}}}},
+        ("tools", "driver", "changeover", "cobo"),
+        "changeover names 'cobo'",
+    ),
     ({"press__after": ["greas"]}, ("tasks", "press", "after", 0), "comes after 'greas', which is no task. Did you mean 'grease'"),
     ({"same_operator": [["grease", "chek"]]}, ("same_operator", 0, 1), "names 'chek', which is no task. Did you mean 'check'"),
     ({"press__after": ["grease", "press"]}, ("tasks", "press", "after", 1), "comes after itself"),
@@ -79,7 +83,12 @@ CASES: list[tuple[dict[str, Any], tuple[str | int, ...], str]] = [
         "only do it together, but zone 'jig' holds 1 .* never meet.*capacity: 2",
     ),
     (
-        {"press__time": {}, "press__tool": "arbor", "press__together": [{"operators": ["anna", "cobot"], "time": 3}], "tools": {"arbor": {"capacity": 1}}},
+        {
+            "press__time": {},
+            "press__tool": "arbor",
+            "press__together": [{"operators": ["anna", "cobot"], "time": 3}],
+            "tools": {"arbor": {"capacity": 1}},
+        },
         ("tasks", "press", "tool"),
         "there is 1 of tool 'arbor', so they never meet",
     ),
@@ -114,12 +123,20 @@ CASES: list[tuple[dict[str, Any], tuple[str | int, ...], str]] = [
         ("tasks", "check", "deadline"),
         "ends at 62 s at the soonest around the breaks",
     ),
-    ({"same_operator": [["grease", "press"]], "press__time": {"cobot": 4}}, ("same_operator", 0), "nobody can do both: 'grease' by anna and 'press' by cobot"),
+    (
+        {"same_operator": [["grease", "press"]], "press__time": {"cobot": 4}},
+        ("same_operator", 0),
+        "nobody can do both: 'grease' by anna and 'press' by cobot",
+    ),
     ({"stress_of_set": {"": 0, "check,grease": 4}}, ("stress_of_set", "check,grease"), "Write 'grease,check'"),
     ({"stress_of_set": {"grease, check": 4}}, ("stress_of_set", "grease, check"), "Write 'grease,check'"),
     ({"stress_of_set": {"grease,chck": 4}}, ("stress_of_set", "grease,chck"), "names 'chck', which is no task. Did you mean 'check'"),
     ({"stress_of_set": {"grease,check": 4, "check,grease": 5}}, ("stress_of_set", "check,grease"), "states the set 'grease,check' twice"),
-    ({"press__tool": "screwdriver", "tools": {"scewdriver": {"capacity": 2}}}, ("tools", "scewdriver"), "never used, while 'screwdriver' is used but not listed"),
+    (
+        {"press__tool": "screwdriver", "tools": {"scewdriver": {"capacity": 2}}},
+        ("tools", "scewdriver"),
+        "never used, while 'screwdriver' is used but not listed",
+    ),
     ({"press__zone": "jig", "zones": {"Jig": {"capacity": 2}}}, ("zones", "Jig"), "never used, while 'jig' is used"),
     ({"press__time": {"cobot": 1 / 3}}, ("tasks", "press", "time", "cobot"), "0.3333333333333333 has more than 6 decimals. Round it, to 0.333"),
     ({"press__time": {"cobot": 0.000001}, "grease__time": {"anna": 9e6}}, ("tasks",), "times add up to 9e.* Round the times to 1e-05 s"),
@@ -140,7 +157,12 @@ ALLOWED: list[dict[str, Any]] = [
     {"press__zone": "jig", "press__together": [{"operators": ["anna", "cobot"], "time": 3}]},  # too narrow for the group, not for one alone
     {"operators": {"cobot": {"kind": "robot", "breaks": [[5, 9], [1, 5]]}, "anna": {"kind": "human"}}},  # touching breaks, in any order
     {"check__deadline": 9},  # met to the second
-    {"grease__time": {"anna": 0.1}, "press__time": {"anna": 0.2}, "check__time": {"anna": 0.3}, "check__deadline": 0.6},  # 0.1 + 0.2 + 0.3 is 0.6 here
+    {
+        "grease__time": {"anna": 0.1},
+        "press__time": {"anna": 0.2},
+        "check__time": {"anna": 0.3},
+        "check__deadline": 0.6,
+    },  # 0.1 + 0.2 + 0.3 is 0.6 here
     {"same_operator": [["grease", "check"], ["grease", "check"]]},
     {"stress_of_set": {"grease,check": 1, "grease,press,check": 5}},
     {"press__stress": {"anna": 0}},

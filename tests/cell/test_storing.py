@@ -48,7 +48,7 @@ def test_a_device_is_written_directly():
     store("/dev/null", "x")
 
 
-@pytest.fixture()
+@pytest.fixture
 def full_disk(tmp_path: Path) -> Iterator[Path]:
     """A disk of 64 KiB that is nearly full."""
     folder = tmp_path / "disk"

@@ -81,7 +81,9 @@ def random_board(height: int = 15, width: int = 12, human: int = 15, joint: int 
 
     count = human + joint + robot
     if not 1 <= height <= count <= height * width or max_time < 2 or min(human, joint, robot) < 0:
-        raise ValueError(f"{count} pieces on a board of {height} rows and {width} columns: at least one a row, at most one a cell, times of 1 or more.")
+        raise ValueError(
+            f"{count} pieces on a board of {height} rows and {width} columns: at least one a row, at most one a cell, times of 1 or more."
+        )
     draws = np.random.RandomState(seed)  # the authors seed numpy's legacy generator
     rest = [(row, column) for row in range(1, height + 1) for column in range(2, width + 1)]
     further = draws.choice(len(rest), count - height, replace=False)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from tandem.errors import Fault
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from tandem.cell.model import Cell
 
 DECIMALS = 6
-MICRO = 10**DECIMALS
+MICRO = 1_000_000
 LARGEST = 2**40
 """The largest sum in units of the finest number: solvers add such numbers, in 64 bits, with room to spare."""
 
@@ -34,7 +35,7 @@ def breaks_are_apart(cell: Cell) -> Iterator[Fault]:
             remedy = f"write [{_short(end)}, {_short(start)}]" if end < start else "a break must last a while"
             yield Fault(f"operator {who!r}: the break [{_short(start)}, {_short(end)}] ends before or when it starts; {remedy}.", (*here, place))
         good.sort()
-        for (a, b, _), (c, d, place) in zip(good, good[1:], strict=False):
+        for (a, b, _), (c, d, place) in pairwise(good):
             if c < b:
                 both = f"[{_short(a)}, {_short(b)}] and [{_short(c)}, {_short(d)}]"
                 yield Fault(f"operator {who!r}: the breaks {both} overlap. Make them one: [{_short(a)}, {_short(max(b, d))}].", (*here, place))
@@ -188,7 +189,7 @@ def _scale(numbers: Sequence[float]) -> int:
     """The smallest power of ten, up to a million, that makes every number whole."""
     for decimals in range(DECIMALS):
         if all(round(number, decimals) == number for number in numbers):
-            return int(10**decimals)
+            return int(10.0**decimals)
     return MICRO
 
 

@@ -84,7 +84,9 @@ def entries(node: Node) -> Iterator[tuple[str, Node]]:
 
 def repeated(source: str, key: str, first: Entry, line: int, column: int) -> Fault:
     """The fault of a key that is stated twice in one mapping."""
-    return Fault(f"{key!r} is stated twice, first in line {first.line} and again here in line {line}. Keep one of them.", (), f"{source}:{line}:{column}")
+    return Fault(
+        f"{key!r} is stated twice, first in line {first.line} and again here in line {line}. Keep one of them.", (), f"{source}:{line}:{column}"
+    )
 
 
 def _plain(node: Node, path: Path) -> Any:

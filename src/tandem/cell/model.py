@@ -27,7 +27,7 @@ class Table(dict[str, V]):
     def _refuse(self, *_: object, **__: object) -> Any:
         raise TypeError("a cell is frozen; make a variant with cell.replace(...)")
 
-    __setitem__ = __delitem__ = __ior__ = update = pop = popitem = clear = setdefault = _refuse  # type: ignore[assignment]
+    __setitem__ = __delitem__ = __ior__ = update = pop = popitem = clear = setdefault = _refuse
 
     def __hash__(self) -> int:  # type: ignore[override]
         return hash(tuple(sorted(self.items())))
@@ -96,7 +96,11 @@ class Together(Frozen):
     operators: tuple[Name, ...] = Field(min_length=2, description="All who take part, from start to end.")
     time: Seconds = Field(description="Seconds.")
     stress: OneOrEach | None = Field(
-        default=None, description="Stress on each human who takes part: one number for each of them, or a number per human (0 for who is not named). The task's own when absent."
+        default=None,
+        description=(
+            "Stress on each human who takes part: one number for each of them, or a number per human (0 for who is not named). "
+            "The task's own when absent."
+        ),
     )
 
 
@@ -109,16 +113,16 @@ class Task(Frozen):
         default_factory=Table, description="Operator to seconds. An operator that is missing cannot do the task."
     )
     together: tuple[Together, ...] = Field(default=(), description="Alternatives that occupy several operators at once.")
-    stress: OneOrEach = Field(default=0.0, description="Ergonomic stress on the human who does it: one number, or a number per human (0 for who is not named).")
+    stress: OneOrEach = Field(
+        default=0.0, description="Ergonomic stress on the human who does it: one number, or a number per human (0 for who is not named)."
+    )
     after: tuple[Name, ...] = Field(default=(), description="Tasks that must have ended before this one starts.")
     tool: Name | None = Field(default=None, description="The tool that every operator who does the task needs in hand.")
     zone: Name | None = Field(default=None, description="The shared space in which it is done.")
     difficulty: PerOperator = Field(default_factory=Table, description="How hard the task is for an operator: operator to a number; 0 when absent.")
     release: Moment = Field(default=0.0, description="Earliest start, seconds.")
     deadline: Seconds | None = Field(default=None, description="Latest end, seconds.")
-    spread: OneOrEach = Field(
-        default=0.0, description="Coefficient of variation of the time, for simulation: one number, or a number per operator."
-    )
+    spread: OneOrEach = Field(default=0.0, description="Coefficient of variation of the time, for simulation: one number, or a number per operator.")
 
 
 class Tool(Frozen):

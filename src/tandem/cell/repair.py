@@ -80,7 +80,7 @@ def _stand_in(flaw: Flaw) -> tuple[Path, Any]:
             return ("operators", name, "breaks", place), _GONE
         case ("tasks", name):
             return path, {}
-        case ("tasks", name, "time", who):
+        case ("tasks", name, "time", _):
             return path, 1
         case ("tasks", name, "together", place, "time"):
             return path, 1
@@ -88,13 +88,13 @@ def _stand_in(flaw: Flaw) -> tuple[Path, Any]:
             return path, _GONE
         case ("tasks", name, "together", place, *_):
             return ("tasks", name, "together", place), _GONE
-        case ("zones" | "tools" as table, name):
+        case ("zones" | "tools", _):
             return path, {"capacity": ROOM}
-        case ("zones" | "tools" as table, name, "capacity"):
+        case ("zones" | "tools", _, "capacity"):
             return path, ROOM
         case ("same_operator", place, *_):
             return ("same_operator", place), _GONE
-        case ("stress_of_set", key):
+        case ("stress_of_set", _):
             return path, 0
     return path, _GONE
 

@@ -17,7 +17,11 @@ def schema() -> dict[str, Any]:
     """The schema, draft 2020-12. It says what each value must look like; what values must be to each other, only loading can tell."""
     made = _tidy(Cell.model_json_schema())
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": ID, "title": "Tandem cell"}
-    return {**head, "description": "One workstation: its operators and the tasks of one product.", **{k: v for k, v in made.items() if k not in ("title", "description")}}
+    return {
+        **head,
+        "description": "One workstation: its operators and the tasks of one product.",
+        **{k: v for k, v in made.items() if k not in ("title", "description")},
+    }
 
 
 def schema_text() -> str:

@@ -66,7 +66,9 @@ def a_group_names_each_operator_once(cell: Cell) -> Iterator[Fault]:
             path: Path = ("tasks", name, "together", place)
             twice = [who for who, count in Counter(joint.operators).items() if count > 1]
             if twice:
-                yield Fault(f"task {name!r}: {_listed(twice)} stands twice in one group. A joint task needs different operators.", (*path, "operators"))
+                yield Fault(
+                    f"task {name!r}: {_listed(twice)} stands twice in one group. A joint task needs different operators.", (*path, "operators")
+                )
                 continue
             first = seen.setdefault(frozenset(joint.operators), place)
             if first != place:
@@ -109,7 +111,9 @@ def stress_is_put_on_humans(cell: Cell) -> Iterator[Fault]:
                 yield Fault(f"{what}: stress is stated for {who!r}, a robot. Only humans have stress; take {who!r} out.", (*path, who))
     for who, operator in cell.operators.items():
         if operator.kind == "robot" and operator.stress_limit is not None:
-            yield Fault(f"operator {who!r} is a robot and has a stress_limit. Only humans have stress; take it out.", ("operators", who, "stress_limit"))
+            yield Fault(
+                f"operator {who!r} is a robot and has a stress_limit. Only humans have stress; take it out.", ("operators", who, "stress_limit")
+            )
 
 
 def pairs_have_a_common_way(cell: Cell) -> Iterator[Fault]:
@@ -121,7 +125,8 @@ def pairs_have_a_common_way(cell: Cell) -> Iterator[Fault]:
         if all(ways) and not ways[0] & ways[1]:
             can = " and ".join(f"{name!r} by {_or(way)}" for name, way in zip((one, other), ways, strict=True))
             yield Fault(
-                f"tasks {one!r} and {other!r} must have the same operators, but nobody can do both: {can}. Take the pair out, or give a time for both.",
+                f"tasks {one!r} and {other!r} must have the same operators, but nobody can do both: {can}. "
+                "Take the pair out, or give somebody a time for each.",
                 ("same_operator", place),
             )
 

@@ -201,7 +201,8 @@ def _no_choice(path: Path, item: Any) -> str:
 
 def _no_mapping(path: Path, item: Any) -> str:
     examples = {
-        "operators": "{robot: {kind: robot}}", "tasks": "{1: {time: {robot: 9}}}", "time": "{robot: 9, human: 10}", "tools": "{driver: {capacity: 1}}",
+        "operators": "{robot: {kind: robot}}", "tasks": "{1: {time: {robot: 9}}}", "time": "{robot: 9, human: 10}",
+        "tools": "{driver: {capacity: 1}}",
         "zones": "{press: {capacity: 1}}", "stress_of_set": '{"": 0, "1": 2.5}', "difficulty": "{human: 2}", "changeover": "{human: 3}",
     }  # fmt: skip
     if not path:
@@ -215,7 +216,13 @@ def _no_mapping(path: Path, item: Any) -> str:
 
 
 def _no_list(path: Path, item: Any) -> str:
-    examples = {"after": "[1, 2]", "breaks": "[[60, 90]]", "operators": "[robot, human]", "same_operator": "[[1, 2]]", "together": "[{operators: [a, b], time: 12}]"}
+    examples = {
+        "after": "[1, 2]",
+        "breaks": "[[60, 90]]",
+        "operators": "[robot, human]",
+        "same_operator": "[[1, 2]]",
+        "together": "[{operators: [a, b], time: 12}]",
+    }
     key = next((str(step) for step in reversed(path) if isinstance(step, str)), "")
     value = item["input"]
     remedy = f"`{key}: {examples.get(key, '[]')}`"
@@ -225,10 +232,7 @@ def _no_list(path: Path, item: Any) -> str:
 
 
 def _of(value: object) -> str:
-    kinds = {str: "text", list: "a list", tuple: "a list", dict: "a mapping"}
-    if type(value) is str:
-        return f"the text {shown(value)}"
-    return kinds.get(type(value), shown(value))
+    return f"the text {shown(value)}" if isinstance(value, str) else shown(value)
 
 
 def _no_text(path: Path, item: Any) -> str:

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from tandem.cell.formats.lines import Translated
 from tandem.cell.json_text import read as read_json
-from tandem.cell.marked import Document, Path
+from tandem.cell.marked import Document, Path, Place
 from tandem.errors import CellError, Fault
 
 
@@ -75,7 +75,9 @@ def read(text: str, source: str) -> Translated:
         case = _Case.model_validate(document.plain())
     except ValidationError as error:
         flaws = [(item["loc"], item["msg"]) for item in error.errors(include_url=False)]
-        raise CellError([Fault(f"{'.'.join(map(str, path)) or 'the case'}: {message}.", path, document.place(path).text) for path, message in flaws]) from error
+        raise CellError(
+            [Fault(f"{'.'.join(map(str, path)) or 'the case'}: {message}.", path, document.place(path).text) for path, message in flaws]
+        ) from error
     tasks: dict[str, Any] = {}
     lines: dict[Path, tuple[int, int]] = {}
     faults = list(document.faults)
@@ -135,7 +137,9 @@ def _table(table: dict[str, float], order: list[str]) -> dict[str, float]:
 
 
 def _other_lines(case: _Case, document: Document) -> dict[Path, tuple[int, int]]:
-    found = {("operators", agent.id): document.place(("agents", place)) for place, agent in enumerate(case.agents)}
-    found |= {("same_operator", place): document.place(("same_agent", place)) for place in range(len(case.same_agent))}  # type: ignore[dict-item]
-    found |= {("stress_of_set",): document.place(("strain_index_of_human_task_set",))}  # type: ignore[dict-item]
+    found: dict[Path, Place] = {("stress_of_set",): document.place(("strain_index_of_human_task_set",))}
+    for place, agent in enumerate(case.agents):
+        found["operators", agent.id] = document.place(("agents", place))
+    for place in range(len(case.same_agent)):
+        found["same_operator", place] = document.place(("same_agent", place))
     return {path: (where.line, where.column) for path, where in found.items()}

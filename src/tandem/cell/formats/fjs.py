@@ -36,7 +36,9 @@ def read(text: str, source: str) -> Translated:
     head = lines[0]
     if len(head.words) < 2:
         raise broken(source, head.line, "the first line states the numbers of jobs and of machines.")
-    jobs, machines = (whole(source, head.line, word, what) for word, what in zip(head.words, ("the number of jobs", "the number of machines"), strict=False))
+    jobs, machines = (
+        whole(source, head.line, word, what) for word, what in zip(head.words, ("the number of jobs", "the number of machines"), strict=False)
+    )
     if len(lines) - 1 != jobs:
         raise broken(source, head.line, f"the first line states {jobs} jobs, but {len(lines) - 1} lines follow. There is one line for each job.")
     shop = [(row, list(_operations(source, row))) for row in lines[1:]]
@@ -46,7 +48,11 @@ def read(text: str, source: str) -> Translated:
     for number, (row, job) in enumerate(shop, 1):
         for step, ways in enumerate(job, 1):
             key = f"{number}.{step}"
-            tasks[key] = {"time": {robot(machine): time for machine, time in ways}, "part": str(number), "after": [f"{number}.{step - 1}"] if step > 1 else []}
+            tasks[key] = {
+                "time": {robot(machine): time for machine, time in ways},
+                "part": str(number),
+                "after": [f"{number}.{step - 1}"] if step > 1 else [],
+            }
             places["tasks", key] = row.line
     return Translated(source, {"name": title(source), "operators": robots(first, machines), "tasks": tasks}, places)
 

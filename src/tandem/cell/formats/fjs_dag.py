@@ -60,5 +60,7 @@ def read(text: str, source: str) -> Translated:
         places["tasks", str(number)] = row.line
         ways.append((row.line, found))
     first = counted_from(source, head.line, machines, ways)
-    tasks: dict[str, Any] = {str(n): {"time": {robot(machine): time for machine, time in found}, "after": after[n]} for n, (_, found) in enumerate(ways)}
+    tasks: dict[str, Any] = {
+        str(n): {"time": {robot(machine): time for machine, time in found}, "after": after[n]} for n, (_, found) in enumerate(ways)
+    }
     return Translated(source, {"name": title(source), "operators": robots(first, machines), "tasks": tasks}, places)
