@@ -72,7 +72,7 @@ def install(*extras: str) -> None:
         say("this folder or the Python was another one: starting afresh.")
         shutil.rmtree(VENV)
     begun = time.monotonic()
-    if not PYTHON.exists():
+    if not (PYTHON.exists() and subprocess.run([str(PYTHON), "-m", "pip", "--version"], capture_output=True).returncode == 0):
         create()
     wanted |= known
     note = {"extras": sorted(wanted), "python": sys.version, "root": str(ROOT)}

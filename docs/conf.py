@@ -7,9 +7,9 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-import reference
 from sphinx.application import Sphinx
 
+import reference
 import tandem
 
 project = "Tandem"

@@ -5,6 +5,7 @@ A page asks for one with a line of its own such as `<!-- cell reference -->`.
 
 from __future__ import annotations
 
+import inspect
 import json
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
@@ -34,7 +35,14 @@ def cell_reference() -> str:
     """One table for the cell and one for each thing in it, as Markdown, from the model's JSON Schema."""
     document = schema()
     parts = {"Cell": document, **document["$defs"]}
-    titles = {"Cell": "The file", "Operator": "An operator", "Task": "A task", "Together": "A group in `together`", "Tool": "A tool", "Zone": "A zone"}
+    titles = {
+        "Cell": "The file",
+        "Operator": "An operator",
+        "Task": "A task",
+        "Together": "A group in `together`",
+        "Tool": "A tool",
+        "Zone": "A zone",
+    }
     missing = [name for name, part in parts.items() if name not in titles and part.get("properties")]
     if missing:
         raise LookupError(f"docs/reference.py has no title for {missing}.")
@@ -105,9 +113,9 @@ def format_reference() -> str:
 
 def method_reference() -> str:
     """Every planning method, as a Markdown table."""
-    from tandem.plan.methods import METHODS
+    from tandem.plan.methods import METHODS, describe
 
-    return "\n".join(["| name | what it does |", "|---|---|", *(f"| `{name}` | {_cell(one.what)} |" for name, one in METHODS.items())])
+    return "\n".join(["| name | what it does |", "|---|---|", *(f"| `{name}` | {_cell(describe(name))} |" for name in METHODS)])
 
 
 # ---------------------------------------------------------------- the commands
@@ -120,9 +128,9 @@ def command_reference() -> str:
 
 def commands() -> Iterator[tuple[str, click.Command]]:
     """`tandem` and every command below it, with the words that call it."""
-    from tandem.cli import main
+    from tandem.cli import tandem
 
-    yield from _walk("tandem", main)
+    yield from _walk("tandem", tandem)
 
 
 def _walk(path: str, command: click.Command) -> Iterator[tuple[str, click.Command]]:
@@ -139,7 +147,7 @@ def _section(path: str, command: click.Command) -> str:
     context = click.Context(command, info_name=path)
     usage = " ".join([path, *command.collect_usage_pieces(context)])
     lines = [f"## {path}", "", "```text", usage, "```", "", _prose(command.help or "")]
-    rows = [_option(context, option) for option in command.get_params(context) if isinstance(option, click.Option) and not option.hidden]
+    rows = [_option(context, option) for option in command.params if isinstance(option, click.Option) and not option.hidden]
     if rows:
         lines += ["", "| option | meaning |", "|---|---|", *rows]
     return "\n".join(lines)
@@ -153,9 +161,9 @@ def _option(context: click.Context, option: click.Option) -> str:
 def _prose(help_text: str) -> str:
     """A help text as paragraphs; what it marks with \\b keeps its lines."""
     paragraphs = []
-    for paragraph in help_text.replace("\r", "").split("\n\n"):
+    for paragraph in inspect.cleandoc(help_text).split("\n\n"):
         if paragraph.startswith("\b"):
-            paragraphs.append("```text\n" + paragraph.removeprefix("\b").strip("\n") + "\n```")
+            paragraphs.append("```text\n" + inspect.cleandoc(paragraph.removeprefix("\b")) + "\n```")
         else:
             paragraphs.append(paragraph.strip())
     return "\n\n".join(paragraphs)
