@@ -236,6 +236,8 @@ class _Growth:
                     self.cut_short = True
                     return None
                 for child in self.ground.children(node):
+                    if self.ground.most_units is not None and child.units > self.ground.most_units:
+                        continue
                     if child.mask == self.full:
                         return self._starts(child)
                     count += self._keep(kept, child)

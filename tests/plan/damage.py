@@ -1,0 +1,179 @@
+"""Ways of breaking a sound schedule, each of which certainly breaks it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+from tandem.cell.model import Cell
+from tandem.schedule.measures import changeovers, exact, makespan, stress
+from tandem.schedule.model import Assignment, Schedule
+
+Damaged = Iterator[tuple[Cell, Schedule, dict[str, float]]]
+"""The cell, the schedule and the limits that no longer go together."""
+
+
+def left_out(cell: Cell, plan: Schedule) -> Damaged:
+    for a in plan:
+        yield cell, _without(plan, a), {}
+
+
+def done_twice(cell: Cell, plan: Schedule) -> Damaged:
+    later = makespan(plan)
+    for a in plan:
+        yield cell, Schedule((*plan, _at(a, later))), {}
+
+
+def given_another_name(cell: Cell, plan: Schedule) -> Damaged:
+    for a in plan:
+        yield cell, _with(plan, a, replace(a, task=a.task + "x")), {}
+
+
+def made_shorter_or_longer(cell: Cell, plan: Schedule) -> Damaged:
+    for a in plan:
+        yield cell, _with(plan, a, replace(a, end=float((exact(a.start) + exact(a.end)) / 2))), {}
+        yield cell, _with(plan, a, replace(a, end=float(exact(a.end) + exact(0.001)))), {}
+        yield cell, _with(plan, a, replace(a, start=a.end, end=a.start)), {}
+
+
+def given_to_someone_who_cannot(cell: Cell, plan: Schedule) -> Damaged:
+    for a in plan:
+        groups = [set(mode.operators) for mode in cell.modes(a.task)]
+        for name in cell.operators:
+            if {name} not in groups:
+                yield cell, _with(plan, a, replace(a, operators=(name,))), {}
+        yield cell, _with(plan, a, replace(a, operators=(*a.operators, "stranger"))), {}
+        yield cell, _with(plan, a, replace(a, operators=())), {}
+
+
+def given_to_someone_of_another_pace(cell: Cell, plan: Schedule) -> Damaged:
+    for a in plan:
+        for mode in cell.modes(a.task):
+            if exact(mode.time) != exact(a.end) - exact(a.start):
+                yield cell, _with(plan, a, replace(a, operators=mode.operators)), {}
+
+
+def begun_before_zero(cell: Cell, plan: Schedule) -> Damaged:
+    for a in plan:
+        yield cell, _with(plan, a, _at(a, -0.5)), {}
+
+
+def begun_before_a_predecessor_has_ended(cell: Cell, plan: Schedule) -> Damaged:
+    rows = {a.task: a for a in plan}
+    for a in plan:
+        for first in cell.tasks[a.task].after:
+            yield cell, _with(plan, a, _at(a, float((exact(rows[first].start) + exact(rows[first].end)) / 2))), {}
+
+
+def two_tasks_of_an_operator_at_once(cell: Cell, plan: Schedule) -> Damaged:
+    for name in cell.operators:
+        for a in plan.of(name):
+            for other in plan.of(name):
+                if a != other:
+                    yield cell, _with(plan, a, _at(a, float((exact(other.start) + exact(other.end)) / 2))), {}
+
+
+def begun_before_the_release(cell: Cell, plan: Schedule) -> Damaged:
+    for a in plan:
+        if release := cell.tasks[a.task].release:
+            yield cell, _with(plan, a, _at(a, float(exact(release) / 2))), {}
+
+
+def ended_after_the_deadline(cell: Cell, plan: Schedule) -> Damaged:
+    for a in plan:
+        deadline = cell.tasks[a.task].deadline
+        if deadline is not None:
+            yield cell, _with(plan, a, _at(a, deadline)), {}
+
+
+def put_into_a_break(cell: Cell, plan: Schedule) -> Damaged:
+    for a in plan:
+        for name in a.operators:
+            for start, end in cell.operators[name].breaks:
+                yield cell, _with(plan, a, _at(a, float((exact(start) + exact(end)) / 2))), {}
+
+
+def begun_during_the_changeover(cell: Cell, plan: Schedule) -> Damaged:
+    """Right behind the task before, with half of the changeover's time in between."""
+    for change in changeovers(cell, plan):
+        rows = plan.of(change.operator)
+        place = [a.task for a in rows].index(change.task)
+        free = exact(rows[place - 1].end) if place else exact(0)
+        yield cell, _with(plan, rows[place], _at(rows[place], float(free + (exact(change.end) - exact(change.start)) / 2))), {}
+
+
+def crowded(cell: Cell, plan: Schedule) -> Damaged:
+    for kind, places in (("tool", cell.tools), ("zone", cell.zones)):
+        for a in plan:
+            for other in plan:
+                place = getattr(cell.tasks[a.task], kind)
+                capacity = places[place].capacity if place in places else 1
+                together = len(a.operators) + len(other.operators)
+                if a != other and place is not None and place == getattr(cell.tasks[other.task], kind) and together > capacity:
+                    yield cell, _with(plan, a, _at(a, other.start)), {}
+
+
+def over_a_stress_limit(cell: Cell, plan: Schedule) -> Damaged:
+    for human in cell.humans:
+        loads = {(a.task, frozenset(mode.operators)): mode.stress for a in plan for mode in cell.modes(a.task)}
+        total = sum(exact(loads[a.task, frozenset(a.operators)].get(human, 0)) for a in plan)
+        if total:
+            operators = {**cell.operators, human: cell.operators[human].model_copy(update={"stress_limit": float(total) / 2})}
+            yield cell.replace(operators=operators), plan, {}
+
+
+def a_pair_apart(cell: Cell, plan: Schedule) -> Damaged:
+    rows = {a.task: a for a in plan}
+    for a in plan:
+        for other in plan:
+            common = {frozenset(mode.operators) for mode in cell.modes(a.task)} & {frozenset(mode.operators) for mode in cell.modes(other.task)}
+            if common and set(a.operators) != set(rows[other.task].operators):
+                yield cell.replace(same_operator=((a.task, other.task),)), plan, {}
+
+
+def a_set_that_is_not_listed(cell: Cell, plan: Schedule) -> Damaged:
+    if cell.stress_of_set is not None:
+        done = {a.task for a in plan if set(a.operators) & set(cell.humans)}
+        key = ",".join(name for name in cell.tasks if name in done)
+        yield cell.replace(stress_of_set={name: value for name, value in cell.stress_of_set.items() if name != key}), plan, {}
+
+
+def over_a_limit(cell: Cell, plan: Schedule) -> Damaged:
+    yield cell, plan, {"max_makespan": makespan(plan) * 0.999}
+    if stress(cell, plan):
+        yield cell, plan, {"max_stress": stress(cell, plan) * 0.999}
+
+
+DAMAGES: tuple[Callable[[Cell, Schedule], Damaged], ...] = (
+    left_out,
+    done_twice,
+    given_another_name,
+    made_shorter_or_longer,
+    given_to_someone_who_cannot,
+    given_to_someone_of_another_pace,
+    begun_before_zero,
+    begun_before_a_predecessor_has_ended,
+    two_tasks_of_an_operator_at_once,
+    begun_before_the_release,
+    ended_after_the_deadline,
+    put_into_a_break,
+    begun_during_the_changeover,
+    crowded,
+    over_a_stress_limit,
+    a_pair_apart,
+    a_set_that_is_not_listed,
+    over_a_limit,
+)
+
+
+def _at(a: Assignment, start: float) -> Assignment:
+    """The same assignment, moved."""
+    return replace(a, start=start, end=float(exact(start) + exact(a.end) - exact(a.start)))
+
+
+def _without(plan: Schedule, a: Assignment) -> Schedule:
+    return Schedule(tuple(other for other in plan if other != a))
+
+
+def _with(plan: Schedule, a: Assignment, instead: Assignment) -> Schedule:
+    return Schedule((*_without(plan, a), instead))

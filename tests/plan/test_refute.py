@@ -1,0 +1,85 @@
+"""Proofs of makespans by search along the clock."""
+
+from __future__ import annotations
+
+from time import perf_counter
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from tests.schedule.cells import thesis
+from tests.strategies import cells
+
+from tandem.cell.chessboard import desk, random_board
+from tandem.errors import InfeasibleError
+from tandem.plan.exhaustive import solve
+from tandem.plan.instance import Instance
+from tandem.plan.question import Question
+from tandem.plan.refute import prove_makespan
+from tandem.plan.rules import RULES
+from tandem.schedule.checker import faults
+from tandem.schedule.measures import exact, makespan, stress
+
+OPTIMA = (135, 126, 142, 158, 141, 145, 137, 123, 122, 136, 139, 138, 125, 135, 135, 138, 131, 152, 132, 128)
+"""Least makespans of Yu's random boards, seeds 0 to 19, by an independent exact solver."""
+
+
+def test_the_desk_takes_94_and_that_is_proven_in_seconds():
+    """Yu et al. (2020), 53 tasks; a rule's schedule of 95 or more is where it begins."""
+    cell = desk().to_cell()
+    instance = Instance.of(cell)
+    start = RULES["best-of-n"](cell, Question("makespan"))[0].makespan
+    proof = prove_makespan(instance, int(start), 60)
+    assert (proof.bound, proof.upper) == (94, 94)
+    assert start == 94 or faults(cell, instance.schedule(proof.starts)) == []
+    assert proof.wall_s < 20  # two seconds on a machine that has nothing else to do
+
+
+@pytest.mark.parametrize("seed", range(0, 20, 4))
+def test_yu_s_random_boards_are_proven(seed):
+    cell = random_board(seed=seed).to_cell()
+    proof = prove_makespan(Instance.of(cell), int(RULES["balanced"](cell, Question("makespan"))[0].makespan), 60)
+    assert proof.bound == proof.upper == OPTIMA[seed]
+
+
+def test_the_thesis_needs_23_s_and_more_with_less_stress():
+    instance = Instance.of(thesis())
+    assert prove_makespan(instance, 40, 10).bound == 23
+    assert prove_makespan(instance, 40, 10, most_units=6).bound == 24
+    assert prove_makespan(instance, 40, 10, most_units=2).bound == 34
+    assert prove_makespan(instance, 40, 10, most_units=1).bound == 40
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(cells(max_tasks=6, rich=False), st.floats(0, 1))
+def test_it_agrees_with_exhaustive_search(cell, share):
+    front, instance = solve(cell).points, Instance.of(cell)
+    limit = front[-1][1] + share * (front[0][1] - front[-1][1])
+    best = min(time for time, load in front if load <= limit) * instance.per_second
+    proof = prove_makespan(instance, instance.horizon + 1, 30, most_units=int(exact(limit) * instance.per_stress))
+    assert proof.bound == proof.upper == best
+    found = instance.schedule(proof.starts)
+    assert faults(cell, found) == []
+    assert makespan(found) * instance.per_second == best
+    assert stress(cell, found) <= limit
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(cells(max_tasks=5))
+def test_what_it_refutes_is_refuted_for_cells_with_every_feature(cell):
+    instance = Instance.of(cell)
+    try:
+        best = solve(cell, Question("makespan")).points[0][0] * instance.per_second
+    except InfeasibleError:
+        best = instance.horizon + 1
+    assert prove_makespan(instance, instance.horizon + 1, 30).bound <= best
+
+
+def test_it_keeps_to_its_time_and_says_what_it_knows():
+    cell = random_board(seed=3).to_cell()
+    began = perf_counter()
+    proof = prove_makespan(Instance.of(cell), 158, 0.1)
+    assert perf_counter() - began < 2
+    assert proof.bound <= 158 == proof.upper
+    assert proof.starts is None
+    assert prove_makespan(Instance.of(cell), 158, 60, stop=lambda: True).nodes == 0

@@ -1,0 +1,89 @@
+"""A second opinion on schedules: the cell is watched in small steps of time, and each moment must be in order.
+
+Slow, and unlike the checker in every way, so that the two can judge each other.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from decimal import Decimal
+from math import gcd
+
+from tandem.cell.model import Cell
+from tandem.schedule.model import Assignment, Schedule
+
+
+def is_sound(cell: Cell, schedule: Schedule) -> bool:
+    """Whether the schedule keeps every rule. Times in the cell and the schedule must be multiples of 1 ms."""
+    rows = list(schedule)
+    if sorted(a.task for a in rows) != sorted(cell.tasks) or any(set(a.operators) - set(cell.operators) for a in rows):
+        return False
+    return _numbers_fit(cell, rows) and _stress_fits(cell, rows) and _moments_fit(cell, rows)
+
+
+def _ms(seconds: float) -> int:
+    return int(Decimal(repr(float(seconds))) * 1000)
+
+
+def _numbers_fit(cell: Cell, rows: list[Assignment]) -> bool:
+    end = {a.task: a.end for a in rows}
+    for a in rows:
+        task = cell.tasks[a.task]
+        times = {(frozenset((name,)), _ms(time)) for name, time in task.time.items()}
+        times |= {(frozenset(joint.operators), _ms(joint.time)) for joint in task.together}
+        if (frozenset(a.operators), _ms(a.end) - _ms(a.start)) not in times or len(set(a.operators)) < len(a.operators):
+            return False
+        if a.start < 0 or a.start < task.release or (task.deadline is not None and a.end > task.deadline):
+            return False
+        if any(end[first] > a.start for first in task.after):
+            return False
+    who = {a.task: frozenset(a.operators) for a in rows}
+    return all(who[one] == who[other] for one, other in cell.same_operator)
+
+
+def _stress_fits(cell: Cell, rows: list[Assignment]) -> bool:
+    sums: Counter[str] = Counter()
+    touched = []
+    for name, task in cell.tasks.items():
+        who = next(a.operators for a in rows if a.task == name)
+        humans = [human for human in who if cell.operators[human].kind == "human"]
+        joint = next((joint for joint in task.together if set(joint.operators) == set(who)), None) if len(who) > 1 else None
+        stress = task.stress if joint is None or joint.stress is None else joint.stress
+        for human in humans:
+            sums[human] += round(1000 * (stress if isinstance(stress, float) else stress.get(human, 0)))
+        touched += [name] if humans else []
+    listed = cell.stress_of_set is None or ",".join(touched) in cell.stress_of_set
+    return listed and all(o.stress_limit is None or sums[name] <= round(1000 * o.stress_limit) for name, o in cell.operators.items())
+
+
+def _moments_fit(cell: Cell, rows: list[Assignment]) -> bool:
+    """Everyone does one thing at a time: a task, a changeover or a break; and no tool or zone is over its capacity."""
+    times = [_ms(time) for a in rows for time in (a.start, a.end)]
+    times += [_ms(time) for o in cell.operators.values() for pause in o.breaks for time in pause]
+    times += [_ms(time) for tool in cell.tools.values() for time in tool.changeover.values()]
+    step = gcd(*times) or 1000
+    doing: Counter[tuple[str, int]] = Counter()
+    used: Counter[tuple[str, str, int]] = Counter()
+
+    def occupy(operator: str, start: int, end: int) -> None:
+        doing.update((operator, moment) for moment in range(start, end, step))
+
+    for name, operator in cell.operators.items():
+        for start, end in operator.breaks:
+            occupy(name, _ms(start), _ms(end))
+        hand = operator.tool
+        for a in sorted((a for a in rows if name in a.operators), key=lambda a: a.start):
+            occupy(name, _ms(a.start), _ms(a.end))
+            tool = cell.tasks[a.task].tool
+            if tool is not None and hand is not None and tool != hand and tool in cell.tools:
+                change = _ms(cell.tools[tool].changeover.get(name, 0))
+                if change > _ms(a.start):
+                    return False
+                occupy(name, _ms(a.start) - change, _ms(a.start))
+            hand = hand if tool is None else tool
+            for kind, place in (("tool", tool), ("zone", cell.tasks[a.task].zone)):
+                if place is not None:
+                    used.update((kind, place, moment) for moment in range(_ms(a.start), _ms(a.end), step))
+    places = {("tool", name): tool.capacity for name, tool in cell.tools.items()}
+    places |= {("zone", name): zone.capacity for name, zone in cell.zones.items()}
+    return all(count == 1 for count in doing.values()) and all(count <= places.get((kind, name), 1) for (kind, name, _), count in used.items())
