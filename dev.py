@@ -36,7 +36,7 @@ STATE = VENV / "tandem-install.json"
 LOG = VENV / "tandem-install.log"
 REPORT = ROOT / "tandem-out" / "thesis.html"
 LEFTOVERS = (".pytest_cache", ".mypy_cache", ".ruff_cache", ".import_linter_cache", ".hypothesis", "build", "dist", "docs/_build", "tandem-out")
-FORMATTED = ("src", "tests", "docs", "benchmarks", "dev.py")
+FORMATTED = ("src", "tests", "docs", "examples", "benchmarks", "dev.py")
 
 # ---------------------------------------------------------------- installing
 
@@ -160,7 +160,7 @@ def checks() -> dict[str, list[str | Path]]:
         "format": [BIN / "ruff", "format", "--check", *there],
         "lint": [BIN / "ruff", "check", *there],
         "types": [BIN / "mypy"],
-        "imports": [BIN / "lint-imports"],
+        "imports": [BIN / "lint-imports", "--no-cache"],
         "docs": [PYTHON, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "docs", "docs/_build/html"],
     }
 
