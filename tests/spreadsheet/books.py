@@ -232,7 +232,7 @@ def successors(path: Path) -> Path:
 
 def windows_csv(path: Path) -> Path:
     """Saved by a German Excel: Windows-1252, semicolons, decimal commas, the list of predecessors in quotes."""
-    text = 'Vorgänge der Station 3;;;;\r\n;;;;\r\nVorgang;Zeit Roboter [s];Zeit Mensch [s];Belastung;Vorgänger\r\n'
+    text = "Vorgänge der Station 3;;;;\r\n;;;;\r\nVorgang;Zeit Roboter [s];Zeit Mensch [s];Belastung;Vorgänger\r\n"
     for row in PLAIN_ROWS:
         time = "" if row[1] is None else f"{row[1]},0"
         after = row[4] if row[4] is not None else ""
@@ -269,11 +269,12 @@ def ods(path: Path, rows: Sequence[Sequence[Any]], broken: bool = False) -> Path
     lines = [[cell(value) for value in row] for row in rows]
     if broken:
         lines[1][1] = '<table:table-cell table:formula="of:=[.A1]*2"/>'
-        lines[2][1] = '<table:table-cell table:formula="of:=[.#REF!]" office:value-type="string" office:string-value=""><text:p>#REF!</text:p></table:table-cell>'
+        error = 'office:value-type="string" office:string-value=""><text:p>#REF!</text:p>'
+        lines[2][1] = f'<table:table-cell table:formula="of:=[.#REF!]" {error}</table:table-cell>'
     body = "".join(f"<table:table-row>{''.join(line)}</table:table-row>" for line in lines)
+    spaces = " ".join(f'xmlns:{name}="urn:oasis:names:tc:opendocument:xmlns:{name}:1.0"' for name in ("office", "table", "text"))
     content = (
-        '<?xml version="1.0" encoding="UTF-8"?><office:document-content xmlns:office="urn:oasis:names:tc:opendocument:xmlns:office:1.0" '
-        'xmlns:table="urn:oasis:names:tc:opendocument:xmlns:table:1.0" xmlns:text="urn:oasis:names:tc:opendocument:xmlns:text:1.0" office:version="1.2">'
+        f'<?xml version="1.0" encoding="UTF-8"?><office:document-content {spaces} office:version="1.2">'
         f'<office:body><office:spreadsheet><table:table table:name="Tabelle1">{body}'
         '<table:table-row table:number-rows-repeated="1048000"><table:table-cell table:number-columns-repeated="1024"/></table:table-row>'
         "</table:table></office:spreadsheet></office:body></office:document-content>"
@@ -283,7 +284,8 @@ def ods(path: Path, rows: Sequence[Sequence[Any]], broken: bool = False) -> Path
         archive.writestr("content.xml", content)
         archive.writestr(
             "META-INF/manifest.xml",
-            '<?xml version="1.0"?><manifest:manifest xmlns:manifest="urn:oasis:names:tc:opendocument:xmlns:manifest:1.0">'
+            '<?xml version="1.0"?>'
+            '<manifest:manifest xmlns:manifest="urn:oasis:names:tc:opendocument:xmlns:manifest:1.0">'
             '<manifest:file-entry manifest:full-path="/" manifest:media-type="application/vnd.oasis.opendocument.spreadsheet"/></manifest:manifest>',
         )
     return path
@@ -300,6 +302,7 @@ def password_protected(path: Path) -> Path:
         text = name.encode("utf-16-le") + b"\0\0"
         return text.ljust(64, b"\0") + struct.pack("<HBBIII36xIQ", len(text) if name else 0, kind, 1, free, right, child, end, 0)
 
-    directory = entry("Root Entry", 5, 1, free) + entry("EncryptionInfo", 2, free, 2) + entry("EncryptedPackage", 2, free, free) + entry("", 0, free, free)
+    directory = entry("Root Entry", 5, 1, free) + entry("EncryptionInfo", 2, free, 2)
+    directory += entry("EncryptedPackage", 2, free, free) + entry("", 0, free, free)
     path.write_bytes(header + table + directory)
     return path

@@ -35,7 +35,13 @@ def test_german_plan_with_titles_two_header_rows_headings_and_totals(tmp_path: P
     assert cell.humans == ("Mensch",)
     assert cell.robots == ("Roboter",)
     rows = notes(found, "row")
-    for what in ("row 6 was not read: 'Vormontage'", "row 10 was not read", "row 14 was not read: 'Summe'", "row 16 was not read", "blank rows were passed over: 9"):
+    for what in (
+        "row 6 was not read: 'Vormontage'",
+        "row 10 was not read",
+        "row 14 was not read: 'Summe'",
+        "row 16 was not read",
+        "blank rows were passed over: 9",
+    ):
         assert what in rows
     assert "Montage!G5: column G 'Bemerkung' was not read" in notes(found, "column").replace("column 'B", "column G 'B")
     assert "Mensch cannot do: 4 (D12 is k.A.)" in notes(found, "cannot")
@@ -187,7 +193,7 @@ def test_two_sheets_that_look_like_tasks(tmp_path: Path) -> None:
     assert "today!A1 and with robot 2!A1" in refusal(path)
     assert "--sheet 'today'" in refusal(path)
     assert books.same_work(import_cell(path, sheet="today")[0])
-    with pytest.raises(UsageError, match="no such sheet. Did you mean 'today'"):
+    with pytest.raises(UsageError, match=r"no such sheet. Did you mean 'today'"):
         import_cell(path, sheet="Today ")
 
 
@@ -253,9 +259,9 @@ def test_columns_can_be_told(tmp_path: Path) -> None:
     cell, _ = import_cell(path, columns={"Wer weiß": "time robot [min]", "C": "time Eva [s]", "Y": "after"}, humans=["eva"])
     assert {name: dict(task.time) for name, task in cell.tasks.items()} == {"1": {"robot": 180.0, "Eva": 4.0}, "2": {"robot": 120.0}}
     assert cell.tasks["2"].after == ("1",)
-    with pytest.raises(UsageError, match="no such column. Did you mean 'Wer weiß'"):
+    with pytest.raises(UsageError, match=r"no such column. Did you mean 'Wer weiß'"):
         import_cell(path, columns={"Wer weiss nicht": "after", "C": "time robot"})
     with pytest.raises(UsageError, match="no column can mean 'colour'"):
         import_cell(path, columns={"X": "colour"})
-    with pytest.raises(UsageError, match="has no such operator. Did you mean 'Eva'"):
+    with pytest.raises(UsageError, match=r"has no such operator. Did you mean 'Eva'"):
         import_cell(path, columns={"Wer weiß": "time robot", "C": "time Eva"}, humans=["Evi"])

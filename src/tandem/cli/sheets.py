@@ -18,10 +18,10 @@ TITLES = {"column": "Columns not read", "row": "Rows not read", "sheet": "Sheets
 
 @click.command("import", epilog="Notes and faults go to the error stream, each with its place such as Sheet1!C4.")
 @click.argument("workbook", type=click.Path(path_type=Path, dir_okay=False))
-@click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False), help="Cell file to write, .yaml or .json. Without it the YAML goes to stdout.")
+@click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False), help="Cell file to write, .yaml or .json; else YAML on stdout.")
 @click.option("--preview", is_flag=True, help="Show what would be read, and write nothing.")
 @click.option("--sheet", help="The sheet with the tasks, when several look like it.")
-@click.option("--map", "columns", multiple=True, metavar='"HEADER=MEANING"', help="What a column holds, such as \"Spalte 4=time robot [s]\" or \"F=ignore\".")
+@click.option("--map", "columns", multiple=True, metavar='"HEADER=MEANING"', help='What a column holds: "Spalte 4=time robot [s]", "F=ignore".')
 @click.option("--human", "humans", multiple=True, metavar="NAME", help="An operator that is a human.")
 @click.option("--robot", "robots", multiple=True, metavar="NAME", help="An operator that is a robot.")
 @click.option("--force", is_flag=True, help="Replace the output file when it exists.")
@@ -63,7 +63,9 @@ def import_command(
 
 @click.command("template")
 @click.argument("cell_file", metavar="[CELL]", required=False, type=click.Path(path_type=Path, dir_okay=False))
-@click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False), default=Path("template.xlsx"), show_default=True, help="Workbook to write.")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), default=Path("template.xlsx"), show_default=True, help="Workbook to write."
+)
 @click.option("--lang", type=click.Choice(["en", "de"]), default="en", show_default=True, help="Language of headers and help.")
 @click.option("--force", is_flag=True, help="Replace the workbook when it exists.")
 def template_command(cell_file: Path | None, output: Path, lang: Any, force: bool) -> None:
@@ -93,7 +95,7 @@ def template_command(cell_file: Path | None, output: Path, lang: Any, force: boo
 def preview_text(draft: Draft) -> str:
     """The mapping of columns, the first rows, and what cell would come out, as plain text."""
     lines = [f"{draft.path.name}: tasks are in sheet {draft.sheet!r}, header at {draft.header}", ""]
-    table = [("column", "header", "is read as")]
+    table: list[tuple[str, ...]] = [("column", "header", "is read as")]
     for column in draft.columns:
         letter = column.place.rpartition("!")[2].rstrip("0123456789")
         table.append((letter, column.header, str(column.meaning) if column.meaning and column.meaning.what != "ignore" else "(not read)"))
@@ -134,5 +136,5 @@ def _count(things: Any, name: str) -> str:
 def _pair(text: str) -> tuple[str, str]:
     header, equals, meaning = text.rpartition("=")
     if not equals or not header.strip() or not meaning.strip():
-        raise UsageError(f"--map {text!r}: write HEADER=MEANING, such as --map \"Spalte 4=time robot [s]\".")
+        raise UsageError(f'--map {text!r}: write HEADER=MEANING, such as --map "Spalte 4=time robot [s]".')
     return header.strip(), meaning.strip()

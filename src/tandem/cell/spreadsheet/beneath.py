@@ -86,7 +86,9 @@ def _relations(archive: zipfile.ZipFile, part: str, folder: str) -> Iterator[tup
 
 
 def _xlsx(stream: IO[bytes]) -> Sight:
-    sight, hidden_rows, hidden_columns = Sight(), set(), set()
+    sight = Sight()
+    hidden_rows: set[int] = set()
+    hidden_columns: set[int] = set()
     row = -1
     for event, element in ElementTree.iterparse(stream, events=("start", "end")):
         tag = _tag(element)
@@ -139,7 +141,9 @@ def _ods(stream: IO[bytes]) -> Iterator[tuple[str, Sight]]:
 
 
 def _ods_sheet(table: ElementTree.Element) -> Sight:
-    sight, hidden_rows, hidden_columns = Sight(), set(), set()
+    sight = Sight()
+    hidden_rows: set[int] = set()
+    hidden_columns: set[int] = set()
     row = column = 0
     for element in table.iter():
         tag = _tag(element)

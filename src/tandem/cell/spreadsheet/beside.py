@@ -84,8 +84,17 @@ def _rows(table: Table, name: Column) -> list[int]:
 # --- operators ----------------------------------------------------------------------------------------------------------------
 
 
+OPERATOR_WORDS = ("operator", "task", "label", "kind", "breaks", "stress limit", "tool")
+
+
+def lists_operators(grid: Grid) -> bool:
+    """The sheet has a column of operators and says something about them."""
+    table = _table(grid, *OPERATOR_WORDS)
+    return table is not None and bool(table.having("operator", "task")) and bool(table.having("kind", "breaks", "stress limit"))
+
+
 def _operators(grid: Grid, found: Beside, findings: Findings) -> None:
-    table = _table(grid, "operator", "task", "label", "kind", "breaks", "stress limit", "tool")
+    table = _table(grid, *OPERATOR_WORDS)
     name = _column(table, "operator", "task") if table else None
     if table is None or name is None:
         findings.note("sheet", f"sheet {grid.name!r} was not read: it has no column 'operator'.", f"{grid.name}!A1")

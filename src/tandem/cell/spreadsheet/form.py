@@ -99,17 +99,32 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
         ("Wozu", "Eine Zeile je Vorgang, eine Spalte Zeiten je Bediener. Beispiel überschreiben, speichern, dann: tandem import DATEI -o zelle.yaml"),
         ("Vorgang", "Kurzer Name oder Nummer, für jeden Vorgang anders. Vorgänger beziehen sich darauf."),
         ("Bezeichnung", "Wie der Schritt heißt; steht in Diagrammen und Anweisungen."),
-        ("Zeit ... [s]", "Wie lange dieser Bediener braucht. 0 oder leer: kann es nicht. Andere Einheiten: [min], [1/100 min] oder [TMU] in die Überschrift."),
+        (
+            "Zeit ... [s]",
+            "Wie lange dieser Bediener braucht. 0 oder leer: kann es nicht. Sonst [min], [1/100 min], [TMU] in die Überschrift.",
+        ),
         ("Zeit A + B [s]", "Eine Art, den Vorgang gemeinsam zu tun. Belastung dabei: Spalte 'Belastung A + B'."),
-        ("Belastung", "Ergonomische Belastung dessen, der den Vorgang tut: EAWS-Punkte oder eine Zahl, bei der mehr schlechter ist. Je Person: 'Belastung NAME'."),
+        (
+            "Belastung",
+            "Ergonomische Belastung des Menschen, der es tut: EAWS-Punkte o. Ä., mehr ist schlechter. Je Person: 'Belastung NAME'.",
+        ),
         ("Vorgänger", "Vorgänge, die vorher beendet sein müssen: 1; 2. Leer: keine."),
         ("Werkzeug, Bereich", "Freiwillig. Einzelheiten wie die Anzahl stehen in eigenen Blättern."),
         ("frühester Start, spätestes Ende", "Freiwillig, Sekunden seit Beginn der Montage."),
         ("Weitere Spalten", "Schwierigkeit NAME, Streuung (Variationskoeffizient der Zeit), gleicher Bediener wie (Liste von Vorgängen), Teil."),
-        ("Blatt Bediener", "Art: Mensch oder Roboter. Pausen: 300-600; 900-1000 in Sekunden seit Beginn. Belastungsgrenze: das Meiste für diesen Menschen."),
+        (
+            "Blatt Bediener",
+            "Art: Mensch oder Roboter. Pausen: 300-600; 900-1000 (Sekunden). Belastungsgrenze: das Meiste für diesen Menschen.",
+        ),
         ("Mehr Bediener", "Eine Spalte Zeiten kopieren, den neuen Namen in die Überschrift schreiben, und eine Zeile im Blatt Bediener."),
     ),
 }
+
+CHECKS: dict[Language, dict[str, str]] = {
+    "en": {"number": "A number, 0 or more; empty or 0: cannot.", "name": "This name stands twice.", "see": "See the sheet"},
+    "de": {"number": "Eine Zahl ab 0; leer oder 0: kann es nicht.", "name": "Dieser Name steht zweimal.", "see": "Siehe Blatt"},
+}
+"""What the sheet says when something else is typed."""
 
 EXAMPLE = {
     "name": "Exemplary assembly (Kinat 2023, chapter 6)",

@@ -16,10 +16,7 @@ from tandem.cell.spreadsheet.words import Meaning, key, meaning
 
 LAST_HEADER_ROW = 60
 WEIGHTS = {"number": 2.0, "task": 2.0, "label": 2.0, "after": 2.0, "after rows": 2.0, "time": 3.0, "operator": 1.5, "ignore": 0.2}
-TASK_WORDS = frozenset(
-    ["number", "task", "label", "part", "tool", "zone", "release", "deadline", "operator", "same operator", "after", "after rows", "before"]
-    + ["ignore", "time", "stress", "difficulty", "spread"]
-)
+TASK_WORDS = {*WEIGHTS, "part", "tool", "zone", "release", "deadline", "same operator", "before", "stress", "difficulty", "spread"}
 """What a column of a task sheet can mean."""
 
 

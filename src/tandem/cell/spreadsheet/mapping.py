@@ -9,7 +9,7 @@ from tandem.cell.names import Known
 from tandem.cell.spreadsheet.findings import Findings
 from tandem.cell.spreadsheet.grid import Grid, blank
 from tandem.cell.spreadsheet.header import TASK_WORDS, Column, Table
-from tandem.cell.spreadsheet.words import PHRASES, Meaning, key, kind_of, meaning
+from tandem.cell.spreadsheet.words import Meaning, key, kind_of, meaning
 from tandem.errors import UsageError
 
 ONCE = ("part", "tool", "zone", "release", "deadline", "operator", "same operator", "after", "after rows", "before")
@@ -70,11 +70,10 @@ def _with_known_names(columns: list[Column], known: tuple[str, ...]) -> list[Col
     settled_columns = []
     for column in columns:
         if column.meaning and column.meaning.who:
-            who = tuple(spelled.get(key(name), name) for name in column.meaning.who)
+            names = tuple(spelled.get(key(name), name) for name in column.meaning.who)
             human = spelled.get(key(column.meaning.human), column.meaning.human)
-            if column.meaning.what != "time" and len(who) == 1 and key(who[0]) not in spelled and kind_of(who[0]) == "human":
-                who = ()
-            column = replace(column, meaning=replace(column.meaning, who=who, human=human))
+            anybody = column.meaning.what != "time" and len(names) == 1 and key(names[0]) not in spelled and kind_of(names[0]) == "human"
+            column = replace(column, meaning=replace(column.meaning, who=() if anybody else names, human=human))
         settled_columns.append(column)
     return settled_columns
 
@@ -93,7 +92,8 @@ def _one_name_for_each_task(columns: list[Column]) -> list[Column]:
         found.append(column)
     if len(taken) == 3:
         spare = taken["label"]
-        found = [replace(c, meaning=None, why=f"the label is taken from {taken['task'].header!r}; choose with --map") if c is spare else c for c in found]
+        unread = replace(spare, meaning=None, why=f"the label is taken from {taken['task'].header!r}; choose with --map")
+        found = [unread if column is spare else column for column in found]
     return found
 
 
@@ -157,12 +157,8 @@ def _note_units(table: Table, columns: list[Column], findings: Findings) -> None
         findings.note("assumed", f"times are in {table.unit}, as the lines above the header say.", timed[0].place)
     elif timed:
         names = ", ".join(repr(column.header) for column in timed)
-        findings.note("assumed", f'no unit is stated for {names}: seconds are assumed. Write [s], [min], [1/100 min] or [TMU] into the header.', timed[0].place)
+        hint = "Write [s], [min], [1/100 min] or [TMU] into the header."
+        findings.note("assumed", f"no unit is stated for {names}: seconds are assumed. {hint}", timed[0].place)
     for column in columns:
         if column.meaning and column.meaning.what == "ignore":
             findings.note("column", f"column {column.header!r} was not read: remarks and ignored columns are left out.", column.place)
-
-
-def words_for(what: str) -> tuple[str, ...]:
-    """The phrases that a column of this meaning may be called by."""
-    return tuple(PHRASES.get(what, what).split("|"))

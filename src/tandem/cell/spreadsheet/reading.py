@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from tandem.cell.model import Cell
 from tandem.cell.names import Known
-from tandem.cell.spreadsheet.beside import Beside, read_beside, read_sets, role_of
+from tandem.cell.spreadsheet.beside import Beside, lists_operators, read_beside, read_sets, role_of
 from tandem.cell.spreadsheet.findings import Findings, Note, listed
 from tandem.cell.spreadsheet.grid import Book, Grid, shown
 from tandem.cell.spreadsheet.header import Column, Table, find_table
@@ -115,7 +115,7 @@ def read_book(
     for remark in book.remarks:
         findings.note("assumed", remark, book.path.name)
     roles = {role: grid for grid in book.grids if (role := role_of(grid)) and grid.name != sheet}
-    beside = read_beside({role: grid for role, grid in roles.items() if not _has_tasks(grid, role)}, findings)
+    beside = read_beside({role: grid for role, grid in roles.items() if _is_beside(grid)}, findings)
     known = tuple(dict.fromkeys([*beside.operators, *kinds]))
     raw = _task_table(book, sheet, known, overrides, findings)
     check_overrides(overrides, raw)
@@ -125,13 +125,13 @@ def read_book(
     _stress(table, document, findings)
     _more_notes(book, table, findings)
     faults = _all_faults(document, findings)
-    shown_rows = tuple(tuple(shown(value) for value in table.grid.rows[row]) for row in range(table.first_row, min(len(table.grid.rows), table.first_row + PREVIEW_ROWS)))
+    first_rows = table.grid.rows[table.first_row : table.first_row + PREVIEW_ROWS]
     return Draft(
         path=book.path,
         sheet=table.grid.name,
         header=table.grid.place(table.header_row, 0),
         columns=tuple(column for column in table.columns if column.header or column.meaning),
-        rows=shown_rows,
+        rows=tuple(tuple(map(shown, row)) for row in first_rows),
         notes=tuple(findings.notes),
         faults=faults,
         document=document,
@@ -141,26 +141,29 @@ def read_book(
 # --- which sheet --------------------------------------------------------------------------------------------------------------
 
 
-def _has_tasks(grid: Grid, role: str) -> bool:
-    """A sheet may be called "Station" and hold the tasks all the same."""
-    table = find_table(grid) if role not in ("help", "stress of sets", "tools", "zones") else None
-    return table is not None and table.holds_tasks
+def _is_beside(grid: Grid) -> bool:
+    """The sheet's name says that it does not hold the tasks. One called "Station" or "Operators" may do so all the same."""
+    role = role_of(grid)
+    if role not in ("operators", "cell"):
+        return role is not None
+    if role == "operators" and lists_operators(grid):
+        return True
+    table = find_table(grid)
+    return table is None or not table.holds_tasks
 
 
-def _task_table(
-    book: Book, sheet: str | None, known: tuple[str, ...], overrides: Mapping[str, Meaning | None], findings: Findings
-) -> Table:
+def _task_table(book: Book, sheet: str | None, known: tuple[str, ...], overrides: Mapping[str, Meaning | None], findings: Findings) -> Table:
     if sheet is not None:
         return _named_sheet(book, sheet, known, overrides)
-    tables = [table for grid in book.grids if not grid.hidden and (table := find_table(grid, known, overrides)) and table.holds_tasks]
-    tables = [table for table in tables if role_of(table.grid) not in ("help", "stress of sets", "tools", "zones")]
+    candidates = [grid for grid in book.grids if not grid.hidden and not _is_beside(grid)]
+    tables = [table for grid in candidates if (table := find_table(grid, known, overrides)) and table.holds_tasks]
     if not tables:
         raise _no_task_sheet(book, known, overrides)
     if len(tables) > 1:
         names = [table.grid.name for table in tables]
         places = " and ".join(table.grid.place(table.header_row, 0) for table in tables)
         raise refused(book.path, f"holds several sheets that look like tasks ({places}). Choose one, such as --sheet {names[0]!r}.")
-    used = {tables[0].grid.name, *(grid.name for grid in book.grids if role_of(grid) and not _has_tasks(grid, role_of(grid) or ""))}
+    used = {tables[0].grid.name, *(grid.name for grid in book.grids if _is_beside(grid))}
     for grid in book.grids:
         if grid.name not in used and grid.rows:
             findings.note("sheet", f"sheet {grid.name!r} {'is hidden and ' if grid.hidden else ''}was not read.", f"{grid.name}!A1")
@@ -207,7 +210,7 @@ def _what_is_missing(table: Table | None) -> str:
     place = table.grid.place(table.header_row, 0).rpartition("!")[2]
     read = listed(f"{column.header!r} as {column.meaning}" for column in table.columns if column.meaning)
     missing = "names the tasks" if not table.having("number", "task", "label") else "holds a time, such as 'Time robot [s]'"
-    return f"in the header at {place} no column {missing}. Understood were: {read}. Say what a column means with --map \"header=time robot [s]\"."
+    return f'in the header at {place} no column {missing}. Understood were: {read}. Say what a column means with --map "header=time robot [s]".'
 
 
 # --- the document -------------------------------------------------------------------------------------------------------------
@@ -254,9 +257,9 @@ def _kinds(operators: dict[str, dict[str, Any]], kinds: dict[str, Kind], finding
     for name, data in operators.items():
         if "kind" in data:
             continue
-        if kind := kind_of(name):
-            data["kind"] = kind
-            guessed.append(f"{name} is a {kind}")
+        if guess := kind_of(name):
+            data["kind"] = guess
+            guessed.append(f"{name} is a {guess}")
         else:
             data["kind"] = "human"
             unclear.append(name)
@@ -281,12 +284,16 @@ def _stress(table: Table, document: Mapping[str, Any], findings: Findings) -> No
     """Says where stress is taken as 0 because the sheet does not state it."""
     humans = {name for name, data in document["operators"].items() if data["kind"] == "human"}
     columns = table.having("stress")
-    by_humans = {name: task for name, task in document["tasks"].items() if humans & {*task.get("time", ()), *(w for j in task.get("together", ()) for w in j["operators"])}}
-    bare = [name for name, task in by_humans.items() if "stress" not in task and all("stress" not in joint for joint in task.get("together", ()))]
+    by_humans = [name for name, task in document["tasks"].items() if humans & _who_can(task)]
+    bare = [name for name in by_humans if not any("stress" in way for way in (document["tasks"][name], *document["tasks"][name].get("together", ())))]
     if not columns and by_humans and "stress_of_set" not in document:
         findings.note("assumed", "no column states the ergonomic stress: it is 0 for every task. A column 'Stress' or 'EAWS points' makes it count.")
     elif columns and bare:
         findings.note("assumed", f"no stress is stated for tasks that a human can do, so it is 0: {listed(bare)}.", columns[0].place)
+
+
+def _who_can(task: Mapping[str, Any]) -> set[str]:
+    return {*task.get("time", ()), *(who for joint in task.get("together", ()) for who in joint["operators"])}
 
 
 def _more_notes(book: Book, table: Table, findings: Findings) -> None:

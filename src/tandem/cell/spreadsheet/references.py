@@ -20,6 +20,10 @@ class UnknownTaskError(ValueError):
     """What is wrong with a list of tasks; the end of a sentence that begins with the place."""
 
 
+class LagError(UnknownTaskError):
+    """A kind of link between known tasks that a cell does not have."""
+
+
 @dataclass
 class References:
     """Resolves what stands in a column of task lists.
@@ -29,12 +33,14 @@ class References:
       labels: label -> name, for sheets that refer to tasks by their description.
       rows: task -> its row number as the sheet shows it.
       by_row: number -> task, when the column counts rows instead of naming tasks; set by `agree_on_numbers`.
+      counted: the names are counts that the sheet does not show, so that numbers may as well be rows.
       said: how numbers were understood, for the notes; "" when they simply are names.
     """
 
     names: Sequence[str]
     labels: Mapping[str, str] = field(default_factory=dict)
     rows: Mapping[str, int] = field(default_factory=dict)
+    counted: bool = False
     by_row: dict[str, str] = field(default_factory=dict)
     said: str = ""
 
@@ -50,8 +56,10 @@ class References:
         """Decides for a whole column what bare numbers mean that name no task: the number behind a common prefix ("1" for "T1"), the
         place in the list, or the row of the sheet.
         """
-        numbers = {piece for value in values for piece in re.findall(r"(?<![\w.])\d+(?![\w.])", shown(value)) if not self.task(shown(value))}
-        if not numbers or (not sheet_rows and any(self.task(piece) for piece in numbers if piece != "0")):
+        free = sheet_rows or self.counted
+        texts = [shown(value) for value in values]
+        numbers = {piece for text in texts if free or not self.task(text) for piece in re.findall(r"(?<![\w.])\d+(?![\w.])", text)}
+        if not numbers or (not free and any(self.task(piece) for piece in numbers if piece != "0")):
             return
         numbers.discard("0")
         tails = _unique((str(int(found[1])), name) for name in self.names if (found := re.search(r"(\d+)$", name)))
@@ -62,7 +70,7 @@ class References:
             (places, "places in the list, the first task being 1"),
             (in_sheet, "row numbers of the sheet"),
         ]
-        for reading, said in readings[2:] if sheet_rows else readings:
+        for reading, said in readings[2:] if sheet_rows else readings[1:] if self.counted else readings:
             if all(piece in reading for piece in numbers):
                 self.by_row, self.said = reading, said
                 return
@@ -70,6 +78,8 @@ class References:
     def task(self, text: str) -> str | None:
         """The task that a text names, or None."""
         text = tidy(text)
+        if self.counted and (row := self.by_row.get(_whole(text))):
+            return row
         if text in self._exact:
             return text
         return self._folded.get(_fold(text)) or self._whole.get(_whole(text)) or self.by_row.get(_whole(text)) or self._labels.get(_fold(text))
@@ -104,6 +114,8 @@ class References:
             parts = [part for part in map(tidy, re.split(separator, text)) if part]
             try:
                 return [name for part in parts for name in self._part(part)]
+            except LagError:
+                raise
             except UnknownTaskError:
                 continue
         parts = [part for part in map(tidy, re.split(SEPARATORS[2 if self._blanks else 3], text)) if part]
@@ -123,10 +135,11 @@ class References:
             if name is not None and found[2].upper() in ("FS", "EA") and not found[3]:
                 return [name]
             if name is not None:
-                raise UnknownTaskError(f"holds {part!r}: Tandem knows only end-to-start (FS) without a lag; write {found[1]!r}, or add the wait as a task")
-        if found := re.fullmatch(r"(.+?)\s*(?:-|–|\.\.|\bbis\b|\bto\b)\s*(.+)", part):
-            if (between := self._between(found[1], found[2])) is not None:
-                return between
+                only = "Tandem knows only end-to-start (FS) without a lag"
+                raise LagError(f"holds {part!r}: {only}; write {found[1]!r}, or add the wait as a task")
+        span = re.fullmatch(r"(.+?)\s*(?:-|–|\.\.|\bbis\b|\bto\b)\s*(.+)", part)
+        if span and (between := self._between(span[1], span[2])) is not None:
+            return between
         raise UnknownTaskError(f"holds {part!r}, which is no task. {self._known.hint(part)}")
 
     def _between(self, first: str, last: str) -> list[str] | None:

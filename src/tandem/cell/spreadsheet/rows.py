@@ -17,7 +17,8 @@ AVERAGES = re.compile(r"mittelwerte?|durchschnitt|average|mean|min|max|minimum|m
 def task_rows(table: Table, findings: Findings) -> list[int]:
     """Row numbers, from 0, of the rows that hold a task or a further way of doing it; the others are noted."""
     grid = table.grid
-    rows, blanks = [], []
+    rows: list[int] = []
+    blanks: list[int] = []
     last = max((row for row in range(table.first_row, len(grid.rows)) if _has_a_time(table, row)), default=-1)
     after_blank = False
     for row in range(table.first_row, len(grid.rows)):
@@ -51,7 +52,7 @@ def _no_task(table: Table, row: int, before: list[int], below_all: bool) -> str 
         return "it has no name, and its numbers are the sums of those above"
     if len(filled) != 1 or not texts or any(r == row for r, _ in grid.odd):
         return None
-    top, left, bottom, right = grid.spread_of(row, filled[0][0])
+    _, left, _, right = grid.spread_of(row, filled[0][0])
     if right > left:
         return f"{texts[0]!r} is a heading across several columns"
     if below_all:
@@ -78,7 +79,8 @@ def _sums_up(table: Table, row: int, before: list[int]) -> bool:
         return False
     sums = [(column, _number(grid, row, column.index)) for column in table.having("time", "stress") if not blank(grid.rows[row][column.index])]
     totals = [sum(_number(grid, r, column.index) or 0.0 for r in before) for column, _ in sums]
-    return bool(sums) and all(value is not None and abs(value - total) < 1e-6 * max(1.0, total) for (_, value), total in zip(sums, totals, strict=True))
+    pairs = [(value, total) for (_, value), total in zip(sums, totals, strict=True)]
+    return bool(pairs) and all(value is not None and abs(value - total) < 1e-6 * max(1.0, total) for value, total in pairs)
 
 
 def _number(grid: Grid, row: int, column: int) -> float | None:

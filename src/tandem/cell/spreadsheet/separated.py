@@ -32,9 +32,10 @@ def read(path: Path, content: bytes) -> Book:
     except csv.Error as error:
         raise CellError([Fault(f"is no readable CSV: {error}.", place=path.name)]) from error
     if len(rows) > MOST_ROWS:
-        raise CellError([Fault(f"has more than {MOST_ROWS:,} rows, the most that Tandem reads. Keep only the tasks of one station.", place=path.name)])
+        message = f"has more than {MOST_ROWS:,} rows, the most that Tandem reads. Keep only the tasks of one station."
+        raise CellError([Fault(message, place=path.name)])
     width = max(map(len, rows), default=0)
-    full = tuple(tuple([*row, *[""] * (width - len(row))]) for row in rows)
+    full = tuple((*row, *[""] * (width - len(row))) for row in rows)
     remark = f"read as {encoding} text with columns separated by {SEPARATORS.get(separator, repr(separator))}."
     return Book(path, (Grid(path.stem, full),), remarks=(remark,))
 

@@ -55,7 +55,7 @@ def read_tasks(table: Table, findings: Findings) -> Tasks:
         found.tasks[entry.name] = entry.data
         findings.places["tasks", entry.name] = table.grid.place(entry.rows[0], name.index if name else table.columns[0].index)
     _cannot(table, entries, findings)
-    _lists(table, entries, found, findings)
+    _lists(table, entries, name is None, found, findings)
     return found
 
 
@@ -89,8 +89,8 @@ def _entries(table: Table, rows: list[int], name: Column | None, label: Column |
                 entries[text].rows.append(row)
                 last = entries[text]
                 continue
-            first = table.grid.place(entries[text].rows[0], name.index if name else 0)
-            findings.fault(f"task {text!r} stands here a second time, the first is {first}. Give each task a name of its own.", table.grid.place(row, name.index if name else 0))
+            first, here = (table.grid.place(r, name.index if name else 0) for r in (entries[text].rows[0], row))
+            findings.fault(f"task {text!r} stands here a second time, the first is {first}. Give each task a name of its own.", here)
             continue
         last = entries[text] = Entry(task_name(text), [row])
     return list(entries.values())
@@ -170,8 +170,8 @@ def _cannot(table: Table, entries: list[Entry], findings: Findings) -> None:
         ]
         if missing:
             who = " + ".join(column.meaning.who) or "the operator of the row"
-            cells = listed(f"{name} ({table.grid.place(row, column.index).rpartition('!')[2]} {_as_seen(table, row, column)})" for name, row in missing)
-            findings.note("cannot", f"{who} cannot do: {cells}.", column.place)
+            cells = [f"{name} ({table.grid.place(row, column.index).rpartition('!')[2]} {_as_seen(table, row, column)})" for name, row in missing]
+            findings.note("cannot", f"{who} cannot do: {listed(cells)}.", column.place)
 
 
 def _as_seen(table: Table, row: int, column: Column) -> str:
@@ -274,12 +274,12 @@ def _stress_by_row(table: Table, entry: Entry, column: Column, findings: Finding
 # --- lists of tasks -----------------------------------------------------------------------------------------------------------
 
 
-def _lists(table: Table, entries: list[Entry], found: Tasks, findings: Findings) -> None:
+def _lists(table: Table, entries: list[Entry], counted: bool, found: Tasks, findings: Findings) -> None:
     labels = {entry.data["label"]: entry.name for entry in entries if "label" in entry.data}
     rows = {entry.name: entry.rows[0] + 1 for entry in entries}
     for column in table.having(*LISTS):
         what = column.meaning.what if column.meaning else ""
-        references = References([entry.name for entry in entries], labels, rows)
+        references = References([entry.name for entry in entries], labels, rows, counted)
         references.agree_on_numbers([table.grid.rows[row][column.index] for entry in entries for row in entry.rows], what == "after rows")
         if references.said:
             findings.note("assumed", f"the numbers in {column.header!r} are {references.said}.", column.place)

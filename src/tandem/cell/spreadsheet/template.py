@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, Task, plain
-from tandem.cell.spreadsheet.form import EXAMPLE, HEADERS, HELP, SHEETS, Language
+from tandem.cell.spreadsheet.form import CHECKS, EXAMPLE, HEADERS, HELP, SHEETS, Language
 from tandem.cell.spreadsheet.reading import read_book
 from tandem.cell.spreadsheet.words import meaning
 from tandem.cell.spreadsheet.workbook import book_of
@@ -131,7 +131,7 @@ def _tasks(book: Workbook, cell: Cell, lang: Language, every: bool) -> None:
 
 def _fields(cell: Cell, lang: Language, every: bool) -> list[Field]:
     words = HEADERS[lang]
-    tasks = cell.tasks.values()
+    tasks = tuple(cell.tasks.values())
 
     def any_task(has: Callable[[Task], Any]) -> bool:
         return any(has(task) for task in tasks)
@@ -143,7 +143,7 @@ def _fields(cell: Cell, lang: Language, every: bool) -> list[Field]:
         fields.append(Field(words["part"], lambda name, task: task.part, "", 18))
     for who in cell.operators:
         fields.append(Field(_headed(words["time"], "time", (who,), cell), lambda name, task, who=who: task.time.get(who), "number", 16))  # type: ignore[misc]
-    groups = list(dict.fromkeys(joint.operators for task in tasks for joint in task.together))
+    groups = list({frozenset(joint.operators): joint.operators for task in reversed(tasks) for joint in reversed(task.together)}.values())[::-1]
     for group in groups:
         fields.append(Field(_headed(words["time"], "time", group, cell), _joint_time(group), "number", 22))
     fields += _stress_fields(cell, words, groups, every)
@@ -163,11 +163,11 @@ def _stress_fields(cell: Cell, words: Mapping[str, str], groups: list[tuple[str,
     tasks = cell.tasks.values()
     fields = []
     if every or any(not isinstance(task.stress, Mapping) and task.stress for task in tasks):
-        fields.append(Field(words["stress"], lambda name, task: None if isinstance(task.stress, Mapping) or not task.stress else task.stress, "number", 12))
+        fields.append(Field(words["stress"], lambda name, task: _for_all(task.stress), "number", 12))
     for who in _named(cell, (task.stress for task in tasks)):
         fields.append(Field(_headed(words["stress of"], "stress", (who,), cell), lambda name, task, who=who: _of(task.stress, who), "number", 16))  # type: ignore[misc]
     for group in groups:
-        values = [joint.stress for task in tasks for joint in task.together if joint.operators == group]
+        values = [joint.stress for task in tasks for joint in task.together if set(joint.operators) == set(group)]
         if any(value is not None and not isinstance(value, Mapping) for value in values):
             fields.append(Field(_headed(words["joint stress"], "stress", group, cell), _joint_stress(group, None), "number", 22))
         for who in _named(cell, values):
@@ -184,7 +184,7 @@ def _operator_fields(cell: Cell, words: Mapping[str, str]) -> list[Field]:
         header = _headed(words["difficulty"], "difficulty", (who,), cell)
         fields.append(Field(header, lambda name, task, who=who: task.difficulty.get(who), "number", 18))  # type: ignore[misc]
     if any(not isinstance(task.spread, Mapping) and task.spread for task in tasks):
-        fields.append(Field(words["spread"], lambda name, task: None if isinstance(task.spread, Mapping) or not task.spread else task.spread, "number", 12))
+        fields.append(Field(words["spread"], lambda name, task: _for_all(task.spread), "number", 12))
     for who in _named(cell, (task.spread for task in tasks)):
         fields.append(Field(_headed(words["spread of"], "spread", (who,), cell), lambda name, task, who=who: _of(task.spread, who), "number", 16))  # type: ignore[misc]
     if cell.same_operator:
@@ -203,13 +203,17 @@ def _of(value: Any, who: str) -> float | None:
     return value.get(who) if isinstance(value, Mapping) else None
 
 
+def _for_all(value: Any) -> float | None:
+    return None if isinstance(value, Mapping) or not value else value
+
+
 def _joint_time(group: tuple[str, ...]) -> Callable[[str, Task], Any]:
-    return lambda name, task: next((joint.time for joint in task.together if joint.operators == group), None)
+    return lambda name, task: next((joint.time for joint in task.together if set(joint.operators) == set(group)), None)
 
 
 def _joint_stress(group: tuple[str, ...], who: str | None) -> Callable[[str, Task], Any]:
     def of(name: str, task: Task) -> float | None:
-        stress = next((joint.stress for joint in task.together if joint.operators == group), None)
+        stress = next((joint.stress for joint in task.together if set(joint.operators) == set(group)), None)
         return _of(stress, who) if who else None if isinstance(stress, Mapping) else stress
 
     return of
@@ -335,7 +339,7 @@ def _checks(sheet: Worksheet, fields: list[Field], last: int, lang: Language) ->
 
     words, sheets = HEADERS[lang], SHEETS[lang]
     number = DataValidation(type="decimal", operator="greaterThanOrEqual", formula1="0", allow_blank=True, showErrorMessage=True)
-    number.errorTitle, number.error = "Tandem", {"en": "A number, 0 or more; empty or 0: cannot.", "de": "Eine Zahl ab 0; leer oder 0: kann es nicht."}[lang]
+    number.errorTitle, number.error = "Tandem", CHECKS[lang]["number"]
     sheet.add_data_validation(number)
     for column, field in enumerate(fields, 1):
         letter = get_column_letter(column)
@@ -345,13 +349,14 @@ def _checks(sheet: Worksheet, fields: list[Field], last: int, lang: Language) ->
             for row in range(2, last + 1):
                 sheet.cell(row, column).number_format = "@"
         elif field.check == "name":
-            unique = DataValidation(type="custom", formula1=f"COUNTIF(${letter}$2:${letter}${last},{letter}2)=1", allow_blank=True, showErrorMessage=True)
-            unique.errorTitle, unique.error = "Tandem", {"en": "This name stands twice.", "de": "Dieser Name steht zweimal."}[lang]
+            once = f"COUNTIF(${letter}$2:${letter}${last},{letter}2)=1"
+            unique = DataValidation(type="custom", formula1=once, allow_blank=True, showErrorMessage=True)
+            unique.errorTitle, unique.error = "Tandem", CHECKS[lang]["name"]
             unique.add(f"{letter}2:{letter}{last}")
             sheet.add_data_validation(unique)
         elif field.check in ("tool", "zone") and sheets[f"{field.check}s"]:
             there = sheets[f"{field.check}s"]
             options = DataValidation(type="list", formula1=f"'{there}'!$A$2:$A$100", allow_blank=True, showErrorMessage=False)
-            options.promptTitle, options.prompt, options.showInputMessage = words[field.check], {"en": f"See sheet {there}.", "de": f"Siehe Blatt {there}."}[lang], True
+            options.promptTitle, options.prompt, options.showInputMessage = words[field.check], f"{CHECKS[lang]['see']} {there}", True
             options.add(f"{letter}2:{letter}{last}")
             sheet.add_data_validation(options)

@@ -96,7 +96,8 @@ def number(value: Value, mark: Mark | None = None) -> Number:
     if isinstance(value, int | float):
         return Number(Decimal(f"{value:.15g}"))
     if isinstance(value, datetime.time | datetime.timedelta):
-        raise UnreadableError(f"holds the clock time {value} where a plain number is expected: format the cell as a number and type the duration anew")
+        way_out = "format the cell as a number and type the duration anew"
+        raise UnreadableError(f"holds the clock time {value} where a plain number is expected: {way_out}")
     if isinstance(value, datetime.date):
         raise UnreadableError(
             f"holds the date {value} where a number is expected (Excel makes dates of entries such as 1.2 or 3-4): "

@@ -6,9 +6,11 @@ a few measures (time, stress, difficulty, spread) that name one.
 
 from __future__ import annotations
 
+import json
 import re
 import unicodedata
 from dataclasses import dataclass
+from importlib import resources
 from typing import Literal
 
 from tandem.cell.spreadsheet.grid import tidy
@@ -16,45 +18,27 @@ from tandem.cell.spreadsheet.values import unit_named
 
 Kind = Literal["human", "robot"]
 
-PHRASES: dict[str, str] = {
-    "number": "no|nr|id|number|nummer|pos|position|#|lfd nr|lfdnr|task no|task nr|task id|task number|vorgang nr|vorgangsnr|vorgangsnummer|"
-    "vorgangs nr|arbeitsgang nr|arbeitsgangnr|ag nr|agnr|ag|avo|avo nr|schritt nr|step no|step number|step nr|aufgabe nr|aufgaben nr|operation no|"
-    "op no|op nr|op|item|item no|wbs|psp|key|schluessel|aufgaben id|operation number|arbeitsgangnummer|seq|sequence|sequence no",
-    "task": "task|tasks|vorgang|vorgaenge|arbeitsgang|arbeitsgaenge|arbeitsvorgang|arbeitsschritt|schritt|step|work step|aufgabe|aufgaben|"
-    "operation|operations|work element|element|activity|taetigkeit|taetigkeiten|arbeitsinhalt|prozessschritt|process step|name|task name|vorgangsname|aufgabenname",
-    "label": "description|bezeichnung|beschreibung|label|text|task description|benennung|kurztext|titel|title|vorgangsbeschreibung|vorgangsbezeichnung|"
-    "arbeitsgangbezeichnung|operation description|what|was|aufgabenbeschreibung|step description",
-    "part": "part|parts|teil|teile|bauteil|produkt|product|component|komponente|part no|part number|teilenummer|teile nr|baugruppe|material",
-    "tool": "tool|tools|werkzeug|werkzeuge|hilfsmittel|tooling",
-    "zone": "zone|zones|bereich|arbeitsbereich|area|work area|workspace|shared space|arbeitsraum|place|ort|location|platz|zonen|bereiche",
-    "release": "release|release time|earliest start|fruehester start|fruehester beginn|frueheste startzeit|freigabe|available from|not before|nicht vor|"
-    "verfuegbar ab|ready|ready time",
-    "deadline": "deadline|due|due date|due time|latest end|latest finish|spaetestes ende|spaetester abschluss|frist|termin|faellig|fertig bis|not after",
-    "operator": "operator|operators|ressource|ressourcen|resource|resources|ressourcenname|ressourcennamen|resource name|resource names|who|wer|bediener|"
-    "ausfuehrender|ausgefuehrt von|done by|performer|performed by|mitarbeiter|zustaendig|worker|executor|akteur|agent|durch|ressourcenart|ausfuehrung",
-    "same operator": "same operator|same operator as|same operators as|same as|gleicher bediener wie|gleiche bediener wie|gleicher werker wie|selber bediener wie",
-    "after": "predecessor|predecessors|pred|preds|vorgaenger|vorg|after|nach|nach vorgang|after task|depends on|dependency|dependencies|abhaengig von|"
-    "abhaengigkeit|abhaengigkeiten|waits for|wartet auf|vorrang|vorraenge|voraussetzung|voraussetzungen|prerequisite|prerequisites|precedence|"
-    "immediate predecessors|immediate predecessor|direct predecessors|direkte vorgaenger|direkter vorgaenger|preceding tasks|preceded by|predecessor no|vorgaenger nr|"
-    "vorgaenger ids|predecessor ids|predecessors ids|vorgaenger id|predecessor id|requires|vorgaengervorgaenge|erst nach",
-    "after rows": "predecessor row|predecessor rows|predecessors rows|vorgaenger zeile|vorgaenger zeilen|vorgaengerzeile|after row|after rows|nach zeile",
-    "before": "successor|successors|nachfolger|before|followed by|next|next tasks|direkte nachfolger|immediate successors|nachfolger nr|naechste|vor",
-    "ignore": "ignore|ignorieren|skip|remark|remarks|comment|comments|note|notes|bemerkung|bemerkungen|kommentar|notiz|hinweis",
-    "kind": "kind|art|typ|type",
-    "breaks": "breaks|break|pausen|pause|times off|auszeiten",
-    "stress limit": "stress limit|max stress|maximum stress|belastungsgrenze|maximale belastung|max belastung|limit|grenze",
-    "capacity": "capacity|places|anzahl|count|number of|kapazitaet|plaetze|how many|menge",
-}
+VOCABULARY = json.loads(resources.files(__package__).joinpath("vocabulary.json").read_text("utf-8"))
+
+PHRASES: dict[str, list[str]] = VOCABULARY["columns"]
 """What a column means -> how it may be called: casefolded, umlauts spelled out, marks between words as blanks."""
 
-MEANS = {spelling: what for what, spellings in PHRASES.items() for spelling in spellings.split("|")}
+MEANS = {spelling: what for what, spellings in PHRASES.items() for spelling in spellings}
 
-FILLERS = set("for von fuer der die des den of the by durch je per pro in mit task tasks assembly work standard prozess process processing soll ist plan planned".split())
-FILLERS |= set("vorgabe required benoetigte value wert needed mtm uas".split())
+KINDS: dict[str, Kind] = {word: kind for kind, words in VOCABULARY["kinds"].items() for word in words}
+"""Words in the name of an operator that say whether it is a human or a robot."""
+
+FILLERS = frozenset(VOCABULARY["fillers"])
+"""Words that say nothing beside a measure: "Zeit für den Roboter"."""
 
 MEASURES: dict[str, str] = {
-    "time": r"t|te|times?|zeit(en)?|dauer|durations?|(vorgabe|soll|bearbeitungs|ausfuehrungs|prozess|montage|stueck|grund|standard|fertigungs)zeit(en)?",
-    "stress": r"stress|load|strain|(eaws|ergo|belastung|beanspruchung)\w*|points?|punkte?|score|niosh|reba|rula|owas|physical|koerperliche|bewertung",
+    "time": (
+        r"t|te|times?|zeit(en)?|dauer|durations?|"
+        r"(vorgabe|soll|bearbeitungs|ausfuehrungs|prozess|montage|stueck|grund|standard|fertigungs)zeit(en)?"
+    ),
+    "stress": (
+        r"stress|load|strain|(eaws|ergo|belastung|beanspruchung)\w*|points?|punkte?|score|niosh|reba|rula|owas|physical|koerperliche|bewertung"
+    ),
     "difficulty": r"difficulty|schwierigkeit(sgrad)?",
     "spread": r"spread|streuung|cv|variation|variationskoeffizient",
     "changeover": r"changeover|change|ruestzeit|ruesten|setup|umruesten|werkzeugwechsel|wechselzeit",
@@ -63,19 +47,13 @@ MEASURES: dict[str, str] = {
 
 NO_OPERATOR = re.compile(
     r"ruest\w*|setup|set-up|wart\w*|wait\w*|idle|leer\w*|cycle|zyklus\w*|takt\w*|gesamt\w*|total|sum|summe|wege\w*|walk\w*|geh\w*|puffer\w*|buffer|"
-    r"start\w*|end|ende|beginn|begin|finish|max\w*|mean|avg|average|mittel\w*|durchschnitt\w*|kum\w*|cum\w*|anteil|share|alt|old|abweichung|std|"
-    r"deviation|minimum|date|datum|liege\w*|transport\w*|lead|lag|durchlauf\w*|changeover|wechsel\w*|neben\w*|hilfs\w*|verteil\w*|erhol\w*|priority|prio\w*"
+    r"start\w*|end|ende|beginn|begin|finish|max\w*|mean|avg|average|mittel\w*|durchschnitt\w*|kum\w*|cum\w*|anteil|share|alt|old|std|"
+    r"abweichung|deviation|minimum|date|datum|liege\w*|transport\w*|lead|lag|durchlauf\w*|changeover|wechsel\w*|neben\w*|hilfs\w*|verteil\w*|erhol\w*|priority|prio\w*"
 )
 """Kinds of time that no single operator spends on the task: such columns are listed as not read."""
 
-HUMAN_WORDS = "human humans mensch menschen worker workers werker werkerin person operator bediener mitarbeiter ma monteur people arbeiter hand manual "
-HUMAN_WORDS += "manuell manuelle man mann frau herr mrs mr technician staff employee assembler monteurin menschlich h"
-ROBOT_WORDS = "robot robots roboter cobot cobots kobot kobots robo r bot ur ur3 ur3e ur5 ur5e ur10 ur10e ur16 ur16e ur20 ur30 kuka iiwa lbr franka emika panda "
-ROBOT_WORDS += "fanuc crx abb yumi gofa swifti techman tm5 tm12 doosan staubli tx2 agv amr machine maschine maschinen automat automation automatic "
-ROBOT_WORDS += "automatisch robotic roboterarm arm fr3 jaka aubo nachi yaskawa motoman denso sawyer baxter"
-KINDS: dict[str, Kind] = {**dict.fromkeys(HUMAN_WORDS.split(), "human"), **dict.fromkeys(ROBOT_WORDS.split(), "robot")}
-
-TOTALS = re.compile(r"(zwischen|gesamt)?summen?|totals?|sub-?totals?|gesamt(zeit|dauer)?|sum|grand total|σ|∑|Σ|gesamt.*|insgesamt|overall", re.IGNORECASE)
+TOTALS = re.compile(r"(zwischen)?summen?|(sub-?|grand )?totals?|sum|σ|∑|Σ|gesamt.*|insgesamt|overall", re.IGNORECASE)
+"""What planners write before a total."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +82,7 @@ class Meaning:
 
 def key(text: str) -> str:
     """Casefolded, umlauts spelled out, marks as blanks: what tables are looked up by."""
-    plain = unicodedata.normalize("NFKC", tidy(text)).casefold().translate(str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue"}))
+    plain = unicodedata.normalize("NFKC", tidy(text)).casefold().translate({ord("ä"): "ae", ord("ö"): "oe", ord("ü"): "ue"})
     return " ".join(re.sub(r"[^\w#]|_", " ", plain).split())
 
 
@@ -129,12 +107,12 @@ def is_kind_word(name: str) -> bool:
 
 def split_unit(text: str) -> tuple[str, str | None]:
     """The header without its unit, and the unit: `t human [s]`, `Zeit (min)`, `Dauer in Minuten`, `time_s`."""
-    for found in re.finditer(r"[\[(]([^\[\]()]*)[\])]", text):
-        if unit := unit_named(re.sub(r"^in ", "", found[1].strip(), flags=re.IGNORECASE)):
-            return tidy(text[: found.start()] + " " + text[found.end() :]), unit
-    if found := re.search(r"(?:\s+in\s+|\s*[/,;:]\s*|[\s_]+)([^\s_]+|1/100 ?min\.?|hundertstel minuten)$", text, re.IGNORECASE):
-        if unit := unit_named(found[1]):
-            return tidy(text[: found.start()]), unit
+    for bracket in re.finditer(r"[\[(]([^\[\]()]*)[\])]", text):
+        if unit := unit_named(re.sub(r"^in ", "", bracket[1].strip(), flags=re.IGNORECASE)):
+            return tidy_marks(text[: bracket.start()] + " " + text[bracket.end() :]), unit
+    tail = re.search(r"(?:\s+in\s+|\s*[/,;:]\s*|[\s_]+)([^\s_]+|1/100 ?min\.?|hundertstel minuten)$", text, re.IGNORECASE)
+    if tail and (unit := unit_named(tail[1])):
+        return tidy_marks(text[: tail.start()]), unit
     return text, None
 
 
