@@ -7,7 +7,7 @@ from decimal import Decimal
 
 from tandem.cell.model import Cell, Mode
 from tandem.plan.result import Bound, Front, Result, Status
-from tandem.schedule.measures import changeover_times, exact
+from tandem.schedule.measures import changeover_times, exact, stress
 from tandem.schedule.model import Assignment, Schedule
 
 THESIS = {
@@ -219,3 +219,21 @@ def greedy(cell: Cell, *, dislike: float = 0.0) -> Schedule:
             free[who] = end
             done[who].append(name)
     return Schedule(tuple(found))
+
+
+def front_by_rule(cell: Cell, dislikes: list[float], *, proven: bool = True, slack: float = 0.0) -> Front:
+    """What `greedy` finds with different dislikes of stress, without what is dominated."""
+    found = {}
+    for dislike in dislikes:
+        schedule = greedy(cell, dislike=dislike)
+        found[max(a.end for a in schedule), stress(cell, schedule)] = schedule
+    kept = [p for p in sorted(found) if not any(q != p and q[0] <= p[0] and q[1] <= p[1] for q in found)]
+    return front_of(cell, [found[point] for point in kept], proven=proven, slack=slack)
+
+
+def gearbox_front() -> Front:
+    return front_by_rule(gearbox(), [0, 0.2, 0.5, 1, 2, 4])
+
+
+def layered_front() -> Front:
+    return front_by_rule(layered(120), [x / 4 for x in range(16)], proven=False, slack=0.1)

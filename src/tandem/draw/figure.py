@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -19,6 +18,7 @@ NODE = (1.5, 0.62)
 """Inches that one task takes in the precedence graph, box only."""
 PITCH = (2.1, 0.84)
 """Inches from one task to the next, across and down."""
+MOST_INCHES = 40.0
 
 
 def figure_for(cell: Cell, schedule: Schedule | None = None, *, kind: str = "gantt") -> Figure:
@@ -43,9 +43,10 @@ def blank(width: float, height: float) -> Figure:
 
 
 def gantt_size(cell: Cell, schedule: Schedule | None = None) -> tuple[float, float]:
-    """Inches for a Gantt chart: as wide as the fullest lane needs, as high as there are lanes."""
-    fullest = max(Counter(who for a in schedule or () for who in a.operators).values(), default=0)
-    return min(max(10.0, 2.5 + 0.42 * fullest), 60.0), 1.7 + 0.72 * len(cell.operators)
+    """Inches for a Gantt chart: so wide that nearly every bar can hold an upright name, so high as there are lanes."""
+    spans = sorted(a.end - a.start for a in schedule or ())
+    narrow = spans[len(spans) // 16] / max(a.end for a in schedule) if schedule and spans else 1.0
+    return min(max(10.0, 2.2 + 0.18 / max(narrow, 1e-6)), MOST_INCHES), 1.7 + 0.72 * len(cell.operators)
 
 
 def compare_size(cell: Cell, schedule: Schedule | None = None) -> tuple[float, float]:

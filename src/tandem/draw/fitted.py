@@ -5,6 +5,7 @@ This file needs matplotlib as soon as it is imported; those who draw import it w
 
 from __future__ import annotations
 
+import bisect
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -58,9 +59,13 @@ class FittedText(Text):
             for size in (self.full_size * step for step in STEPS):
                 yield from ((words, size, upright) for upright, along, across in rooms if self._fits(renderer, words, size, along, across))
         last, size = self.wordings[-1] if self.wordings else "", self.full_size * STEPS[-1]
-        for length in range(len(last) - 1, 2, -1):
-            cut = last[:length].rstrip() + "…"
-            yield from ((cut, size, upright) for upright, along, across in rooms if self._fits(renderer, cut, size, along, across))
+        found = []
+        for upright, along, across in rooms:
+            # Shorter text is never wider, so the longest that fits is found by halving.
+            count = bisect.bisect_left(range(len(last) - 3), True, key=lambda i, a=along, b=across: self._fits(renderer, _cut(last, i), size, a, b))  # type: ignore[misc]
+            if count < len(last) - 3:
+                found.append((_cut(last, count), size, upright))
+        yield from sorted(found, key=lambda choice: -len(choice[0]))
 
     def _fits(self, renderer: Any, words: str, size: float, along: float, across: float) -> bool:
         font = self.get_fontproperties().copy()
@@ -68,6 +73,11 @@ class FittedText(Text):
         extents = [renderer.get_text_width_height_descent(line, font, False) for line in words.split("\n")]
         high = max(extent[1] for extent in extents) * (1 + 1.2 * (len(extents) - 1))
         return bool(max(extent[0] for extent in extents) <= along and high <= across)
+
+
+def _cut(words: str, away: int) -> str:
+    """The words without their last `away + 1` letters."""
+    return words[: len(words) - 1 - away].rstrip() + "…"
 
 
 def fitted_text(ax: Axes, box: tuple[float, float, float, float], wordings: Sequence[str], **style: Any) -> FittedText:

@@ -150,7 +150,7 @@ def tasks(front: Front, t: Words) -> Markup:
         cells += [
             tag("td", ", ".join(task.after) or "–"),
             tag("td", ways(cell, name, shown), class_="ways"),
-            tag("td", _loads(cell, name, shown), class_="number"),
+            tag("td", _loads(cell, name, shown), class_="number ways"),
         ]
         cells += [tag("td", pieces(rules[name]))] if any(rules.values()) else []
         cells += [tag("td", _choice(plan.get(name), shown), class_="choice") for plan in chosen]

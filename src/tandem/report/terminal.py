@@ -126,7 +126,7 @@ class GanttText:
             return
         marks = _Marks(plain=not _can_print(options.encoding, _Marks(plain=False)))
         rows = lanes(self.cell, self.schedule, until=makespan(self.schedule), critical=self.critical)
-        room = max(4, min(16, options.max_width // 4))
+        room = max(4, min(18, options.max_width // 4))
         names = [shorten(lane.look.label, room, marks.ellipsis) for lane in rows]
         left = max(map(len, names)) + 2
         width = max(10, min(options.max_width, 160) - left - 1)

@@ -1,0 +1,77 @@
+"""The front as a chart: every point, its proof, the knee."""
+
+from __future__ import annotations
+
+import pytest
+from tests.draw.cells import front_of, layered_front, thesis, thesis_front, thesis_schedules
+
+from tandem.draw.front import plot_front, staircase
+from tandem.draw.overview import overview
+from tandem.plan.result import Front
+
+
+def words(ax) -> list[str]:
+    return [text.get_text() for text in ax.texts]
+
+
+def dots(ax) -> list[tuple[float, float, str]]:
+    """Makespan, stress and fill of every point."""
+    found = [line for line in ax.lines if line.get_marker() == "o" and line.get_gid() != "knee"]
+    return [(line.get_xdata()[0], line.get_ydata()[0], line.get_markerfacecolor()) for line in found]
+
+
+def test_every_point_is_there_with_its_numbers() -> None:
+    ax = plot_front(thesis_front())
+    assert [dot[:2] for dot in dots(ax)] == [(23, 7), (24, 3), (34, 2)]
+    assert sorted(words(ax)) == ["23 s, 7", "24 s, 3 (knee)", "34 s, 2"]
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("makespan [s]", "stress")
+
+
+def test_the_ring_is_around_the_knee() -> None:
+    ring = next(line for line in plot_front(thesis_front()).lines if line.get_gid() == "knee")
+    assert (ring.get_xdata()[0], ring.get_ydata()[0]) == (24, 3)
+
+
+def test_points_that_are_not_proven_are_hollow_and_reach_to_their_bounds() -> None:
+    ax = plot_front(front_of(thesis(), thesis_schedules(), proven=False, slack=0.5))
+    assert {dot[2] for dot in dots(ax)} == {"white"}
+    ends = {(line.get_xdata()[0], line.get_ydata()[0]) for line in ax.lines if line.get_marker() in ("|", "_")}
+    assert {(11.5, 7.0), (23.0, 3.5)} <= ends
+    assert "white" not in {dot[2] for dot in dots(plot_front(thesis_front()))}
+
+
+def test_the_dominated_area_is_what_the_points_dominate() -> None:
+    assert staircase(thesis_front(), 40, 10) == [(23, 10), (23, 7), (24, 7), (24, 3), (34, 3), (34, 2), (40, 2)]
+
+
+def test_labels_never_meet() -> None:
+    ax = plot_front(layered_front())
+    ax.figure.canvas.draw()
+    boxes = [text.get_window_extent() for text in ax.texts]
+    assert len(boxes) >= 3
+    assert [(a, b) for i, a in enumerate(boxes) for b in boxes[:i] if a.overlaps(b)] == []
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_short_fronts_have_a_window_around_them(count: int) -> None:
+    ax = plot_front(front_of(thesis(), thesis_schedules()[:count]))
+    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
+    assert all(left < x < right and low < y < high for x, y, _ in dots(ax))
+    assert not any("knee" in word for word in words(ax))
+
+
+def test_an_empty_front_is_drawn_as_one() -> None:
+    empty = Front(thesis(), (), False, "exact", "cp-sat", 0, 0.0)
+    assert dots(plot_front(empty)) == []
+    assert len(overview(empty).axes) == 1
+
+
+def test_the_overview_has_the_front_and_the_gantt_chart_of_the_knee() -> None:
+    upper, lower = overview(thesis_front()).axes
+    assert upper.get_xlabel() == "makespan [s]"
+    assert lower.get_title(loc="left") == "Recommended: makespan 24 s, stress 3"
+    assert len([p for p in lower.patches if (p.get_gid() or "").startswith("task ")]) == 7
+
+
+def test_front_plot_is_this_chart() -> None:
+    assert [dot[:2] for dot in dots(thesis_front().plot())] == thesis_front().points
