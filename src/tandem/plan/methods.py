@@ -17,6 +17,26 @@ from tandem.schedule.model import Schedule
 METHODS: dict[str, Method] = {"exact": exact.solve, "exhaustive": exhaustive.solve, **RULES}
 """Name -> method. A new one is a file and a line here."""
 
+WHAT = {
+    "exact": "CP-SAT beside large-neighbourhood search: the complete front with proof",
+    "exhaustive": "dynamic programming, no constraint solver: the complete front of small cells with proof",
+    "random": "tasks in random order",
+    "spt": "shortest task first",
+    "lpt": "longest task first",
+    "longest-tail": "the task with the longest chain behind it first",
+    "earliest-completion": "whatever can be finished first",
+    "heft": "by upward rank over mean times (Topcuoglu et al. 2002)",
+    "least-stress": "the way with the least stress, then the longest tail",
+    "balanced": "longest tail, work to whom it suits at the price of each operator's time",
+    "weighted": "longest tail, stress weighed against time; one schedule for each of several weights",
+    "best-of-n": "the best of 100 randomised schedules of the rule 'balanced'",
+}
+
+
+def describe(method: str) -> str:
+    """What a method does, in a line."""
+    return WHAT[method]
+
 
 def plan(
     cell: Cell,

@@ -1,0 +1,113 @@
+"""`tandem generate`, `tandem convert`, `tandem schema`: cells to try things on, in and out of files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from tandem.errors import UsageError
+
+if TYPE_CHECKING:
+    from tandem.cell.model import Cell
+
+OUTPUT = click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Cell file to write, .yaml or .json; YAML on stdout when absent.")
+
+
+@click.group("generate")
+def generate() -> None:
+    """Make a cell: random layers, Yu's chessboards, or Yu's desk.
+
+    \b
+    Examples:
+      tandem generate layered --tasks 50 --humans 2 --seed 7 -o cell.yaml
+      tandem generate desk | tandem plan -
+    """
+
+
+@generate.command("layered")
+@click.option("--tasks", type=int, default=20, show_default=True, help="How many tasks.")
+@click.option("--humans", type=int, default=1, show_default=True, help="How many humans.")
+@click.option("--robots", type=int, default=1, show_default=True, help="How many robots.")
+@click.option("--exclusive", type=float, default=0.3, show_default=True, help="Share of tasks that only humans or only robots can do.")
+@click.option("--density", type=float, default=0.2, show_default=True, help="Share of the layer before that a task waits for.")
+@click.option("--heterogeneity", type=float, default=0.5, show_default=True, help="How far times differ from operator to operator, 0 to 1.")
+@click.option("--layers", type=int, help="Number of layers; chosen from the number of tasks when absent.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the draw.")
+@OUTPUT
+def layered_command(
+    tasks: int, humans: int, robots: int, exclusive: float, density: float, heterogeneity: float, layers: int | None, seed: int, output: Path | None
+) -> None:
+    """A random cell whose tasks lie in layers; the same numbers give the same cell."""
+    from tandem.cell.generators import layered
+
+    try:
+        cell = layered(tasks, humans, robots, exclusive=exclusive, density=density, heterogeneity=heterogeneity, layers=layers, seed=seed)
+    except ValueError as error:
+        raise UsageError(str(error)) from error
+    _put(cell, output)
+
+
+@generate.command("chessboard")
+@click.option("--height", type=int, default=15, show_default=True, help="Rows of the board.")
+@click.option("--width", type=int, default=12, show_default=True, help="Columns of the board.")
+@click.option("--human", type=int, default=15, show_default=True, help="Pieces for the human only.")
+@click.option("--joint", type=int, default=10, show_default=True, help="Pieces for either.")
+@click.option("--robot", type=int, default=20, show_default=True, help="Pieces for the robot only.")
+@click.option("--max-time", type=int, default=10, show_default=True, help="Times are whole seconds from 1 to one less.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the draw.")
+@OUTPUT
+def chessboard_command(height: int, width: int, human: int, joint: int, robot: int, max_time: int, seed: int, output: Path | None) -> None:
+    """A random board of Yu, Huang, Chang (2020) as a cell; the same numbers give the same board."""
+    from tandem.cell.chessboard import random_board
+
+    try:
+        board = random_board(height, width, human, joint, robot, max_time, seed=seed)
+    except ValueError as error:
+        raise UsageError(str(error)) from error
+    _put(board.to_cell(), output)
+
+
+@generate.command("desk")
+@OUTPUT
+def desk_command(output: Path | None) -> None:
+    """The height-adjustable desk of Yu, Huang, Chang (2020): 53 tasks."""
+    from tandem.cell.chessboard import desk
+
+    _put(desk().to_cell(), output)
+
+
+@click.command("convert")
+@click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=True))
+@click.option("--format", "form", metavar="NAME", help="What CELL is written in; told from its content when absent.")
+@OUTPUT
+def convert_command(cell_file: str, form: str | None, output: Path | None) -> None:
+    """Turn a file of a public format into a cell file.
+
+    \b
+    Examples:
+      tandem convert k1.fjs -o k1.yaml
+      tandem convert instance.alb --format alb
+    """
+    from tandem.cell.files import load
+
+    _put(load(cell_file, form), output)
+
+
+@click.command("schema")
+def schema_command() -> None:
+    """Print the JSON Schema of cell files, for editors that check while you type."""
+    from tandem.cell.schema import schema_text
+
+    click.echo(schema_text(), nl=False)
+
+
+def _put(cell: Cell, output: Path | None) -> None:
+    from tandem.cell.files import dump, dumps
+
+    if output is None:
+        click.echo(dumps(cell), nl=False)
+        return
+    dump(cell, output)
+    click.echo(f"wrote {output}: {len(cell.tasks)} tasks, {len(cell.operators)} operators.", err=True)

@@ -1,0 +1,183 @@
+"""`tandem plan`, `tandem check`, `tandem methods`: the trade-off of a cell, and what is wrong with a cell or a schedule."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from tandem.errors import CellError, Fault, UnsoundScheduleError, UsageError
+
+if TYPE_CHECKING:
+    from tandem.plan.result import Front
+
+FORMAT = click.option("--format", "form", metavar="NAME", help="What CELL is written in; told from its content when absent: yaml, json, fjs, fjs-dag, alb, alwabp, case.")
+
+
+class Weights(click.ParamType):
+    """Two numbers joined by a comma."""
+
+    name = "TIME,STRESS"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, float]:
+        if isinstance(value, tuple):
+            return value
+        try:
+            time, stress = (float(part) for part in str(value).split(","))
+        except ValueError:
+            self.fail(f"{value!r} is not two numbers joined by a comma, such as 1,0.5.", param, ctx)
+        return time, stress
+
+
+@click.command("plan")
+@click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=True))
+@FORMAT
+@click.option("--method", default="exact", show_default=True, help="How to plan; `tandem methods` lists them.")
+@click.option("--minimize", type=click.Choice(["makespan", "stress"]), help="Only the one schedule that is best in this and, among those, in the other.")
+@click.option("--weights", type=Weights(), help="Only the one schedule with the least TIME * makespan + STRESS * stress.")
+@click.option("--max-stress", type=float, help="Only schedules of at most this stress.")
+@click.option("--max-makespan", type=float, help="Only schedules of at most so many seconds.")
+@click.option("--time-limit", type=float, default=60.0, show_default=True, help="Seconds; what is found by then is given with its bounds.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
+@click.option("--workers", type=int, help="Threads; one per core when absent. With 1, a run that ends before its limit repeats exactly.")
+@click.option("--hint", type=click.Path(dir_okay=False, path_type=Path), help="A result document whose first schedule to begin with.")
+@click.option("--json", "as_json", is_flag=True, help="Print the result document on stdout and nothing else there.")
+@click.option(
+    "-o", "--output", "outputs", multiple=True, type=click.Path(dir_okay=False, path_type=Path), help="Write .json, .csv, .svg, .png, .pdf or .html; may be repeated."
+)
+@click.option("--report", type=click.Path(dir_okay=False, path_type=Path), help="Write the report: one HTML file that opens offline.")
+@click.option("-q", "--quiet", is_flag=True, help="No progress on stderr.")
+def plan_command(
+    cell_file: str,
+    form: str | None,
+    method: str,
+    minimize: str | None,
+    weights: tuple[float, float] | None,
+    max_stress: float | None,
+    max_makespan: float | None,
+    time_limit: float,
+    seed: int,
+    workers: int | None,
+    hint: Path | None,
+    as_json: bool,
+    outputs: tuple[Path, ...],
+    report: Path | None,
+    quiet: bool,
+) -> int:
+    """Find every compromise between completion time and stress, with proof.
+
+    \b
+    Examples:
+      tandem plan cell.yaml
+      tandem plan cell.yaml --minimize makespan --json > result.json
+
+    Ctrl-C ends the search: what was found so far is printed with its bounds and saved, and the exit code is 130.
+    """
+    from tandem.cell.files import load
+    from tandem.plan.methods import plan
+    from tandem.plan.question import Question
+    from tandem.report.files import ready_to_write, write
+    from tandem.report.progress import SolveProgress
+
+    if minimize and weights:
+        raise UsageError("--minimize and --weights exclude each other: give one of them.")
+    files = [*outputs, *([report] if report else [])]
+    ready_to_write(files)
+    kind = minimize or ("weighted" if weights else "front")
+    question = Question(kind, weights or (1.0, 1.0), max_makespan, max_stress)  # type: ignore[arg-type]
+    cell = load(cell_file, form)
+    begin = _first_schedule(hint) if hint else None
+    with SolveProgress(quiet=quiet) as progress:
+        front = plan(cell, question, method=method, time_limit=time_limit, seed=seed, workers=workers, hint=begin, on_solution=progress)
+    if front.interrupted and not any(path.suffix == ".json" for path in files):
+        name = "stdin" if cell_file == "-" else Path(cell_file).stem
+        files.append(Path(f"{name}.interrupted.json"))
+    for path in files:
+        write(front, path)
+    show(front, as_json)
+    for path in files:
+        click.echo(f"wrote {path}", err=True)
+    if front.interrupted:
+        click.echo("interrupted: this is the best found so far, with its bounds.", err=True)
+    return 130 if front.interrupted else 0
+
+
+def show(front: Front, as_json: bool) -> None:
+    """The front on stdout: as the result document, or for people."""
+    if as_json:
+        click.echo(json.dumps(front.to_dict(), ensure_ascii=False))
+        return
+    from rich.console import Console
+
+    from tandem.report.terminal import FrontView
+
+    Console(file=sys.stdout, highlight=False).print(FrontView(front))
+
+
+@click.command("check")
+@click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=True))
+@click.argument("result_file", metavar="[RESULT]", required=False, type=click.Path(dir_okay=False, path_type=Path))
+@FORMAT
+@click.option("--json", "as_json", is_flag=True, help="Print what was found as one document.")
+def check_command(cell_file: str, result_file: Path | None, form: str | None, as_json: bool) -> None:
+    """Say whether CELL is sound and, with RESULT, whether its schedules keep to it.
+
+    \b
+    Examples:
+      tandem check cell.yaml
+      tandem check cell.yaml result.json
+
+    Exit code 3 when the cell is not sound, 6 when a schedule breaks it.
+    """
+    from tandem.cell.files import load
+    from tandem.schedule.checker import faults
+
+    cell = load(cell_file, form)
+    found = [(place, faults(cell, schedule)) for place, schedule in enumerate(_schedules(result_file), start=1)] if result_file else []
+    if as_json:
+        document = {"schema_version": 1, "cell": cell.name, "cell_digest": cell.digest, "faults": [{"point": p, "fault": f} for p, fs in found for f in fs]}
+        click.echo(json.dumps(document, ensure_ascii=False))
+    if any(wrong for _, wrong in found):
+        raise UnsoundScheduleError([f"schedule {place}: {fault}" for place, wrong in found for fault in wrong])
+    if not as_json:
+        people = f"{len(cell.humans)} human{'s' * (len(cell.humans) != 1)}, {len(cell.robots)} robot{'s' * (len(cell.robots) != 1)}"
+        click.echo(f"{cell.name or cell_file}: sound; {len(cell.tasks)} tasks, {people}.")
+        if found:
+            click.echo(f"{result_file}: {len(found)} schedule{'s' * (len(found) != 1)}, none breaks the cell.")
+
+
+@click.command("methods")
+@click.option("--json", "as_json", is_flag=True, help="Print them as one document.")
+def methods_command(as_json: bool) -> None:
+    """List the methods of planning."""
+    from tandem.plan.methods import METHODS, describe
+
+    if as_json:
+        click.echo(json.dumps({"schema_version": 1, "methods": [{"name": name, "kind": "planning", "what": describe(name)} for name in METHODS]}))
+        return
+    width = max(map(len, METHODS))
+    for name in METHODS:
+        click.echo(f"{name:<{width}}  {describe(name)}")
+
+
+def _schedules(path: Path) -> list[Any]:
+    """The schedules of a result document."""
+    from tandem.schedule.model import Schedule
+
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+        return [Schedule.from_list(point["assignments"]) for point in document["front"]]
+    except OSError as error:
+        raise CellError([Fault(f"cannot be read: {error.strerror}.", (), str(path))]) from error
+    except (ValueError, KeyError, TypeError) as error:
+        raise CellError([Fault(f"is no result document of `tandem plan --json` ({type(error).__name__}: {error}).", (), str(path))]) from error
+
+
+def _first_schedule(path: Path) -> Any:
+    schedules = _schedules(path)
+    if not schedules:
+        raise CellError([Fault("holds no schedule.", (), str(path))])
+    return schedules[0]
