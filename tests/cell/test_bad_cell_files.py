@@ -6,17 +6,22 @@ import contextlib
 import json
 import os
 import random
+import re
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from tests.strategies import cells
 
 from tandem.cell.files import dumps, load, loads
 from tandem.cell.formats.table import FORMATS
+from tandem.cell.model import Cell
 from tandem.cell.reading import MOST
 from tandem.errors import CellError
 
@@ -219,6 +224,39 @@ def test_a_damaged_file_brings_nothing_but_a_cell_error(data):
         loads(damaged)
 
 
+JUNK = st.sampled_from(
+    [None, 0, -1, 1.5, 1e9, float("nan"), True, "", " ", "x", "1", [], [1], ["x", "x"], [[1, 2]], {}, {"x": 1}, {"": 1}, "1,2", 1 / 3]
+)
+
+
+def places(value: Any) -> Iterator[tuple[Any, Any]]:
+    """Every mapping or list in a value with each of its keys or places."""
+    for key in list(value) if isinstance(value, dict) else range(len(value)):
+        yield value, key
+        if isinstance(value[key], dict | list):
+            yield from places(value[key])
+
+
+@given(cells(), st.data())
+def test_a_cell_with_any_values_replaced_is_sound_or_refused_in_words(cell, data):
+    """Through the file as well, so that each fault has its line and none of the words is pydantic's."""
+    damaged = cell.to_dict()
+    for _ in range(data.draw(st.integers(1, 3))):
+        where, key = data.draw(st.sampled_from(list(places(damaged))))
+        if data.draw(st.booleans()) or isinstance(where, list):
+            where[key] = data.draw(JUNK)
+        else:
+            where[data.draw(st.sampled_from(["x", "time", "stress", ""]))] = where.pop(key)
+    with contextlib.suppress(CellError):
+        Cell.of(damaged)
+    try:
+        loads(json.dumps(damaged), source="x")
+    except CellError as error:
+        for fault in error.faults:
+            assert re.match(r"x:\d+:\d+: |and \d+ more", str(fault)), str(fault)
+            assert not re.search(r"Input should|valid (number|string|dictionary|list|tuple)|validation|Field required", str(fault)), str(fault)
+
+
 # Files
 
 
@@ -277,6 +315,12 @@ def test_a_file_without_permission(tmp_path):
     done = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=False)
     assert done.returncode == 3, done.stderr
     assert "no permission to read" in done.stdout
+
+
+def test_a_spreadsheet_is_sent_to_the_import(tmp_path):
+    path = tmp_path / "tasks.csv"
+    path.write_text("task;robot;human\n1;2;3\n", "utf-8")
+    assert "this is a spreadsheet. Import it first" in refused(path)
 
 
 def test_a_file_that_is_too_large(tmp_path):

@@ -1,4 +1,4 @@
-"""The doors for files: YAML, JSON, spreadsheets and public formats in; YAML and JSON out."""
+"""The doors for files: YAML, JSON and public formats in; YAML and JSON out. Spreadsheets have a door of their own."""
 
 from __future__ import annotations
 
@@ -18,6 +18,8 @@ from tandem.errors import CellError, Fault, UsageError
 
 LARGEST = 20_000_000
 """Bytes that a cell file may have: a cell of 10,000 tasks has about one million."""
+SHEETS = (".xls", ".ods", ".csv", ".tsv")
+"""How the names of spreadsheets end or begin to end. Reading one takes assumptions that a person should see."""
 CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff]")
 
 
@@ -35,7 +37,11 @@ def load(path: str | os.PathLike[str], format: str | None = None) -> Cell:
     if os.fspath(path) == "-":
         return loads(_text(sys.stdin.buffer.read(LARGEST + 1), "standard input", format), format, source="standard input")
     source = os.fspath(path)
-    return loads(_text(_bytes(Path(path), source), source, format), format, source=source)
+    data = _bytes(Path(path), source)
+    if format is None and Path(path).suffix.lower().startswith(SHEETS):
+        remedy = f"Import it first, which shows how each column is read: `tandem import {source} -o cell.yaml`."
+        raise CellError([Fault(f"this is a spreadsheet. {remedy}", (), source)])
+    return loads(_text(data, source, format), format, source=source)
 
 
 def loads(text: str, format: str | None = None, source: str = "text") -> Cell:

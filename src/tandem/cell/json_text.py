@@ -110,7 +110,8 @@ class _Reader:
         found = STRING.match(self.text, place)
         if found is None:
             raise self.malformed(place, 'a text in "quotes" is missing or not closed' if place < len(self.text) else "the text ends too early")
-        return json.loads(found.group()), found.end()
+        written = found.group()
+        return str(json.loads(written)) if "\\" in written else written[1:-1], found.end()
 
     def expect(self, sign: str, place: int, problem: str) -> int:
         if self.text[place : place + 1] != sign:

@@ -34,9 +34,9 @@ class Repaired:
     def original(self, path: Path) -> Path:
         """Where a value of the mended data stood in the user's."""
         back: list[str | int] = []
-        for place, step in enumerate(path):
-            kept = self.moved.get(tuple(back)) if isinstance(step, int) else None
-            back.append(kept[path[place]] if kept is not None and isinstance(step, int) else step)  # type: ignore[index]
+        for step in path:
+            kept = self.moved.get(tuple(back))
+            back.append(kept[step] if kept is not None and isinstance(step, int) and step < len(kept) else step)
         return tuple(back)
 
 

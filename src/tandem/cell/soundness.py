@@ -132,7 +132,7 @@ def pairs_have_a_common_way(cell: Cell) -> Iterator[Fault]:
 
 
 def sets_are_spelled_in_order(cell: Cell) -> Iterator[Fault]:
-    """The keys of `stress_of_set` are known tasks that humans can do, each once, in the cell's order, joined by commas."""
+    """The keys of `stress_of_set` are known tasks, each once, in the cell's order, joined by commas."""
     if cell.stress_of_set is None:
         return
     order = {name: place for place, name in enumerate(cell.tasks)}

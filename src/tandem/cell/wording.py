@@ -46,7 +46,7 @@ def flaws(error: ValidationError) -> list[Flaw]:
         kind = "key" if item["loc"][-1:] == ("[key]",) else item["type"]
         if kind == "too_short" and path in (("operators",), ("tasks",)) and item["input"]:
             continue  # it only became empty because none of its names is one
-        if kind in ("extra_forbidden", "float_type") and item["input"] is None and str(path[-1]).isdigit():
+        if kind in ("extra_forbidden", "float_type") and item["input"] is None and isinstance(path[-1], str) and path[-1].isdigit():
             kind = "comma"  # `{human: 1,5}` is read as a time of 1 and an empty key 5
         meant = _meant(path) if kind == "extra_forbidden" else None
         sentence = _SENTENCES.get(kind, _other)(path, item)
