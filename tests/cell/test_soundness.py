@@ -124,6 +124,16 @@ CASES: list[tuple[dict[str, Any], tuple[str | int, ...], str]] = [
         "ends at 62 s at the soonest around the breaks",
     ),
     (
+        {
+            "check__time": {},
+            "check__together": [{"operators": ["cobot", "anna"], "time": 5}],
+            "check__deadline": 30,
+            "operators": {"cobot": {"kind": "robot", "breaks": [[11, 20]]}, "anna": {"kind": "human", "breaks": [[24, 40]]}},
+        },
+        ("tasks", "check", "deadline"),
+        "ends at 45 s at the soonest around the breaks",  # both are free from 7 to 11 and from 20 to 24 only
+    ),
+    (
         {"same_operator": [["grease", "press"]], "press__time": {"cobot": 4}},
         ("same_operator", 0),
         "nobody can do both: 'grease' by anna and 'press' by cobot",
