@@ -69,6 +69,12 @@ def critical_path(cell: Cell, schedule: Schedule) -> tuple[Link, ...]:
     return tuple(reversed(path))
 
 
+def links(cell: Cell, schedule: Schedule) -> dict[str, tuple[Link, ...]]:
+    """Task -> every reason for which it cannot start a moment earlier, none when it could. Assumes a sound schedule."""
+    plan = _Plan.of(cell, schedule)
+    return {a.task: tuple(plan.links(a)) for a in schedule}
+
+
 def slack(cell: Cell, schedule: Schedule) -> dict[str, float]:
     """Task -> seconds by which its end can slip without a later makespan or a missed deadline.
 
