@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from math import ceil
 from queue import Empty, SimpleQueue
 from random import Random
-from time import monotonic
+from time import monotonic, thread_time
 
 from ortools.sat.python import cp_model
 
@@ -20,6 +20,7 @@ from tandem.plan.cpsat import Decisions, Starts, formulate
 from tandem.plan.decode import Layout, Step, append_in_order
 from tandem.plan.instance import Instance
 from tandem.plan.neighbourhoods import plan_anew, take_out
+from tandem.plan.refute import prove_makespan
 from tandem.plan.rules import SPECS, build
 
 
@@ -80,6 +81,10 @@ SMALL = 30
 """Up to so many tasks CP-SAT alone proves faster than it can be helped."""
 LARGE = 150
 """From so many tasks on CP-SAT no longer proves anything whole; a relaxation gives the bound and all cores improve."""
+REFUTABLE = 80
+"""Up to so many tasks a state-space search is tried beside the others."""
+REFUTE_S = 4.0
+"""Processor seconds for it: it works fast or not at all."""
 PATIENCE = 60
 """With one worker: so many stretches in a row without an improvement before CP-SAT has its turn."""
 
@@ -170,7 +175,7 @@ class Race:
         improvers = max(1, workers // 2)
         jobs: list[Callable[[], None]] = [lambda i=i: self.improve(Random(f"{seed} {i}"), None) for i in range(improvers)]  # type: ignore[misc]
         if tasks < LARGE:
-            return [*jobs, lambda: self.prove(workers - improvers, seed)]
+            return [*jobs, lambda: self.prove(workers - improvers, seed), self.refute]
         return [*jobs, lambda: (self.relax(seed), self.improve(Random(f"{seed} -"), None))]  # type: ignore[list-item, return-value]
 
     def _alone(self) -> list[Callable[[], None]]:
@@ -220,11 +225,33 @@ class Race:
                 return self._ruled_out() if cut is None else self.raise_bound(cut)
             if status == cp_model.OPTIMAL:
                 return self.raise_bound(round(solver.objective_value))
-            watcher.on_bound(solver.best_objective_bound)
             if not watcher.outdated or work is not None:
                 return None
             patience *= 2
         return None
+
+    def refute(self) -> None:
+        """State-space search for anything quicker than the incumbent; where operators have little choice it proves in a second what CP-SAT cannot."""
+        if self.goal.stress or len(self.instance.tasks) > REFUTABLE or not self._await_incumbent():
+            return
+        spent = thread_time() + REFUTE_S
+        while not self.over and thread_time() < spent:
+            upper = (self.value or 0) // self.goal.time
+            seen = self.value
+            proof = prove_makespan(
+                self.instance, upper, REFUTE_S * 4, most_units=self.goal.max_stress, stop=lambda: self.over or self.value != seen or thread_time() > spent
+            )
+            self.raise_bound(proof.bound * self.goal.time)
+            if proof.starts is not None and not self._take(proof.starts):
+                return
+
+    def _take(self, starts: Sequence[tuple[int, int]]) -> bool:
+        """Takes a schedule that knows precedence and operators only, if it can be made to keep the other rules too."""
+        if self.instance.same_operator or any(limit is not None for limit in self.instance.stress_limit):
+            return False
+        order = sorted(range(len(starts)), key=lambda task: (starts[task][1], task))
+        sound = append(self.layout, order, [way for way, _ in starts])
+        return sound is not None and keeps_deadlines(self.instance, sound) and self.found(sound)
 
     def improve(self, random: Random, patience: int | None) -> None:
         """Takes out stretches and plans them anew, larger ones when that is quick; ends after `patience` failures in a row."""
@@ -310,7 +337,12 @@ class Race:
         with self.lock:
             self.running.append(solver)
         try:
-            return cp_model.UNKNOWN if self.stopped else int(solver.solve(plan.model, watcher))  # type: ignore[arg-type]
+            if self.stopped:
+                return int(cp_model.UNKNOWN)
+            status = int(solver.solve(plan.model, watcher))
+            if status in (cp_model.UNKNOWN, cp_model.FEASIBLE) and watcher is not None:
+                watcher.on_bound(solver.best_objective_bound)
+            return status
         finally:
             with self.lock:
                 self.running.remove(solver)

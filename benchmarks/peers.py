@@ -1,0 +1,125 @@
+"""The peers that Tandem is held against, given the same cell, the same cores and the same seconds: a plain CP-SAT model, and PyJobShop.
+
+Both minimize the makespan. They model what the benchmark cells need: precedence, eligibility, own times, joint tasks, `same_operator`.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+from ortools.sat.python import cp_model
+
+from tandem.cell.model import Cell
+from tandem.plan.instance import Instance
+from tandem.plan.methods import plan
+from tandem.plan.question import Progress
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a solver had: `makespan` in seconds (None: nothing), a bound, whether it was proven, the wall time, and (second, makespan) along the way."""
+
+    makespan: float | None
+    bound: float | None
+    proven: bool
+    wall_s: float
+    course: tuple[tuple[float, float], ...] = ()
+
+    def after(self, seconds: float) -> float | None:
+        """The makespan that it had after so many seconds."""
+        return min((value for moment, value in self.course if moment <= seconds), default=None)
+
+
+def tandem_exact(cell: Cell, seconds: float, workers: int, seed: int = 0) -> Run:
+    """Tandem's `exact` method asked for the least makespan."""
+    course: list[tuple[float, float]] = []
+
+    def note(progress: Progress) -> None:
+        course.append((progress.wall_s, min(result.makespan for result in progress.found)))
+
+    front = plan(cell, minimize="makespan", time_limit=seconds, workers=workers, seed=seed, on_solution=note)
+    best = front[0]
+    return Run(best.makespan, best.bound.makespan, best.bound.makespan >= best.makespan, front.wall_s, (*course, (front.wall_s, best.makespan)))
+
+
+class _Course(cp_model.CpSolverSolutionCallback):
+    def __init__(self, began: float, per_second: int) -> None:
+        super().__init__()
+        self.began, self.per_second, self.course = began, per_second, []
+
+    def on_solution_callback(self) -> None:
+        self.course.append((time.monotonic() - self.began, self.objective_value / self.per_second))
+
+
+def plain_cpsat(cell: Cell, seconds: float, workers: int, seed: int = 0) -> Run:
+    """The model of the textbook: an optional interval per alternative, no overlap per operator, precedence, and nothing else."""
+    began = time.monotonic()
+    instance = Instance.of(cell)
+    model = cp_model.CpModel()
+    horizon = instance.horizon
+    starts, ends, chosen, lanes = [], [], [], [[] for _ in instance.operators]
+    for ways in instance.ways:
+        start, end = model.new_int_var(0, horizon, ""), model.new_int_var(0, horizon, "")
+        literals = []
+        for way in ways:
+            literal = model.new_bool_var("")
+            interval = model.new_optional_interval_var(start, way.ticks, end, literal, "")
+            literals.append(literal)
+            for operator in way.operators:
+                lanes[operator].append(interval)
+        model.add_exactly_one(literals)
+        starts.append(start)
+        ends.append(end)
+        chosen.append(literals)
+    for lane in lanes:
+        model.add_no_overlap(lane)
+    for task, firsts in enumerate(instance.before):
+        for first in firsts:
+            model.add(starts[task] >= ends[first])
+    for one, two in instance.same_operator:
+        for group in {way.operators for task in (one, two) for way in instance.ways[task]}:
+            sides = [sum(x for x, way in zip(chosen[task], instance.ways[task], strict=True) if way.operators == group) for task in (one, two)]
+            model.add(sides[0] == sides[1])
+    makespan = model.new_int_var(0, horizon, "")
+    model.add_max_equality(makespan, ends)
+    model.minimize(makespan)
+    solver = cp_model.CpSolver()
+    solver.parameters.max_time_in_seconds = max(0.1, seconds - (time.monotonic() - began))
+    solver.parameters.num_workers = workers
+    solver.parameters.random_seed = seed
+    watch = _Course(began, instance.per_second)
+    status = solver.solve(model, watch)
+    found = status in (cp_model.OPTIMAL, cp_model.FEASIBLE)
+    value = solver.objective_value / instance.per_second if found else None
+    return Run(value, solver.best_objective_bound / instance.per_second, status == cp_model.OPTIMAL, time.monotonic() - began, tuple(watch.course))
+
+
+def pyjobshop(cell: Cell, seconds: float, workers: int, seed: int = 0) -> Run:
+    """PyJobShop on the same OR-Tools. It tells nothing along the way, so `course` holds its end alone."""
+    from pyjobshop import Model
+
+    began = time.monotonic()
+    instance = Instance.of(cell)
+    model = Model()
+    machines = [model.add_machine() for _ in instance.operators]
+    tasks = [model.add_task() for _ in instance.tasks]
+    for task, ways in zip(tasks, instance.ways, strict=True):
+        for way in ways:
+            model.add_mode(task, [machines[operator] for operator in way.operators], way.ticks)
+    for task, firsts in enumerate(instance.before):
+        for first in firsts:
+            model.add_end_before_start(tasks[first], tasks[task])
+    for one, two in instance.same_operator:
+        model.add_identical_resources(tasks[one], tasks[two])
+    left = max(0.1, seconds - (time.monotonic() - began))
+    result = model.solve(time_limit=left, display=False, num_workers=workers, random_seed=seed)
+    wall = time.monotonic() - began
+    if not result.best.tasks:
+        return Run(None, None, False, wall)
+    value = max(task.end for task in result.best.tasks) / instance.per_second
+    return Run(value, result.lower_bound / instance.per_second, result.status.value == "Optimal", wall, ((wall, value),))
+
+
+PEERS = {"tandem": tandem_exact, "cp-sat": plain_cpsat, "pyjobshop": pyjobshop}
+"""Name -> solver. A further peer is a function and a line here."""
