@@ -14,11 +14,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from heapq import heappop, heappush, heapreplace
-from operator import gt
+from operator import gt, mul
 from time import perf_counter
 from typing import NamedTuple
 
-from tandem.plan.bounds import least_makespan
+from tandem.plan.bounds import least_makespan, load_prices
 from tandem.plan.decode import Layout
 from tandem.plan.instance import Instance
 
@@ -110,6 +110,7 @@ class Ground:
       needs: per task, bits of its predecessors, and of the twin before it: of tasks that nothing tells apart the first goes first.
       quickest: ticks; `behind`: of the chain behind the task; `latest_start`: so that deadlines and `most` are kept.
       easiest: units.
+      prices: per operator, whole numbers, so that the tasks' cheapest work at these prices bounds the makespan best; `work`: that of each task.
       own: per operator, tasks that all ways need them for. `can`: tasks that some way needs them for.
     """
 
@@ -127,6 +128,8 @@ class Ground:
     behind: list[int]
     latest_start: list[int]
     easiest: list[int]
+    prices: list[int]
+    work: list[int]
     own: list[list[int]]
     can: list[list[int]]
 
@@ -146,6 +149,7 @@ class Ground:
             deadline = instance.deadline[task]
             end = min([most if deadline is None else min(deadline, most), *(latest[after] for after in instance.behind[task])])
             latest[task] = end - quickest[task]
+        prices = [round(1024 * price) for price in load_prices(layout)[1]]
         groups = [tuple(sorted({move.operators for move in row})) for row in moves]
         kinds = sorted(set(groups))
         return cls(
@@ -163,6 +167,8 @@ class Ground:
             behind=[tail - least for tail, least in zip(layout.tail, quickest, strict=True)],
             latest_start=latest,
             easiest=easiest,
+            prices=prices,
+            work=[min((move.ticks * sum(prices[o] for o in move.operators) for move in row), default=0) for row in moves],
             own=[[task for task in tasks if moves[task] and all(o in move.operators for move in moves[task])] for o in operators],
             can=[[task for task in tasks if any(o in move.operators for move in moves[task])] for o in operators],
         )
@@ -205,12 +211,13 @@ class Ground:
 
 class _Rest(NamedTuple):
     """Of one set of appended tasks: the other tasks in order, per operator those that only they and that they can do, the tasks waited for,
-    and the least stress to come."""
+    and of what is to come the cheapest work and the least stress."""
 
     tasks: tuple[int, ...]
     own: list[list[int]]
     can: list[list[int]]
     waited_for: list[tuple[int, list[int]]]
+    work: int
     units: int
 
 
@@ -219,6 +226,7 @@ class _Growth:
 
     def __init__(self, ground: Ground, width: int | None, is_over: Callable[[], bool]) -> None:
         self.ground, self.width, self.is_over = ground, width, is_over
+        self.total_price = sum(ground.prices)
         self.full = (1 << len(ground.moves)) - 1
         self.nodes = 0
         self.cut_short = False
@@ -258,11 +266,14 @@ class _Growth:
         if head is None:
             return 0
         numbers = self._numbers(node, rest, head)
+        work = rest.work + sum(map(mul, self.ground.prices, numbers))
+        if work > self.ground.most * self.total_price:
+            return 0
         row = kept.setdefault(node.mask, [])
         for item in row:
             if not any(map(gt, item[0], numbers)):
                 return 0
-        bound = max(node.free)
+        bound = max(*node.free, -(-work // self.total_price))
         for operator, tasks in enumerate(rest.own):
             if tasks:
                 free, quickest, behind = node.free[operator], self.ground.quickest, self.ground.behind
@@ -326,6 +337,7 @@ class _Growth:
                 [[task for task in own if not mask >> task & 1] for own in ground.own],
                 [[task for task in can if not mask >> task & 1] for can in ground.can],
                 waited_for,
+                sum(ground.work[task] for task in tasks),
                 sum(ground.easiest[task] for task in tasks),
             )
         return known
