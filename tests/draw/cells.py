@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from decimal import Decimal
+from functools import cache
 
 from tandem.cell.model import Cell, Mode
 from tandem.plan.result import Bound, Front, Result, Status
@@ -231,9 +232,11 @@ def front_by_rule(cell: Cell, dislikes: list[float], *, proven: bool = True, sla
     return front_of(cell, [found[point] for point in kept], proven=proven, slack=slack)
 
 
+@cache
 def gearbox_front() -> Front:
     return front_by_rule(gearbox(), [0, 0.2, 0.5, 1, 2, 4])
 
 
+@cache
 def layered_front() -> Front:
-    return front_by_rule(layered(120), [x / 4 for x in range(16)], proven=False, slack=0.1)
+    return front_by_rule(layered(120), [x / 5 for x in range(30)], proven=False, slack=0.1)

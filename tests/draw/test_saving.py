@@ -33,7 +33,7 @@ def test_the_same_picture_gives_the_same_bytes(tmp_path: Path, name: str, ending
 
 def test_a_png_is_not_blank_and_has_the_operators_colours(tmp_path: Path) -> None:
     image = Image.open(save(plot_gantt(thesis(), thesis_schedules()[0]), tmp_path / "a.png")).convert("RGB")
-    found = {"#%02X%02X%02X" % colour for count, colour in image.getcolors(10**6) if count > 500}  # noqa: UP031
+    found = {"#{:02X}{:02X}{:02X}".format(*colour) for count, colour in image.getcolors(10**6) if count > 500}
     assert {look.tint for look in looks(thesis()).values()} <= found
 
 

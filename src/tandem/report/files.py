@@ -101,7 +101,8 @@ def _rows(front: Front) -> Iterator[list[str]]:
 
 
 def _harmless(name: str) -> str:
-    return "'" + name if name[:1] in "=+@\t\r" or (name[:1] == "-" and not name[1:2].isdigit()) else name
+    risky = name[:1] in "=+@\t\r" or (name[:1] == "-" and not name[1:].replace(".", "", 1).isdecimal())
+    return "'" + name if risky else name
 
 
 def _write_json(front: Front, path: str | os.PathLike[str]) -> None:

@@ -1,0 +1,163 @@
+"""The report in a real browser: it opens without a network, a click shows a plan, paper shows everything."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tests.draw.cells import desk, front_by_rule, gearbox_front, layered_front, thesis, thesis_front
+
+from tandem.draw.style import looks
+from tandem.plan.result import Front
+from tandem.report.html import write_html
+
+pytestmark = pytest.mark.browser
+
+FRONTS: dict[str, Callable[[], Front]] = {
+    "thesis": thesis_front,
+    "gearbox": gearbox_front,
+    "desk": lambda: front_by_rule(desk(), [0, 1, 3], proven=False, slack=0.1),
+    "120 tasks": layered_front,
+}
+PAPER = (1032, 710)
+"""A4 landscape within its margins, in CSS pixels."""
+
+
+@pytest.fixture
+def opened(browser: Any, tmp_path: Path) -> Iterator[Callable[..., Any]]:
+    """Opens the report of a front; at the end nothing may have failed and nothing may have been fetched from outside the file."""
+    requests: list[str] = []
+    errors: list[str] = []
+    context = browser.new_context(offline=True)
+
+    def load(front: Front, *, width: int = 1400, scripts: bool = True) -> Any:
+        nonlocal context
+        if not scripts:
+            context = browser.new_context(java_script_enabled=False)
+        page = context.new_page()
+        page.set_viewport_size({"width": width, "height": 900})
+        page.on("request", lambda request: requests.append(request.url))
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        page.on("console", lambda message: errors.append(message.text))
+        page.goto(write_html(front, tmp_path / "report.html", command="tandem plan cell.yaml").as_uri())
+        return page
+
+    yield load
+    context.close()
+    assert errors == []
+    assert [url for url in requests if not url.startswith(("file://", "data:"))] == []
+    assert requests
+
+
+def visible_plans(page: Any) -> list[str]:
+    return [plan.get_attribute("id") for plan in page.locator(".plan").all() if plan.is_visible()]
+
+
+def test_the_recommended_plan_is_open_at_first_and_a_click_opens_another(opened: Callable[..., Any]) -> None:
+    page = opened(thesis_front())
+    assert visible_plans(page) == ["plan-2"]
+    page.locator("svg a.point .target").nth(2).click()
+    page.wait_for_function("!document.getElementById('plan-3').hidden")
+    assert visible_plans(page) == ["plan-3"]
+    assert page.locator("svg a.point[aria-current]").get_attribute("data-plan") == "3"
+    page.locator("tr[data-plan='1'] td").first.click()
+    page.wait_for_function("!document.getElementById('plan-1').hidden")
+    assert visible_plans(page) == ["plan-1"]
+    page.go_back()
+    page.wait_for_function("!document.getElementById('plan-3').hidden")
+    page.get_by_role("button", name="Show all plans").click()
+    assert visible_plans(page) == ["plan-1", "plan-2", "plan-3"]
+
+
+def test_the_keyboard_reaches_every_point(opened: Callable[..., Any]) -> None:
+    page = opened(thesis_front())
+    page.locator("svg a.point").first.focus()
+    page.keyboard.press("Enter")
+    page.wait_for_function("!document.getElementById('plan-1').hidden")
+    assert visible_plans(page) == ["plan-1"]
+
+
+def test_without_scripts_every_plan_is_shown(opened: Callable[..., Any]) -> None:
+    page = opened(thesis_front(), scripts=False)
+    assert visible_plans(page) == ["plan-1", "plan-2", "plan-3"]
+    assert not page.locator("#all").is_visible()
+
+
+@pytest.mark.parametrize("width", [1400, 800, 390])
+@pytest.mark.parametrize("name", FRONTS)
+def test_the_page_is_never_wider_than_the_window(opened: Callable[..., Any], name: str, width: int) -> None:
+    page = opened(FRONTS[name](), width=width)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+@pytest.mark.parametrize("name", FRONTS)
+def test_text_is_at_least_16_pixels_and_no_label_leaves_its_bar(opened: Callable[..., Any], name: str) -> None:
+    page = opened(FRONTS[name]())
+    sizes = page.evaluate(
+        """[...document.querySelectorAll("p, td, th, li, dd, text, button, a")].filter(e => e.textContent.trim() && e.getClientRects().length)
+             .map(e => parseFloat(getComputedStyle(e).fontSize) * (e.ownerSVGElement ? Math.hypot(e.getScreenCTM().a, e.getScreenCTM().b) : 1))"""
+    )
+    assert min(sizes) >= 15.99
+    outside = page.evaluate(
+        """[...document.querySelectorAll(".gantt g.task")].filter(e => e.getClientRects().length).flatMap(g => {
+             const bar = g.querySelector("rect").getBoundingClientRect();
+             return [...g.querySelectorAll("text")].filter(t => {
+               const box = t.getBoundingClientRect(); return box.left < bar.left - 1 || box.right > bar.right + 1;
+             }).map(t => t.textContent);
+           })"""
+    )
+    assert outside == []
+
+
+def test_the_page_looks_like_something(opened: Callable[..., Any], tmp_path: Path) -> None:
+    """The picture has the operators' colours in it and changes when another plan is chosen."""
+    from PIL import Image
+
+    page = opened(thesis_front())
+    first = page.screenshot(path=tmp_path / "a.png", full_page=True)
+    image = Image.open(tmp_path / "a.png").convert("RGB")
+    colours = {"#{:02X}{:02X}{:02X}".format(*colour) for count, colour in image.getcolors(2**24) if count > 1500}
+    assert {look.tint for look in looks(thesis()).values()} <= colours
+    page.locator("svg a.point .target").first.click()
+    page.wait_for_function("!document.getElementById('plan-1').hidden")
+    assert page.screenshot(full_page=True) != first
+
+
+@pytest.mark.parametrize("name", FRONTS)
+def test_on_paper_no_chart_and_no_table_is_cut(opened: Callable[..., Any], name: str) -> None:
+    page = opened(FRONTS[name](), width=PAPER[0])
+    page.emulate_media(media="print")
+    boxes = page.evaluate(
+        """[...document.querySelectorAll("svg, table")].filter(e => e.getClientRects().length && !e.closest(".tiled > .chart")).map(e => {
+             const box = e.getBoundingClientRect(); return [e.tagName, e.getAttribute("class"), box.left, box.right, box.height];
+           })"""
+    )
+    assert len(boxes) > 5
+    assert [box for box in boxes if box[3] > PAPER[0] + 1 or box[2] < -1] == []
+    assert [box for box in boxes if box[0] == "svg" and box[4] > PAPER[1]] == []
+
+
+@pytest.mark.parametrize("name", ["thesis", "gearbox", "desk"])
+def test_the_printed_pages_are_a4_landscape_and_hold_every_plan(opened: Callable[..., Any], tmp_path: Path, name: str) -> None:
+    if not shutil.which("pdftotext"):
+        pytest.skip("no pdftotext: apt-get install poppler-utils")
+    front = FRONTS[name]()
+    page = opened(front)
+    page.pdf(path=tmp_path / "report.pdf", prefer_css_page_size=True, print_background=True)
+    subprocess.run(["pdftotext", "-bbox", tmp_path / "report.pdf", tmp_path / "words.html"], check=True)
+    found = (tmp_path / "words.html").read_text()
+    assert {(round(float(w)), round(float(h))) for w, h in re.findall(r'<page width="([\d.]+)" height="([\d.]+)"', found)} == {(842, 595)}
+    edges = [tuple(map(float, edge)) for edge in re.findall(r'<word xMin="([-\d.]+)" yMin="([-\d.]+)" xMax="([-\d.]+)" yMax="([-\d.]+)"', found)]
+    assert min(edge[0] for edge in edges) > 25
+    assert max(edge[2] for edge in edges) < 842 - 20
+    assert max(edge[3] for edge in edges) < 595 - 20
+    text = " ".join(re.findall(r">([^<]+)</word>", found))
+    for place in range(1, len(front) + 1):
+        assert f"Plan {place}:" in text
+    for task in front.cell.tasks:
+        assert task in text
