@@ -1,0 +1,187 @@
+"""`explain`: for each task why it stands where it stands and what every other way of doing it would cost; and why nothing is quicker."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from time import monotonic
+from typing import Any
+
+from tandem.cell.model import Cell, plain
+from tandem.cell.names import Known
+from tandem.errors import UsageError
+from tandem.explain.alternatives import EVERYTHING, Alternative, alternative, sentence
+from tandem.explain.floor import Floor, floor, listed
+from tandem.explain.variant import ways_not_taken
+from tandem.explain.waiting import Waiting, waiting
+from tandem.plan.methods import plan
+from tandem.plan.question import Question
+from tandem.plan.result import Front, Result
+from tandem.schedule.model import Assignment
+
+SHARE_FOR_FRONT = 0.35
+SHARE_FOR_FLOOR = 0.25
+"""Of the time limit; the rest is for the alternatives."""
+QUESTIONS_EACH = 3
+
+
+@dataclass(frozen=True)
+class TaskAnswer:
+    """One task in the chosen schedule.
+
+    Attributes:
+      waiting: what it waits for, and how far it could slip.
+      alternatives: every way of doing it that the schedule does not take.
+    """
+
+    cell: Cell
+    assignment: Assignment
+    waiting: Waiting
+    alternatives: tuple[Alternative, ...]
+
+    def sentences(self) -> list[str]:
+        """Who and when, why then, and each alternative."""
+        a = self.assignment
+        label = self.cell.tasks[a.task].label
+        head = f"task {a.task}{f' ({label})' if label else ''}: {' + '.join(a.operators)}, {a.start:g} to {a.end:g} s; {self.waiting}"
+        others = [f"  instead {sentence(self.cell, other)}" for other in self.alternatives]
+        return [head, *(others or ["  nobody else can do it"])]
+
+    def to_dict(self) -> dict[str, Any]:
+        a = self.assignment
+        place = {"task": a.task, "operators": list(a.operators), "start": plain(a.start), "end": plain(a.end)}
+        return {**place, **self.waiting.to_dict(), "alternatives": [other.to_dict() for other in self.alternatives], "sentences": self.sentences()}
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Answers about one point of a front.
+
+    Attributes:
+      point: its number, counted from 1 in order of makespan.
+      floor: None when one task was asked for.
+    """
+
+    front: Front
+    point: int
+    tasks: tuple[TaskAnswer, ...]
+    floor: Floor | None
+    wall_s: float
+
+    @property
+    def result(self) -> Result:
+        return self.front[self.point - 1]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The document of `tandem explain --json`."""
+        return {
+            "schema_version": 1,
+            "cell": self.front.cell.name,
+            "cell_digest": self.front.cell.digest,
+            "point": self.point,
+            "makespan": plain(self.result.makespan),
+            "stress": plain(self.result.stress),
+            "status": str(self.result.status),
+            "complete": self.front.complete,
+            "front": [[plain(time), plain(load)] for time, load in self.front.points],
+            "floor": self.floor.to_dict() if self.floor else None,
+            "tasks": [answer.to_dict() for answer in self.tasks],
+            "solver": self.front.solver,
+            "seed": self.front.seed,
+            "wall_s": round(self.wall_s, 3),
+        }
+
+
+def explain(
+    cell: Cell,
+    *,
+    task: str | None = None,
+    point: int | None = None,
+    time_limit: float = 20.0,
+    seed: int = 0,
+    workers: int | None = None,
+    on_answer: Callable[[Front | Floor | TaskAnswer], None] | None = None,
+) -> Explanation:
+    """Why the schedule of one point is as it is; every cost is that of a schedule found by planning anew, and says whether it is proven.
+
+    Args:
+      task: only this one; without the floor.
+      point: of the front, counted from 1 in order of makespan; the recommended compromise when not given.
+      time_limit: seconds for everything. Costs that are not proven by then come with their bounds, or as not known.
+      workers: threads that plan at the same time; one a core when not given.
+      on_answer: called with the front, the floor and each task's answer as soon as it stands.
+
+    Raises:
+      UsageError: there is no such task or point.
+      InfeasibleError: the cell has no schedule.
+      NothingFoundError: none was found in the time.
+    """
+    began = monotonic()
+    if task is not None and task not in cell.tasks:
+        raise UsageError(f"there is no task {task!r}. {Known(cell.tasks).hint(task)}")
+    threads = workers or os.cpu_count() or 1
+    front = plan(cell, Question(), time_limit=max(time_limit * SHARE_FOR_FRONT, 0.2), seed=seed, workers=workers)
+    place = chosen_point(front, point)
+    tell = on_answer or (lambda answer: None)
+    tell(front)
+    held = None
+    if task is None:
+        cap = front[place - 1].stress if point is not None and place > 1 else None
+        quickest = front[place - 1] if cap is not None else front[0]
+        held = floor(cell, quickest, max_stress=cap, time_limit=max(time_limit * SHARE_FOR_FLOOR, 0.2), seed=seed, workers=threads)
+        tell(held)
+    until = began + time_limit
+    answers = []
+    for answer in _answers(front[place - 1], [task] if task is not None else None, until, seed, threads):
+        tell(answer)
+        answers.append(answer)
+    return Explanation(front, place, tuple(answers), held, monotonic() - began)
+
+
+def chosen_point(front: Front, point: int | None) -> int:
+    """The number of the point, counted from 1; that of the knee when none is given.
+
+    Raises:
+      UsageError: the front has no such point.
+    """
+    if point is None:
+        return front.results.index(front.knee) + 1
+    if not 1 <= point <= len(front):
+        raise UsageError(f"point {point}: the front has {len(front)} point{'s' * (len(front) != 1)}, counted from 1 in order of makespan.")
+    return point
+
+
+def _answers(result: Result, only: list[str] | None, until: float, seed: int, threads: int) -> Iterator[TaskAnswer]:
+    """In order of start; the alternatives of later tasks are planned while earlier answers are given."""
+    cell = result.cell
+    why = waiting(cell, result.schedule)
+    rows = [a for a in result.schedule if only is None or a.task in only]
+    questions = [(a.task, mode) for a in rows for mode in ways_not_taken(cell, a.task, a.operators)]
+    pool = ThreadPoolExecutor(max_workers=min(threads, max(len(questions), 1)))
+    left = len(questions)
+
+    def find(name: str, mode: Any) -> Alternative:
+        nonlocal left
+        if monotonic() > until:
+            return Alternative(name, mode.operators, mode.time, open=EVERYTHING)
+        share = max(until - monotonic(), 0.2) * pool._max_workers / max(left, 1) / QUESTIONS_EACH
+        left -= 1
+        return alternative(cell, result, name, mode, time_limit=max(share, 0.1), seed=seed)
+
+    found: dict[str, list[Future[Alternative]]] = {a.task: [] for a in rows}
+    try:
+        for name, mode in questions:
+            found[name].append(pool.submit(find, name, mode))
+        for a in rows:
+            yield TaskAnswer(cell, a, why[a.task], tuple(future.result() for future in found[a.task]))
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def heading(front: Front, place: int) -> str:
+    """One sentence about the point that is explained."""
+    result = front[place - 1]
+    who = "; ".join(f"{name} does {listed([a.task for a in rows], '')}" for name in front.cell.operators if (rows := result.schedule.of(name)))
+    return f"point {place} of {len(front)}: makespan {result.makespan:g} s, stress {result.stress:g} ({result.status}). {who}."

@@ -1,0 +1,190 @@
+"""What if: a cell with some values set, operators left out, and tasks forced to be done one way."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from tandem.cell.model import Cell, Mode, plain
+from tandem.cell.names import Known
+from tandem.cell.reading import cell_of
+from tandem.errors import UsageError
+from tandem.schedule.measures import exact
+
+
+def variant(cell: Cell, sets: Iterable[str] = (), without: Iterable[str] = (), force: Iterable[str] = ()) -> Cell:
+    """The cell as it would be.
+
+    Args:
+      sets: `PATH=VALUE` with the keys of a cell file joined by dots, such as "tasks.6.time.robot=8". A value of "none" takes the key
+        out, "-10%" and "+10%" change the number that stands there. A key with dots is written in double quotes, or as it is when it exists.
+      without: operators that are not there.
+      force: `TASK=OPERATOR`, or `TASK=OPERATOR+OPERATOR` for a joint way: the task is done so and not otherwise.
+
+    Raises:
+      UsageError: what was asked for cannot be done to this cell; with everything that is wrong.
+      CellError: the variant is not a sound cell.
+    """
+    data = cell.to_dict()
+    wrong: list[str] = []
+    for text in sets:
+        wrong += _set(data, text)
+    for name in without:
+        if name not in data["operators"]:
+            wrong.append(f"--without {name}: there is no such operator. {Known(data['operators']).hint(name)}")
+        else:
+            _leave_out(data, name)
+    if wrong:
+        raise UsageError("\n".join(wrong))
+    changed = cell_of(data)
+    choices: dict[str, Mode] = {}
+    for text in force:
+        task, mode, complaint = _forced(changed, text)
+        if complaint:
+            wrong.append(complaint)
+        elif mode is not None:
+            choices[task] = mode
+    if wrong:
+        raise UsageError("\n".join(wrong))
+    return force_modes(changed, choices)
+
+
+def force_modes(cell: Cell, choices: Mapping[str, Mode]) -> Cell:
+    """The cell in which each of these tasks has one way of being done, and no other."""
+    tasks = dict(cell.tasks)
+    for name, mode in choices.items():
+        task = tasks[name]
+        if len(mode.operators) == 1:
+            who = mode.operators[0]
+            tasks[name] = task.model_copy(update={"time": type(task.time)({who: task.time[who]}), "together": ()})
+        else:
+            joint = tuple(way for way in task.together if set(way.operators) == set(mode.operators))
+            tasks[name] = task.model_copy(update={"time": type(task.time)({}), "together": joint})
+    return cell.replace(tasks=tasks) if choices else cell
+
+
+# --- set ----------------------------------------------------------------------------------------------------------------------
+
+
+def _set(data: dict[str, Any], text: str) -> list[str]:
+    path, equals, value = text.partition("=")
+    if not equals or not path.strip() or not value.strip():
+        return [f"--set {text}: write PATH=VALUE, such as tasks.6.time.robot=8."]
+    parent, key, complaint = _walk(data, _pieces(path.strip()))
+    if complaint:
+        return [f"--set {text}: {complaint}"]
+    old = parent[key] if isinstance(parent, list) else parent.get(key)
+    new, complaint = _value(value.strip(), old)
+    if complaint:
+        return [f"--set {text}: {complaint}"]
+    if new is None and isinstance(parent, list):
+        del parent[key]
+    elif new is None:
+        parent.pop(key, None)
+    else:
+        parent[key] = new
+    return []
+
+
+def _pieces(path: str) -> list[str]:
+    return [quoted or plain_key for quoted, plain_key in re.findall(r'"([^"]*)"|([^.]+)', path)]
+
+
+def _walk(data: Any, pieces: list[str]) -> tuple[Any, Any, str]:
+    """The table that holds the last key, the key, and what is wrong; a key with dots is found when it exists."""
+    at, way = data, ""
+    while True:
+        if isinstance(at, list):
+            if not pieces[0].isdecimal() or int(pieces[0]) >= len(at):
+                return None, None, f"{way} has {len(at)} entries, counted from 0; {pieces[0]!r} is none of them."
+            key: Any = int(pieces[0])
+            taken = 1
+        elif isinstance(at, Mapping):
+            joined = [".".join(pieces[:count]) for count in range(len(pieces), 0, -1)]
+            found = next((name for name in joined if name in at), None)
+            key = found if found is not None else pieces[0]
+            taken = joined[::-1].index(found) + 1 if found is not None else 1
+        else:
+            return None, None, f"{way} is {at!r} and has no {pieces[0]!r}."
+        way = f"{way}.{key}" if way else str(key)
+        pieces = pieces[taken:]
+        if not pieces:
+            return at, key, ""
+        if isinstance(at, Mapping) and key not in at:
+            if way.split(".")[0] in ("tasks", "operators") and way.count(".") == 1:
+                kind = way.split(".")[0][:-1]
+                return None, None, f"there is no {kind} {key!r}. {Known(at).hint(str(key))}"
+            at[key] = {}  # type: ignore[index]
+        at = at[key]
+
+
+def _value(text: str, old: Any) -> tuple[Any, str]:
+    """The value that a text means; None for taking the key out."""
+    if text.lower() in ("none", "null"):
+        return None, ""
+    if found := re.fullmatch(r"([-+−]\d+(?:\.\d+)?)\s*%", text):
+        if not isinstance(old, int | float) or isinstance(old, bool):
+            return None, f"{text} changes a number, but {'nothing' if old is None else repr(old)} stands there."
+        share = exact(float(found[1].replace("−", "-"))) / 100 + 1
+        return plain(float(round(exact(float(old)) * share, 6))), ""
+    if re.fullmatch(r"[-+]?\d+", text):
+        return int(text), ""
+    if re.fullmatch(r"[-+]?(\d+\.\d*|\.\d+)", text):
+        return float(text), ""
+    if text.startswith("[") and text.endswith("]"):
+        items = [_value(part.strip(), None)[0] for part in text[1:-1].split(",") if part.strip()]
+        return items, ""
+    return text.strip('"'), ""
+
+
+# --- without ------------------------------------------------------------------------------------------------------------------
+
+
+def _leave_out(data: dict[str, Any], name: str) -> None:
+    """Takes the operator out of everything that names it."""
+    del data["operators"][name]
+    for task in data["tasks"].values():
+        task["together"] = [way for way in task.get("together", ()) if name not in map(str, way["operators"])]
+        for holder in (task, *task["together"]):
+            for key in ("time", "stress", "difficulty", "spread"):
+                if isinstance(holder.get(key), dict):
+                    holder[key].pop(name, None)
+                    if not holder[key]:
+                        del holder[key]
+        if not task["together"]:
+            del task["together"]
+    for tool in data.get("tools", {}).values():
+        if isinstance(tool.get("changeover"), dict):
+            tool["changeover"].pop(name, None)
+
+
+# --- force --------------------------------------------------------------------------------------------------------------------
+
+
+def _forced(cell: Cell, text: str) -> tuple[str, Mode | None, str]:
+    task, equals, who = text.rpartition("=")
+    task = task.strip()
+    if not equals or not task or not who.strip():
+        return task, None, f"--force {text}: write TASK=OPERATOR, such as 5=human, or 5=human+robot for a joint way."
+    if task not in cell.tasks:
+        return task, None, f"--force {text}: there is no task {task!r}. {Known(cell.tasks).hint(task)}"
+    names = [who.strip()] if who.strip() in cell.operators else [name.strip() for name in who.split("+")]
+    unknown = [name for name in names if name not in cell.operators]
+    if unknown:
+        return task, None, f"--force {text}: there is no operator {unknown[0]!r}. {Known(cell.operators).hint(unknown[0])}"
+    mode = next((mode for mode in cell.modes(task) if set(mode.operators) == set(names)), None)
+    if mode is None:
+        ways = ", ".join(spelled(way) for way in cell.modes(task))
+        return task, None, f"--force {text}: {'+'.join(names)} cannot do task {task!r}. It can be done by {ways}."
+    return task, mode, ""
+
+
+def spelled(mode: Mode) -> str:
+    """Who takes part, as `--force` and sentences write it: "human", "human + robot"."""
+    return " + ".join(mode.operators)
+
+
+def ways_not_taken(cell: Cell, task: str, operators: tuple[str, ...]) -> Iterator[Mode]:
+    """Every other way of doing the task than by these operators."""
+    return (mode for mode in cell.modes(task) if set(mode.operators) != set(operators))
