@@ -105,9 +105,9 @@ def test_when_time_is_up_the_bounds_hold():
     cell = layered(10, seed=3)
     whole = solve(cell)
     assert whole.complete
-    for limit in (1e-9, 0.05):
+    for limit in (1e-9, 0.05, 0.2):
         part = solve(cell, time_limit=limit)
-        assert not part.complete
+        assert not part.complete or part.points == whole.points
         for result in part:
             assert result.bound.makespan <= min(time for time, stress in whole.points if stress <= result.stress)
             assert result.bound.stress <= min(stress for time, stress in whole.points if time <= result.makespan)
@@ -121,18 +121,24 @@ def test_when_time_is_up_without_an_answer_it_is_left_open():
         solve(cell, Question(max_makespan=5 + sum(min(task.time.values()) for task in cell.tasks.values()) / 2, max_stress=least), time_limit=1e-9)
 
 
-def test_it_can_be_stopped_and_gives_what_it_has():
-    seen: list[Progress] = []
+@pytest.mark.parametrize("stop_at", [1, 2, 5])
+def test_it_can_be_stopped_and_gives_what_it_has(stop_at):
+    """What is given when it is stopped claims no more than the whole front shows."""
+    cell, seen = layered(9, seed=1), []
 
     def stop(progress: Progress) -> None:
         seen.append(progress)
-        if len(seen) == 2:
+        if len(seen) == stop_at:
             raise KeyboardInterrupt
 
-    front = solve(layered(9, seed=1), on_solution=stop)
+    front, whole = solve(cell, on_solution=stop), solve(cell)
     assert front.interrupted
     assert not front.complete
     assert front.results
+    for result in (*front, *(result for progress in seen for result in progress.found)):
+        assert result.bound.makespan <= min(time for time, stress in whole.points if stress <= result.stress)
+        assert result.bound.stress <= min(stress for time, stress in whole.points if time <= result.makespan)
+        assert result.status == Status.FEASIBLE or (result.makespan, result.stress) in whole.points
 
 
 def test_progress_only_gets_better():

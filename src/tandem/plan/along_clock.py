@@ -130,6 +130,11 @@ class Moves:
             self._candidates[mask] = known
         return known
 
+    def forget(self) -> None:
+        """Lets go of what was remembered for the sets of tasks so far."""
+        self._candidates.clear()
+        self._waited_for.clear()
+
     def behind(self, task: int) -> int:
         """Ticks on the longest chain behind the task."""
         return self.layout.tail[task] - min(step.ticks for step in self.layout.steps[task])

@@ -108,10 +108,11 @@ class Search:
         self.best = Best(_rank(question, self.instance), {})
         self.most_ticks = _most(question.max_makespan, self.instance.per_second, self.instance.horizon)
         self.most_units = _most(question.max_stress, self.instance.per_stress, UNREACHABLE - 1)
-        self.open: list[list[Node]] = []
-        self.done = False
         self.limits = Limits(self.layout, self.most_ticks)
         self.moves = Moves(self.layout, self.limits.latest_end)
+        self.level = [self.moves.root()]
+        self.kept: dict[Key, list[tuple[tuple[int, ...], Node]]] = {}
+        self.done = False
 
     def begin(self, seed: int, hint: Schedule | None) -> None:
         """Takes the hint and a few dozen schedules by rules as a start, if they answer the question."""
@@ -125,26 +126,28 @@ class Search:
 
     def run(self) -> None:
         """Level by level, one task more each, until nothing is open or time is up."""
-        if self.layout.impossible() or least_stress(self.layout) is None:
-            self.done = True
-            return
-        level = [self.moves.root()]
-        for _ in self.moves.tasks:
-            kept: dict[Key, list[tuple[tuple[int, ...], Node]]] = {}
-            self.open = [level]
-            count = 0
-            while level:
-                if (self.until is not None and perf_counter() > self.until) or count > MOST_NODES:
-                    self.open = [level, [node for row in kept.values() for _, node in row]]
+        if not self.layout.impossible() and least_stress(self.layout) is not None:
+            for _ in self.moves.tasks:
+                if not self._grow():
                     return
-                for child in self.moves.children(level[-1], self.most_ticks):
-                    if child.mask == self.moves.full:
-                        self._finish(child)
-                    elif self._is_promising(child):
-                        count += self._keep(kept, child)
-                level.pop()
-            level = [node for row in kept.values() for _, node in row]
-        self.open, self.done = [], True
+                self.level, self.kept = [node for row in self.kept.values() for _, node in row], {}
+                self.moves.forget()
+                self.limits.forget()
+        self.level, self.done = [], True
+
+    def _grow(self) -> bool:
+        """Takes every node of the level one task further, into what is kept; false when time or room is up. A node leaves when it is done with."""
+        count = 0
+        while self.level:
+            if count > MOST_NODES or (self.until is not None and perf_counter() > self.until):
+                return False
+            for child in self.moves.children(self.level[-1], self.most_ticks):
+                if child.mask == self.moves.full:
+                    self._finish(child)
+                elif self._is_promising(child):
+                    count += self._keep(child)
+            self.level.pop()
+        return True
 
     def offer(self, schedule: Schedule) -> None:
         """Takes a schedule from outside when it is sound, within the limits and better than what is known."""
@@ -159,7 +162,9 @@ class Search:
         Raises:
           UnsoundScheduleError: a schedule breaks its cell; then this program is wrong.
         """
-        floors = [self.limits.of(node) for level in self.open for node in level]
+        return self._results([self.limits.of(node) for node in (*self.level, *(node for row in self.kept.values() for _, node in row))])
+
+    def _results(self, floors: list[tuple[int, int]]) -> tuple[Result, ...]:
         results = []
         for (ticks, units), schedule in sorted(self.best.found.items()):
             if wrong := faults(self.cell, schedule, max_makespan=self.question.max_makespan, max_stress=self.question.max_stress):
@@ -178,10 +183,10 @@ class Search:
         ticks, units = self.limits.of(node)
         return ticks <= self.most_ticks and units <= self.most_units and not self.best.beats(ticks, units)
 
-    def _keep(self, kept: dict[Key, list[tuple[tuple[int, ...], Node]]], node: Node) -> int:
+    def _keep(self, node: Node) -> int:
         """Merges the node into those of its key; gives by how many they have grown."""
         numbers = self.moves.numbers(node)
-        row = kept.setdefault(self.moves.key(node), [])
+        row = self.kept.setdefault(self.moves.key(node), [])
         for other, _ in row:
             if not any(map(gt, other, numbers)):
                 return 0
@@ -201,8 +206,9 @@ class Search:
             return
         self.best.take(ticks, units, schedule)
         if self.on_solution is not None:
-            bound = self.instance.seconds(min([self.limits.least_ticks, *(ticks for ticks, _ in self.best.found)]))
-            self.on_solution(Progress(self.results(), bound, self.wall_s()))
+            floor = self.limits.of(self.moves.root())
+            least = max(floor[0], self.limits.least_ticks)
+            self.on_solution(Progress(self._results([(least, floor[1])]), self.instance.seconds(least), self.wall_s()))
 
 
 class Limits:
@@ -234,6 +240,11 @@ class Limits:
             return ticks, node.stress + load
         least = self._least_listed(node.mask, node.humans)
         return ticks, UNREACHABLE if least is None else least
+
+    def forget(self) -> None:
+        """Lets go of what was remembered for the sets of tasks so far."""
+        self._of_mask.clear()
+        self._of_table.clear()
 
     def stress_of(self, node: Node) -> int | None:
         """The stress of a node in which every task is appended; None when its set of tasks with humans is not listed."""
