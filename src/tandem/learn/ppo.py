@@ -385,25 +385,37 @@ def _judged(
 def _learn(
     key: Array, learner: Learner, batch: Batch, advantage: Array, target: Array, stage: StageValues, config: Config
 ) -> tuple[Parameters, Any, dict[str, Array]]:
-    """`epochs` times over the rollout in minibatches of shuffled steps."""
-    size = batch.valid.shape[1]
-    portion = min(config.minibatch, size)
-    steps = jnp.sum(batch.valid[0])
-    portions = (steps + portion - 1) // portion if config.stop_at_end else size // portion
+    """`epochs` times over the rollout in minibatches of shuffled steps.
 
-    def minibatch(chosen: Array, carry: tuple[Parameters, Any, dict[str, Array]]) -> tuple[Parameters, Any, dict[str, Array]]:
+    A rollout that ended early is mostly empty. When its steps fit into a quarter or half of a minibatch, only so many rows are worked on;
+    empty rows weigh nothing, so this saves time and changes no result.
+    """
+    size = batch.valid.shape[1]
+    full = min(config.minibatch, size)
+    if not config.stop_at_end:
+        return _epochs(key, learner, batch, advantage, target, stage, config, full)
+    rows = sorted({max(full // 4, 1), max(full // 2, 1), full})
+    fits = jnp.sum(jnp.sum(batch.valid[0]) > jnp.asarray(rows[:-1]))
+    return jax.lax.switch(fits, [partial(_epochs, config=config, portion=number) for number in rows], key, learner, batch, advantage, target, stage)
+
+
+def _epochs(
+    key: Array, learner: Learner, batch: Batch, advantage: Array, target: Array, stage: StageValues, config: Config, portion: int
+) -> tuple[Parameters, Any, dict[str, Array]]:
+    size = batch.valid.shape[1]
+    portions = (jnp.sum(batch.valid[0]) + portion - 1) // portion if config.stop_at_end else size // portion
+    Carry = tuple[Parameters, Any, dict[str, Array]]
+
+    def minibatch(chosen: Array, carry: Carry) -> Carry:
         parameters, moments, sums = carry
         part, some, goal = jax.tree.map(lambda leaf: jnp.take(leaf, chosen, 1), (batch, advantage, target))
         gradient, parts = jax.grad(loss, has_aux=True)(parameters, part, some, goal, stage.entropy, config)
         parameters, moments = _descend(parameters, moments, gradient, stage.learning_rate, config)
         return parameters, moments, jax.tree.map(jnp.add, sums, parts)
 
-    def epoch(carry: tuple[Parameters, Any, dict[str, Array]], key: Array) -> tuple[tuple[Parameters, Any, dict[str, Array]], None]:
-        order = jnp.argsort(jax.random.uniform(key, (size,)) + ~batch.valid[0]) if config.stop_at_end else jax.random.permutation(key, size)
-
-        def one(place: Array, carry: tuple[Parameters, Any, dict[str, Array]]) -> tuple[Parameters, Any, dict[str, Array]]:
-            return minibatch(jax.lax.dynamic_slice(order, (place * portion,), (portion,)), carry)
-
+    def epoch(carry: Carry, key: Array) -> tuple[Carry, None]:
+        order = jnp.argsort(jax.random.uniform(key, (size,)) + ~batch.valid[0])  # empty rows come last
+        one = lambda place, carry: minibatch(jax.lax.dynamic_slice(order, (place * portion,), (portion,)), carry)  # noqa: E731
         return jax.lax.fori_loop(0, portions, one, carry), None
 
     none = {name: jnp.zeros(batch.valid.shape[0]) for name in ("policy", "value", "entropy", "clipped")}
@@ -428,11 +440,20 @@ def _networks(key: Array, world: World, config: Config, outputs: int, is_shared:
     inputs = world.observation_size + (len(world.agents) if is_shared else 0)
     sizes = (inputs, *config.hidden, outputs)
 
-    def one(key: Array) -> Network:
-        keys = iter(jax.random.split(key, len(sizes)))
-        return init(lambda shape: jax.random.uniform(next(keys), shape, minval=-1.0), sizes, last)
+    weights = sum(a * b for a, b in zip(sizes, sizes[1:], strict=False))
+    uniform = jax.random.uniform(key, (1 if is_shared else len(world.agents), weights), minval=-1.0)  # one draw: each compiles for a second
 
-    return one(key) if is_shared else jax.vmap(one)(jax.random.split(key, len(world.agents)))
+    def one(uniform: Array) -> Network:
+        taken = 0
+
+        def draw(shape: tuple[int, ...]) -> Array:
+            nonlocal taken
+            taken += shape[0] * shape[1]
+            return uniform[taken - shape[0] * shape[1] : taken].reshape(shape)
+
+        return init(draw, sizes, last)
+
+    return one(uniform[0]) if is_shared else jax.vmap(one)(uniform)
 
 
 def _forward(parameters: Parameters, name: str, observation: Array, config: Config) -> Array:

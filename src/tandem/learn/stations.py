@@ -7,11 +7,16 @@ from functools import partial
 from typing import Any, Literal, Self
 
 import jax
+import jax.numpy as jnp
 
+from tandem.cell.model import Cell
 from tandem.envs.thesis import decisions, observations
 from tandem.envs.thesis import world as ticks
+from tandem.envs.thesis.rewards import reward_set
+from tandem.envs.thesis.station import station, whole_ticks
 from tandem.envs.thesis.world import HUMAN, ROBOT, Rewards, State, Station
 from tandem.learn.config import StageValues
+from tandem.learn.recipes import Recipe
 from tandem.learn.world import Outcome
 
 Array = Any
@@ -52,6 +57,20 @@ class StationWorld:
     def observation_size(self) -> int:
         squares = self.tasks**2
         return 6 * self.tasks + 4 + squares if self.sees == "normalised" else 2 + 3 * self.tasks + squares
+
+    @classmethod
+    def of(cls, cell: Cell, recipe: Recipe, *, stress_factor: float = 0.0) -> Self:
+        """The cell as the recipe wants it; times that are no whole seconds of at least 2 are counted in smaller ticks.
+
+        The rewards are those of the thesis's later stages; what idling costs in a stage of the training is the stage's to say.
+
+        Raises:
+          CellError: the thesis's encoding cannot hold the cell.
+        """
+        data = station(cell, per_second=whole_ticks(cell))
+        rewards = reward_set(recipe.rewards, stress_factor=stress_factor)
+        as_arrays = jax.tree.map(jnp.asarray, (data, jax.tree.map(jnp.float32, rewards)))
+        return cls(*as_arrays, pace=recipe.pace, sees=recipe.sees)
 
     def reset(self, key: Array) -> State:
         return ticks.reset(self.station)

@@ -1,0 +1,108 @@
+"""The named recipes: a configuration, the station's pace, what the agents see and which rewards they are paid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from typing import Literal
+
+from tandem.errors import UsageError
+from tandem.learn.config import Config, Stage
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How the agents of a cell are trained.
+
+    Attributes:
+      config: of the learner.
+      pace: the station by "ticks" or by "decisions".
+      sees: "raw" or "scaled" (the thesis's observation, as it is or in 0..1) or "normalised" (ours).
+      rewards: a name in `tandem.envs.thesis.REWARDS`. What idling costs is said by the stages.
+    """
+
+    config: Config
+    pace: Literal["ticks", "decisions"]
+    sees: Literal["raw", "scaled", "normalised"]
+    rewards: str = "appendix"
+
+
+THESIS = Recipe(
+    Config(
+        stages=(
+            Stage(episodes=800, entropy=0.7, learning_rate=1e-4, idle=-10.0, normalise_advantages=False),
+            Stage(episodes=500, entropy=0.7, learning_rate=1e-4, normalise_advantages=False),
+            Stage(episodes=800, entropy=0.01, learning_rate=1e-4, normalise_advantages=False),
+        ),
+        environments=1,
+        horizon=512,
+        stop_at_end=True,
+        episode_limit=1400,
+        minibatch=128,
+        epochs=4,
+        discount=1.0,
+        gae=0.95,
+        clip=0.2,
+        value_weight=1.0,
+        gradient_limit=None,
+        hidden=(256, 256),
+        activation="relu",
+        masked=False,
+        normalise_returns=False,
+    ),
+    pace="ticks",
+    sees="raw",
+)
+"""Kinat (2023), chapters 5 and 6: what is written there. What is not, as the toolbox it used has it by default: two hidden layers, ReLU, raw
+advantages, learning after each episode or 512 steps, whichever comes first. (Recalled from its manual; ASSUMPTION.)"""
+
+TANDEM = Recipe(
+    Config(
+        stages=(
+            Stage(steps=12_288, entropy=0.1, learning_rate=2e-3),
+            Stage(steps=12_288, entropy=0.05, learning_rate=2e-3),
+            Stage(steps=12_288, entropy=0.01, learning_rate=1e-3),
+        ),
+        environments=64,
+        horizon=32,
+        episode_limit=400,
+        minibatch=512,
+        epochs=4,
+        gae=1.0,
+    ),
+    pace="decisions",
+    sees="normalised",
+)
+"""Ours: only legal actions, 64 stations at once, decisions instead of ticks."""
+
+RECIPES = {"tandem": TANDEM, "thesis": THESIS}
+"""Name -> recipe. A new one is a line here."""
+
+
+def recipe(name: str) -> Recipe:
+    """The recipe of that name. Raises UsageError for one that `RECIPES` does not hold."""
+    if name not in RECIPES:
+        meant = "".join(f" Did you mean {near!r}?" for near in get_close_matches(name, RECIPES, 1))
+        raise UsageError(f"recipe {name!r}: there is none.{meant} There are: {', '.join(RECIPES)}.")
+    return RECIPES[name]
+
+
+def varied(base: Recipe, *, normalise_advantages: bool | None = None, sees: str | None = None, rewards: str | None = None) -> Recipe:
+    """The recipe with what the thesis's text and code leave open set otherwise. Table 5-2 punishes idling in stage 1 with -11 instead of -10."""
+    stages = base.config.stages
+    if normalise_advantages is not None:
+        stages = tuple(replace(stage, normalise_advantages=normalise_advantages) for stage in stages)
+    if rewards == "table_5_2":
+        stages = tuple(replace(stage, idle=-11.0 if stage.idle else 0.0) for stage in stages)
+    return replace(base, config=replace(base.config, stages=stages), sees=sees or base.sees, rewards=rewards or base.rewards)
+
+
+def longer(base: Recipe, factor: float) -> Recipe:
+    """The recipe with `factor` times the episodes and steps in every stage; a step budget stays whole rollouts."""
+
+    def stretched(stage: Stage) -> Stage:
+        rollout = base.config.environments * base.config.horizon
+        steps = stage.steps and max(1, round(stage.steps * factor / rollout)) * rollout
+        return replace(stage, episodes=stage.episodes and max(1, round(stage.episodes * factor)), steps=steps)
+
+    return replace(base, config=replace(base.config, stages=tuple(stretched(stage) for stage in base.config.stages)))
