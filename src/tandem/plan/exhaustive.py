@@ -123,6 +123,8 @@ class Search:
         for state in states:
             if state is not None:
                 self.offer(self.instance.schedule(state.starts()))
+            if self._is_late() and self.best.found:
+                return
 
     def run(self) -> None:
         """Level by level, one task more each, until nothing is open or time is up."""
@@ -139,7 +141,7 @@ class Search:
         """Takes every node of the level one task further, into what is kept; false when time or room is up. A node leaves when it is done with."""
         count = 0
         while self.level:
-            if count > MOST_NODES or (self.until is not None and perf_counter() > self.until):
+            if count > MOST_NODES or self._is_late():
                 return False
             for child in self.moves.children(self.level[-1], self.most_ticks):
                 if child.mask == self.moves.full:
@@ -178,6 +180,9 @@ class Search:
     def wall_s(self) -> float:
         """Since the search began, seconds."""
         return perf_counter() - self.began
+
+    def _is_late(self) -> bool:
+        return self.until is not None and perf_counter() > self.until
 
     def _is_promising(self, node: Node) -> bool:
         ticks, units = self.limits.of(node)
