@@ -1,0 +1,112 @@
+"""Every rule of the CP-SAT model alone: a cell of two tasks that it lets through, and one that it does not."""
+
+from __future__ import annotations
+
+import pytest
+from ortools.sat.python import cp_model
+
+from tandem.cell.model import Cell
+from tandem.plan import cpsat
+from tandem.plan.instance import Instance
+
+ONE = {"anna": {"kind": "human"}}
+TWO = {"anna": {"kind": "human"}, "cobot": {"kind": "robot"}}
+BOTH = {"anna": 5, "cobot": 5}
+
+
+def cell(operators=TWO, tasks=None, **more) -> Cell:
+    return Cell.of({"operators": operators, "tasks": tasks, **more})
+
+
+def possible(of: Cell, upper: int, *rules: cpsat.Rule, most_stress: int | None = None) -> bool:
+    """Whether these rules, and no others, leave a schedule that ends by `upper` ticks."""
+    plan = cpsat.formulate(Instance.of(of), upper, rules)
+    if most_stress is not None:
+        plan.model.add(plan.stress <= most_stress)
+    return cp_model.CpSolver().solve(plan.model) in (cp_model.OPTIMAL, cp_model.FEASIBLE)
+
+
+def test_predecessors_end_first():
+    chain = cell(tasks={"a": {"time": BOTH}, "b": {"time": BOTH, "after": ["a"]}})
+    assert possible(chain, 10, cpsat.predecessors_end_first)
+    assert not possible(chain, 9, cpsat.predecessors_end_first)
+
+
+def test_an_operator_does_one_thing_at_a_time():
+    alone = cell(ONE, {"a": {"time": {"anna": 5}}, "b": {"time": {"anna": 5}}})
+    assert possible(alone, 10, cpsat.an_operator_does_one_thing_at_a_time)
+    assert not possible(alone, 9, cpsat.an_operator_does_one_thing_at_a_time)
+    assert possible(alone, 5)  # without the rule
+
+
+def test_breaks_keep_an_operator_from_working():
+    rest = cell({"anna": {"kind": "human", "breaks": [[5, 8]]}}, {"a": {"time": {"anna": 5}}, "b": {"time": {"anna": 5}}})
+    assert possible(rest, 13, cpsat.an_operator_does_one_thing_at_a_time)
+    assert not possible(rest, 12, cpsat.an_operator_does_one_thing_at_a_time)
+
+
+@pytest.mark.parametrize("in_hand, ends", [(None, 13), ("wrench", 13), ("driver", 16)])
+def test_taking_up_another_tool_takes_its_time(in_hand, ends):
+    """Wrench, then driver: 5 + 3 + 5; with the driver in hand at the start the wrench has to be taken up too, or the driver again."""
+    anna = {"kind": "human"} | ({"tool": in_hand} if in_hand else {})
+    tasks = {"a": {"time": {"anna": 5}, "tool": "wrench"}, "b": {"time": {"anna": 5}, "tool": "driver", "after": ["a"]}}
+    tools = {"wrench": {"changeover": {"anna": 3}}, "driver": {"changeover": {"anna": 3}}}
+    swap = cell({"anna": anna}, tasks, tools=tools)
+    rules = (cpsat.predecessors_end_first, cpsat.an_operator_does_one_thing_at_a_time)
+    assert possible(swap, ends, *rules)
+    assert not possible(swap, ends - 1, *rules)
+
+
+@pytest.mark.parametrize("kind, rule", [("tool", cpsat.a_tool_is_used_as_often_as_it_exists), ("zone", cpsat.a_zone_holds_as_many_as_it_has_places)])
+def test_a_tool_and_a_zone_are_shared(kind, rule):
+    tasks = {"a": {"time": BOTH, kind: "it"}, "b": {"time": BOTH, kind: "it"}}
+    assert not possible(cell(tasks=tasks), 9, rule)
+    assert possible(cell(tasks=tasks), 10, rule)
+    assert possible(cell(tasks=tasks, **{f"{kind}s": {"it": {"capacity": 2}}}), 5, rule)
+
+
+def test_a_joint_task_takes_a_place_for_each_who_takes_part():
+    joint = {"together": [{"operators": ["anna", "cobot"], "time": 5}], "zone": "fixture"}
+    alone = {"time": {"third": 5}, "zone": "fixture"}
+    operators = {**TWO, "third": {"kind": "robot"}}
+    rule = cpsat.a_zone_holds_as_many_as_it_has_places
+    assert possible(cell(operators, {"a": joint, "b": alone}, zones={"fixture": {"capacity": 3}}), 5, rule)
+    assert not possible(cell(operators, {"a": joint, "b": alone}, zones={"fixture": {"capacity": 2}}), 9, rule)
+
+
+def test_a_human_stays_within_the_stress_limit():
+    rule = cpsat.a_human_stays_within_the_stress_limit
+    tasks = {"a": {"time": {"anna": 5}, "stress": 2.5}, "b": {"time": {"anna": 5}, "stress": 2}}
+    assert possible(cell({"anna": {"kind": "human", "stress_limit": 4.5}}, tasks), 10, rule)
+    assert not possible(cell({"anna": {"kind": "human", "stress_limit": 4.4}}, tasks), 10, rule)
+
+
+def test_some_tasks_have_the_same_operators():
+    tasks = {"a": {"time": {"anna": 5}}, "b": {"time": BOTH}, "c": {"time": {"cobot": 5}}}
+    rule = cpsat.some_tasks_have_the_same_operators
+    assert possible(cell(tasks=tasks, same_operator=[["a", "b"]]), 20, rule)
+    with_both = cell(tasks={**tasks, "a": {"time": BOTH}}, same_operator=[["a", "b"], ["b", "c"]])
+    plan = cpsat.formulate(Instance.of(with_both), 20, [rule])
+    plan.model.add(plan.chosen[0][0] == 1)  # anna does a, so she would have to do c
+    assert cp_model.CpSolver().solve(plan.model) == cp_model.INFEASIBLE
+
+
+def test_stress_is_counted():
+    tasks = {"a": {"time": {"anna": 5}, "stress": 3}, "b": {"time": BOTH, "stress": 4}}
+    assert possible(cell(tasks=tasks), 10, cpsat.stress_is_counted, most_stress=3)
+    assert not possible(cell(tasks=tasks), 10, cpsat.stress_is_counted, most_stress=2)
+    table = cell(tasks=tasks, stress_of_set={"a": 9, "a,b": 1})
+    assert possible(table, 10, cpsat.stress_is_counted, most_stress=1)
+    assert not possible(table, 10, cpsat.stress_is_counted, most_stress=0)
+
+
+@pytest.mark.parametrize("rule", [cpsat.the_work_of_an_operator_fits_before_the_end, cpsat.work_before_and_behind_a_task_fits])
+def test_implied_rules_say_no_before_the_search_does(rule):
+    fan = cell(ONE, {name: {"time": {"anna": 5}, "after": after} for name, after in (("a", []), ("b", []), ("c", ["a", "b"]))})
+    assert not possible(fan, 14 if rule is cpsat.the_work_of_an_operator_fits_before_the_end else 9, rule, cpsat.predecessors_end_first)
+    assert possible(fan, 15, rule, cpsat.predecessors_end_first)
+
+
+def test_each_rule_of_the_model_is_tested_here():
+    text = open(__file__, encoding="utf-8").read()
+    assert [rule.__name__ for rule in cpsat.RULES if f"cpsat.{rule.__name__}" not in text] == []
