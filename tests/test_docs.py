@@ -16,6 +16,7 @@ DOCS = ROOT / "docs"
 sys.path.insert(0, str(DOCS))
 
 import reference  # noqa: E402
+from tandem.cli.root import run  # noqa: E402
 
 PAGES = [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]
 COMMANDS = dict(reference.commands())
@@ -73,6 +74,7 @@ def test_the_python_examples_run(page: Path, tmp_path: Path, monkeypatch: pytest
         pytest.importorskip("pettingzoo", reason="needs tandem[learn]")
     shutil.copytree(ROOT / "examples", tmp_path / "examples")
     monkeypatch.chdir(tmp_path)
+    assert run(["template", "-o", "tasks.xlsx"]) == 0
     space: dict[str, object] = {}
     for block in blocks(page, "python"):
         exec(compile(block, str(page), "exec"), space)
@@ -87,8 +89,6 @@ def test_the_commands_that_are_shown_run_and_print_what_is_shown(
     page: Path, block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     """Lines that begin with `$` are run in a folder that holds `examples`; what stands below must be what was printed, seconds of computing aside."""
-    from tandem.cli.root import run
-
     shutil.copytree(ROOT / "examples", tmp_path / "examples")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "90")
