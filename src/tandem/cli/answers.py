@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,13 +12,29 @@ import click
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
+    from tandem.cell.model import Cell
     from tandem.explain.explanation import TaskAnswer
     from tandem.explain.floor import Floor
+    from tandem.explain.sensitivity import Effect, Sensitivity
     from tandem.plan.result import Front
 
 CELL = click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=True))
 FORMAT = click.option("--format", "form", metavar="NAME", help="What CELL is written in; told from its content when absent.")
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="Print one document on stdout and nothing else there.")
+
+
+class Percent(click.ParamType):  # type: ignore[type-arg,unused-ignore]
+    """ "-10%", "+5 %"."""
+
+    name = "PERCENT"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        if isinstance(value, float):
+            return value
+        try:
+            return float(str(value).replace("−", "-").removesuffix("%")) / 100
+        except ValueError:
+            self.fail(f"{value!r} is no percentage such as -10%.", param, ctx)
 
 
 @click.command("explain")
@@ -69,6 +86,288 @@ class Telling:
         else:
             lines = [heading(answer, chosen_point(answer, self.point)), ""]
         click.echo("\n".join(lines))
+
+
+@click.command("compare")
+@click.argument("before_file", metavar="BEFORE", type=click.Path(dir_okay=False))
+@click.argument("after_file", metavar="AFTER", type=click.Path(dir_okay=False))
+@click.option("--point", type=int, help="For results: the point of both fronts, counted from 1; the recommended compromise when absent.")
+@click.option(
+    "--plan/--no-plan", "planned", default=True, show_default=True, help="For cells: plan both, and say what becomes of each point of the front."
+)
+@click.option("--time-limit", type=float, default=20.0, show_default=True, help="Seconds for planning each cell.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
+@AS_JSON
+def compare_command(before_file: str, after_file: str, point: int | None, planned: bool, time_limit: float, seed: int, as_json: bool) -> None:
+    """Say what changed between two cells, or between two results of `tandem plan --json`.
+
+    \b
+    Examples:
+      tandem compare cell.yaml faster-robot.yaml
+      tandem compare monday.json tuesday.json --point 1
+    """
+    check_time(time_limit, None)
+    results = [_result_document(Path(name)) for name in (before_file, after_file)]
+    if (results[0] is None) != (results[1] is None):
+        raise UsageError(f"{before_file} and {after_file} are a cell and a result: give two cells or two results.")
+    if results[0] is not None and results[1] is not None:
+        _compare_results(results[0], results[1], point, as_json)
+        return
+    _compare_cells(before_file, after_file, planned, time_limit, seed, as_json)
+
+
+def _compare_cells(before_file: str, after_file: str, planned: bool, time_limit: float, seed: int, as_json: bool) -> None:
+    from tandem.cell.files import load
+    from tandem.explain.compare import compare_cells
+    from tandem.explain.fronts import changes
+    from tandem.plan.methods import plan
+
+    before, after = load(before_file), load(after_file)
+    found = compare_cells(before, after)
+    fronts = [plan(cell, time_limit=time_limit, seed=seed) for cell in (before, after)] if planned and found else []
+    moved = changes(*fronts) if fronts else ()
+    if as_json:
+        document = {"schema_version": 1, "kind": "cells", "digests": [before.digest, after.digest], "changes": [change.to_dict() for change in found]}
+        _print({**document, "front_changes": [change.to_dict() for change in moved], "complete": all(front.complete for front in fronts)})
+        return
+    click.echo("\n".join(map(str, found)) if found else "the two cells are the same.")
+    if fronts:
+        click.echo("")
+        click.echo("\n".join(difference_lines(*fronts)))
+
+
+def _compare_results(before: dict[str, Any], after: dict[str, Any], point: int | None, as_json: bool) -> None:
+    from tandem.explain.compare import compare_schedules
+    from tandem.schedule.model import Schedule
+
+    places = [_point_of(document, point, name) for document, name in ((before, "the first"), (after, "the second"))]
+    rows = [document["front"][place] for document, place in zip((before, after), places, strict=True)]
+    moves = compare_schedules(*(Schedule.from_list(row["assignments"]) for row in rows))
+    moved = [move for move in moves if move.changed]
+    if as_json:
+        values = [{"makespan": row["makespan"], "stress": row["stress"], "point": place + 1} for row, place in zip(rows, places, strict=True)]
+        same = before.get("cell_digest") == after.get("cell_digest")
+        _print(
+            {
+                "schema_version": 1,
+                "kind": "results",
+                "same_cell": same,
+                "before": values[0],
+                "after": values[1],
+                "tasks": [m.to_dict() for m in moves],
+            }
+        )
+        return
+    if before.get("cell_digest") != after.get("cell_digest"):
+        click.echo("the two results belong to different cells, or to different versions of one.")
+    click.echo(f"makespan {rows[0]['makespan']:g} s -> {rows[1]['makespan']:g} s, stress {rows[0]['stress']:g} -> {rows[1]['stress']:g}")
+    click.echo("\n".join(map(str, moved)) if moved else "every task is done by the same operators at the same time.")
+    if moved and len(moved) < len(moves):
+        click.echo(f"{len(moves) - len(moved)} of {len(moves)} tasks stay as they were.")
+
+
+@click.command("sensitivity")
+@CELL
+@FORMAT
+@click.option(
+    "--change", "shares", type=Percent(), multiple=True, default=("-10%",), show_default=True, help="How much longer or shorter; may be repeated."
+)
+@click.option("--each", is_flag=True, help="Change the time of one operator at a time, not all times of a task together.")
+@click.option("--time-limit", type=float, default=60.0, show_default=True, help="Seconds for everything.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
+@click.option("--workers", type=int, help="Processes; one per core when absent.")
+@click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Draw a tornado chart: .svg, .png or .pdf.")
+@click.option("-q", "--quiet", is_flag=True, help="No progress on stderr.")
+@AS_JSON
+def sensitivity_command(
+    cell_file: str,
+    form: str | None,
+    shares: tuple[float, ...],
+    each: bool,
+    time_limit: float,
+    seed: int,
+    workers: int | None,
+    output: Path | None,
+    quiet: bool,
+    as_json: bool,
+) -> int:
+    """Say which task time, made shorter or longer, moves the front most.
+
+    \b
+    Examples:
+      tandem sensitivity cell.yaml
+      tandem sensitivity cell.yaml --change -20% --change +20% -o tornado.svg
+
+    Each change is planned anew, in parallel processes.
+    """
+    from tandem.cell.files import load
+    from tandem.draw.saving import PICTURES
+    from tandem.explain.sensitivity import sensitivity
+
+    check_time(time_limit, workers)
+    if output is not None and output.suffix.lower() not in PICTURES:
+        raise UsageError(f"-o {output}: a picture's name ends in {', '.join(PICTURES)}.")
+    cell = load(cell_file, form)
+    with Counting(quiet) as counting:
+        found = sensitivity(cell, shares, each=each, time_limit=time_limit, seed=seed, workers=workers, on_done=counting)
+    if output is not None:
+        _draw(found, output)
+        click.echo(f"wrote {output}", err=True)
+    if as_json:
+        _print(found.to_dict())
+    else:
+        click.echo("\n".join(_effect_lines(found)))
+    return 130 if found.interrupted else 0
+
+
+# --- what if ------------------------------------------------------------------------------------------------------------------
+
+
+def variant_options(command: Any) -> Any:
+    """The options `--set`, `--without` and `--force` of a command that plans a variant; its arguments `sets`, `without` and `force`."""
+    for option in (
+        click.option("--force", multiple=True, metavar="TASK=OPERATOR", help="Have the task done so and not otherwise: 5=human, 5=human+robot."),
+        click.option("--without", multiple=True, metavar="OPERATOR", help="Plan as if this operator were not there."),
+        click.option("--set", "sets", multiple=True, metavar="PATH=VALUE", help="Plan with another value: tasks.6.time.robot=8, or =-10%, or =none."),
+    ):
+        command = option(command)
+    return command
+
+
+def tell_difference(base: Cell, front: Front, plan_base: Callable[[], Front]) -> None:
+    """Prints what the variant changed in the cell, and what becomes of each point of the base's front."""
+    from tandem.errors import InfeasibleError, NothingFoundError
+    from tandem.explain.compare import compare_cells
+
+    click.echo("")
+    click.echo("\n".join(["compared with the cell as it is:", *(f"  {change}" for change in compare_cells(base, front.cell))]))
+    try:
+        click.echo("\n".join(difference_lines(plan_base(), front)))
+    except InfeasibleError:
+        click.echo("the cell as it is has no schedule at all.")
+    except NothingFoundError:
+        click.echo("no schedule of the cell as it is was found within the limit.")
+
+
+def difference_lines(base: Front, other: Front) -> list[str]:
+    """A table: for each point of the base, what the other front offers at the same stress and in the same time."""
+    from tandem.explain.fronts import changes
+
+    table: list[tuple[str, ...]] = [("point", "makespan", "stress", "at the same stress", "in the same time")]
+    for place, change in enumerate(changes(base, other), 1):
+        time, load = change.makespan_then, change.stress_then
+        faster = "not possible" if time is None else f"{time:g} s ({_signed(change.seconds)} s)"
+        easier = "not possible" if load is None else f"stress {load:g} ({_signed(change.more_stress)})"
+        table.append((str(place), f"{change.makespan:g} s", f"{change.stress:g}", faster, easier))
+    lines = aligned(table)
+    points = ", ".join(f"({time:g} s, {load:g})" for time, load in other.points)
+    lines.append(f"front then: {points}{'' if other.complete else ', not complete'}")
+    if not (base.complete and other.complete):
+        lines.append("not everything is proven: the differences are between what was found.")
+    return lines
+
+
+# --- showing ------------------------------------------------------------------------------------------------------------------
+
+
+class Counting:
+    """Progress on stderr: a bar in a terminal, else a line now and then."""
+
+    def __init__(self, quiet: bool):
+        self.quiet = quiet
+        self.bar: Any = None
+        self.row: Any = None
+
+    def __enter__(self) -> Counting:
+        from rich.console import Console
+        from rich.progress import Progress
+
+        console = Console(stderr=True)
+        if not self.quiet and console.is_terminal and not console.is_dumb_terminal:
+            self.bar = Progress(console=console, transient=True)
+            self.bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.bar is not None:
+            self.bar.stop()
+
+    def __call__(self, done: int, of: int) -> None:
+        if self.bar is not None:
+            self.row = self.bar.add_task("planning anew", total=of) if self.row is None else self.row
+            self.bar.update(self.row, completed=done)
+        elif not self.quiet and (done == of or done % max(of // 4, 1) == 0):
+            click.echo(f"{done} of {of} planned", err=True)
+
+
+def _effect_lines(found: Sensitivity) -> list[str]:
+    table: list[tuple[str, ...]] = [("task", "change", "least makespan", "front")]
+    for effect in found.effects:
+        if effect.gain is None or effect.seconds is None or effect.floor is None:
+            table.append((_effect_name(found, effect), f"{effect.share:+.0%}", "no schedule" if effect.proven else "none found", ""))
+            continue
+        mark = "" if effect.proven else " (not complete)"
+        table.append(
+            (_effect_name(found, effect), f"{effect.share:+.0%}", f"{effect.floor:g} s ({_signed(effect.seconds)} s)", f"{effect.gain:+.1%}{mark}")
+        )
+    base = f"{len(found.front)} point{'s' * (len(found.front) != 1)}, least makespan {found.front[0].makespan:g} s"
+    return [f"the front of the cell as it is: {base}{'' if found.front.complete else ' (not complete)'}", "", *aligned(table)]
+
+
+def _effect_name(found: Sensitivity, effect: Effect) -> str:
+    label = found.front.cell.tasks[effect.task].label
+    who = f" of {' + '.join(effect.operators)}" if effect.operators else ""
+    return f"{effect.task}{f' {label}' if label else ''}{who}"
+
+
+def _draw(found: Sensitivity, path: Path) -> None:
+    from tandem.draw.saving import save
+    from tandem.draw.tornado import plot_tornado
+
+    rows: dict[str, dict[str, float]] = {}
+    for effect in found.effects:
+        rows.setdefault(f"task {_effect_name(found, effect)}", {})
+    for effect in sorted(found.effects, key=lambda effect: effect.share):
+        if effect.gain is not None:
+            rows.setdefault(f"task {_effect_name(found, effect)}", {})[f"time {effect.share:+.0%}"] = round(effect.gain * 100, 2)
+    title = f"What moves the front: {found.front.cell.name or 'cell'}"
+    save(plot_tornado(list(rows.items()), xlabel="area that the front dominates, change in %", title=title), path)
+
+
+def aligned(rows: list[tuple[str, ...]]) -> list[str]:
+    """Rows of a table in columns, the first row being the header."""
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    return ["  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+
+
+def _signed(value: float | None) -> str:
+    return "?" if value is None else f"{value:+g}" if value else "±0"
+
+
+def _print(document: dict[str, Any]) -> None:
+    click.echo(json.dumps(document, ensure_ascii=False))
+
+
+def _result_document(path: Path) -> dict[str, Any] | None:
+    """The result document in a file, or None when it holds something else."""
+    try:
+        document = json.loads(path.read_bytes())
+    except (OSError, ValueError):
+        return None
+    rows = document.get("front") if isinstance(document, dict) else None
+    sound = isinstance(rows, list) and all(isinstance(row, dict) and {"makespan", "stress", "assignments"} <= set(row) for row in rows)
+    return document if sound and rows else None
+
+
+def _point_of(document: dict[str, Any], point: int | None, name: str) -> int:
+    from tandem.plan.result import knee_index
+
+    rows = document["front"]
+    if point is None:
+        return knee_index([(row["makespan"], row["stress"]) for row in rows])
+    if not 1 <= point <= len(rows):
+        raise UsageError(f"--point {point}: {name} front has {len(rows)} point{'s' * (len(rows) != 1)}, counted from 1.")
+    return point - 1
 
 
 def check_time(time_limit: float, workers: int | None) -> None:

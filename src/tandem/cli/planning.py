@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tandem.cli.answers import tell_difference, variant_options
 from tandem.errors import CellError, Fault, UnsoundScheduleError, UsageError
 
 if TYPE_CHECKING:
@@ -48,6 +49,7 @@ class Weights(click.ParamType):
 @click.option(
     "-o", "--output", "outputs", multiple=True, type=click.Path(dir_okay=False, path_type=Path), help="Write .json, .csv, .svg, .png, .pdf or .html; may be repeated."
 )
+@variant_options
 @click.option("--report", type=click.Path(dir_okay=False, path_type=Path), help="Write the report: one HTML file that opens offline.")
 @click.option("-q", "--quiet", is_flag=True, help="No progress on stderr.")
 def plan_command(
@@ -65,6 +67,9 @@ def plan_command(
     as_json: bool,
     outputs: tuple[Path, ...],
     report: Path | None,
+    sets: tuple[str, ...],
+    without: tuple[str, ...],
+    force: tuple[str, ...],
     quiet: bool,
 ) -> int:
     """Find every compromise between completion time and stress, with proof.
@@ -73,10 +78,14 @@ def plan_command(
     Examples:
       tandem plan cell.yaml
       tandem plan cell.yaml --minimize makespan --json > result.json
+      tandem plan cell.yaml --set tasks.6.time.robot=8 --without robot2 --force 5=human
+
+    With --set, --without or --force the variant is planned, and what becomes of each point of CELL's own front is said.
 
     Ctrl-C ends the search: what was found so far is printed with its bounds and saved, and the exit code is 130.
     """
     from tandem.cell.files import load
+    from tandem.explain.variant import variant
     from tandem.plan.methods import plan
     from tandem.plan.question import Question
     from tandem.report.files import ready_to_write, write
@@ -88,7 +97,9 @@ def plan_command(
     ready_to_write(files)
     kind = minimize or ("weighted" if weights else "front")
     question = Question(kind, weights or (1.0, 1.0), max_makespan, max_stress)  # type: ignore[arg-type]
-    cell = load(cell_file, form)
+    cell, base = load(cell_file, form), None
+    if sets or without or force:
+        base, cell = cell, variant(cell, sets, without, force)
     begin = _first_schedule(hint) if hint else None
     with SolveProgress(quiet=quiet) as progress:
         front = plan(cell, question, method=method, time_limit=time_limit, seed=seed, workers=workers, hint=begin, on_solution=progress)
@@ -98,6 +109,8 @@ def plan_command(
     for path in files:
         write(front, path)
     show(front, as_json)
+    if base is not None and not as_json:
+        tell_difference(base, front, lambda: plan(base, question, method=method, time_limit=time_limit, seed=seed, workers=workers))
     for path in files:
         click.echo(f"wrote {path}", err=True)
     if front.interrupted:

@@ -17,6 +17,9 @@ from tandem.errors import CellError, InfeasibleError, TandemError
 VERBS: dict[str, tuple[str, str]] = {
     "plan": ("tandem.cli.planning", "plan_command"),
     "check": ("tandem.cli.planning", "check_command"),
+    "explain": ("tandem.cli.answers", "explain_command"),
+    "compare": ("tandem.cli.answers", "compare_command"),
+    "sensitivity": ("tandem.cli.answers", "sensitivity_command"),
     "methods": ("tandem.cli.planning", "methods_command"),
     "generate": ("tandem.cli.cells", "generate"),
     "convert": ("tandem.cli.cells", "convert_command"),

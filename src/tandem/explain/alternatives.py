@@ -16,7 +16,6 @@ from tandem.plan.result import Result, Status
 from tandem.schedule.measures import exact as decimal
 from tandem.schedule.model import Schedule
 
-
 TIME, STRESS, ANY = "time at the same stress", "stress in the same time", "any schedule"
 EVERYTHING = (TIME, STRESS, ANY)
 
@@ -157,4 +156,3 @@ def _size(cost: Cost, what: str) -> str:
 
 def _more(value: float, unit: str) -> str:
     return f"{value:+g}{unit}"
-

@@ -1,4 +1,4 @@
-"""Why no schedule is quicker: the chain, the load or the smallest group of tasks that alone already takes so long, found and confirmed by planning."""
+"""Why no schedule is quicker: the chain, the load or the smallest group of tasks that alone takes so long, found and confirmed by planning."""
 
 from __future__ import annotations
 
@@ -145,6 +145,7 @@ def _quickest(instance: Instance, task: int) -> int:
 def _group(found: Floor, instance: Instance, target: int, until: float, seed: int, workers: int) -> Floor:
     """The smallest group that leaving out tasks leads to: first large pieces of the rest, then one by one."""
     cell, limit = found.cell, instance.seconds(target - 1)
+    in_time = True
 
     def holds(tasks: Sequence[str], ordered: bool = True) -> bool:
         """These tasks alone cannot be done sooner; False too when time did not suffice to prove it."""
@@ -153,11 +154,12 @@ def _group(found: Floor, instance: Instance, target: int, until: float, seed: in
         if left <= 0:
             in_time = False
             return False
-        answer = _sooner(part(cell, tasks, ordered), limit, found.max_stress if cell.stress_of_set is None else None, min(left, EACH_S), seed, workers)
+        answer = _sooner(
+            part(cell, tasks, ordered), limit, found.max_stress if cell.stress_of_set is None else None, min(left, EACH_S), seed, workers
+        )
         in_time &= answer is not None
         return answer is False
 
-    in_time = True
     kept = list(cell.tasks)
     size = max(len(kept) // 4, 1)
     while True:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from tandem.cell.model import Cell, Mode, plain
+from tandem.cell.model import Cell, Mode, Table, plain
 from tandem.cell.names import Known
 from tandem.cell.reading import cell_of
 from tandem.errors import UsageError
@@ -57,10 +57,10 @@ def force_modes(cell: Cell, choices: Mapping[str, Mode]) -> Cell:
         task = tasks[name]
         if len(mode.operators) == 1:
             who = mode.operators[0]
-            tasks[name] = task.model_copy(update={"time": type(task.time)({who: task.time[who]}), "together": ()})
+            tasks[name] = task.model_copy(update={"time": Table({who: task.time[who]}), "together": ()})
         else:
             joint = tuple(way for way in task.together if set(way.operators) == set(mode.operators))
-            tasks[name] = task.model_copy(update={"time": type(task.time)({}), "together": joint})
+            tasks[name] = task.model_copy(update={"time": Table(), "together": joint})
     return cell.replace(tasks=tasks) if choices else cell
 
 
