@@ -55,7 +55,7 @@ class Decisions:
 
     def hint(self, starts: Starts) -> None:
         """Tells the solver a schedule to begin with."""
-        self.model.clear_hints()
+        self.model.clear_hints()  # type: ignore[no-untyped-call]
         for task, (way, start) in enumerate(starts):
             self.model.add_hint(self.start[task], start)
             for w, x in enumerate(self.chosen[task]):
@@ -227,7 +227,10 @@ def stress_is_counted(plan: Decisions) -> None:
         low = sum(min(way.stress for way in ways) for ways in instance.ways)
         high = sum(max(way.stress for way in ways) for ways in instance.ways)
         plan.stress = model.new_int_var(low, high, "stress")
-        model.add(plan.stress == sum(way.stress * x for ways, xs in zip(instance.ways, plan.chosen, strict=True) for way, x in zip(ways, xs, strict=True) if way.stress))
+        model.add(
+            plan.stress
+            == sum(way.stress * x for ways, xs in zip(instance.ways, plan.chosen, strict=True) for way, x in zip(ways, xs, strict=True) if way.stress)
+        )
         return
     by_human = []
     for ways, chosen in zip(instance.ways, plan.chosen, strict=True):
@@ -263,7 +266,7 @@ def work_before_and_behind_a_task_fits(plan: Decisions) -> None:
             if len(work := _work_of(plan, operator, sorted(ancestors[task]))) > 1:
                 plan.model.add(sum(ticks * x for ticks, x in work) <= plan.start[task])
             if len(work := _work_of(plan, operator, sorted(descendants[task]))) > 1:
-                plan.model.add(plan.end[task] + sum(ticks * x for ticks, x in work) <= plan.makespan)
+                plan.model.add(sum((ticks * x for ticks, x in work), plan.end[task]) <= plan.makespan)
 
 
 MOST_CLOSURE_TERMS = 4_000
@@ -271,12 +274,7 @@ MOST_CLOSURE_TERMS = 4_000
 
 
 def _work_of(plan: Decisions, operator: int, tasks: Iterable[int]) -> list[tuple[int, cp_model.IntVar]]:
-    return [
-        (way.ticks, x)
-        for task in tasks
-        for x, way in zip(plan.chosen[task], plan.instance.ways[task], strict=True)
-        if operator in way.operators
-    ]
+    return [(way.ticks, x) for task in tasks for x, way in zip(plan.chosen[task], plan.instance.ways[task], strict=True) if operator in way.operators]
 
 
 def closure(direct: tuple[tuple[int, ...], ...], order: Iterable[int]) -> list[set[int]]:

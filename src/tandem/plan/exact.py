@@ -117,7 +117,9 @@ class _Search:
                 raise InfeasibleError(f"no schedule keeps {limits_in_words(self.question)}; this is proven.")
             if interrupted:
                 raise KeyboardInterrupt
-            raise NothingFoundError(f"no schedule that keeps {limits_in_words(self.question)} was found in {wall:.1f} s; whether there is one is open.")
+            raise NothingFoundError(
+                f"no schedule that keeps {limits_in_words(self.question)} was found in {wall:.1f} s; whether there is one is open."
+            )
         results = self._results()
         complete = self.archive.complete if self.question.minimize == "front" else results[0].status == Status.OPTIMAL
         return Front(self.cell, results, complete, "exact", SOLVER, self.seed, wall, interrupted)
@@ -212,7 +214,9 @@ class _Search:
     def _weighted(self) -> None:
         goal = _weighted_goal(self.question, self.instance, self.limits)
         if not goal.time or not goal.stress:
-            self.question = Question("makespan" if goal.time else "stress", self.question.weights, self.question.max_makespan, self.question.max_stress)
+            self.question = Question(
+                "makespan" if goal.time else "stress", self.question.weights, self.question.max_makespan, self.question.max_stress
+            )
             return self._lexicographic()
         answer = self._race(goal, self._left())
         self.optimal = answer.proven

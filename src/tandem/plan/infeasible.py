@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from time import monotonic
+from typing import Any
 
 from tandem.cell.model import Cell, Tool, Zone
 from tandem.errors import CellError, InfeasibleError, NothingFoundError
@@ -77,13 +78,14 @@ def limits(cell: Cell, question: Question) -> Iterator[Limit]:
 
 def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell, Question]:
     """The cell and the question without these limits."""
-    operators, tasks, changes = dict(cell.operators), dict(cell.tasks), {}
+    operators, tasks = dict(cell.operators), dict(cell.tasks)
+    changes: dict[str, Any] = {}
     same = list(cell.same_operator)
     tools, zones = dict(cell.tools), dict(cell.zones)
     for limit in lifted:
         room, *names = limit.where
         if room == "question":
-            question = replace(question, **{names[0]: None})
+            question = replace(question, **{names[0]: None})  # type: ignore[arg-type]
         elif room == "operators":
             operators[names[0]] = operators[names[0]].model_copy(update={names[1]: () if names[1] == "breaks" else None})
         elif room == "tasks":
@@ -102,10 +104,6 @@ def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell,
 def _minimal(cell: Cell, question: Question, group: list[Limit], until: float) -> list[Limit]:
     """A group of limits that is infeasible on its own and would not be without any one of its members, as far as time allows."""
     everything = list(group)
-    if _possible(cell, question, everything, until) is not False:
-        pass  # without any limit there is a schedule, or nobody knows: some of the limits are to blame
-    elif not everything:
-        return []
     kept = list(everything)
     for limit in everything:
         rest = [other for other in kept if other is not limit]
@@ -119,7 +117,11 @@ def _possible(cell: Cell, question: Question, lifted: Sequence[Limit], until: fl
     """Whether there is a schedule without these limits; None when time was too short to tell."""
     try:
         variant, asked = lift(cell, question, lifted)
-        exact.solve(variant, replace(asked, minimize="stress" if asked.max_stress is not None else "makespan"), time_limit=min(EACH_S, max(until - monotonic(), 0.2)))
+        exact.solve(
+            variant,
+            replace(asked, minimize="stress" if asked.max_stress is not None else "makespan"),
+            time_limit=min(EACH_S, max(until - monotonic(), 0.2)),
+        )
     except InfeasibleError:
         return False
     except (NothingFoundError, CellError):

@@ -80,7 +80,9 @@ class Instance:
         operators, tasks = tuple(cell.operators), tuple(cell.tasks)
         o = {name: i for i, name in enumerate(operators)}
         t = {name: i for i, name in enumerate(tasks)}
-        tools = tuple(dict.fromkeys([*(x.tool for x in cell.tasks.values() if x.tool), *cell.tools, *(x.tool for x in cell.operators.values() if x.tool)]))
+        tools = tuple(
+            dict.fromkeys([*(x.tool for x in cell.tasks.values() if x.tool), *cell.tools, *(x.tool for x in cell.operators.values() if x.tool)])
+        )
         zones = tuple(dict.fromkeys([*(x.zone for x in cell.tasks.values() if x.zone), *cell.zones]))
 
         def ticks(seconds: float) -> int:
@@ -189,7 +191,8 @@ def _topological(before: tuple[tuple[int, ...], ...], behind: list[list[int]]) -
 def _scale(numbers: Iterable[float]) -> int:
     """The smallest power of ten that makes every number whole."""
     exponents = (Decimal(repr(number)).normalize().as_tuple().exponent for number in numbers)
-    return 10 ** max((-int(exponent) for exponent in exponents if int(exponent) < 0), default=0)
+    scale: int = 10 ** max((-int(exponent) for exponent in exponents if int(exponent) < 0), default=0)
+    return scale
 
 
 def _times_in(cell: Cell) -> Iterable[float]:

@@ -47,7 +47,14 @@ def take_out(instance: Instance, starts: Starts, order: Sequence[int], first: in
     ways = tuple(_still_open(instance, starts, task, place, movers) for task in free)
     chain = _chains(instance, starts, free, movers)
     release = [
-        max([instance.release[t], *(end[p] for p in instance.before[t] if p in end), fixed.tool_free(instance.tool[t]), fixed.zone_free(instance.zone[t])])
+        max(
+            [
+                instance.release[t],
+                *(end[p] for p in instance.before[t] if p in end),
+                fixed.tool_free(instance.tool[t]),
+                fixed.zone_free(instance.zone[t]),
+            ]
+        )
         for t in free
     ]
     tails = tuple(
@@ -141,9 +148,7 @@ def _still_open(instance: Instance, starts: Starts, task: int, place: dict[int, 
         return (now,)
     partners = [b if a == task else a for a, b in instance.same_operator if task in (a, b)]
     teams = [instance.ways[p][starts[p][0]].operators for p in partners if p not in place]
-    return tuple(
-        w for w, way in enumerate(instance.ways[task]) if movers.issuperset(way.operators) and all(way.operators == team for team in teams)
-    )
+    return tuple(w for w, way in enumerate(instance.ways[task]) if movers.issuperset(way.operators) and all(way.operators == team for team in teams))
 
 
 def _chains(instance: Instance, starts: Starts, free: Sequence[int], movers: frozenset[int]) -> dict[int, list[int]]:
@@ -177,7 +182,7 @@ def plan_anew(stretch: Stretch, upper: int, *, most_stress: int | None, weights:
     """
     plan = formulate(stretch.instance, upper)
     for task, tails in enumerate(stretch.tails):
-        plan.model.add(plan.end[task] + sum(tail * x for tail, x in zip(tails, plan.chosen[task], strict=True)) <= plan.makespan)
+        plan.model.add(sum((tail * x for tail, x in zip(tails, plan.chosen[task], strict=True)), plan.end[task]) <= plan.makespan)
     plan.model.add(plan.makespan >= stretch.floor)
     if most_stress is not None:
         plan.model.add(plan.stress <= most_stress)
@@ -189,4 +194,4 @@ def plan_anew(stretch: Stretch, upper: int, *, most_stress: int | None, weights:
     solver.parameters.catch_sigint_signal = False
     solver.parameters.symmetry_level = 0
     status = solver.solve(plan.model)
-    return plan.read(solver.value) if status in (cp_model.OPTIMAL, cp_model.FEASIBLE) else None
+    return plan.read(solver.value) if status in (cp_model.OPTIMAL, cp_model.FEASIBLE) else None  # type: ignore[comparison-overlap]

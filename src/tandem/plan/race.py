@@ -8,6 +8,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from math import ceil
 from queue import Empty, SimpleQueue
 from random import Random
@@ -20,7 +21,7 @@ from tandem.plan.cpsat import Decisions, Starts, formulate
 from tandem.plan.decode import Layout, Step, append_in_order
 from tandem.plan.instance import Instance
 from tandem.plan.neighbourhoods import plan_anew, take_out
-from tandem.plan.refute import prove_makespan
+from tandem.plan.refute import Proof, prove_makespan
 from tandem.plan.rules import SPECS, build
 
 
@@ -169,30 +170,33 @@ class Race:
                 solver.stop_search()
 
     def _together(self) -> list[Callable[[], None]]:
+        """One job per thread."""
         tasks, workers, seed = len(self.instance.tasks), self.effort.workers, self.effort.seed
         if tasks <= SMALL or self.instance.stress_of_set is not None:
             return [lambda: self.prove(workers, seed)]
-        improvers = max(1, workers // 2)
-        jobs: list[Callable[[], None]] = [lambda i=i: self.improve(Random(f"{seed} {i}"), None) for i in range(improvers)]  # type: ignore[misc]
+        jobs: list[Callable[[], None]] = [partial(self.improve, Random(f"{seed} {i}"), None) for i in range(max(1, workers // 2))]
         if tasks < LARGE:
-            return [*jobs, lambda: self.prove(workers - improvers, seed), self.refute]
-        return [*jobs, lambda: (self.relax(seed), self.improve(Random(f"{seed} -"), None))]  # type: ignore[list-item, return-value]
+            return [*jobs, partial(self.prove, workers - len(jobs), seed), self.refute]
+
+        def bound_then_improve() -> None:
+            self.relax(seed)
+            self.improve(Random(f"{seed} -"), None)
+
+        return [*jobs, bound_then_improve]
 
     def _alone(self) -> list[Callable[[], None]]:
         """Turn by turn in one thread, by counts and not by clocks, so that a run repeats."""
 
         def turns() -> None:
-            seed, random = self.effort.seed, Random(str(self.effort.seed))
+            seed, random, slice_ = self.effort.seed, Random(str(self.effort.seed)), 4.0
             if len(self.instance.tasks) <= SMALL or self.instance.stress_of_set is not None:
-                return self.prove(1, seed)
-            if len(self.instance.tasks) >= LARGE:
+                self.prove(1, seed)
+            elif len(self.instance.tasks) >= LARGE:
                 self.relax(seed)
-            slice_ = 4.0
-            while not self.over:
+            while not self.over and len(self.instance.tasks) > SMALL:
                 self.improve(random, PATIENCE)
                 self.prove(1, seed, work=slice_)
                 slice_ *= 2
-            return None
 
         return [turns]
 
@@ -236,14 +240,18 @@ class Race:
             return
         spent = thread_time() + REFUTE_S
         while not self.over and thread_time() < spent:
-            upper = (self.value or 0) // self.goal.time
-            seen = self.value
-            proof = prove_makespan(
-                self.instance, upper, REFUTE_S * 4, most_units=self.goal.max_stress, stop=lambda: self.over or self.value != seen or thread_time() > spent
-            )
+            proof = self._refuted(self.value or 0, spent)
             self.raise_bound(proof.bound * self.goal.time)
             if proof.starts is not None and not self._take(proof.starts):
                 return
+
+    def _refuted(self, value: int, spent: float) -> Proof:
+        """How far the search for anything below this value came before the incumbent changed or its time was spent."""
+
+        def stop() -> bool:
+            return self.over or self.value != value or thread_time() > spent
+
+        return prove_makespan(self.instance, value // self.goal.time, 4 * REFUTE_S, most_units=self.goal.max_stress, stop=stop)
 
     def _take(self, starts: Sequence[tuple[int, int]]) -> bool:
         """Takes a schedule that knows precedence and operators only, if it can be made to keep the other rules too."""
@@ -260,7 +268,7 @@ class Race:
         current = self.best
         assert current is not None
         operators, tasks, failures = len(self.instance.operators), len(self.instance.tasks), 0
-        sizes = {width: 24.0 for width in {operators, min(operators, 2), (operators + 2) // 2 if operators > 2 else operators}}
+        sizes = dict.fromkeys({operators, min(operators, 2), (operators + 2) // 2 if operators > 2 else operators}, 24.0)
         while not self.over and (patience is None or failures < patience):
             if self.goal.value(*measures(self.instance, current)) > (self.value or 0):
                 current = self.best or current
@@ -333,13 +341,13 @@ class Race:
             solver.parameters.max_deterministic_time = work
         return solver
 
-    def _solve(self, solver: cp_model.CpSolver, plan: Decisions, watcher: _Watcher | None = None) -> int:
+    def _solve(self, solver: cp_model.CpSolver, plan: Decisions, watcher: _Watcher | None = None) -> cp_model.CpSolverStatus:
         with self.lock:
             self.running.append(solver)
         try:
             if self.stopped:
-                return int(cp_model.UNKNOWN)
-            status = int(solver.solve(plan.model, watcher))
+                return cp_model.UNKNOWN
+            status: int = int(solver.solve(plan.model, watcher))  # type: ignore[call-overload]
             if status in (cp_model.UNKNOWN, cp_model.FEASIBLE) and watcher is not None:
                 watcher.on_bound(solver.best_objective_bound)
             return status
