@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tandem.cell.model import Cell, Mode, plain
-from tandem.errors import InfeasibleError, NothingFoundError
+from tandem.errors import CellError, InfeasibleError, NothingFoundError
 from tandem.explain.variant import force_modes
 from tandem.plan import exact
 from tandem.plan.decode import Layout, append_in_order
@@ -82,7 +82,10 @@ def alternative(cell: Cell, point: Result, task: str, mode: Mode, *, time_limit:
 
     Every number is the answer of the exact planner to the cell without the task's other modes.
     """
-    forced = force_modes(cell, {task: mode})
+    try:
+        forced = force_modes(cell, {task: mode})
+    except CellError:
+        return Alternative(task, mode.operators, mode.time)
     begin = rearranged(forced, point.schedule)
     open_questions: list[str] = []
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from tandem.cell.model import Cell, Mode, Table, plain
+from tandem.cell.model import Cell, Mode, Table, Task, plain
 from tandem.cell.names import Known
 from tandem.cell.reading import cell_of
 from tandem.errors import UsageError
@@ -35,6 +35,8 @@ def variant(cell: Cell, sets: Iterable[str] = (), without: Iterable[str] = (), f
             wrong.append(f"--without {name}: there is no such operator. {Known(data['operators']).hint(name)}")
         else:
             _leave_out(data, name)
+    if without and not wrong:
+        _leave_out_sets(data)
     if wrong:
         raise UsageError("\n".join(wrong))
     changed = cell_of(data)
@@ -51,17 +53,42 @@ def variant(cell: Cell, sets: Iterable[str] = (), without: Iterable[str] = (), f
 
 
 def force_modes(cell: Cell, choices: Mapping[str, Mode]) -> Cell:
-    """The cell in which each of these tasks has one way of being done, and no other."""
+    """The cell in which each of these tasks has one way of being done, and tasks that need the same operators follow suit.
+
+    Raises:
+      CellError: the variant is not sound, as when a task that needs the same operators cannot be done by them.
+    """
     tasks = dict(cell.tasks)
     for name, mode in choices.items():
-        task = tasks[name]
-        if len(mode.operators) == 1:
-            who = mode.operators[0]
-            tasks[name] = task.model_copy(update={"time": Table({who: task.time[who]}), "together": ()})
-        else:
-            joint = tuple(way for way in task.together if set(way.operators) == set(mode.operators))
-            tasks[name] = task.model_copy(update={"time": Table(), "together": joint})
-    return cell.replace(tasks=tasks) if choices else cell
+        tasks[name] = _only(tasks[name], mode.operators)
+        for partner in _bound_to(cell, name) - set(choices):
+            tasks[partner] = _only(tasks[partner], mode.operators)
+    if not choices:
+        return cell
+    return cell.replace(tasks=tasks, stress_of_set=_possible_sets(cell, tasks))
+
+
+def _only(task: Task, operators: tuple[str, ...]) -> Task:
+    """The task with the ways of just these operators."""
+    time = {who: seconds for who, seconds in task.time.items() if operators == (who,)}
+    return task.model_copy(update={"time": Table(time), "together": tuple(way for way in task.together if set(way.operators) == set(operators))})
+
+
+def _bound_to(cell: Cell, name: str) -> set[str]:
+    """Tasks that must be done by the same operators, directly or by way of others."""
+    bound, grows = {name}, True
+    while grows:
+        more = {task for pair in cell.same_operator if bound & set(pair) for task in pair} - bound
+        bound, grows = bound | more, bool(more)
+    return bound - {name}
+
+
+def _possible_sets(cell: Cell, tasks: Mapping[str, Task]) -> dict[str, float] | None:
+    """The table of stress without the sets that name a task which no human can do any more."""
+    if cell.stress_of_set is None:
+        return None
+    human = {name for name, task in tasks.items() if {*task.time, *(who for way in task.together for who in way.operators)} & set(cell.humans)}
+    return {key: stress for key, stress in cell.stress_of_set.items() if set(filter(None, key.split(","))) <= human}
 
 
 # --- set ----------------------------------------------------------------------------------------------------------------------
@@ -157,6 +184,18 @@ def _leave_out(data: dict[str, Any], name: str) -> None:
     for tool in data.get("tools", {}).values():
         if isinstance(tool.get("changeover"), dict):
             tool["changeover"].pop(name, None)
+
+
+def _leave_out_sets(data: dict[str, Any]) -> None:
+    """Takes out the sets of tasks that humans can no longer do."""
+    humans = {name for name, operator in data["operators"].items() if operator.get("kind") == "human"}
+    able = {
+        name
+        for name, task in data["tasks"].items()
+        if humans & {*task.get("time", {}), *(str(who) for way in task.get("together", ()) for who in way["operators"])}
+    }
+    if data.get("stress_of_set"):
+        data["stress_of_set"] = {key: stress for key, stress in data["stress_of_set"].items() if set(filter(None, key.split(","))) <= able}
 
 
 # --- force --------------------------------------------------------------------------------------------------------------------
