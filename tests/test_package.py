@@ -112,3 +112,14 @@ def test_the_solver_stays_at_the_version_that_is_right() -> None:
 def test_the_changelog_and_the_citation_name_this_version() -> None:
     assert "## [Unreleased]" in (ROOT / "CHANGELOG.md").read_text()
     assert f"version: {tandem.__version__}" in (ROOT / "CITATION.cff").read_text()
+
+
+@pytest.mark.parametrize(("ci", "ending"), [("", "2 skipped"), ("1", "1 failed, 1 skipped")])
+def test_in_ci_a_test_without_its_program_has_failed(tmp_path: Path, ci: str, ending: str) -> None:
+    (tmp_path / "conftest.py").write_text((ROOT / "tests" / "conftest.py").read_text())
+    (tmp_path / "test_pages.py").write_text(
+        "import pytest\n\ndef test_page():\n    pytest.skip('there is no Chromium here; apt-get install chromium')\n\n"
+        "def test_data():\n    pytest.skip('the benchmark sets are not here')\n"
+    )
+    done = python("-m", "pytest", "-q", "-p", "no:cacheprovider", "--rootdir", str(tmp_path), str(tmp_path), TANDEM_CI=ci)
+    assert ending in done.stdout.splitlines()[-1]
