@@ -217,15 +217,18 @@ def docs(_: Sequence[str]) -> int:
 
 
 def bench(arguments: Sequence[str]) -> int:
-    install("bench")
-    names = sorted(path.stem for path in (ROOT / "benchmarks").glob("*.py") if not path.stem.startswith("_"))
+    programs = {
+        path.stem: path for path in sorted((ROOT / "benchmarks").glob("*.py")) if '__name__ == "__main__"' in path.read_text(encoding="utf-8")
+    }
     if not arguments:
-        print("\n".join(f"python3 dev.py bench {name}" for name in names))
+        for name, path in programs.items():
+            print(f"python3 dev.py bench {name:14} {path.read_text(encoding='utf-8').splitlines()[0].strip(chr(34))}")
         return 0
-    if arguments[0] not in names:
-        say(f"no benchmark is called {arguments[0]!r}; there are {', '.join(names) or 'none'}.")
+    if arguments[0] not in programs:
+        say(f"no benchmark is called {arguments[0]!r}; there are {', '.join(programs) or 'none'}.")
         return 2
-    return call(PYTHON, Path("benchmarks", f"{arguments[0]}.py"), *arguments[1:])
+    install("bench", "learn")
+    return call(PYTHON, programs[arguments[0]].relative_to(ROOT), *arguments[1:])
 
 
 def clean(arguments: Sequence[str]) -> int:

@@ -63,6 +63,12 @@ def test_every_option_that_the_pages_use_exists() -> None:
     assert wrong == set()
 
 
+def test_every_benchmark_is_described() -> None:
+    page = (DOCS / "benchmarks.md").read_text()
+    programs = [path for path in (ROOT / "benchmarks").glob("*.py") if '__name__ == "__main__"' in path.read_text()]
+    assert [path.stem for path in programs if f"| `{path.stem}` |" not in page] == []
+
+
 def test_every_page_is_reachable() -> None:
     listed = set(re.findall(r"^([a-z-]+)$", (DOCS / "index.md").read_text(), re.MULTILINE))
     assert listed == {page.stem for page in DOCS.glob("*.md")} - {"index"}
