@@ -10,9 +10,9 @@ import numpy as np
 from tandem.cell.model import Cell, plain
 from tandem.envs.thesis.episode import seconds
 from tandem.envs.thesis.station import whole_ticks
+from tandem.learn.gaps import relative_gap
 from tandem.learn.play import Played
 from tandem.learn.stations import StationWorld
-from tandem.plan.result import Front
 
 if TYPE_CHECKING:
     from tandem.learn.trainer import Training
@@ -23,22 +23,6 @@ def pair(world: StationWorld, cell: Cell, played: Played, place: int) -> tuple[f
     if not played.done[place]:
         return None, None
     return plain(seconds(int(played.state.clock[place]), whole_ticks(cell))), plain(round(float(played.state.stress[place]), 6))
-
-
-def cost(makespan: float, stress: float, *, step: float, per_second: int, stress_factor: float) -> float:
-    """What an agent loses by time and stress: |step reward| x ticks + factor x stress. The robot's loss differs by a constant."""
-    return abs(step) * per_second * makespan + stress_factor * stress
-
-
-def relative_gap(front: Front | None, makespan: float | None, stress: float | None, **paid: Any) -> float | None:
-    """How far the cost is above the least on the front, as a share of that; None without a front or an end.
-
-    Every least cost with weights of 0 or more lies on the complete front, so the gap of a complete front is exact.
-    """
-    if front is None or makespan is None or stress is None:
-        return None
-    least = min(cost(*point, **paid) for point in front.points)
-    return round((cost(makespan, stress, **paid) - least) / least, 6)
 
 
 def gap(training: Training, makespan: float | None, stress: float | None) -> float | None:

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from typing import Literal
+from typing import Any, Literal
 
+from tandem.envs.thesis.observations import observe, observe_normalised, observe_scaled
 from tandem.errors import UsageError
 from tandem.learn.config import Config, Stage
+
+
+OBSERVATIONS: dict[str, Callable[..., Any]] = {"thesis": observe, "scaled": observe_scaled, "normalised": observe_normalised}
+"""What a recipe's `sees` means: station and state to `[2, D]`, in NumPy and JAX alike."""
 
 
 @dataclass(frozen=True)
@@ -17,13 +23,13 @@ class Recipe:
     Attributes:
       config: of the learner.
       pace: the station by "ticks" or by "decisions".
-      sees: "raw" or "scaled" (the thesis's observation, as it is or in 0..1) or "normalised" (ours).
+      sees: a name in `OBSERVATIONS`: the thesis's observation as it is ("thesis") or in 0..1 ("scaled"), or ours ("normalised").
       rewards: a name in `tandem.envs.thesis.REWARDS`. What idling costs is said by the stages.
     """
 
     config: Config
     pace: Literal["ticks", "decisions"]
-    sees: Literal["raw", "scaled", "normalised"]
+    sees: str
     rewards: str = "appendix"
 
 
@@ -51,7 +57,7 @@ THESIS = Recipe(
         normalise_returns=False,
     ),
     pace="ticks",
-    sees="raw",
+    sees="thesis",
 )
 """Kinat (2023), chapters 5 and 6: what is written there. What is not, as the toolbox it used has it by default: two hidden layers, ReLU, raw
 advantages, learning after each episode or 512 steps, whichever comes first. (Recalled from its manual; ASSUMPTION.)"""

@@ -10,18 +10,16 @@ import jax
 import jax.numpy as jnp
 
 from tandem.cell.model import Cell
-from tandem.envs.thesis import decisions, observations
+from tandem.envs.thesis import decisions
 from tandem.envs.thesis import world as ticks
 from tandem.envs.thesis.rewards import reward_set
 from tandem.envs.thesis.station import station, whole_ticks
 from tandem.envs.thesis.world import HUMAN, ROBOT, Rewards, State, Station
 from tandem.learn.config import StageValues
-from tandem.learn.recipes import Recipe
+from tandem.learn.recipes import OBSERVATIONS, Recipe
 from tandem.learn.world import Outcome
 
 Array = Any
-
-OBSERVATIONS = {"raw": observations.observe, "scaled": observations.observe_scaled, "normalised": observations.observe_normalised}
 
 
 @partial(jax.tree_util.register_dataclass, data_fields=["station", "rewards"], meta_fields=["pace", "sees"])

@@ -1,0 +1,230 @@
+"""`tandem train`, `tandem evaluate`, `tandem reproduce`: agents that learn, beside the exact optimum."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from tandem.errors import TandemError, UsageError
+
+if TYPE_CHECKING:
+    from tandem.learn.trainer import Progress
+
+FOLDER = click.Path(file_okay=False, path_type=Path)
+PICTURE = click.Path(dir_okay=False, path_type=Path)
+
+
+def _needs_learn_extra() -> None:
+    try:
+        import jax  # noqa: F401
+    except ImportError as error:
+        raise TandemError("training needs JAX, which is not installed. Get it with: pip install 'tandem[learn]'") from error
+
+
+@click.command("train")
+@click.argument("cell_file", metavar="[CELL]", required=False, type=click.Path(allow_dash=True))
+@click.option("--format", "form", metavar="NAME", help="What CELL is written in; told from its content when absent.")
+@click.option("--recipe", "recipe_name", default="tandem", show_default=True, help="How to train: tandem, or thesis (Kinat 2023).")
+@click.option("--stress-factor", type=float, default=0.0, show_default=True, help="How much a unit of stress counts; a second counts 10.")
+@click.option("--seeds", type=click.IntRange(1, 1000), default=1, show_default=True, help="How many trainings, side by side.")
+@click.option("--first-seed", type=click.IntRange(0), default=0, show_default=True, help="The seeds are this one and those that follow.")
+@click.option("--run", "folder", type=FOLDER, help="Folder that the run is kept in; a new one under runs/ when absent.")
+@click.option("--resume", type=FOLDER, metavar="RUN", help="Go on with a run that was stopped.")
+@click.option("--front-limit", type=float, default=30.0, show_default=True, help="Seconds for the exact front that everything is held against.")
+@click.option("--tensorboard", is_flag=True, help="Write TensorBoard events into the run's folder too.")
+@click.option("--json", "as_json", is_flag=True, help="Print the result document on stdout and nothing else there.")
+@click.option("-q", "--quiet", is_flag=True, help="No progress on stderr.")
+def train_command(
+    cell_file: str | None,
+    form: str | None,
+    recipe_name: str,
+    stress_factor: float,
+    seeds: int,
+    first_seed: int,
+    folder: Path | None,
+    resume: Path | None,
+    front_limit: float,
+    tensorboard: bool,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Train a robot's and a human's agent on CELL by trial and error.
+
+    \b
+    Examples:
+      tandem train cell.yaml --stress-factor 5 --seeds 3
+      tandem train --resume runs/my-run
+
+    Ctrl-C saves; the exit code is then 130 and --resume goes on to the same end.
+    """
+    _needs_learn_extra()
+    from tandem.cell.files import load
+    from tandem.learn import trainer
+
+    if (cell_file is None) == (resume is None):
+        raise UsageError("give a CELL to train on, or --resume RUN to go on with a run; one of the two.")
+    with _Bar(quiet) as bar:
+        if resume is not None:
+            document = trainer.resume(resume, tensorboard=tensorboard, on_progress=bar)
+        else:
+            assert cell_file is not None
+            document = trainer.train(
+                load(cell_file, form),
+                recipe_name=recipe_name,
+                stress_factor=stress_factor,
+                seeds=range(first_seed, first_seed + seeds),
+                folder=folder,
+                front_limit=front_limit,
+                tensorboard=tensorboard,
+                on_progress=bar,
+            )
+    if as_json:
+        click.echo(json.dumps(document, ensure_ascii=False))
+    else:
+        _show_training(document)
+    if document["interrupted"]:
+        click.echo(f"interrupted and saved. Go on with: tandem train --resume {document['run']}", err=True)
+        return 130
+    return 0
+
+
+class _Bar:
+    """The training's progress on stderr: share done, and what the greedy policy of the first seed reaches."""
+
+    def __init__(self, quiet: bool) -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+        console = Console(stderr=True)
+        self.bar = Progress(TextColumn("training"), BarColumn(), TextColumn("{task.percentage:>3.0f} %  {task.description}"), TimeElapsedColumn(), console=console, disable=quiet)
+        self.task = self.bar.add_task("compiling", total=1.0)
+
+    def __enter__(self) -> _Bar:
+        self.bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.bar.stop()
+
+    def __call__(self, progress: Progress) -> None:
+        row = progress.rows[0]
+        reached = "not finished" if row["greedy_makespan"] is None else f"makespan {row['greedy_makespan']:g} s, stress {row['greedy_stress']:g}"
+        gap = "" if row["gap"] is None else f", {row['gap']:.1%} above the optimum"
+        self.bar.update(self.task, completed=progress.share, description=f"greedy: {reached}{gap}")
+
+
+def _show_training(document: dict[str, Any]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table("seed", "greedy makespan", "stress", "illegal", "gap", f"best of {document['seeds'][0]['best_of_n']['n']}", "gap", "steps", "CPU s")
+    for row in document["seeds"]:
+        best = row["best_of_n"]
+        table.add_row(
+            str(row["seed"]), *_figures(row["greedy"]), str(row["greedy"]["illegal"]), _share(row["greedy"]["gap"]),
+            " / ".join(_figures(best)), _share(best["gap"]), str(row["steps"]), f"{row['cpu_s']:.1f}",
+        )  # fmt: skip
+    console = Console(highlight=False)
+    console.print(table)
+    points = ", ".join(f"({makespan:g} s, {stress:g})" for makespan, stress in document["exact_front"]) or "not found in time"
+    console.print(f"exact front{'' if document['exact_front_complete'] else ' (not proven complete)'}: {points}")
+    console.print(f"run: {document['run']}   look at it with: tandem evaluate {document['run']}")
+
+
+@click.command("evaluate")
+@click.argument("run", type=FOLDER)
+@click.argument("cell_file", metavar="[CELL]", required=False, type=click.Path(allow_dash=True))
+@click.option("--seed", type=int, help="Which of the run's seeds; its first when absent.")
+@click.option("--episodes", type=click.IntRange(2, 100_000), default=100, show_default=True, help="Episodes of the sampled and the random player.")
+@click.option("--front-limit", type=float, default=30.0, show_default=True, help="Seconds for the exact front.")
+@click.option("--gantt", type=PICTURE, help="Draw the greedy schedule into this .svg, .png or .pdf.")
+@click.option("--curves", type=PICTURE, help="Draw the training's curves into this .svg, .png or .pdf.")
+@click.option("--json", "as_json", is_flag=True, help="Print everything as one document.")
+def evaluate_command(
+    run: Path, cell_file: str | None, seed: int | None, episodes: int, front_limit: float, gantt: Path | None, curves: Path | None, as_json: bool
+) -> None:
+    """Play what RUN has learned, beside the exact front, the best dispatch rule and a random player.
+
+    \b
+    Examples:
+      tandem evaluate runs/my-run
+      tandem evaluate runs/my-run --gantt greedy.svg --curves training.svg
+    """
+    from tandem.cell.files import load
+    from tandem.draw.saving import save
+    from tandem.learn.evaluate import evaluate
+
+    found = evaluate(run, load(cell_file) if cell_file else None, seed=seed, episodes=episodes, front_limit=front_limit)
+    greedy = found.line("greedy")
+    if gantt:
+        if greedy.schedule is None:
+            raise UsageError(f"--gantt: the greedy policy gives no schedule to draw ({'; '.join(greedy.faults) or 'it did not finish'}).")
+        from tandem.draw.gantt import plot_gantt
+
+        save(plot_gantt(found.cell, greedy.schedule), gantt)
+    if curves:
+        from tandem.learn.pictures import plot_training
+        from tandem.learn.runs import RunFolder
+
+        save(plot_training(RunFolder(run).rows()), curves)
+    for picture in filter(None, (gantt, curves)):
+        click.echo(f"wrote {picture}", err=True)
+    if as_json:
+        click.echo(json.dumps(found.to_dict(), ensure_ascii=False))
+    else:
+        _show_players(found)
+
+
+def _show_players(found: Any) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table("player", "makespan", "stress", "illegal", "finished", "gap to the exact optimum")
+    for line in found.lines:
+        time, stress = _figures({"makespan": line.makespan, "stress": line.stress})
+        if line.makespan_ci95 is not None:
+            time, stress = f"{time} ± {line.makespan_ci95:.2g}", f"{stress} ± {line.stress_ci95:.2g}"
+        table.add_row(line.player, time, stress, f"{line.illegal:g}", f"{line.done:.0%}", _share(line.gap))
+    console = Console(highlight=False)
+    console.print(table)
+    front = found.front
+    points = ", ".join(f"({makespan:g} s, {stress:g})" for makespan, stress in front.points) if front else "not found in time"
+    console.print(f"exact front{'' if front and front.complete else ' (not proven complete)'}: {points}   (± = 95 % interval of the mean)")
+
+
+@click.command("reproduce")
+@click.argument("system", type=click.Choice(["thesis"]))
+@click.option("--quick", is_flag=True, help="A short version: few seeds, small budgets; shows that the code runs, not what the recipes reach.")
+@click.option("-o", "--output", type=FOLDER, default=Path("tandem-out/thesis"), show_default=True, help="Folder for the table, the records and the figures.")
+@click.option("--seeds", type=click.IntRange(1, 100), help="Seeds of the thesis's recipe; 10 when absent.")
+@click.option("--stored", is_flag=True, help="Train nothing: show the stored long run.")
+@click.option("--json", "as_json", is_flag=True, help="Print the result as one document.")
+def reproduce_command(system: str, quick: bool, output: Path, seeds: int | None, stored: bool, as_json: bool) -> None:
+    """Run a published system here: published, ours and exact side by side, figures redrawn.
+
+    \b
+    Examples:
+      tandem reproduce thesis --stored
+      tandem reproduce thesis --quick
+
+    The whole run takes one to two CPU hours; it can be stopped and goes on where it was.
+    """
+    from tandem.experiments import thesis
+
+    if not stored:
+        _needs_learn_extra()
+    document = thesis.stored() if stored else thesis.reproduce(output, quick=quick, seeds=seeds, tell=lambda text: click.echo(text, err=True))
+    for file in thesis.draw_figures(document, output):
+        click.echo(f"wrote {file}", err=True)
+    click.echo(json.dumps(document, ensure_ascii=False) if as_json else thesis.table(document))
+
+
+def _figures(played: dict[str, Any]) -> tuple[str, str]:
+    return ("not finished", "-") if played["makespan"] is None else (f"{played['makespan']:g} s", f"{played['stress']:g}")
+
+
+def _share(value: float | None) -> str:
+    return "-" if value is None else f"{value:.1%}"
