@@ -18,7 +18,7 @@ from tandem.plan.question import Progress
 
 @dataclass(frozen=True)
 class Run:
-    """What a solver had: `makespan` in seconds (None: nothing), a bound, whether it was proven, the wall time, and (second, makespan) along the way."""
+    """What a solver had: `makespan` in seconds (None: nothing), a bound, whether it was proven, wall time, (second, makespan) along the way."""
 
     makespan: float | None
     bound: float | None

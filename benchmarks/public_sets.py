@@ -18,7 +18,6 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 from peers import PEERS, Run
-
 from tandem.cell.files import load
 
 SETS = ("fjsp_kacem", "fjsp_fattahi", "fjsp_brandimarte", "fjsp_dag_mini", "fjsp_dag_birgin", "hrc_case_studies", "hrc_battery_cells")
@@ -44,7 +43,10 @@ def main() -> int:
     parser.add_argument("--peers", nargs="+", default=list(PEERS), choices=list(PEERS))
     parser.add_argument("-o", "--output", type=Path)
     options = parser.parse_args()
-    print(f"{options.seconds:g} s, {options.workers} workers, seed {options.seed}, ortools {version('ortools')}, pyjobshop {version('pyjobshop')}", flush=True)
+    print(
+        f"{options.seconds:g} s, {options.workers} workers, seed {options.seed}, ortools {version('ortools')}, pyjobshop {version('pyjobshop')}",
+        flush=True,
+    )
     rows = []
     for name in options.sets:
         for instance, lower, upper, path in instances(options.data / name):
@@ -62,7 +64,8 @@ def main() -> int:
 def _line(row: tuple) -> str:
     name, instance, lower, upper, peer, makespan, bound, proven, wall = row
     gap = "nothing" if makespan is None else f"{makespan:>9g}  {100 * (makespan - upper) / upper:+6.2f} %"
-    return f"{name:<18}{instance:<26}{lower:>7g}{upper:>7g}  {peer:<10}{gap}  bound {bound if bound is not None else 0:>8g}  {'proven' if proven else '      '} {wall:6.2f} s"
+    known = f"{name:<18}{instance:<26}{lower:>7g}{upper:>7g}"
+    return f"{known}  {peer:<10}{gap}  bound {bound or 0:>8g}  {'proven' if proven else '':<6} {wall:6.2f} s"
 
 
 def _write(path: Path, rows: list[tuple]) -> None:
@@ -73,7 +76,9 @@ def _write(path: Path, rows: list[tuple]) -> None:
 
 
 def _summary(rows: list[tuple], peers: list[str]) -> None:
-    print(f"\n{'set':<18}{'solver':<11}{'instances':>9}{'solved':>8}{'proven':>8}{'mean gap to best known':>25}{'worse':>7}{'better':>7}{'mean s':>8}")
+    print(
+        f"\n{'set':<18}{'solver':<11}{'instances':>9}{'solved':>8}{'proven':>8}{'mean gap to best known':>25}{'worse':>7}{'better':>7}{'mean s':>8}"
+    )
     for name in dict.fromkeys(row[0] for row in rows):
         for peer in peers:
             mine = [row for row in rows if row[0] == name and row[4] == peer]
@@ -81,7 +86,9 @@ def _summary(rows: list[tuple], peers: list[str]) -> None:
             gap = sum((row[5] - row[3]) / row[3] for row in have) / max(len(have), 1)
             worse, better = sum(row[5] > row[3] for row in have), sum(row[5] < row[3] for row in have)
             seconds = sum(row[8] for row in mine) / max(len(mine), 1)
-            print(f"{name:<18}{peer:<11}{len(mine):>9}{len(have):>8}{sum(row[7] for row in mine):>8}{gap:>24.2%} {worse:>7}{better:>7}{seconds:>8.2f}")
+            print(
+                f"{name:<18}{peer:<11}{len(mine):>9}{len(have):>8}{sum(row[7] for row in mine):>8}{gap:>24.2%} {worse:>7}{better:>7}{seconds:>8.2f}"
+            )
 
 
 def _contradictions(rows: list[tuple]) -> int:

@@ -17,7 +17,6 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 from peers import PEERS, Run
-
 from tandem.cell.generators import layered
 
 COLUMNS = ("tasks", "operators", "seed", "solver", "seconds", "makespan", "bound", "proven", "wall_s", "best_bound")

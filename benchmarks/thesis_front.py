@@ -1,6 +1,6 @@
 """The whole front of the thesis cell, proven, inside the process: Tandem beside a plain CP-SAT epsilon-constraint loop, turn by turn.
 
-    python benchmarks/thesis_front.py [--turns 20] [--cell examples/thesis.yaml]
+python benchmarks/thesis_front.py [--turns 20] [--cell examples/thesis.yaml]
 """
 
 from __future__ import annotations

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from ortools.sat.python import cp_model
 
@@ -45,7 +47,7 @@ def test_breaks_keep_an_operator_from_working():
     assert not possible(rest, 12, cpsat.an_operator_does_one_thing_at_a_time)
 
 
-@pytest.mark.parametrize("in_hand, ends", [(None, 13), ("wrench", 13), ("driver", 16)])
+@pytest.mark.parametrize(("in_hand", "ends"), [(None, 13), ("wrench", 13), ("driver", 16)])
 def test_taking_up_another_tool_takes_its_time(in_hand, ends):
     """Wrench, then driver: 5 + 3 + 5; with the driver in hand at the start the wrench has to be taken up too, or the driver again."""
     anna = {"kind": "human"} | ({"tool": in_hand} if in_hand else {})
@@ -57,7 +59,9 @@ def test_taking_up_another_tool_takes_its_time(in_hand, ends):
     assert not possible(swap, ends - 1, *rules)
 
 
-@pytest.mark.parametrize("kind, rule", [("tool", cpsat.a_tool_is_used_as_often_as_it_exists), ("zone", cpsat.a_zone_holds_as_many_as_it_has_places)])
+@pytest.mark.parametrize(
+    ("kind", "rule"), [("tool", cpsat.a_tool_is_used_as_often_as_it_exists), ("zone", cpsat.a_zone_holds_as_many_as_it_has_places)]
+)
 def test_a_tool_and_a_zone_are_shared(kind, rule):
     tasks = {"a": {"time": BOTH, kind: "it"}, "b": {"time": BOTH, kind: "it"}}
     assert not possible(cell(tasks=tasks), 9, rule)
@@ -108,5 +112,5 @@ def test_implied_rules_say_no_before_the_search_does(rule):
 
 
 def test_each_rule_of_the_model_is_tested_here():
-    text = open(__file__, encoding="utf-8").read()
+    text = Path(__file__).read_text(encoding="utf-8")
     assert [rule.__name__ for rule in cpsat.RULES if f"cpsat.{rule.__name__}" not in text] == []

@@ -26,7 +26,7 @@ def test_the_front_of_the_thesis_cell(method):
 
 
 @pytest.mark.parametrize(
-    "asked, point",
+    ("asked", "point"),
     [
         ({"minimize": "makespan"}, (23, 7)),
         ({"minimize": "stress"}, (34, 2)),
@@ -44,7 +44,7 @@ def test_one_best_schedule(method, asked, point):
     assert front.complete
 
 
-@pytest.mark.parametrize("asked, points", [({"max_stress": 3}, [(24, 3), (34, 2)]), ({"max_makespan": 33}, [(23, 7), (24, 3)])])
+@pytest.mark.parametrize(("asked", "points"), [({"max_stress": 3}, [(24, 3), (34, 2)]), ({"max_makespan": 33}, [(23, 7), (24, 3)])])
 def test_limits_cut_the_front(asked, points):
     front = plan(thesis(), **asked)
     assert front.points == points
@@ -113,13 +113,15 @@ def test_only_the_limits_that_matter_are_blamed():
     cell = thesis()
     tasks = {**cell.tasks, "7": cell.tasks["7"].model_copy(update={"deadline": 22.0})}
     human = cell.operators["human"].model_copy(update={"stress_limit": 30.0, "breaks": ((100.0, 110.0),)})
-    with pytest.raises(InfeasibleError, match=r"the deadline of task 7 \(22 s\) cannot be kept\.\n.*Without .* it works: 23 s with a stress of 7") as caught:
+    with pytest.raises(
+        InfeasibleError, match=r"the deadline of task 7 \(22 s\) cannot be kept\.\n.*Without .* it works: 23 s with a stress of 7"
+    ) as caught:
         plan(cell.replace(tasks=tasks, operators={**cell.operators, "human": human}))
     assert len(caught.value.reasons) == 2
 
 
 def test_wrong_options_are_refused():
-    with pytest.raises(UsageError, match="no method 'exat'.*Did you mean 'exact'"):
+    with pytest.raises(UsageError, match=r"no method 'exat'.*Did you mean 'exact'"):
         plan(thesis(), method="exat")
     with pytest.raises(UsageError, match="time limit 0"):
         plan(thesis(), time_limit=0)
@@ -133,13 +135,13 @@ def test_nothing_found_is_no_proof():
     human = next(name for name in cell.humans)
     least = sum(min(sum(mode.stress.values()) for mode in cell.modes(task)) for task in cell.tasks)
     tight = cell.replace(operators={**cell.operators, human: cell.operators[human].model_copy(update={"stress_limit": float(least)})})
-    try:
-        assert faults(tight, plan(tight, minimize="makespan", time_limit=0.05)[0].schedule) == []
-    except NothingFoundError as error:
-        assert "whether there is one is open" in str(error)
+    with pytest.raises(NothingFoundError, match="whether there is one is open"):
+        plan(tight, minimize="makespan", time_limit=0.01)
 
 
-@pytest.mark.parametrize("seed, optimum", list(enumerate([135, 126, 142, 158, 141, 145, 137, 123, 122, 136, 139, 138, 125, 135, 135, 138, 131, 152, 132, 128])))
+@pytest.mark.parametrize(
+    ("seed", "optimum"), list(enumerate([135, 126, 142, 158, 141, 145, 137, 123, 122, 136, 139, 138, 125, 135, 135, 138, 131, 152, 132, 128]))
+)
 def test_the_optimum_of_yus_boards(seed, optimum):
     front = plan(random_board(seed=seed).to_cell(), minimize="makespan")
     assert front.points == [(optimum, 0)]

@@ -57,7 +57,9 @@ def test_the_installed_version_is_the_pinned_one():
     assert version("ortools").startswith("9.14.")
 
 
-@pytest.mark.parametrize("ticks, most_stress, possible", [(22, None, False), (23, None, True), (23, 7, True), (23, 6, False), (24, 3, True), (34, 2, True)])
+@pytest.mark.parametrize(
+    ("ticks", "most_stress", "possible"), [(22, None, False), (23, None, True), (23, 7, True), (23, 6, False), (24, 3, True), (34, 2, True)]
+)
 def test_the_thesis_cell_can_be_done_in_23_seconds(ticks, most_stress, possible):
     assert can_end_by(thesis(), ticks, most_stress) is possible
 

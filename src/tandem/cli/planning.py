@@ -15,10 +15,15 @@ from tandem.errors import CellError, Fault, UnsoundScheduleError, UsageError
 if TYPE_CHECKING:
     from tandem.plan.result import Front
 
-FORMAT = click.option("--format", "form", metavar="NAME", help="What CELL is written in; told from its content when absent: yaml, json, fjs, fjs-dag, alb, alwabp, case.")
+FORMAT = click.option(
+    "--format",
+    "form",
+    metavar="NAME",
+    help="What CELL is written in; told from its content when absent: yaml, json, fjs, fjs-dag, alb, alwabp, case.",
+)
 
 
-class Weights(click.ParamType):
+class Weights(click.ParamType):  # type: ignore[type-arg]  # older releases of click take no parameter
     """Two numbers joined by a comma."""
 
     name = "TIME,STRESS"
@@ -37,7 +42,9 @@ class Weights(click.ParamType):
 @click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=True))
 @FORMAT
 @click.option("--method", default="exact", show_default=True, help="How to plan; `tandem methods` lists them.")
-@click.option("--minimize", type=click.Choice(["makespan", "stress"]), help="Only the one schedule that is best in this and, among those, in the other.")
+@click.option(
+    "--minimize", type=click.Choice(["makespan", "stress"]), help="Only the one schedule that is best in this and, among those, in the other."
+)
 @click.option("--weights", type=Weights(), help="Only the one schedule with the least TIME * makespan + STRESS * stress.")
 @click.option("--max-stress", type=float, help="Only schedules of at most this stress.")
 @click.option("--max-makespan", type=float, help="Only schedules of at most so many seconds.")
@@ -47,7 +54,12 @@ class Weights(click.ParamType):
 @click.option("--hint", type=click.Path(dir_okay=False, path_type=Path), help="A result document whose first schedule to begin with.")
 @click.option("--json", "as_json", is_flag=True, help="Print the result document on stdout and nothing else there.")
 @click.option(
-    "-o", "--output", "outputs", multiple=True, type=click.Path(dir_okay=False, path_type=Path), help="Write .json, .csv, .svg, .png, .pdf or .html; may be repeated."
+    "-o",
+    "--output",
+    "outputs",
+    multiple=True,
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write .json, .csv, .svg, .png, .pdf or .html; may be repeated.",
 )
 @variant_options
 @click.option("--report", type=click.Path(dir_okay=False, path_type=Path), help="Write the report: one HTML file that opens offline.")
@@ -151,7 +163,12 @@ def check_command(cell_file: str, result_file: Path | None, form: str | None, as
     cell = load(cell_file, form)
     found = [(place, faults(cell, schedule)) for place, schedule in enumerate(_schedules(result_file), start=1)] if result_file else []
     if as_json:
-        document = {"schema_version": 1, "cell": cell.name, "cell_digest": cell.digest, "faults": [{"point": p, "fault": f} for p, fs in found for f in fs]}
+        document = {
+            "schema_version": 1,
+            "cell": cell.name,
+            "cell_digest": cell.digest,
+            "faults": [{"point": p, "fault": f} for p, fs in found for f in fs],
+        }
         click.echo(json.dumps(document, ensure_ascii=False))
     if any(wrong for _, wrong in found):
         raise UnsoundScheduleError([f"schedule {place}: {fault}" for place, wrong in found for fault in wrong])

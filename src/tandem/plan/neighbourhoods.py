@@ -175,10 +175,11 @@ def _limits_left(instance: Instance, starts: Starts, place: dict[int, int]) -> t
     return tuple(None if limit is None else limit - used[operator] for operator, limit in enumerate(instance.stress_limit))
 
 
-def plan_anew(stretch: Stretch, upper: int, *, most_stress: int | None, weights: tuple[int, int], seconds: float, seed: int) -> Starts | None:
+def plan_anew(stretch: Stretch, upper: int, *, most_stress: int | None, weights: tuple[int, int], seed: int) -> tuple[Starts | None, bool]:
     """The stretch's best starts for `weights[0] * makespan + weights[1] * stress` such that the whole ends by `upper` ticks.
 
-    `most_stress` limits the stress of the stretch. None when no such starts were found in `seconds`.
+    `most_stress` limits the stress of the stretch. The starts are None when none were found within the work allowed; the flag says whether less
+    than half of it was needed, so that a longer stretch may be tried. Work is counted, not timed, so that a run repeats.
     """
     plan = formulate(stretch.instance, upper)
     for task, tails in enumerate(stretch.tails):
@@ -189,9 +190,14 @@ def plan_anew(stretch: Stretch, upper: int, *, most_stress: int | None, weights:
     plan.model.minimize(weights[0] * plan.makespan + weights[1] * plan.stress)
     solver = cp_model.CpSolver()
     solver.parameters.num_workers = 1
-    solver.parameters.max_time_in_seconds = seconds
+    solver.parameters.max_deterministic_time = WORK
     solver.parameters.random_seed = seed
     solver.parameters.catch_sigint_signal = False
     solver.parameters.symmetry_level = 0
     status = solver.solve(plan.model)
-    return plan.read(solver.value) if status in (cp_model.OPTIMAL, cp_model.FEASIBLE) else None  # type: ignore[comparison-overlap]
+    easy = solver.response_proto.deterministic_time < 0.5 * WORK
+    return plan.read(solver.value) if status in (cp_model.OPTIMAL, cp_model.FEASIBLE) else None, easy  # type: ignore[comparison-overlap]
+
+
+WORK = 0.1
+"""CP-SAT's deterministic seconds for one stretch."""

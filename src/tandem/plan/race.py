@@ -13,6 +13,7 @@ from math import ceil
 from queue import Empty, SimpleQueue
 from random import Random
 from time import monotonic, thread_time
+from typing import Any
 
 from ortools.sat.python import cp_model
 
@@ -138,9 +139,10 @@ class Race:
                     self._stop()
             self._tell(0)
         finally:
-            self._stop()
-            for thread in threads:
-                thread.join()
+            while any(thread.is_alive() for thread in threads):
+                self._stop()  # again and again: a solver that has not begun yet does not hear it
+                for thread in threads:
+                    thread.join(0.02)
         return Answer(self.best, self.bound, self.infeasible or (self.value is not None and self.bound >= self.value))
 
     def _tell(self, seconds: float) -> None:
@@ -169,11 +171,15 @@ class Race:
             for solver in self.running:
                 solver.stop_search()
 
+    @property
+    def _is_small(self) -> bool:
+        return len(self.instance.tasks) <= SMALL or self.instance.stress_of_set is not None
+
     def _together(self) -> list[Callable[[], None]]:
         """One job per thread."""
         tasks, workers, seed = len(self.instance.tasks), self.effort.workers, self.effort.seed
-        if tasks <= SMALL or self.instance.stress_of_set is not None:
-            return [lambda: self.prove(workers, seed)]
+        if self._is_small:
+            return [partial(self.prove, workers, seed)]
         jobs: list[Callable[[], None]] = [partial(self.improve, Random(f"{seed} {i}"), None) for i in range(max(1, workers // 2))]
         if tasks < LARGE:
             return [*jobs, partial(self.prove, workers - len(jobs), seed), self.refute]
@@ -189,14 +195,15 @@ class Race:
 
         def turns() -> None:
             seed, random, slice_ = self.effort.seed, Random(str(self.effort.seed)), 4.0
-            if len(self.instance.tasks) <= SMALL or self.instance.stress_of_set is not None:
-                self.prove(1, seed)
-            elif len(self.instance.tasks) >= LARGE:
+            if self._is_small:
+                return self.prove(1, seed)
+            if len(self.instance.tasks) >= LARGE:
                 self.relax(seed)
-            while not self.over and len(self.instance.tasks) > SMALL:
+            while not self.over:
                 self.improve(random, PATIENCE)
                 self.prove(1, seed, work=slice_)
                 slice_ *= 2
+            return None
 
         return [turns]
 
@@ -276,17 +283,16 @@ class Race:
             movers = frozenset(random.sample(range(operators), width))
             count = min(tasks, int(sizes[width]))
             first = max(0, min(tasks - count, random.randrange(-(count // 2), tasks - count // 2)))
-            began = monotonic()
-            better = self._try_stretch(current, first, count, movers, random)
-            sizes[width] = min(sizes[width] * 1.05, tasks) if monotonic() - began < 0.6 * STRETCH_S else max(8.0, sizes[width] * 0.9)
+            better, easy = self._try_stretch(current, first, count, movers, random)
+            sizes[width] = min(sizes[width] * 1.05, tasks) if easy else max(8.0, sizes[width] * 0.9)
             failures += 1
             if better is not None:
                 current = better
                 if self.found(better):
                     failures = 0
 
-    def _try_stretch(self, current: Starts, first: int, count: int, movers: frozenset[int], random: Random) -> Starts | None:
-        """The schedule with one stretch planned anew; None when it is worse or breaks a limit."""
+    def _try_stretch(self, current: Starts, first: int, count: int, movers: frozenset[int], random: Random) -> tuple[Starts | None, bool]:
+        """The schedule with one stretch planned anew, None when it is worse or breaks a limit; and whether that was easy."""
         instance, goal = self.instance, self.goal
         makespan, stress = measures(instance, current)
         order = sorted(range(len(current)), key=lambda task: (current[task][1], task))
@@ -297,9 +303,9 @@ class Race:
         weights = (goal.time, goal.stress)
         if goal.stress == 0 and most is not None:
             weights = (sum(max(way.stress for way in ways) for ways in stretch.instance.ways) + 1, 1)
-        fresh = plan_anew(stretch, upper, most_stress=most, weights=weights, seconds=STRETCH_S, seed=random.randrange(1 << 30))
+        fresh, easy = plan_anew(stretch, upper, most_stress=most, weights=weights, seed=random.randrange(1 << 30))
         if fresh is None:
-            return None
+            return None, easy
         ways = [way for way, _ in current]
         for place, task in enumerate(stretch.tasks):
             ways[task] = stretch.ways[place][fresh[place][0]]
@@ -307,8 +313,8 @@ class Race:
         order[first : first + count] = [stretch.tasks[place] for place in middle]
         starts = append(self.layout, order, ways)
         if starts is None or not goal.allows(*measures(instance, starts)) or not keeps_deadlines(instance, starts):
-            return None
-        return starts if goal.value(*measures(instance, starts)) <= goal.value(makespan, stress) else None
+            return None, easy
+        return (starts if goal.value(*measures(instance, starts)) <= goal.value(makespan, stress) else None), easy
 
     def _await_incumbent(self) -> bool:
         while self.best is None and not self.over:
@@ -341,7 +347,7 @@ class Race:
             solver.parameters.max_deterministic_time = work
         return solver
 
-    def _solve(self, solver: cp_model.CpSolver, plan: Decisions, watcher: _Watcher | None = None) -> cp_model.CpSolverStatus:
+    def _solve(self, solver: cp_model.CpSolver, plan: Decisions, watcher: _Watcher | None = None) -> Any:
         with self.lock:
             self.running.append(solver)
         try:
@@ -360,10 +366,6 @@ class Race:
             self.infeasible = True
         else:
             self.raise_bound(self.value)
-
-
-STRETCH_S = 0.2
-"""Seconds that CP-SAT may spend on one stretch."""
 
 
 class _Watcher(cp_model.CpSolverSolutionCallback):
