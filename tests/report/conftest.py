@@ -23,7 +23,7 @@ OPTIONS = [
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Any]:
-    program = os.environ.get("CHROMIUM") or shutil.which("chromium")
+    program = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
     if not program:
         pytest.skip("no browser: apt-get install chromium")
     api = pytest.importorskip("playwright.sync_api", reason="no browser control: pip install playwright (and apt-get install chromium)")

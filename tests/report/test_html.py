@@ -178,7 +178,7 @@ def test_small_pieces() -> None:
     assert tag("a", "<&", class_="x", hidden=True, id=None, data_n=1.0) == '<a class="x" hidden="" data-n="1">&lt;&amp;</a>'
     assert tag("p", "bell\x07") == "<p>bell</p>"
     assert fitting(["a long wording", "short"], width_of("short", 16)) == "short"
-    assert fitting(["a long wording"], 60).endswith("…")
+    assert fitting(["a long wording"], 100).endswith("…")
     assert fitting(["word"], 3) == ""
     assert ticks(0, 23, 12) == [0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22]
     assert ticks(0.1, 0.34, 5) == [0.1, 0.15, 0.2, 0.25, 0.3]

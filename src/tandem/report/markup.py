@@ -62,12 +62,12 @@ def _em(character: str) -> float:
 
 
 def fitting(wordings: Iterable[str], room: float, size: float = 16) -> str:
-    """The first wording that fits into so many pixels, else the last one cut short, else nothing."""
+    """The first wording that fits into so many pixels, else the last one cut to no less than four letters and half of it, else nothing."""
     last = ""
     for last in wordings:
         if width_of(last, size) <= room:
             return last
-    for length in range(len(last) - 1, 1, -1):
+    for length in range(len(last) - 1, max(3, len(last) // 2), -1):
         if width_of(cut := last[:length].rstrip() + "…", size) <= room:
             return cut
     return ""

@@ -16,7 +16,7 @@ from tandem.schedule.measures import makespan
 from tandem.schedule.model import Schedule
 
 WIDTH = 1040.0
-LANE, BAR = 64.0, 46.0
+LANE, BAR = 70.0, 52.0
 TOP, BOTTOM = 30.0, 44.0
 MOST_PANELS = 12
 
@@ -64,8 +64,8 @@ def _panel(
     joints: dict[str, list[float]] = {}
     for place, lane in enumerate(rows):
         y = TOP + place * LANE
-        pieces.append(text(left - 10, y + 27, fitting([lane.look.label], left - 20), text_anchor="end", class_="lane-name"))
-        pieces.append(text(left - 10, y + 47, _busy(lane, t), text_anchor="end", class_="faint"))
+        pieces.append(text(left - 10, y + 30, fitting([lane.look.label], left - 20), text_anchor="end", class_="lane-name"))
+        pieces.append(text(left - 10, y + 50, _busy(lane, t), text_anchor="end", class_="faint"))
         pieces.append(tag("rect", x=left, y=y + 5, width=WIDTH - left - 22, height=LANE - 10, class_="lane"))
         for why, found in (("break", lane.breaks), ("changeover", lane.changeovers)):
             for off in found:

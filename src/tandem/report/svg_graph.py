@@ -13,7 +13,7 @@ from tandem.report.markup import Markup, figure, fitting, hatch_id, tag, text, w
 
 COLUMN, ROW = 236.0, 88.0
 TILE = (6, 8)
-"""Columns and rows of a piece of a large graph that fills a printed page. Half a row more is shown above and below, so that no task is only cut."""
+"""Columns and rows of a piece of a large graph that fills a printed page."""
 
 
 def graph(cell: Cell, t: Words) -> Markup:
@@ -57,11 +57,11 @@ def _tiles(drawn: Layers, t: Words) -> list[Markup]:
     """The same drawing in pieces that can be read on paper; pieces without a task are left out."""
     (columns, rows), (across, down) = drawn.extent, TILE
     corners = [(x, y) for y in range(0, math.ceil(rows), down) for x in range(0, math.ceil(columns), across)]
-    filled = [(x, y) for x, y in corners if any(x - 0.5 <= a < x + across and y - 0.5 <= b < y + down for a, b in drawn.at.values())]
+    held = [(x, [b for a, b in drawn.at.values() if x - 0.5 <= a < x + across - 0.5 and y - 0.5 <= b < y + down - 0.5]) for x, y in corners]
+    filled = [(x, min(heights), max(heights)) for x, heights in held if heights]
     found = []
-    for place, (x, y) in enumerate(filled, 1):
-        wide, high = min(across, columns - x) * COLUMN, min(down, rows - y) * ROW + ROW
-        box = f"{x * COLUMN:.0f} {(y - 0.5) * ROW:.0f} {max(wide, COLUMN * across):.0f} {high:.0f}"
+    for place, (x, top, bottom) in enumerate(filled, 1):
+        box = f"{x * COLUMN:.0f} {top * ROW:.0f} {COLUMN * across:.0f} {(bottom - top + 1) * ROW + 6:.0f}"
         drawing = tag("svg", tag("use", href="#graph-drawing"), viewBox=box, class_="graph", xmlns="http://www.w3.org/2000/svg")
         found.append(tag("figure", tag("figcaption", t("graph.part", n=place, of=len(filled))), drawing))
     return found
