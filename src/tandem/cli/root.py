@@ -20,6 +20,9 @@ VERBS: dict[str, tuple[str, str]] = {
     "explain": ("tandem.cli.answers", "explain_command"),
     "compare": ("tandem.cli.answers", "compare_command"),
     "sensitivity": ("tandem.cli.answers", "sensitivity_command"),
+    "train": ("tandem.cli.learn", "train_command"),
+    "evaluate": ("tandem.cli.learn", "evaluate_command"),
+    "reproduce": ("tandem.cli.learn", "reproduce_command"),
     "methods": ("tandem.cli.planning", "methods_command"),
     "generate": ("tandem.cli.cells", "generate"),
     "convert": ("tandem.cli.cells", "convert_command"),
@@ -93,7 +96,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         what = f"{error.filename}: " if error.filename else ""
         return _say(f"{what}{(error.strerror or str(error)).lower()}. Nothing was left half written; choose another place for the output.", 2)
-    except Exception as error:  # noqa: BLE001  whatever else goes wrong is ours
+    except Exception as error:
         if os.environ.get("TANDEM_DEBUG"):
             raise
         return _say(
