@@ -8,13 +8,13 @@ from functools import lru_cache
 from importlib import resources
 from pathlib import Path
 
-import tandem
 from tandem.cell.model import Cell
 from tandem.cell.storing import store
 from tandem.draw.style import Look, looks, number, seconds, share
 from tandem.plan.result import Front, Result, Status
 from tandem.report.language import Words, words
 from tandem.report.markup import Markup, hatch_id, hatches, tag
+from tandem.report.sources import assumptions, made
 from tandem.report.svg_front import front_chart
 from tandem.report.svg_gantt import gantt
 from tandem.report.svg_graph import chain_words, graph
@@ -158,43 +158,12 @@ def _tasks(front: Front, t: Words) -> Markup:
 
 def _assumptions(front: Front, t: Words) -> Markup:
     """What was modelled and how far it is proven. Only what this cell has."""
-    cell = front.cell
-    shown = looks(cell)
-    found = [t("assume.units"), t("assume.table" if cell.stress_of_set is not None else "assume.sum"), t("assume.tasks"), t("assume.fixed")]
-    used = {task.tool: None for task in cell.tasks.values() if task.tool}
-    zones = {task.zone: None for task in cell.tasks.values() if task.zone}
-    breaks = [f"{shown[o].label} {number(a)}–{number(b)} s" for o, operator in cell.operators.items() for a, b in operator.breaks]
-    limits = [f"{shown[o].label} {number(operator.stress_limit)}" for o, operator in cell.operators.items() if operator.stress_limit is not None]
-    if any(task.together for task in cell.tasks.values()):
-        found.append(t("assume.joint"))
-    if used:
-        found.append(
-            t("assume.tools", tools=", ".join(t("assume.tool", tool=name, n=cell.tools[name].capacity if name in cell.tools else 1) for name in used))
-        )
-    if zones:
-        found.append(t("assume.zones", zones=", ".join(f"{name} {cell.zones[name].capacity if name in cell.zones else 1}" for name in zones)))
-    found += [t("assume.breaks", breaks=", ".join(breaks))] if breaks else []
-    found += [t("assume.limits", limits=", ".join(limits))] if limits else []
-    found += [t("assume.same", pairs=", ".join(f"{a} + {b}" for a, b in cell.same_operator))] if cell.same_operator else []
-    found += [t("assume.release")] if any(task.release or task.deadline is not None for task in cell.tasks.values()) else []
-    proven = sum(result.status == Status.OPTIMAL for result in front)
-    found += [t("assume.checked"), t("proof.complete") if front.complete else t("proof.partial", proven=proven, n=len(front))]
+    found = assumptions(front, t)
     return tag("section", tag("h2", t("assume.title"), id="assumptions"), tag("ul", *(tag("li", sentence) for sentence in found)), class_="keep")
 
 
 def _made(front: Front, t: Words, command: str, date: str) -> Markup:
-    entries = [
-        ("program", f"tandem {tandem.__version__}"),
-        ("solver", front.solver),
-        ("method", front.method),
-        ("seed", str(front.seed)),
-        ("time", f"{number(round(front.wall_s, 3))} s"),
-        ("cell", front.cell.name or t("unnamed")),
-        ("digest", front.cell.digest),
-        ("command", command),
-        ("date", date),
-    ]
-    listed = tag("dl", *(piece for key, value in entries if value for piece in (tag("dt", t(f"made.{key}")), tag("dd", value))))
+    listed = tag("dl", *(piece for key, value in made(front, t, command, date) for piece in (tag("dt", key), tag("dd", value))))
     return tag("section", tag("h2", t("made.title"), id="made"), listed, tag("p", t("made.data"), class_="note"), class_="keep")
 
 

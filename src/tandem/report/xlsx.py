@@ -1,0 +1,293 @@
+"""A front as a workbook: the plans, a Gantt chart of coloured cells, instructions for each operator, assumptions; and the cell itself in the
+form that `tandem import` reads, so that the workbook gives the same cell again.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from math import ceil
+from typing import TYPE_CHECKING, Any
+
+from tandem.cell.model import Cell, plain
+from tandem.cell.spreadsheet.template import to_workbook
+from tandem.draw.style import contrast, looks, number, task_label
+from tandem.plan.result import Front, Result
+from tandem.report.instructions import turns
+from tandem.report.language import Words, words
+from tandem.report.sources import assumptions, made
+from tandem.report.tables import shown_plans, status
+from tandem.schedule.critical import critical_path, slack
+from tandem.schedule.measures import changeovers, exact, idle, makespan, mode_of, stress_by_human, working
+from tandem.schedule.model import Schedule
+
+if TYPE_CHECKING:
+    from openpyxl import Workbook
+    from openpyxl.worksheet.worksheet import Worksheet
+
+MOST_SLOTS = 160
+"""Columns of a Gantt chart."""
+STEPS = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600)
+"""Seconds that one column may stand for."""
+HEAD, RULE, BREAK = "1F4E5F", "C8CCD0", "BDBDBD"
+
+
+def xlsx(front: Front, *, command: str = "", date: str = "", language: str = "en") -> bytes:
+    """The workbook as bytes. Of a long front the ends, the knee and some plans between get sheets of their own; all stand in the first.
+
+    Raises:
+      UsageError: reports do not speak the language.
+      CellError: a name holds characters that no workbook can.
+    """
+    import openpyxl
+
+    t = words(language)
+    book = openpyxl.load_workbook(io.BytesIO(to_workbook(front.cell, lang="de" if language == "de" else "en")))
+    cell_sheets = len(book.sheetnames)
+    _front(book, front, t)
+    for place in shown_plans(front) if len(front) else []:
+        _plan(book, front[place], place + 1, t)
+        _gantt(book, front[place], place + 1, t)
+    if len(front):
+        for operator in front.cell.operators:
+            _instructions(book, front.knee, operator, t)
+    _made(book, front, t, command, date)
+    book._sheets = [*book._sheets[cell_sheets:], *book._sheets[:cell_sheets]]
+    book.active = 0
+    for sheet in book:
+        _fit_to_page(sheet)
+        sheet.sheet_view.tabSelected = sheet is book.active
+    content = io.BytesIO()
+    book.save(content)
+    return content.getvalue()
+
+
+# --- sheets -------------------------------------------------------------------------------------------------------------------
+
+
+def _front(book: Workbook, front: Front, t: Words) -> None:
+    sheet = book.create_sheet(t("sheet.front"))
+    _title(sheet, t("title", name=front.cell.name or t("unnamed")))
+    shown = looks(front.cell)
+    heads = [
+        t("front.plan"),
+        t("front.makespan"),
+        t("front.stress"),
+        t("front.status"),
+        *(t("front.does", who=look.label) for look in shown.values()),
+    ]
+    _header(sheet, 3, heads, [8, 14, 10, 26, *[34] * len(shown)])
+    for row, result in enumerate(front, 4):
+        does = [", ".join(a.task for a in result.schedule.of(name)) or "–" for name in front.cell.operators]
+        _row(sheet, row, [row - 3, result.makespan, result.stress, status(result, t), *does], bold=len(front) > 1 and result is front.knee)
+    if len(front) > 1:
+        _put(sheet, len(front) + 5, 1, f"{t('front.knee')}: {front.results.index(front.knee) + 1}")
+    sheet.freeze_panes = "B4"
+
+
+def _plan(book: Workbook, result: Result, place: int, t: Words) -> None:
+    """The steps of one plan, and below them the balance of its operators."""
+    cell, schedule = result.cell, result.schedule
+    sheet = book.create_sheet(t("sheet.plan", n=place))
+    _title(sheet, t("plan.title", n=place, makespan=f"{number(result.makespan)} s", stress=number(result.stress)))
+    keys = ("task", "who", "start", "end", "stress", "slack")
+    _header(sheet, 3, [t("plan.step.task"), *(t(f"plan.step.{key}") for key in keys[1:])], [36, 24, 11, 11, 11, 11])
+    critical, free, shown = {link.assignment.task for link in critical_path(cell, schedule)}, slack(cell, schedule), looks(cell)
+    for row, a in enumerate(schedule, 4):
+        mode = mode_of(cell, a)
+        load = float(sum(map(exact, mode.stress.values()))) if mode and mode.stress else None
+        late: Any = t("plan.step.critical") if a.task in critical else free[a.task]
+        _row(sheet, row, [_named(cell, a.task), " + ".join(shown[o].label for o in a.operators), a.start, a.end, load, late], bold=a.task in critical)
+    _balance(sheet, len(schedule) + 6, cell, schedule, t)
+    sheet.freeze_panes = "B4"
+
+
+def _balance(sheet: Worksheet, top: int, cell: Cell, schedule: Schedule, t: Words) -> None:
+    keys = ("operator", "kind", "busy", "changeover", "break", "idle", "stress")
+    _put(sheet, top - 1, 1, t("balance.title"), bold=True)
+    _header(sheet, top, [t(f"balance.{key}") for key in keys], [])
+    busy, free, loads, total = working(cell, schedule), idle(cell, schedule), stress_by_human(cell, schedule), makespan(schedule)
+    for row, (name, look) in enumerate(looks(cell).items(), top + 1):
+        swaps = sum((exact(change.end) - exact(change.start) for change in changeovers(cell, schedule) if change.operator == name), exact(0))
+        off = exact(total) - exact(busy[name]) - swaps - exact(free[name])
+        _row(sheet, row, [look.label, t(look.kind), busy[name], float(swaps), max(float(off), 0.0), free[name], loads.get(name)])
+
+
+def _gantt(book: Workbook, result: Result, place: int, t: Words) -> None:
+    """One row an operator, one column a slot of time; a task is a merged, coloured cell."""
+    from openpyxl.styles import Alignment, Font
+
+    cell, schedule = result.cell, result.schedule
+    sheet = book.create_sheet(t("sheet.gantt", n=place))
+    _title(sheet, t("plan.title", n=place, makespan=f"{number(result.makespan)} s", stress=number(result.stress)))
+    slot = slot_seconds(result.makespan)
+    count = max(ceil(round(result.makespan / slot, 6)), 1)
+    sheet.column_dimensions["A"].width = 20
+    width = max(min(160 / count, 8), 1.6)
+    for column in range(2, count + 2):
+        sheet.column_dimensions[_letter(column)].width = width
+        sheet.cell(3, column).border = _edge()
+    every = max(round(count / 12), 1)
+    for column in range(0, count, every):
+        axis = sheet.cell(3, column + 2, plain(round(column * slot, 3)))
+        axis.font, axis.alignment = Font(size=8), Alignment(horizontal="left")
+        sheet.merge_cells(start_row=3, end_row=3, start_column=column + 2, end_column=min(column + every, count) + 1)
+    for row, (name, look) in enumerate(looks(cell).items(), 4):
+        _put(sheet, row, 1, look.label, bold=True)
+        sheet.row_dimensions[row].height = 30
+        for start, end in cell.operators[name].breaks:
+            _bar(sheet, row, start, min(end, result.makespan), slot, count, BREAK, "", "mediumGray")
+        for a in schedule.of(name):
+            label = task_label(cell, a.task)
+            _bar(sheet, row, a.start, a.end, slot, count, look.colour.lstrip("#"), label if label == a.task else f"{a.task} {label}", "")
+    _put(sheet, len(cell.operators) + 5, 1, t("sheet.slot", seconds=number(slot)))
+    sheet.freeze_panes = "B4"
+
+
+def slot_seconds(total: float) -> float:
+    """Seconds for one column, so that there are at most `MOST_SLOTS` of them."""
+    return next((step for step in STEPS if total / step <= MOST_SLOTS), total / MOST_SLOTS)
+
+
+def _bar(sheet: Worksheet, row: int, start: float, end: float, slot: float, count: int, colour: str, label: str, pattern: str) -> None:
+    from openpyxl.styles import Alignment, Font, PatternFill
+
+    first, last = round(start / slot), max(round(end / slot), round(start / slot) + 1)
+    first, last = min(first, count - 1), min(last, count)
+    if last <= first or start >= end:
+        return
+    taken = sheet.cell(row, first + 2)
+    if type(taken).__name__ == "MergedCell" or taken.value is not None:
+        return  # shorter than a column, and the column is taken
+    taken.fill = PatternFill(pattern or "solid", fgColor=colour)
+    if label:
+        ink = "FFFFFF" if contrast(f"#{colour}", "#FFFFFF") >= contrast(f"#{colour}", "#1A1A1A") else "1A1A1A"
+        taken.value, taken.data_type, taken.font = label, "s", Font(size=9, color=ink)
+        taken.alignment = Alignment(horizontal="center", vertical="center", wrap_text=True)
+    for column in range(first + 2, last + 2):
+        sheet.cell(row, column).border = _edge()
+    if last - first > 1:
+        sheet.merge_cells(start_row=row, end_row=row, start_column=first + 2, end_column=last + 1)
+
+
+def _instructions(book: Workbook, result: Result, operator: str, t: Words) -> None:
+    look = looks(result.cell)[operator]
+    sheet = book.create_sheet(_sheet_name(book, look.label))
+    _title(sheet, t("steps.title", who=look.label))
+    found = turns(result.cell, result.schedule, operator, t)
+    keys = ["turn", "does", "part", "tool", "zone", "with", "wait", "hands", "start", "end"]
+    widths = {"turn": 7, "does": 34, "wait": 30, "hands": 30, "start": 10, "end": 10}
+    filled = {"part": "part", "tool": "tool", "zone": "zone", "with": "together_with"}
+    keys = [key for key in keys if key not in filled or any(getattr(turn, filled[key]) for turn in found)]
+    _header(sheet, 3, [t(f"steps.{key}") for key in keys], [widths.get(key, 16) for key in keys])
+    for row, turn in enumerate(found, 4):
+        values = {
+            "turn": turn.number,
+            "does": turn.does if turn.does == turn.task else f"{turn.task}: {turn.does}",
+            "part": turn.part,
+            "tool": turn.tool,
+            "zone": turn.zone,
+            "with": turn.together_with,
+            "wait": "; ".join(turn.wait),
+            "hands": "; ".join(turn.hands_to),
+            "start": turn.start,
+            "end": turn.end,
+        }
+        _row(sheet, row, [values[key] for key in keys])
+    if not found:
+        _put(sheet, 4, 1, t("steps.none"))
+
+
+def _made(book: Workbook, front: Front, t: Words, command: str, date: str) -> None:
+    from openpyxl.styles import Alignment
+
+    sheet = book.create_sheet(t("sheet.made"))
+    sheet.column_dimensions["A"].width, sheet.column_dimensions["B"].width = 24, 110
+    _put(sheet, 1, 1, t("assume.title"), bold=True)
+    row = 2
+    for sentence in [*assumptions(front, t), t("safety")]:
+        _put(sheet, row, 2, sentence)
+        sheet.cell(row, 2).alignment = Alignment(wrap_text=True, vertical="top")
+        row += 1
+    _put(sheet, row + 1, 1, t("made.title"), bold=True)
+    for offset, (what, value) in enumerate(made(front, t, command, date), 2):
+        _put(sheet, row + offset, 1, what)
+        _put(sheet, row + offset, 2, value)
+
+
+# --- how it looks -------------------------------------------------------------------------------------------------------------
+
+
+def _put(sheet: Worksheet, row: int, column: int, value: Any, bold: bool = False) -> None:
+    """A value as itself: a text that begins with "=" stays a text."""
+    from openpyxl.styles import Font
+
+    if value is None or value == "":
+        return
+    cell = sheet.cell(row, column, plain(round(value, 9)) if isinstance(value, float) else value)
+    if isinstance(value, str):
+        cell.data_type = "s"
+    if bold:
+        cell.font = Font(bold=True)
+
+
+def _row(sheet: Worksheet, row: int, values: Sequence[Any], bold: bool = False) -> None:
+    from openpyxl.styles import Alignment
+
+    for column, value in enumerate(values, 1):
+        _put(sheet, row, column, value, bold)
+        sheet.cell(row, column).border = _edge()
+        if isinstance(value, str):
+            sheet.cell(row, column).alignment = Alignment(wrap_text=True, vertical="top")
+
+
+def _title(sheet: Worksheet, text: str) -> None:
+    from openpyxl.styles import Font
+
+    _put(sheet, 1, 1, text)
+    sheet.cell(1, 1).font = Font(bold=True, size=14)
+
+
+def _header(sheet: Worksheet, row: int, heads: Sequence[str], widths: Sequence[float]) -> None:
+    from openpyxl.styles import Alignment, Font, PatternFill
+
+    for column, head in enumerate(heads, 1):
+        cell = sheet.cell(row, column, head)
+        cell.data_type = "s"
+        cell.font, cell.fill = Font(bold=True, color="FFFFFF"), PatternFill("solid", fgColor=HEAD)
+        cell.alignment = Alignment(wrap_text=True, vertical="center")
+    for column, width in enumerate(widths, 1):
+        sheet.column_dimensions[_letter(column)].width = width
+
+
+def _edge() -> Any:
+    from openpyxl.styles import Border, Side
+
+    side = Side(style="thin", color=RULE)
+    return Border(left=side, right=side, top=side, bottom=side)
+
+
+def _letter(column: int) -> str:
+    from openpyxl.utils import get_column_letter
+
+    letter: str = get_column_letter(column)
+    return letter
+
+
+def _named(cell: Cell, task: str) -> str:
+    label = task_label(cell, task)
+    return label if label == task else f"{task}: {label}"
+
+
+def _sheet_name(book: Workbook, wanted: str) -> str:
+    """A name that Excel accepts and that no sheet has yet."""
+    plain_name = "".join("_" if c in "[]:*?/\\'" else c for c in wanted).strip()[:28] or "_"
+    names = {sheet.lower() for sheet in book.sheetnames}
+    return next(name for count in range(1, 1000) if (name := plain_name if count == 1 else f"{plain_name}{count}").lower() not in names)
+
+
+def _fit_to_page(sheet: Worksheet) -> None:
+    """A4 landscape, as wide as the page."""
+    sheet.page_setup.orientation, sheet.page_setup.paperSize = "landscape", 9
+    sheet.page_setup.fitToWidth, sheet.page_setup.fitToHeight = 1, 0
+    sheet.sheet_properties.pageSetUpPr.fitToPage = True
