@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import datetime
 import json
+import shlex
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -59,7 +61,7 @@ class Weights(click.ParamType):  # type: ignore[type-arg]  # older releases of c
     "outputs",
     multiple=True,
     type=click.Path(dir_okay=False, path_type=Path),
-    help="Write .json, .csv, .svg, .png, .pdf or .html; may be repeated.",
+    help="Write .json, .csv, .svg, .png, .pdf, .html, .xlsx, .xml (MS Project) or .md; may be repeated.",
 )
 @variant_options
 @click.option("--report", type=click.Path(dir_okay=False, path_type=Path), help="Write the report: one HTML file that opens offline.")
@@ -119,7 +121,7 @@ def plan_command(
         name = "stdin" if cell_file == "-" else Path(cell_file).stem
         files.append(Path(f"{name}.interrupted.json"))
     for path in files:
-        write(front, path)
+        write(front, path, command=shlex.join(["tandem", *sys.argv[1:]]), date=datetime.date.today().isoformat())
     show(front, as_json)
     if base is not None and not as_json:
         tell_difference(base, front, lambda: plan(base, question, method=method, time_limit=time_limit, seed=seed, workers=workers))

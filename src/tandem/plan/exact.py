@@ -75,6 +75,7 @@ class _Search:
         self.began = monotonic()
         self.until = None if time_limit is None else self.began + time_limit
         self.cell, self.question, self.seed, self.workers, self.on_solution = cell, question, seed, workers, on_solution
+        self.asked = question
         self.instance = Instance.of(cell)
         self.layout = Layout.of(self.instance)
         self.limits = Goal(1, 0, _floor(question.max_makespan, self.instance.per_second), _floor(question.max_stress, self.instance.per_stress))
@@ -114,15 +115,13 @@ class _Search:
         wall = monotonic() - self.began
         if not self.archive.found:
             if self.infeasible:
-                raise InfeasibleError(f"no schedule keeps {limits_in_words(self.question)}; this is proven.")
+                raise InfeasibleError(f"no schedule keeps {_limits(self.question)}; this is proven.")
             if interrupted:
                 raise KeyboardInterrupt
-            raise NothingFoundError(
-                f"no schedule that keeps {limits_in_words(self.question)} was found in {wall:.1f} s; whether there is one is open."
-            )
+            raise NothingFoundError(f"no schedule that keeps {_limits(self.question)} was found in {wall:.1f} s; whether there is one is open.")
         results = self._results()
         complete = self.archive.complete if self.question.minimize == "front" else results[0].status == Status.OPTIMAL
-        return Front(self.cell, results, complete, "exact", SOLVER, self.seed, wall, interrupted)
+        return Front(self.cell, results, complete, "exact", SOLVER, self.seed, wall, interrupted, self.asked)
 
     def _results(self) -> tuple[Result, ...]:
         if self.question.minimize == "front":
@@ -284,10 +283,5 @@ def _starts_of(instance: Instance, schedule: Schedule) -> Starts:
     return tuple(starts)
 
 
-def limits_in_words(question: Question) -> str:
-    """The question's limits, as messages say them."""
-    words = [
-        *([f"a makespan of at most {question.max_makespan:g} s"] if question.max_makespan is not None else []),
-        *([f"a stress of at most {question.max_stress:g}"] if question.max_stress is not None else []),
-    ]
-    return " and ".join([*words, "the cell's own limits"])
+def _limits(question: Question) -> str:
+    return " and ".join([*question.limits, "the cell's own limits"])

@@ -62,7 +62,7 @@ def solve(
         raise InfeasibleError(f"no schedule keeps {limits(question)}: every order and every allocation has been ruled out.")
     if not search.best.found:
         raise NothingFoundError(f"no schedule that keeps {limits(question)} was found within the limit; it is open whether there is one.")
-    return Front(cell, search.results(), search.done, "exhaustive", f"tandem {version('tandem')}", seed, search.wall_s(), interrupted)
+    return Front(cell, search.results(), search.done, "exhaustive", f"tandem {version('tandem')}", seed, search.wall_s(), interrupted, question)
 
 
 def limits(question: Question) -> str:

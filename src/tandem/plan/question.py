@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
-from tandem.cell.model import Cell
+from tandem.cell.model import Cell, plain
 from tandem.errors import UsageError
-from tandem.plan.result import Front, Result
 from tandem.schedule.model import Schedule
+
+if TYPE_CHECKING:
+    from tandem.plan.result import Front, Result
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,19 @@ class Question:
             limit = getattr(self, name)
             if limit is not None and not (math.isfinite(limit) and limit >= 0):
                 raise UsageError(f"{name} {limit}: must be a number, 0 or more.")
+
+    @property
+    def limits(self) -> tuple[str, ...]:
+        """The limits on every schedule, as messages and reports say them."""
+        return (
+            *([f"a makespan of at most {self.max_makespan:g} s"] if self.max_makespan is not None else []),
+            *([f"a stress of at most {self.max_stress:g}"] if self.max_stress is not None else []),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """As the `question` of a result document."""
+        weights = {"weights": plain(self.weights)} if self.minimize == "weighted" else {}
+        return {"minimize": self.minimize, **weights, "max_makespan": plain(self.max_makespan), "max_stress": plain(self.max_stress)}
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
+from tandem.plan.question import Question
 from tandem.schedule.measures import makespan, stress
 from tandem.schedule.model import Schedule
 
@@ -80,6 +81,7 @@ class Front:
       complete: every point, and the absence of others, is proven.
       solver: name and version of what proved or found it.
       interrupted: the search was stopped from outside; what it had is here.
+      question: what was asked: all compromises or one, and within which limits.
     """
 
     cell: Cell
@@ -90,6 +92,7 @@ class Front:
     seed: int
     wall_s: float
     interrupted: bool = False
+    question: Question = Question()
 
     def __iter__(self) -> Iterator[Result]:
         return iter(self.results)
@@ -126,6 +129,7 @@ class Front:
             "seed": self.seed,
             "wall_s": round(self.wall_s, 4),
             "interrupted": self.interrupted,
+            "question": self.question.to_dict(),
             "front": [result.to_dict() for result in self.results],
         }
 

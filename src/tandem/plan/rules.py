@@ -173,7 +173,7 @@ def method(
         interrupted = True
     if not keeper.found:
         raise NothingFoundError(f"{name}: no schedule that keeps {keeper.limits()} was found by this rule; another method may find one.")
-    return Front(cell, keeper.results(), False, name, name, seed, perf_counter() - began, interrupted)
+    return Front(cell, keeper.results(), False, name, name, seed, perf_counter() - began, interrupted, question)
 
 
 RULES: dict[str, Method] = {name: partial(method, name) for name in SPECS}
@@ -210,12 +210,7 @@ class Keeper:
 
     def limits(self) -> str:
         """The limits in words."""
-        question = self.question
-        words = [
-            *([f"a makespan of at most {question.max_makespan:g} s"] if question.max_makespan is not None else []),
-            *([f"a stress of at most {question.max_stress:g}"] if question.max_stress is not None else []),
-        ]
-        return " and ".join([*words, "the cell's own limits"])
+        return " and ".join([*self.question.limits, "the cell's own limits"])
 
     def _rank(self, result: Result) -> tuple[float, float]:
         if self.question.minimize == "weighted":

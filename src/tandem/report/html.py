@@ -74,6 +74,10 @@ def summary(front: Front, t: Words) -> list[str]:
     people = [t.count(kind, len(names)) for kind, names in (("human", cell.humans), ("robot", cell.robots)) if names]
     operators = t("and", first=people[0], last=people[1]) if len(people) == 2 else people[0]
     first = t("summary.cell", tasks=t.count("task", len(cell.tasks)), operators=operators)
+    asked = front.question
+    limits = [] if asked.max_makespan is None else [t("summary.limit.makespan", limit=seconds(asked.max_makespan))]
+    limits += [] if asked.max_stress is None else [t("summary.limit.stress", limit=number(asked.max_stress))]
+    first = " ".join([first, *limits])
     if not len(front):
         return [first, t("summary.none")]
     if len(front) == 1:

@@ -55,7 +55,8 @@ def headline(front: Front) -> str:
     cell, name = front.cell, front.cell.name or "Cell"
     people = [_count(len(names), noun) for names, noun in ((cell.humans, "human"), (cell.robots, "robot")) if names]
     proof = "complete and proven" if front.complete else "interrupted, not complete" if front.interrupted else "not complete"
-    found = f"{_count(len(front), 'point')} on the front, {proof}, {number(round(front.wall_s, 2))} s, {front.solver}"
+    within = f" within {' and '.join(front.question.limits)}" if front.question.limits else ""
+    found = f"{_count(len(front), 'point')} on the front{within}, {proof}, {number(round(front.wall_s, 2))} s, {front.solver}"
     return f"{name} ({', '.join([_count(len(cell.tasks), 'task'), *people])}): {found}."
 
 
