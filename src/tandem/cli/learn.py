@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import datetime
 import json
+import shlex
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -142,9 +145,18 @@ def _show_training(document: dict[str, Any]) -> None:
 @click.option("--front-limit", type=float, default=30.0, show_default=True, help="Seconds for the exact front.")
 @click.option("--gantt", type=PICTURE, help="Draw the greedy schedule into this .svg, .png or .pdf.")
 @click.option("--curves", type=PICTURE, help="Draw the training's curves into this .svg, .png or .pdf.")
+@click.option("--report", type=click.Path(path_type=Path, dir_okay=False), help="Write the front with the players beside it: one HTML file.")
 @click.option("--json", "as_json", is_flag=True, help="Print everything as one document.")
 def evaluate_command(
-    run: Path, cell_file: str | None, seed: int | None, episodes: int, front_limit: float, gantt: Path | None, curves: Path | None, as_json: bool
+    run: Path,
+    cell_file: str | None,
+    seed: int | None,
+    episodes: int,
+    front_limit: float,
+    gantt: Path | None,
+    curves: Path | None,
+    report: Path | None,
+    as_json: bool,
 ) -> None:
     """Play what RUN has learned, beside the exact front, the best dispatch rule and a random player.
 
@@ -170,12 +182,25 @@ def evaluate_command(
         from tandem.learn.runs import RunFolder
 
         save(plot_training(RunFolder(run).rows()), curves)
-    for picture in filter(None, (gantt, curves)):
+    if report:
+        _write_report(found, report)
+    for picture in filter(None, (gantt, curves, report)):
         click.echo(f"wrote {picture}", err=True)
     if as_json:
         click.echo(json.dumps(found.to_dict(), ensure_ascii=False))
     else:
         _show_players(found)
+
+
+def _write_report(found: Any, path: Path) -> None:
+    from tandem.report.html import write_html
+    from tandem.report.players import Player
+
+    if found.front is None:
+        raise UsageError("--report: there is no exact front to report; give it more time with --front-limit.")
+    players = [Player(line.player, line.makespan, line.stress, line.gap, line.schedule) for line in found.lines]
+    command, today = shlex.join(["tandem", *sys.argv[1:]]), datetime.date.today().isoformat()
+    write_html(found.front, path, command=command, date=today, players=players)
 
 
 def _show_players(found: Any) -> None:
@@ -190,6 +215,11 @@ def _show_players(found: Any) -> None:
         table.add_row(line.player, time, stress, f"{line.illegal:g}", f"{line.done:.0%}", _share(line.gap))
     console = Console(highlight=False)
     console.print(table)
+    greedy = found.line("greedy")
+    if greedy.schedule is not None:
+        from tandem.report.terminal import GanttText
+
+        console.print(GanttText(found.cell, greedy.schedule))
     front = found.front
     points = ", ".join(f"({makespan:g} s, {stress:g})" for makespan, stress in front.points) if front else "not found in time"
     console.print(f"exact front{'' if front and front.complete else ' (not proven complete)'}: {points}   (± = 95 % interval of the mean)")

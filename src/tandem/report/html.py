@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from functools import lru_cache
 from importlib import resources
 from pathlib import Path
@@ -14,6 +15,7 @@ from tandem.draw.style import Look, looks, number, seconds, share
 from tandem.plan.result import Front, Result, Status
 from tandem.report.language import Words, words
 from tandem.report.markup import Markup, hatch_id, hatches, tag
+from tandem.report.players import Player, players_section
 from tandem.report.sources import assumptions, made
 from tandem.report.svg_front import front_chart
 from tandem.report.svg_gantt import gantt
@@ -25,27 +27,36 @@ POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inli
 """What a browser may load for this page: nothing that is not in it."""
 
 
-def write_html(front: Front, path: str | os.PathLike[str], *, command: str = "", date: str = "", language: str = "en") -> Path:
+def write_html(
+    front: Front, path: str | os.PathLike[str], *, command: str = "", date: str = "", language: str = "en", players: Sequence[Player] = ()
+) -> Path:
     """Writes the report and returns where. The same arguments give the same bytes.
 
     Args:
       command: the command line that made the front, to be printed in the report.
       date: when it was made, to be printed; left out when empty.
+      players: others who played the cell, to be shown beside the front.
 
     Raises:
       OSError: the file cannot be written; nothing is left behind.
       UsageError: there is no such language.
     """
-    store(path, html(front, command=command, date=date, language=language))
+    store(path, html(front, command=command, date=date, language=language, players=players))
     return Path(path)
 
 
-def html(front: Front, *, command: str = "", date: str = "", language: str = "en") -> str:
+def html(front: Front, *, command: str = "", date: str = "", language: str = "en", players: Sequence[Player] = ()) -> str:
     """The report as text; see `write_html`."""
     t = words(language)
     name = front.cell.name or t("unnamed")
     knee = front.results.index(front.knee) + 1 if len(front) else 0
-    sections = [_trade_off(front, t), *(_plan(front, place, t) for place in range(len(front))), _graph(front.cell, t), _tasks(front, t)]
+    sections = [
+        _trade_off(front, t, players),
+        players_section(front.cell, players, t),
+        *(_plan(front, place, t) for place in range(len(front))),
+        _graph(front.cell, t),
+        _tasks(front, t),
+    ]
     body = tag(
         "body",
         hatches(looks(front.cell)),
@@ -101,13 +112,13 @@ def _advice(front: Front, t: Words) -> str:
     return t("summary.knee", **values, longer=f"{seconds(longer)} ({share(longer / quickest.makespan)})", spared=f"{number(spared)} ({part})")
 
 
-def _trade_off(front: Front, t: Words) -> Markup:
+def _trade_off(front: Front, t: Words, players: Sequence[Player]) -> Markup:
     if not len(front):
         return Markup("")
     button = tag("button", t("front.all"), id="all", type="button", hidden=True, data_all=t("front.all"), data_single=t("front.single"))
     hint = tag("p", t("front.hint"), " ", button, class_="screen") if len(front) > 1 else Markup("")
     legend = tag("p", t("front.legend"), class_="note")
-    return tag("section", tag("h2", t("front.title"), id="trade-off"), hint, front_chart(front, t), legend, plans(front, t))
+    return tag("section", tag("h2", t("front.title"), id="trade-off"), hint, front_chart(front, t, players), legend, plans(front, t))
 
 
 def _plan(front: Front, place: int, t: Words) -> Markup:

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from tandem.draw.front import staircase, window
 from tandem.draw.style import number, seconds
 from tandem.plan.result import Front, Result, Status
 from tandem.report.language import Words
 from tandem.report.markup import Markup, figure, tag, text, ticks, width_of
+from tandem.report.players import Player
 
 WIDTH, HEIGHT = 740.0, 420.0
 LEFT, RIGHT, TOP, BOTTOM = 80.0, 20.0, 18.0, 58.0
 
 
-def front_chart(front: Front, t: Words) -> Markup:
-    """The chart with dominated area, knee and, where something is not proven, bounds."""
+def front_chart(front: Front, t: Words, players: Sequence[Player] = ()) -> Markup:
+    """The chart with dominated area, knee and, where something is not proven, bounds. Players are marked by diamonds."""
     low_x, high_x, low_y, high_y = window(front)
+    shown = [(p.name, p.makespan, p.stress) for p in players if p.makespan is not None and p.stress is not None]
+    high_x = max([high_x, *(makespan + 0.12 * (high_x - low_x) for _, makespan, _ in shown)])
+    high_y = max([high_y, *(stress + 0.12 * (high_y - low_y) for _, _, stress in shown)])
 
     def at(makespan: float, stress: float) -> tuple[float, float]:
         across = LEFT + (makespan - low_x) / (high_x - low_x) * (WIDTH - LEFT - RIGHT)
@@ -35,6 +41,8 @@ def front_chart(front: Front, t: Words) -> Markup:
     for place, result in enumerate(front):
         bounds = at(result.bound.makespan, result.bound.stress)
         pieces.append(_point(place, result, places[place], bounds, t, knee=place == knee, label=place in labelled, many=len(front) > 2))
+    for place_of, names in _together([(name, at(makespan, stress)) for name, makespan, stress in shown]):
+        pieces.append(_diamond(", ".join(names), place_of))
     drawing = tag(
         "svg",
         *pieces,
@@ -83,6 +91,25 @@ def _labelled(front: Front, places: list[tuple[float, float]], knee: int) -> set
             chosen.add(place)
             boxes.append(box)
     return chosen
+
+
+def _together(marks: list[tuple[str, tuple[float, float]]]) -> list[tuple[tuple[float, float], list[str]]]:
+    """Marks that would cover each other, as one with all their names."""
+    groups: list[tuple[tuple[float, float], list[str]]] = []
+    for name, (x, y) in marks:
+        near = next((names for (a, b), names in groups if abs(a - x) < 12 and abs(b - y) < 12), None)
+        if near is None:
+            groups.append(((x, y), [name]))
+        else:
+            near.append(name)
+    return groups
+
+
+def _diamond(names: str, at: tuple[float, float]) -> Markup:
+    x, y = at
+    inside = x + 14 + width_of(names, 16) < WIDTH
+    label = text(x + 14 if inside else x - 14, y + 24, names, text_anchor="start" if inside else "end", class_="faint")
+    return tag("g", tag("title", names), tag("path", d=f"M{x:.2f},{y - 11:.2f} l11,11 l-11,11 l-11,-11 Z", class_="player"), label)
 
 
 _NO_WORDS = Words("", {})
