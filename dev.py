@@ -35,6 +35,7 @@ PYTHON = BIN / ("python.exe" if os.name == "nt" else "python")
 STATE = VENV / "tandem-install.json"
 LOG = VENV / "tandem-install.log"
 REPORT = ROOT / "tandem-out" / "thesis.html"
+LEARNED = ROOT / "tandem-out" / "thesis-run"
 LEFTOVERS = (".pytest_cache", ".mypy_cache", ".ruff_cache", ".import_linter_cache", ".hypothesis", "build", "dist", "docs/_build", "tandem-out")
 FORMATTED = ("src", "tests", "docs", "examples", "benchmarks", "dev.py")
 
@@ -143,14 +144,23 @@ def call(*command: str | Path) -> int:
 
 
 def run(arguments: Sequence[str]) -> int:
+    """The main job: the proven front of the thesis cell, then two agents that learn it by trial and error, beside each other."""
     install()
     if arguments:
         return subprocess.run([str(BIN / "tandem"), *arguments], env=environment()).returncode
     REPORT.parent.mkdir(exist_ok=True)
-    ended = call(BIN / "tandem", "plan", Path("examples", "thesis.yaml"), "--report", REPORT.relative_to(ROOT))
-    if ended == 0:
-        say(f"that was: {BIN.relative_to(ROOT) / 'tandem'} plan examples/thesis.yaml --report {REPORT.relative_to(ROOT)}")
-    return ended
+    cell, report, kept = Path("examples", "thesis.yaml"), REPORT.relative_to(ROOT), LEARNED.relative_to(ROOT)
+    if ended := shown("plan", cell, "--report", report):
+        return ended
+    install("learn")
+    shutil.rmtree(LEARNED, ignore_errors=True)
+    return shown("train", cell, "--stress-factor", "5", "--run", kept) or shown("evaluate", kept, "--report", report)
+
+
+def shown(*arguments: str | Path) -> int:
+    """Runs a command of ours and says which one it is, so that it can be typed again."""
+    say(f"{BIN.relative_to(ROOT) / 'tandem'} {' '.join(map(str, arguments))}")
+    return call(BIN / "tandem", *arguments)
 
 
 def checks() -> dict[str, list[str | Path]]:
