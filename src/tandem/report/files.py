@@ -30,7 +30,8 @@ def write(front: Front, path: str | os.PathLike[str], *, command: str = "", date
     """Writes the front and returns where.
 
     `.json` is the result document, `.csv` has one row for each task of each point, `.svg`, `.png` and `.pdf` show the front above the knee's
-    Gantt chart, `.html` is the report. `command`, `date` and `language` are for the report.
+    Gantt chart, `.html` is the report, `.md` the same for wikis, `.xlsx` a workbook that `tandem import` reads too, `.xml` the knee's plan for
+    MS Project. `command`, `date` and `language` are for the reports.
 
     Raises:
       UsageError: the name has none of these endings.
@@ -41,7 +42,10 @@ def write(front: Front, path: str | os.PathLike[str], *, command: str = "", date
     ending = Path(path).suffix.lower()
     if ending == ".html":
         return write_html(front, path, command=command, date=date, language=language)
-    WRITERS[ending](front, path)
+    if ending in REPORTS:
+        store(path, REPORTS[ending](front, command, date, language))
+    else:
+        WRITERS[ending](front, path)
     return Path(path)
 
 
@@ -128,4 +132,25 @@ WRITERS: dict[str, Callable[[Front, Any], None]] = {
     ".png": _write_picture,
     ".pdf": _write_picture,
 }
-ENDINGS = (*WRITERS, ".html")
+
+
+def _workbook(front: Front, command: str, date: str, language: str) -> bytes:
+    from tandem.report.xlsx import xlsx
+
+    return xlsx(front, command=command, date=date, language=language)
+
+
+def _project(front: Front, command: str, date: str, language: str) -> bytes:
+    from tandem.report.mspdi import mspdi
+
+    return mspdi(front.knee, language=language)
+
+
+def _markdown(front: Front, command: str, date: str, language: str) -> str:
+    from tandem.report.markdown import markdown
+
+    return markdown(front, command=command, date=date, language=language)
+
+
+REPORTS: dict[str, Callable[[Front, str, str, str], str | bytes]] = {".xlsx": _workbook, ".xml": _project, ".md": _markdown}
+ENDINGS = (*WRITERS, ".html", *REPORTS)

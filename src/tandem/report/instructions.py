@@ -21,7 +21,7 @@ class Turn:
       part, tool, zone: empty when there is none.
       together_with: who takes part too.
       wait: what to wait for before it begins, each a short sentence.
-      hands_to: who can begin what when it is done.
+      hands_to: who can begin what when it is done, if it is the last thing that they waited for.
       start, end: seconds since the start of the assembly.
     """
 
@@ -55,7 +55,7 @@ def turns(cell: Cell, schedule: Schedule, operator: str, t: Words) -> tuple[Turn
                 together_with=", ".join(_label(cell, who) for who in a.operators if who != operator),
                 wait=tuple(dict.fromkeys(_wait(cell, rows, link, operator, t) for link in why[a.task])),
                 hands_to=tuple(
-                    _hand(cell, rows[name], t) for name, other in cell.tasks.items() if a.task in other.after and operator not in rows[name].operators
+                    _hand(cell, rows[name], t) for name in cell.tasks if operator not in rows[name].operators and _released(cell, rows, a, name)
                 ),
                 start=a.start,
                 end=a.end,
@@ -93,6 +93,12 @@ def _wait(cell: Cell, rows: dict[str, Assignment], link: Link, operator: str, t:
         case "start":
             return t("steps.wait.start")
     return t("steps.wait.release")
+
+
+def _released(cell: Cell, rows: dict[str, Assignment], a: Assignment, follower: str) -> bool:
+    """The follower comes after this task, and no other of its predecessors ends later."""
+    after = cell.tasks[follower].after
+    return a.task in after and a.end == max(rows[first].end for first in after)
 
 
 def _hand(cell: Cell, a: Assignment, t: Words) -> str:

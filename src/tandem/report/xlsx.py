@@ -10,7 +10,7 @@ from math import ceil
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
-from tandem.cell.spreadsheet.template import to_workbook
+from tandem.cell.spreadsheet.template import to_workbook, workbook_bytes
 from tandem.draw.style import contrast, looks, number, task_label
 from tandem.plan.result import Front, Result
 from tandem.report.instructions import turns
@@ -25,10 +25,13 @@ if TYPE_CHECKING:
     from openpyxl import Workbook
     from openpyxl.worksheet.worksheet import Worksheet
 
-MOST_SLOTS = 160
+MOST_SLOTS = 120
 """Columns of a Gantt chart."""
 STEPS = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600)
 """Seconds that one column may stand for."""
+PAGE = 118.0
+"""Characters across a page in A4 landscape, beside the column of names."""
+FONT = "Calibri"
 HEAD, RULE, BREAK = "1F4E5F", "C8CCD0", "BDBDBD"
 
 
@@ -57,9 +60,7 @@ def xlsx(front: Front, *, command: str = "", date: str = "", language: str = "en
     for sheet in book:
         _fit_to_page(sheet)
         sheet.sheet_view.tabSelected = sheet is book.active
-    content = io.BytesIO()
-    book.save(content)
-    return content.getvalue()
+    return workbook_bytes(book)
 
 
 # --- sheets -------------------------------------------------------------------------------------------------------------------
@@ -123,18 +124,18 @@ def _gantt(book: Workbook, result: Result, place: int, t: Words) -> None:
     slot = slot_seconds(result.makespan)
     count = max(ceil(round(result.makespan / slot, 6)), 1)
     sheet.column_dimensions["A"].width = 20
-    width = max(min(160 / count, 8), 1.6)
+    width = max(min(PAGE / count, 8), 1.0)
     for column in range(2, count + 2):
         sheet.column_dimensions[_letter(column)].width = width
         sheet.cell(3, column).border = _edge()
     every = max(round(count / 12), 1)
     for column in range(0, count, every):
         axis = sheet.cell(3, column + 2, plain(round(column * slot, 3)))
-        axis.font, axis.alignment = Font(size=8), Alignment(horizontal="left")
+        axis.font, axis.alignment = Font(name=FONT, size=9), Alignment(horizontal="left")
         sheet.merge_cells(start_row=3, end_row=3, start_column=column + 2, end_column=min(column + every, count) + 1)
     for row, (name, look) in enumerate(looks(cell).items(), 4):
         _put(sheet, row, 1, look.label, bold=True)
-        sheet.row_dimensions[row].height = 30
+        sheet.row_dimensions[row].height = 34
         for start, end in cell.operators[name].breaks:
             _bar(sheet, row, start, min(end, result.makespan), slot, count, BREAK, "", "mediumGray")
         for a in schedule.of(name):
@@ -162,7 +163,7 @@ def _bar(sheet: Worksheet, row: int, start: float, end: float, slot: float, coun
     taken.fill = PatternFill(pattern or "solid", fgColor=colour)
     if label:
         ink = "FFFFFF" if contrast(f"#{colour}", "#FFFFFF") >= contrast(f"#{colour}", "#1A1A1A") else "1A1A1A"
-        taken.value, taken.data_type, taken.font = label, "s", Font(size=9, color=ink)
+        taken.value, taken.data_type, taken.font = label, "s", Font(name=FONT, size=10, color=ink)
         taken.alignment = Alignment(horizontal="center", vertical="center", wrap_text=True)
     for column in range(first + 2, last + 2):
         sheet.cell(row, column).border = _edge()
@@ -228,7 +229,7 @@ def _put(sheet: Worksheet, row: int, column: int, value: Any, bold: bool = False
     if isinstance(value, str):
         cell.data_type = "s"
     if bold:
-        cell.font = Font(bold=True)
+        cell.font = Font(name=FONT, bold=True)
 
 
 def _row(sheet: Worksheet, row: int, values: Sequence[Any], bold: bool = False) -> None:
@@ -237,15 +238,16 @@ def _row(sheet: Worksheet, row: int, values: Sequence[Any], bold: bool = False) 
     for column, value in enumerate(values, 1):
         _put(sheet, row, column, value, bold)
         sheet.cell(row, column).border = _edge()
-        if isinstance(value, str):
-            sheet.cell(row, column).alignment = Alignment(wrap_text=True, vertical="top")
+        sheet.cell(row, column).alignment = Alignment(wrap_text=isinstance(value, str), vertical="top")
+    lines = [len(str(value)) / (sheet.column_dimensions[_letter(column)].width * 0.95) for column, value in enumerate(values, 1) if value]
+    sheet.row_dimensions[row].height = 15 * max(ceil(max(lines, default=1)), 1)  # programs other than Excel do not find it out themselves
 
 
 def _title(sheet: Worksheet, text: str) -> None:
     from openpyxl.styles import Font
 
     _put(sheet, 1, 1, text)
-    sheet.cell(1, 1).font = Font(bold=True, size=14)
+    sheet.cell(1, 1).font = Font(name=FONT, bold=True, size=14)
 
 
 def _header(sheet: Worksheet, row: int, heads: Sequence[str], widths: Sequence[float]) -> None:
@@ -254,10 +256,11 @@ def _header(sheet: Worksheet, row: int, heads: Sequence[str], widths: Sequence[f
     for column, head in enumerate(heads, 1):
         cell = sheet.cell(row, column, head)
         cell.data_type = "s"
-        cell.font, cell.fill = Font(bold=True, color="FFFFFF"), PatternFill("solid", fgColor=HEAD)
+        cell.font, cell.fill = Font(name=FONT, bold=True, color="FFFFFF"), PatternFill("solid", fgColor=HEAD)
         cell.alignment = Alignment(wrap_text=True, vertical="center")
     for column, width in enumerate(widths, 1):
         sheet.column_dimensions[_letter(column)].width = width
+    sheet.row_dimensions[row].height = 32
 
 
 def _edge() -> Any:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import re
+import zipfile
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -106,11 +108,22 @@ def to_workbook(cell: Cell, *, lang: Language = "en", every_column: bool = False
         _things(book, cell, lang, every_column)
         _sets_and_name(book, cell, lang)
         _help(book, lang)
-        content = io.BytesIO()
-        book.save(content)
+        return workbook_bytes(book)
     except IllegalCharacterError as error:
         raise CellError([Fault(f"a text of the cell holds control characters that no workbook can hold: {error}. Rename it.")]) from error
-    return content.getvalue()
+
+
+def workbook_bytes(book: Workbook) -> bytes:
+    """The workbook as an xlsx file, the same bytes every time: without the moment of writing."""
+    written, steady = io.BytesIO(), io.BytesIO()
+    book.save(written)
+    with zipfile.ZipFile(written) as source, zipfile.ZipFile(steady, "w", zipfile.ZIP_DEFLATED) as target:
+        for name in source.namelist():
+            content = source.read(name)
+            if name == "docProps/core.xml":
+                content = re.sub(rb">\d{4}-\d\d-\d\dT[\d:]+Z<", b">2000-01-01T00:00:00Z<", content)
+            target.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
+    return steady.getvalue()
 
 
 # --- tasks --------------------------------------------------------------------------------------------------------------------
@@ -297,7 +310,7 @@ def _help(book: Workbook, lang: Language) -> None:
     for row, (what, text) in enumerate(HELP[lang], 1):
         _put(sheet, row, 1, what)
         _put(sheet, row, 2, text)
-        sheet.cell(row, 1).font = Font(bold=True)
+        sheet.cell(row, 1).font = Font(name="Calibri", bold=True)
         sheet.cell(row, 2).alignment = Alignment(wrap_text=True, vertical="top")
 
 
@@ -325,11 +338,14 @@ def _header(sheet: Worksheet, headers: list[str], widths: list[float]) -> None:
     for column, (header, width) in enumerate(zip(headers, widths, strict=True), 1):
         cell = sheet.cell(1, column, header)
         cell.data_type = "s"
-        cell.font = Font(bold=True, color="FFFFFF")
+        cell.font = Font(name="Calibri", bold=True, color="FFFFFF")
         cell.fill = PatternFill("solid", fgColor="1F4E5F")
         cell.alignment = Alignment(wrap_text=True, vertical="center")
         sheet.column_dimensions[get_column_letter(column)].width = max(width, min(len(header) + 2, 30))
     sheet.row_dimensions[1].height = 32
+    sheet.page_setup.orientation, sheet.page_setup.paperSize = "landscape", 9
+    sheet.page_setup.fitToWidth, sheet.page_setup.fitToHeight = 1, 0
+    sheet.sheet_properties.pageSetUpPr.fitToPage = True
     sheet.freeze_panes = "A2"
 
 

@@ -1,0 +1,93 @@
+"""A front as Markdown for wikis: the plans, the recommended one step by step, instructions for each operator, assumptions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from tandem.draw.style import looks, number, seconds
+from tandem.plan.result import Front, Result
+from tandem.report.html import summary
+from tandem.report.instructions import turns
+from tandem.report.language import Words, words
+from tandem.report.sources import assumptions, made
+from tandem.report.tables import named, status
+from tandem.schedule.critical import critical_path, slack
+from tandem.schedule.measures import mode_of
+
+
+def markdown(front: Front, *, command: str = "", date: str = "", language: str = "en") -> str:
+    """The report as text. Raises UsageError when reports do not speak the language."""
+    t = words(language)
+    parts = [f"# {_text(t('title', name=front.cell.name or t('unnamed')))}", *map(_text, summary(front, t))]
+    if len(front):
+        parts += [f"## {t('front.title')}", _front(front, t)]
+        knee = front.knee
+        title = t("plan.title", n=front.results.index(knee) + 1, makespan=seconds(knee.makespan), stress=number(knee.stress))
+        parts += [f"## {title}", _steps(knee, t)]
+        parts += [part for operator in front.cell.operators for part in _instructions(knee, operator, t)]
+    parts += [f"## {t('assume.title')}", "\n".join(f"- {_text(sentence)}" for sentence in assumptions(front, t))]
+    parts += [
+        f"## {t('made.title')}",
+        "\n".join(f"- {what}: {_text(value)}" for what, value in made(front, t, command, date)),
+        f"*{_text(t('safety'))}*",
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _front(front: Front, t: Words) -> str:
+    shown = looks(front.cell)
+    heads = [
+        t("front.plan"),
+        t("front.makespan"),
+        t("front.stress"),
+        t("front.status"),
+        *(t("front.does", who=look.label) for look in shown.values()),
+    ]
+    rows = []
+    for place, result in enumerate(front, 1):
+        mark = f"**{place}** ({t('plan.recommended')})" if len(front) > 1 and result is front.knee else str(place)
+        does = [", ".join(a.task for a in result.schedule.of(name)) or "–" for name in front.cell.operators]
+        rows.append([mark, number(result.makespan), number(result.stress), status(result, t), *map(_text, does)])
+    return table(heads, rows)
+
+
+def _steps(result: Result, t: Words) -> str:
+    cell, schedule = result.cell, result.schedule
+    critical, free, shown = {link.assignment.task for link in critical_path(cell, schedule)}, slack(cell, schedule), looks(cell)
+    rows = []
+    for a in schedule:
+        mode = mode_of(cell, a)
+        load = number(sum(mode.stress.values())) if mode and mode.stress else "–"
+        late = t("plan.step.critical") if a.task in critical else number(free[a.task])
+        who = " + ".join(shown[o].label for o in a.operators)
+        rows.append([_text(named(cell, a.task)), _text(who), number(a.start), number(a.end), load, late])
+    return table([t(f"plan.step.{key}") for key in ("task", "who", "start", "end", "stress", "slack")], rows)
+
+
+def _instructions(result: Result, operator: str, t: Words) -> list[str]:
+    found = turns(result.cell, result.schedule, operator, t)
+    title = f"### {_text(t('steps.title', who=looks(result.cell)[operator].label))}"
+    if not found:
+        return [title, t("steps.none")]
+    extra = [key for key in ("part", "tool", "zone", "together_with") if any(getattr(turn, key) for turn in found)]
+    heads = [t(f"steps.{key}") for key in ("turn", "does", *(key.removeprefix("together_") for key in extra), "wait", "hands", "start", "end")]
+    rows = []
+    for turn in found:
+        does = turn.does if turn.does == turn.task else f"{turn.task}: {turn.does}"
+        cells = [str(turn.number), does, *(getattr(turn, key) for key in extra), "; ".join(turn.wait), "; ".join(turn.hands_to)]
+        rows.append([*map(_text, cells), number(turn.start), number(turn.end)])
+    return [title, table(heads, rows)]
+
+
+def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table of GitHub's flavour."""
+    lines = [heads, ["---"] * len(heads), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def _text(text: str) -> str:
+    """The text with nothing in it that Markdown or HTML would take for a sign."""
+    escaped = text.replace("&", "&amp;").replace("<", "&lt;")
+    for sign in "\\`*_[]|#":
+        escaped = escaped.replace(sign, f"\\{sign}")
+    return " ".join(escaped.split())
