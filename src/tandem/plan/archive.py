@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import inf
 
 from tandem.cell.model import Cell
-from tandem.plan.bounds import least_makespan, least_stress
+from tandem.plan.bounds import chain_bound, least_stress, one_operator_bound
 from tandem.plan.cpsat import Starts
 from tandem.plan.decode import Layout
 from tandem.plan.instance import Instance
@@ -29,7 +29,7 @@ class Archive:
         self.cell, self.layout, self.limits = cell, layout, limits
         self.found: dict[Point, Starts] = {}
         self.least_stress = least_stress(layout) or 0
-        self.facts: list[tuple[float, float]] = [(inf, least_makespan(layout)), (self.least_stress - 1, inf)]
+        self.facts: list[tuple[float, float]] = [(inf, max(chain_bound(layout), one_operator_bound(layout))), (self.least_stress - 1, inf)]
         self._schedules: dict[Point, Schedule] = {}
 
     @property

@@ -21,6 +21,7 @@ from time import monotonic
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError
 from tandem.plan.archive import Archive
+from tandem.plan.bounds import load_prices
 from tandem.plan.cpsat import Starts
 from tandem.plan.decode import Layout
 from tandem.plan.instance import Instance
@@ -32,6 +33,8 @@ from tandem.schedule.checker import faults
 from tandem.schedule.model import Schedule
 
 SOLVER = f"cp-sat {version('ortools')}"
+SAMPLING = ("longest-tail", "balanced", "random", "best-of-n", "weighted")
+"""Rules that are not tried once more at the beginning: two have been, the others draw many schedules."""
 SPREAD = 8
 """So many points of a front too large to be proven are looked for, spread evenly over its stress."""
 
@@ -84,22 +87,27 @@ class _Search:
         self.optimal = False
 
     def begin(self, hint: Schedule | None) -> None:
-        """The first schedules: the hint, and what the dispatch rules give. The quickest rule comes first."""
+        """The first schedules: the hint, and what the dispatch rules give; what costs more than a moment comes after the first."""
         if self.layout.impossible():
             return
         if hint is not None and not faults(self.cell, hint):
             self._offer(_starts_of(self.instance, hint), 0)
         random = Random(self.seed)
-        names = ["balanced", *(name for name in SPECS if name not in ("balanced", "random", "best-of-n", "weighted"))]
         if self.instance.stress_of_set is None:
-            for name in names:
-                if (state := build(self.layout, SPECS[name], random)) is not None:
-                    self._offer(tuple(state.starts()), 0)
+            self._by_rule("longest-tail", random, None)
+            bound, prices = load_prices(self.layout)
+            self._note(inf, bound)
+            for name in ("balanced", *(name for name in SPECS if name not in SAMPLING)):
+                self._by_rule(name, random, prices)
         few = islice(attempts(self.layout, SPECS["weighted"], random, self.question, lambda: bool(self.archive.found)), 40)
         if len(self.instance.tasks) < 100 or not self.archive.found:
             for attempt in few:
                 if attempt is not None:
                     self._offer(tuple(attempt.starts()), 0)
+
+    def _by_rule(self, name: str, random: Random, prices: list[float] | None) -> None:
+        if (state := build(self.layout, SPECS[name], random, prices=prices)) is not None:
+            self._offer(tuple(state.starts()), 0)
 
     def run(self) -> None:
         """Answers the question as far as time allows."""

@@ -86,10 +86,10 @@ class Instance:
         zones = tuple(dict.fromkeys([*(x.zone for x in cell.tasks.values() if x.zone), *cell.zones]))
 
         def ticks(seconds: float) -> int:
-            return int(Decimal(repr(seconds)) * per_second)
+            return _whole(seconds, per_second)
 
         def units(stress: float) -> int:
-            return int(Decimal(repr(stress)) * per_stress)
+            return _whole(stress, per_stress)
 
         ways = tuple(
             tuple(
@@ -188,9 +188,14 @@ def _topological(before: tuple[tuple[int, ...], ...], behind: list[list[int]]) -
     return tuple(ready)
 
 
+def _whole(number: float, scale: int) -> int:
+    """The decimal that the number prints as, times the scale that makes it whole."""
+    return int(number) * scale if float(number).is_integer() else int(Decimal(repr(number)) * scale)
+
+
 def _scale(numbers: Iterable[float]) -> int:
     """The smallest power of ten that makes every number whole."""
-    exponents = (Decimal(repr(number)).normalize().as_tuple().exponent for number in numbers)
+    exponents = (Decimal(repr(number)).normalize().as_tuple().exponent for number in numbers if not float(number).is_integer())
     scale: int = 10 ** max((-int(exponent) for exponent in exponents if int(exponent) < 0), default=0)
     return scale
 
