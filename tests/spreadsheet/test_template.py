@@ -6,10 +6,10 @@ import io
 import time
 from pathlib import Path
 
-import books
 import openpyxl
 import pytest
 from hypothesis import Phase, given, settings
+from tests.spreadsheet import books
 from tests.strategies import cells
 
 from tandem.cell.model import Cell

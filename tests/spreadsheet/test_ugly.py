@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import books
 import pytest
+from tests.spreadsheet import books
 
 from tandem.cell.spreadsheet import import_cell, read_workbook
 from tandem.errors import CellError, UsageError

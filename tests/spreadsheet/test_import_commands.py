@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import books
 import pytest
 from click.testing import CliRunner, Result
+from tests.spreadsheet import books
 
 from tandem.cell.files import load
 from tandem.cli.sheets import import_command, template_command
