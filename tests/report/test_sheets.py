@@ -45,6 +45,19 @@ def test_the_workbook_gives_the_same_cell_again(front: Front, tmp_path: Path) ->
     assert import_cell(path)[0] == front.cell
 
 
+def test_the_german_workbook_gives_the_same_cell_again(front: Front, tmp_path: Path) -> None:
+    path = write(front, tmp_path / "plan.xlsx", language="de")
+    assert "Vorgänge" in openpyxl.load_workbook(path).sheetnames
+    assert import_cell(path)[0] == front.cell
+
+
+def test_every_sentence_is_there_in_german_with_the_same_places() -> None:
+    english, german = words("en").sentences, words("de").sentences
+    assert set(german) == set(english)
+    for key, sentence in english.items():
+        assert set(re.findall(r"{\w+}", german[key])) == set(re.findall(r"{\w+}", sentence)), key
+
+
 def test_the_front_sheet_has_every_plan(front: Front) -> None:
     sheet = opened(front)["Front"]
     rows = [(sheet.cell(row, 2).value, sheet.cell(row, 3).value) for row in range(4, 4 + len(front))]

@@ -65,6 +65,7 @@ class Weights(click.ParamType):  # type: ignore[type-arg]  # older releases of c
 )
 @variant_options
 @click.option("--report", type=click.Path(dir_okay=False, path_type=Path), help="Write the report: one HTML file that opens offline.")
+@click.option("--lang", type=click.Choice(["en", "de"]), default="en", show_default=True, help="Language of reports.")
 @click.option("-q", "--quiet", is_flag=True, help="No progress on stderr.")
 def plan_command(
     cell_file: str,
@@ -84,6 +85,7 @@ def plan_command(
     sets: tuple[str, ...],
     without: tuple[str, ...],
     force: tuple[str, ...],
+    lang: str,
     quiet: bool,
 ) -> int:
     """Find every compromise between completion time and stress, with proof.
@@ -121,7 +123,7 @@ def plan_command(
         name = "stdin" if cell_file == "-" else Path(cell_file).stem
         files.append(Path(f"{name}.interrupted.json"))
     for path in files:
-        write(front, path, command=shlex.join(["tandem", *sys.argv[1:]]), date=datetime.date.today().isoformat())
+        write(front, path, command=shlex.join(["tandem", *sys.argv[1:]]), date=datetime.date.today().isoformat(), language=lang)
     show(front, as_json)
     if base is not None and not as_json:
         tell_difference(base, front, lambda: plan(base, question, method=method, time_limit=time_limit, seed=seed, workers=workers))
