@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -47,7 +48,7 @@ def test_the_exhaustive_method_gives_the_same_front():
 
 
 @pytest.mark.parametrize(
-    "options, points",
+    ("options", "points"),
     [
         (["--minimize", "makespan"], [(23, 7)]),
         (["--minimize", "stress"], [(34, 2)]),
@@ -99,7 +100,7 @@ INFEASIBLE = ["plan", THESIS, "--max-makespan", "20"]
 
 
 @pytest.mark.parametrize(
-    "arguments, code, words",
+    ("arguments", "code", "words"),
     [
         (["plan", THESIS, "--method", "exat"], 2, "Did you mean 'exact'"),
         (["plan", THESIS, "--weights", "1"], 2, "two numbers"),
@@ -140,14 +141,16 @@ def test_all_faults_are_told_at_once_with_their_places(tmp_path):
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
 def test_a_full_disk_is_told_and_nothing_is_left():
     with open("/dev/full", "w") as full:
-        done = subprocess.run([sys.executable, "-m", "tandem.cli", "plan", THESIS, "--json", "-q"], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60)
+        done = subprocess.run(
+            [sys.executable, "-m", "tandem.cli", "plan", THESIS, "--json", "-q"], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60
+        )
     assert done.returncode == 2
     assert "no space left" in done.stderr
     assert "Traceback" not in done.stderr
 
 
 def test_a_reader_that_goes_away_is_no_error():
-    head = f"{sys.executable} -m tandem.cli generate layered --tasks 400 | head -n 1"
+    head = f"{shlex.quote(sys.executable)} -m tandem.cli generate layered --tasks 400 | head -n 1"
     done = subprocess.run(["bash", "-c", f"set -o pipefail; {head}"], capture_output=True, text=True, timeout=60, cwd=ROOT)
     assert done.stderr == ""
     assert done.stdout
