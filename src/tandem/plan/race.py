@@ -182,7 +182,7 @@ class Race:
             return [partial(self.prove, workers, seed)]
         jobs: list[Callable[[], None]] = [partial(self.improve, Random(f"{seed} {i}"), None) for i in range(max(1, workers // 2))]
         if tasks < LARGE:
-            return [*jobs, partial(self.prove, workers - len(jobs), seed), self.refute]
+            return [*jobs, partial(self.prove, workers + 1, seed), self.refute]  # one search more than cores: unlike ones help each other
 
         def bound_then_improve() -> None:
             self.relax(seed)
