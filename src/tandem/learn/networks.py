@@ -45,7 +45,8 @@ def forward(xp: ModuleType, network: Network, inputs: Array, activation: str) ->
         layer = network[str(place)]
         if place:
             flow = xp.tanh(flow) if activation == "tanh" else xp.maximum(flow, 0)
-        flow = flow @ layer["weight"] + layer["bias"]
+        flow = flow @ layer["weight"]
+        flow = flow + layer["bias"].reshape((1,) * (flow.ndim - 1) + (-1,))
     return flow
 
 

@@ -290,7 +290,8 @@ def _reset(key: Array, world: World, number: int) -> Environments:
 def values(learner: Learner, observation: Array, config: Config) -> Array:
     """`[..., A]` the critics' values of `observation` `[..., A, D]`, in units of reward."""
     output = _forward(learner.parameters, "critic", jnp.moveaxis(observation, -2, 0), config)[..., 0]
-    return jnp.moveaxis(output, 0, -1) * learner.spread + learner.mean
+    each = (-1, *[1] * (output.ndim - 1))
+    return jnp.moveaxis(output * learner.spread.reshape(each) + learner.mean.reshape(each), 0, -1)
 
 
 # --- Learning ---
