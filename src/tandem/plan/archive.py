@@ -6,11 +6,11 @@ from math import inf
 
 from tandem.cell.model import Cell
 from tandem.plan.bounds import chain_bound, least_stress, one_operator_bound
-from tandem.plan.cpsat import Starts
 from tandem.plan.decode import Layout
 from tandem.plan.instance import Instance
-from tandem.plan.race import Goal, keeps_deadlines, measures
+from tandem.plan.race import Goal
 from tandem.plan.result import Bound, Result, Status
+from tandem.plan.starts import Starts, keeps_deadlines, measures
 from tandem.schedule.checker import faults
 from tandem.schedule.model import Schedule
 

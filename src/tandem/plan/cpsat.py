@@ -16,10 +16,9 @@ from itertools import combinations
 from ortools.sat.python import cp_model
 
 from tandem.plan.instance import Instance
+from tandem.plan.starts import Starts
 
 Literal = cp_model.LiteralT
-Starts = tuple[tuple[int, int], ...]
-"""Per task, in the instance's order: the way it is done and the tick at which it starts."""
 
 
 @dataclass

@@ -22,13 +22,13 @@ from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError
 from tandem.plan.archive import Archive
 from tandem.plan.bounds import load_prices
-from tandem.plan.cpsat import Starts
 from tandem.plan.decode import Layout
 from tandem.plan.instance import Instance
 from tandem.plan.question import Progress, Question
-from tandem.plan.race import SMALL, Answer, Effort, Goal, Race, measures
+from tandem.plan.race import SMALL, Answer, Effort, Goal, Race
 from tandem.plan.result import Bound, Front, Result, Status
 from tandem.plan.rules import SPECS, attempts, build
+from tandem.plan.starts import Starts, measures
 from tandem.schedule.checker import faults
 from tandem.schedule.model import Schedule
 

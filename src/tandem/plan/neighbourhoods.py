@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 
 from ortools.sat.python import cp_model
 
-from tandem.plan.cpsat import Starts, formulate
+from tandem.plan.cpsat import formulate
 from tandem.plan.instance import Instance
+from tandem.plan.starts import Starts
 
 
 @dataclass(frozen=True)
