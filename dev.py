@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Everything a developer does here, on a bare Python 3.11, 3.12 or 3.13 with pip.
 
-    python3 dev.py run              plan the example cell: front, Gantt and a report as one HTML file
+    python3 dev.py run              plan the example cell, train two agents on it: front, Gantt, a report as one HTML file
     python3 dev.py run ARGUMENTS    the command itself: run plan my-cell.yaml
     python3 dev.py test             format, lint, types, import rules, docs, tests
     python3 dev.py test ARGUMENTS   pytest alone, with these arguments
