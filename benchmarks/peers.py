@@ -14,6 +14,8 @@ from tandem.cell.model import Cell
 from tandem.plan.instance import Instance
 from tandem.plan.methods import plan
 from tandem.plan.question import Progress
+from tandem.schedule.checker import faults
+from tandem.schedule.model import Schedule
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,9 @@ def plain_cpsat(cell: Cell, seconds: float, workers: int, seed: int = 0) -> Run:
     status = solver.solve(model, watch)
     found = status in (cp_model.OPTIMAL, cp_model.FEASIBLE)
     value = solver.objective_value / instance.per_second if found else None
+    if found:
+        ways = [next(w for w, x in enumerate(literals) if solver.value(x)) for literals in chosen]
+        _must_be_sound(cell, instance.schedule((way, solver.value(start)) for way, start in zip(ways, starts, strict=True)), "cp-sat")
     return Run(value, solver.best_objective_bound / instance.per_second, status == cp_model.OPTIMAL, time.monotonic() - began, tuple(watch.course))
 
 
@@ -118,7 +123,19 @@ def pyjobshop(cell: Cell, seconds: float, workers: int, seed: int = 0) -> Run:
     if not result.best.tasks:
         return Run(None, None, False, wall)
     value = max(task.end for task in result.best.tasks) / instance.per_second
+    rows = [(tuple(sorted(task.resources)), task.end - task.start, task.start) for task in result.best.tasks]
+    ways = [
+        next(w for w, way in enumerate(instance.ways[place]) if way.operators == team and way.ticks == ticks)
+        for place, (team, ticks, _) in enumerate(rows)
+    ]
+    _must_be_sound(cell, instance.schedule((way, start) for way, (_, _, start) in zip(ways, rows, strict=True)), "pyjobshop")
     return Run(value, result.lower_bound / instance.per_second, result.status.value == "Optimal", wall, ((wall, value),))
+
+
+def _must_be_sound(cell: Cell, schedule: Schedule, solver: str) -> None:
+    """A peer's schedule is judged as ours are, so that nobody is credited with what cannot be done."""
+    if wrong := faults(cell, schedule):
+        raise AssertionError(f"{solver}: " + "; ".join(wrong))
 
 
 PEERS = {"tandem": tandem_exact, "cp-sat": plain_cpsat, "pyjobshop": pyjobshop}

@@ -3,7 +3,7 @@
     python benchmarks/scaling.py [--tasks 20 50 100 200 500] [--operators 2 4] [--seeds 10] [--seconds 1 10 30] [-o FILE.csv]
 
 The best bound known of a cell is the best that any of the three proved in this run. PyJobShop says nothing while it works, so it is run once for
-each number of seconds. Every makespan was checked against the cell; a claim of optimality that another solver refutes is printed as WRONG.
+each number of seconds. Every schedule goes through the checker; a claim of optimality that another solver refutes is printed as WRONG.
 """
 
 from __future__ import annotations
