@@ -111,9 +111,19 @@ def compare_command(before_file: str, after_file: str, point: int | None, planne
     if (results[0] is None) != (results[1] is None):
         raise UsageError(f"{before_file} and {after_file} are a cell and a result: give two cells or two results.")
     if results[0] is not None and results[1] is not None:
+        _tell_stale(before_file, after_file)
         _compare_results(results[0], results[1], point, as_json)
         return
     _compare_cells(before_file, after_file, planned, time_limit, seed, as_json)
+
+
+def _tell_stale(*names: str) -> None:
+    """Of results that lie in a project, whether their cell has changed since."""
+    from tandem.report.project import stale_at_home
+
+    for name in dict.fromkeys(names):
+        if stale_at_home(Path(name)):
+            click.echo(f"{name}: stale: made for another state of the cell.", err=True)
 
 
 def _compare_cells(before_file: str, after_file: str, planned: bool, time_limit: float, seed: int, as_json: bool) -> None:
@@ -247,6 +257,27 @@ def tell_difference(base: Cell, front: Front, plan_base: Callable[[], Front]) ->
         click.echo("the cell as it is has no schedule at all.")
     except NothingFoundError:
         click.echo("no schedule of the cell as it is was found within the limit.")
+
+
+def difference(base: Cell, front: Front, plan_base: Callable[[], Front]) -> dict[str, Any]:
+    """What `tell_difference` says, for programs: the changes of the cell, and of each point of the base's front.
+
+    `base` is None, and `points` empty, when the cell as it is has no schedule or none was found; `why` says which.
+    """
+    from tandem.errors import InfeasibleError, NothingFoundError
+    from tandem.explain.compare import compare_cells
+    from tandem.explain.fronts import changes
+
+    found: dict[str, Any] = {"cell": [change.to_dict() for change in compare_cells(base, front.cell)], "base": None, "points": []}
+    try:
+        before = plan_base()
+    except InfeasibleError:
+        return {**found, "why": "infeasible"}
+    except NothingFoundError:
+        return {**found, "why": "nothing found"}
+    points = [[row["makespan"], row["stress"]] for row in before.to_dict()["front"]]
+    found["base"] = {"cell": base.name, "cell_digest": base.digest, "complete": before.complete, "front": points}
+    return {**found, "points": [change.to_dict() for change in changes(before, front)]}
 
 
 def difference_lines(base: Front, other: Front) -> list[str]:

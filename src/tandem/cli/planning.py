@@ -6,16 +6,20 @@ import datetime
 import json
 import shlex
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from tandem.cli.answers import tell_difference, variant_options
+from tandem.cli.answers import difference, tell_difference, variant_options
+from tandem.cli.project import sound, tell_folder
 from tandem.errors import CellError, Fault, UnsoundScheduleError, UsageError
 
 if TYPE_CHECKING:
+    from tandem.cell.model import Cell
     from tandem.plan.result import Front
+    from tandem.schedule.model import Schedule
 
 FORMAT = click.option(
     "--format",
@@ -116,7 +120,7 @@ def plan_command(
     cell, base = load(cell_file, form), None
     if sets or without or force:
         base, cell = cell, variant(cell, sets, without, force)
-    begin = _first_schedule(hint) if hint else None
+    begin = _first_schedule(hint, cell) if hint else None
     with SolveProgress(quiet=quiet) as progress:
         front = plan(cell, question, method=method, time_limit=time_limit, seed=seed, workers=workers, hint=begin, on_solution=progress)
     if front.interrupted and not any(path.suffix == ".json" for path in files):
@@ -124,14 +128,24 @@ def plan_command(
         files.append(Path(f"{name}.interrupted.json"))
     for path in files:
         write(front, path, command=shlex.join(["tandem", *sys.argv[1:]]), date=datetime.date.today().isoformat(), language=lang)
-    show(front, as_json)
-    if base is not None and not as_json:
-        tell_difference(base, front, lambda: plan(base, question, method=method, time_limit=time_limit, seed=seed, workers=workers))
+    if base is None or front.interrupted:
+        show(front, as_json)
+    else:
+        _show_variant(base, front, as_json, lambda: plan(base, question, method=method, time_limit=time_limit, seed=seed, workers=workers))
     for path in files:
         click.echo(f"wrote {path}", err=True)
     if front.interrupted:
         click.echo("interrupted: this is the best found so far, with its bounds.", err=True)
     return 130 if front.interrupted else 0
+
+
+def _show_variant(base: Cell, front: Front, as_json: bool, plan_base: Callable[[], Front]) -> None:
+    """The front of a variant, and how it differs from that of the cell as it is: under `difference` in the document, or in words."""
+    if as_json:
+        click.echo(json.dumps({**front.to_dict(), "difference": difference(base, front, plan_base)}, ensure_ascii=False))
+        return
+    show(front, as_json)
+    tell_difference(base, front, plan_base)
 
 
 def show(front: Front, as_json: bool) -> None:
@@ -147,40 +161,46 @@ def show(front: Front, as_json: bool) -> None:
 
 
 @click.command("check")
-@click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=True))
+@click.argument("cell_file", metavar="CELL|FOLDER", type=click.Path(allow_dash=True))
 @click.argument("result_file", metavar="[RESULT]", required=False, type=click.Path(dir_okay=False, path_type=Path))
 @FORMAT
 @click.option("--json", "as_json", is_flag=True, help="Print what was found as one document.")
 def check_command(cell_file: str, result_file: Path | None, form: str | None, as_json: bool) -> None:
-    """Say whether CELL is sound and, with RESULT, whether its schedules keep to it.
+    """Say whether CELL is sound and, with RESULT, whether its schedules keep to it; of a project's FOLDER, which results are stale.
 
     \b
     Examples:
       tandem check cell.yaml
       tandem check cell.yaml result.json
+      tandem check line-3
 
-    Exit code 3 when the cell is not sound, 6 when a schedule breaks it.
+    A result is stale when it was made for another state of the cell. Exit code 3 when the cell is not sound, 6 when a schedule breaks it.
     """
     from tandem.cell.files import load
+    from tandem.report.project import schedules_of, stale
     from tandem.schedule.checker import faults
 
+    if cell_file != "-" and Path(cell_file).is_dir():
+        if result_file is not None:
+            raise UsageError(f"{cell_file} is a folder: give a cell file with a result, or the folder alone.")
+        return tell_folder(Path(cell_file), as_json)
     cell = load(cell_file, form)
-    found = [(place, faults(cell, schedule)) for place, schedule in enumerate(_schedules(result_file), start=1)] if result_file else []
+    document = _document(result_file) if result_file else {"front": []}
+    found = [(place, faults(cell, schedule)) for place, schedule in enumerate(schedules_of(document), start=1)]
     if as_json:
-        document = {
-            "schema_version": 1,
-            "cell": cell.name,
-            "cell_digest": cell.digest,
-            "faults": [{"point": p, "fault": f} for p, fs in found for f in fs],
-        }
-        click.echo(json.dumps(document, ensure_ascii=False))
+        answer: dict[str, Any] = {"schema_version": 1, "cell": cell.name, "cell_digest": cell.digest}
+        if result_file:
+            answer["stale"] = stale(document, cell)
+        click.echo(json.dumps({**answer, "faults": [{"point": p, "fault": f} for p, fs in found for f in fs]}, ensure_ascii=False))
+    if result_file and stale(document, cell):
+        click.echo(f"{result_file}: stale: made for another state of the cell.", err=True)
     if any(wrong for _, wrong in found):
         raise UnsoundScheduleError([f"schedule {place}: {fault}" for place, wrong in found for fault in wrong])
     if not as_json:
-        people = f"{len(cell.humans)} human{'s' * (len(cell.humans) != 1)}, {len(cell.robots)} robot{'s' * (len(cell.robots) != 1)}"
-        click.echo(f"{cell.name or cell_file}: sound; {len(cell.tasks)} tasks, {people}.")
+        click.echo(sound(cell, cell_file))
         if found:
             click.echo(f"{result_file}: {len(found)} schedule{'s' * (len(found) != 1)}, none breaks the cell.")
+    return None
 
 
 @click.command("methods")
@@ -197,21 +217,27 @@ def methods_command(as_json: bool) -> None:
         click.echo(f"{name:<{width}}  {describe(name)}")
 
 
-def _schedules(path: Path) -> list[Any]:
-    """The schedules of a result document."""
-    from tandem.schedule.model import Schedule
+def _document(path: Path) -> dict[str, Any]:
+    """A result document with sound rows of schedules."""
+    from tandem.report.project import schedules_of
 
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-        return [Schedule.from_list(point["assignments"]) for point in document["front"]]
+        document: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        schedules_of(document)
     except OSError as error:
         raise CellError([Fault(f"cannot be read: {error.strerror}.", (), str(path))]) from error
     except (ValueError, KeyError, TypeError) as error:
         raise CellError([Fault(f"is no result document of `tandem plan --json` ({type(error).__name__}: {error}).", (), str(path))]) from error
+    return document
 
 
-def _first_schedule(path: Path) -> Any:
-    schedules = _schedules(path)
+def _first_schedule(path: Path, cell: Cell) -> Schedule:
+    from tandem.report.project import schedules_of, stale
+
+    document = _document(path)
+    schedules = schedules_of(document)
     if not schedules:
         raise CellError([Fault("holds no schedule.", (), str(path))])
+    if stale(document, cell):
+        click.echo(f"--hint {path}: stale: made for another state of the cell; what does not fit is not used.", err=True)
     return schedules[0]

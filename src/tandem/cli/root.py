@@ -16,6 +16,7 @@ import tandem as package
 from tandem.errors import CellError, InfeasibleError, TandemError
 
 VERBS: dict[str, tuple[str, str]] = {
+    "init": ("tandem.cli.project", "init_command"),
     "plan": ("tandem.cli.planning", "plan_command"),
     "check": ("tandem.cli.planning", "check_command"),
     "explain": ("tandem.cli.answers", "explain_command"),

@@ -50,7 +50,7 @@ def import_command(
     draft = read_workbook(workbook, sheet=sheet, columns=dict(map(_pair, columns)), humans=humans, robots=robots)
     if preview:
         click.echo(preview_text(draft))
-    _tell_notes(draft)
+    tell_notes(draft)
     cell = draft.cell()
     if preview:
         return
@@ -110,7 +110,8 @@ def preview_text(draft: Draft) -> str:
     return "\n".join(lines)
 
 
-def _tell_notes(draft: Draft) -> None:
+def tell_notes(draft: Draft) -> None:
+    """What was not read, and what was assumed, on stderr."""
     for kind, title in TITLES.items():
         notes = [note for note in draft.notes if note.kind == kind]
         if notes:
