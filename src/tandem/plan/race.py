@@ -85,6 +85,8 @@ LARGE = 150
 """From so many tasks on CP-SAT no longer proves anything whole; a relaxation gives the bound and all cores improve."""
 REFUTABLE = 80
 """Up to so many tasks a state-space search is tried beside the others."""
+REFUTE_NEAR = 0.9
+"""It begins when the bound has come so near to the incumbent: far from it there is too much to refute."""
 REFUTE_S = 4.0
 """Processor seconds for it: it works fast or not at all."""
 PATIENCE = 60
@@ -245,6 +247,8 @@ class Race:
         """State-space search for anything quicker than the incumbent; where operators have little choice it proves in a second what CP-SAT cannot."""
         if self.goal.stress or len(self.instance.tasks) > REFUTABLE or not self._await_incumbent():
             return
+        while not self.over and self.bound < REFUTE_NEAR * (self.value or 0):
+            threading.Event().wait(0.05)
         spent = thread_time() + REFUTE_S
         while not self.over and thread_time() < spent:
             proof = self._refuted(self.value or 0, spent)
