@@ -161,3 +161,24 @@ def test_the_printed_pages_are_a4_landscape_and_hold_every_plan(opened: Callable
         assert f"Plan {place}:" in text
     for task in front.cell.tasks:
         assert task in text
+
+
+def test_instruction_sheets_are_folded_on_the_screen_and_a_page_each_on_paper(opened: Callable[..., Any], tmp_path: Path) -> None:
+    if not shutil.which("pdftotext"):
+        pytest.skip("no pdftotext: apt-get install poppler-utils")
+    page = opened(thesis_front())
+    shown = page.locator(".sheet table")
+    assert [table.is_visible() for table in shown.all()] == [False] * 6
+    page.get_by_text("Instructions for human").locator("visible=true").click()
+    assert [table.is_visible() for table in shown.all()].count(True) == 1
+    page.pdf(path=tmp_path / "report.pdf", prefer_css_page_size=True, print_background=True)
+    text = subprocess.run(["pdftotext", "-layout", tmp_path / "report.pdf", "-"], check=True, capture_output=True, text=True).stdout
+    sheets = [sheet for sheet in text.split("\f") if "Instructions for" in sheet]
+    assert [("human" in sheet.splitlines()[0], "Plan 2: 24 s" in sheet, "begin when" in sheet) for sheet in sheets] == [
+        (False, True, True), (True, True, True),
+    ]  # fmt: skip
+
+
+def test_without_scripts_the_instruction_sheets_stand_open(opened: Callable[..., Any]) -> None:
+    page = opened(thesis_front(), scripts=False)
+    assert all(table.is_visible() for table in page.locator(".sheet table").all())

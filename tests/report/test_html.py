@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from html import escape
 from html.parser import HTMLParser
 from xml.etree import ElementTree
 
@@ -15,6 +16,7 @@ from tandem.draw.style import contrast
 from tandem.errors import UsageError
 from tandem.plan.result import Front
 from tandem.report.html import html, summary
+from tandem.report.instructions import turns
 from tandem.report.language import words
 from tandem.report.markup import fitting, tag, ticks, width_of
 from tandem.report.svg_gantt import panel_times
@@ -182,3 +184,16 @@ def test_small_pieces() -> None:
     assert fitting(["word"], 3) == ""
     assert ticks(0, 23, 12) == [0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22]
     assert ticks(0.1, 0.34, 5) == [0.1, 0.15, 0.2, 0.25, 0.3]
+
+
+@pytest.mark.parametrize(("language", "heading"), [("en", "Instructions for human"), ("de", "Anweisung für human")])
+def test_each_plan_has_an_instruction_sheet_for_each_operator(language: str, heading: str) -> None:
+    front = thesis_front()
+    page = html(front, language=language)
+    sheets = re.findall(r'<details class="sheet" open="">.*?</details>', page, re.DOTALL)
+    assert len(sheets) == len(front) * 2
+    t = words(language)
+    rows = re.findall(r"<tr><td.*?</tr>", next(sheet for sheet in sheets if heading in sheet), re.DOTALL)
+    assert [len(rows), "4" in rows[-1]] == [len(front[0].schedule.of("human")), True]
+    for turn, row in zip(turns(front.cell, front[0].schedule, "human", t), rows, strict=True):
+        assert all(escape(sentence) in row for sentence in (*turn.wait, *turn.hands_to))

@@ -13,6 +13,7 @@ from tandem.cell.model import Cell
 from tandem.cell.storing import store
 from tandem.draw.style import Look, looks, number, seconds, share
 from tandem.plan.result import Front, Result, Status
+from tandem.report.instruction_sheet import sheets
 from tandem.report.language import Words, words
 from tandem.report.markup import Markup, hatch_id, hatches, tag
 from tandem.report.players import Player, players_section
@@ -136,6 +137,7 @@ def _plan(front: Front, place: int, t: Words) -> Markup:
         tag("div", balance(front.cell, result.schedule, t), class_="keep"),
         tag("h3", t("plan.steps")),
         tag("div", steps(front.cell, result.schedule, t), class_="steps"),
+        sheets(result, t("plan.title", **values), t),
         id=f"plan-{place + 1}",
         class_="plan",
         data_plan=place + 1,

@@ -1,6 +1,14 @@
 "use strict";
-// Shows one plan at a time; without this script all of them stand on the page.
+// Folds the instruction sheets (paper has them open) and shows one plan at a time; without this script all of it stands on the page.
 (() => {
+  const sheets = [...document.querySelectorAll(".sheet")];
+  for (const sheet of sheets) sheet.open = false;
+  let unfolded = [];
+  window.addEventListener("beforeprint", () => {
+    unfolded = sheets.filter((sheet) => !sheet.open);
+    for (const sheet of unfolded) sheet.open = true;
+  });
+  window.addEventListener("afterprint", () => { for (const sheet of unfolded) sheet.open = false; });
   const plans = [...document.querySelectorAll(".plan")];
   const button = document.getElementById("all");
   if (plans.length < 2) return;

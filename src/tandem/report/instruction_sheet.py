@@ -1,0 +1,50 @@
+"""An operator's instruction sheet in the page: folded away on the screen, a page of its own on paper."""
+
+from __future__ import annotations
+
+from tandem.draw.style import looks, number
+from tandem.plan.result import Result
+from tandem.report.instructions import Turn, turns
+from tandem.report.language import Words
+from tandem.report.markup import Markup, join, tag
+from tandem.report.tables import table
+
+EXTRAS = {"part": "part", "tool": "tool", "zone": "zone", "together_with": "with"}
+"""Fields of a turn that only some cells have -> the key of their word."""
+
+
+def sheets(result: Result, title: str, t: Words) -> Markup:
+    """One sheet for each operator; `title` says on each which plan it belongs to. Without a script all of them stand open."""
+    return join(_sheet(result, operator, title, t) for operator in result.cell.operators)
+
+
+def _sheet(result: Result, operator: str, title: str, t: Words) -> Markup:
+    found = turns(result.cell, result.schedule, operator, t)
+    heading = t("steps.title", who=looks(result.cell)[operator].label)
+    inside = _table(found, heading, t) if found else tag("p", t("steps.none"))
+    return tag("details", tag("summary", tag("h3", heading)), tag("p", title, class_="paper"), inside, class_="sheet", open=True)
+
+
+def _table(found: tuple[Turn, ...], heading: str, t: Words) -> Markup:
+    extras = [key for key in EXTRAS if any(getattr(turn, key) for turn in found)]
+    heads = [(t("steps.turn"), "number"), (t("steps.does"), ""), *((t(f"steps.{EXTRAS[key]}"), "") for key in extras)]
+    heads += [(t("steps.wait"), ""), (t("steps.hands"), ""), (t("steps.start"), "number"), (t("steps.end"), "number")]
+    return table(heads, (_row(turn, extras) for turn in found), heading)
+
+
+def _row(turn: Turn, extras: list[str]) -> Markup:
+    return tag(
+        "tr",
+        tag("td", str(turn.number), class_="number"),
+        tag("th", turn.does if turn.does == turn.task else f"{turn.task}: {turn.does}", scope="row"),
+        *(tag("td", getattr(turn, key) or "–") for key in extras),
+        tag("td", _lines(turn.wait)),
+        tag("td", _lines(turn.hands_to)),
+        tag("td", number(turn.start), class_="number"),
+        tag("td", number(turn.end), class_="number"),
+    )
+
+
+def _lines(sentences: tuple[str, ...]) -> Markup | str:
+    """Each on a line of its own."""
+    return join(tag("div", sentence) for sentence in sentences) if sentences else "–"
