@@ -12,7 +12,9 @@ from tandem.errors import UsageError
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
 
-OUTPUT = click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Cell file to write, .yaml or .json; YAML on stdout when absent.")
+OUTPUT = click.option(
+    "-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Cell file to write, .yaml or .json; YAML on stdout when absent."
+)
 
 
 @click.group("generate")
