@@ -11,9 +11,9 @@ from dataclasses import replace
 import jax
 import numpy as np
 import pytest
-from learn import tiny
 
 import tandem
+from learn import tiny
 from tandem.errors import CellError, UsageError
 from tandem.learn import ppo
 from tandem.learn.agents import PPO
@@ -109,11 +109,13 @@ print(json.dumps([actions.tolist(), [name for name in sys.modules if name.split(
 
 
 def test_a_decision_for_fifty_tasks_is_quick():
-    """The target is 200 microseconds (`benchmarks/decide.py` measures it alone on a core); ten times that fails here even when the machine is busy."""
+    """The target is 200 microseconds (`benchmarks/decide.py` measures it alone on a core); ten times that fails even on a busy machine."""
     size = 6 * 50 + 4 + 50 * 50
     rng = np.random.default_rng(0)
     sizes = [(size, 64), (64, 64), (64, 51)]
-    actor = {str(i): {"weight": rng.standard_normal((2, *shape), np.float32), "bias": np.zeros((2, shape[1]), np.float32)} for i, shape in enumerate(sizes)}
+    actor = {
+        str(i): {"weight": rng.standard_normal((2, *shape), np.float32), "bias": np.zeros((2, shape[1]), np.float32)} for i, shape in enumerate(sizes)
+    }
     policy = Policy(("robot_0", "human_0"), actor, "tanh", True, False, {})
     seen, masks, spent = rng.random((2, size), np.float32), np.ones((2, 51), np.int8), []
     for _ in range(200):

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from learn.probes import SMALL, ForbiddenFruit, LateReward, OneTask
 
+from learn.probes import SMALL, ForbiddenFruit, LateReward, OneTask
 from tandem.learn import ppo
 from tandem.learn.networks import masked_log_softmax, sample
 

@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from learn import tiny
 from safetensors.numpy import load_file
 
+from learn import tiny
 from tandem.errors import CellError, UsageError
 from tandem.learn import trainer
 from tandem.learn.runs import RunFolder
@@ -124,7 +124,7 @@ def test_every_interval_has_the_figures_that_the_thesis_watches(whole):
 
 
 def test_a_folder_that_holds_a_run_is_not_written_over(whole):
-    with pytest.raises(UsageError, match="holds a run already.*--resume"):
+    with pytest.raises(UsageError, match=r"holds a run already.*--resume"):
         tiny.train(whole[0])
 
 
@@ -141,7 +141,7 @@ def test_a_checkpoint_of_another_form_is_refused_with_the_arrays_that_do_not_fit
     asked = json.loads((folder / "run.json").read_text())
     asked["settings"]["config"]["hidden"] = [4]
     (folder / "run.json").write_text(json.dumps(asked))
-    with pytest.raises(CellError, match="does not fit this training: .*actor"):
+    with pytest.raises(CellError, match=r"does not fit this training: .*actor"):
         trainer.resume(folder)
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
+from importlib import resources
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -10,10 +12,13 @@ from typing import Any
 from tandem.cell.files import load
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
+from tandem.cell.storing import store
+from tandem.learn.runs import versions
 
 RANDOM_TASKS, RANDOM_SEEDS = 12, (0, 1)
 FACTORS = (0.0, 5.0)
 SEEDS = 10
+STORED = "cells.json"
 
 
 def random_cells() -> dict[str, Cell]:
@@ -25,6 +30,27 @@ def fitted(cell: Cell) -> tuple[Cell, str]:
     """The cell as the thesis's station can hold it, and what was left out for that (empty when nothing was)."""
     left_out = [name for name, given in (("same_operator", cell.same_operator), ("stress_of_set", cell.stress_of_set)) if given]
     return cell.replace(same_operator=(), stress_of_set=None), ", ".join(left_out)
+
+
+def reproduce(folder: Path, cases: Sequence[Path] = (), *, seeds: int = SEEDS, tell: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
+    """The rows of `run` with what made them; also written to `folder/cells.json`."""
+    document = {
+        "schema_version": 1,
+        "command": " ".join(["tandem reproduce cells", *(f"--case {path.name}" for path in cases)]),
+        "recipe": "tandem",
+        "seeds": list(range(seeds)),
+        "versions": versions(),
+        "rows": run(cases, seeds=seeds, tell=tell),
+    }
+    folder.mkdir(parents=True, exist_ok=True)
+    store(folder / STORED, json.dumps(document, indent=1) + "\n")
+    return document
+
+
+def stored() -> dict[str, Any]:
+    """The document that ships with the package: the random cells and two case studies of Pearce (2015)."""
+    document: dict[str, Any] = json.loads((resources.files("tandem.experiments") / "results" / STORED).read_text(encoding="utf-8"))
+    return document
 
 
 def run(cases: Sequence[Path] = (), *, seeds: int = SEEDS, tell: Callable[[str], None] = lambda _: None) -> list[dict[str, Any]]:
@@ -49,10 +75,11 @@ def run(cases: Sequence[Path] = (), *, seeds: int = SEEDS, tell: Callable[[str],
 
 def line(row: dict[str, Any]) -> str:
     """A row for people."""
-    gaps = row["gaps"]
+    gaps, finished = row["gaps"], [gap for gap in row["gaps"] if gap is not None]
+    reached = f"mean gap {row['mean_gap']:.2%}, largest {max(finished):.2%}" if finished else "none finished"
     return (
         f"{row['cell']} ({row['tasks']} tasks{', without ' + row['left_out'] if row['left_out'] else ''}), factor {row['factor']:g}: "
-        f"optimal {row['optimal']} of {len(gaps)} seeds, mean gap {row['mean_gap']:.2%}, largest {max(gaps):.2%}; "
+        f"optimal {row['optimal']} of {len(gaps)} seeds, {reached}; "
         f"best of 64 optimal {row['best_of_n_optimal']} of {len(gaps)}; {row['cpu_s']:.1f} CPU s a seed"
     )
 
@@ -63,6 +90,7 @@ def _one(cell: Cell, factor: float, seeds: int) -> dict[str, Any]:
     with TemporaryDirectory() as scratch:
         document = train(cell, stress_factor=factor, seeds=range(seeds), folder=Path(scratch) / "run", front_limit=120)
     gaps = [seed["greedy"]["gap"] for seed in document["seeds"]]
+    finished = [gap for gap in gaps if gap is not None]
     return {
         "factor": factor,
         "exact_front": document["exact_front"],
@@ -70,7 +98,7 @@ def _one(cell: Cell, factor: float, seeds: int) -> dict[str, Any]:
         "greedy": [[seed["greedy"]["makespan"], seed["greedy"]["stress"]] for seed in document["seeds"]],
         "gaps": gaps,
         "optimal": sum(gap == 0 for gap in gaps),
-        "mean_gap": round(sum(gaps) / len(gaps), 6),
+        "mean_gap": round(sum(finished) / len(finished), 6) if finished else None,
         "best_of_n_optimal": sum(seed["best_of_n"]["gap"] == 0 for seed in document["seeds"]),
         "steps": document["seeds"][0]["steps"],
         "cpu_s": document["seeds"][0]["cpu_s"],

@@ -24,9 +24,7 @@ QUICK = 0.02
 STORED = "thesis.json"
 
 
-def reproduce(
-    folder: Path, *, quick: bool = False, seeds: int | None = None, tell: Callable[[str], None] = lambda _: None
-) -> dict[str, Any]:
+def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, tell: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
     """Trains, plays and returns the document, which is also written to `folder/thesis.json`.
 
     The records of the thesis's recipe are kept in `folder/records` as they come; a run that was stopped goes on from there.
@@ -168,7 +166,7 @@ def table(document: Mapping[str, Any]) -> str:
     made = document["versions"]
     lines += [
         "",
-        f"Exact front: {exact}. Pairs are makespan in seconds / stress. Shares with their 95 % interval (Wilson), means with the half width of theirs.",
+        f"Exact front: {exact}. Pairs are makespan in seconds / stress. Shares with their 95 % interval (Wilson), means with half of theirs.",
         f"Made with: `{document['command']}`, tandem {made['tandem']}, JAX {made['jax']}, Python {made['python']}, {made['machine']}.",
     ]
     if document["quick"]:

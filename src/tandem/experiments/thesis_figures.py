@@ -32,7 +32,9 @@ def figures(document: Mapping[str, Any]) -> Iterator[tuple[str, Figure]]:
     yield "figure-6-2", curves(records)
     for place, factor in enumerate(FACTORS):
         yield f"figure-6-{3 + 2 * place}", published(factor)
-        learned = [record for record in records if record["factor"] == factor and record["variant"] != OURS and record["greedy"]["makespan"] is not None]
+        learned = [
+            record for record in records if record["factor"] == factor and record["variant"] != OURS and record["greedy"]["makespan"] is not None
+        ]
         if learned:
             yield f"figure-6-{4 + 2 * place}", learned_schedule(factor, learned)
 
@@ -66,7 +68,13 @@ def curves(records: Records) -> Figure:
     if ours:
         pair = {"return": _line(ours, "returns"), "critics' value of the first state": _line(ours, "first_value")}
         best = return_optimal(thesis_cell(), reward_set("appendix", stress_factor=1)).value
-        plot_curves(pair, below, ylabel="return, robot and human summed", title=f"Our recipe at factor 1 ({len(ours)} seeds)", levels={"return-optimal (DP)": best})
+        plot_curves(
+            pair,
+            below,
+            ylabel="return, robot and human summed",
+            title=f"Our recipe at factor 1 ({len(ours)} seeds)",
+            levels={"return-optimal (DP)": best},
+        )
     return figure
 
 
@@ -76,7 +84,10 @@ def published(factor: float) -> Figure:
     wanted = PUBLISHED[int(factor)]
     found = return_optimal(cell, rewards)
     actions = next(actions for way, actions in found.actions.items() if (way.makespan, way.stress) == wanted)
-    return _gantt(play(cell, rewards, follow(actions), by="ticks"), f"Published at factor {factor:g}: {wanted[0]} s, stress {wanted[1]}")
+    return _gantt(
+        play(cell, rewards, follow(actions), by="ticks"),
+        f"A schedule of the published result at factor {factor:g}: {wanted[0]} s, stress {wanted[1]}",
+    )
 
 
 def learned_schedule(factor: float, records: Records) -> Figure:

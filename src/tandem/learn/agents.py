@@ -36,7 +36,9 @@ class PPO:
         self.policy: Policy | None = None
         self.result: dict[str, Any] | None = None
 
-    def learn(self, total_timesteps: int | None = None, *, folder: str | Path | None = None, callback: Callable[[Progress], None] | None = None) -> Self:
+    def learn(
+        self, total_timesteps: int | None = None, *, folder: str | Path | None = None, callback: Callable[[Progress], None] | None = None
+    ) -> Self:
         """Trains from scratch; the recipe's own budget unless `total_timesteps` says otherwise (recipes with a budget in steps only).
 
         Args:

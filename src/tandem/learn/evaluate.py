@@ -56,7 +56,10 @@ class Line:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""
-        parts = {name: getattr(self, name) for name in ("player", "episodes", "done", "makespan", "stress", "makespan_ci95", "stress_ci95", "illegal", "gap")}
+        parts = {
+            name: getattr(self, name)
+            for name in ("player", "episodes", "done", "makespan", "stress", "makespan_ci95", "stress_ci95", "illegal", "gap")
+        }
         return {**parts, "assignments": self.schedule.to_list() if self.schedule else None, "faults": list(self.faults)}
 
 
@@ -89,9 +92,7 @@ class Evaluation:
         }
 
 
-def evaluate(
-    folder: str | Path, cell: Cell | None = None, *, seed: int | None = None, episodes: int = 100, front_limit: float = 30.0
-) -> Evaluation:
+def evaluate(folder: str | Path, cell: Cell | None = None, *, seed: int | None = None, episodes: int = 100, front_limit: float = 30.0) -> Evaluation:
     """Plays one seed of a run: greedy, sampled, best of the sampled; and a random player and the dispatch rules beside it.
 
     Args:

@@ -6,6 +6,7 @@ several. Nothing in it executes code, so it can be kept in a safetensors file an
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from types import ModuleType
@@ -27,7 +28,7 @@ def init(draw: Callable[[tuple[int, ...]], Array], sizes: Sequence[int], last: f
       draw: shape -> an array of that shape, uniform in [-1, 1), of the wanted namespace and type.
     """
     layers: Network = {}
-    for place, (inputs, outputs) in enumerate(zip(sizes, sizes[1:], strict=False)):
+    for place, (inputs, outputs) in enumerate(itertools.pairwise(sizes)):
         reach = math.sqrt(6 / (inputs + outputs)) * (last if place == len(sizes) - 2 else 1.0)
         weight = draw((inputs, outputs)) * reach
         layers[str(place)] = {"weight": weight, "bias": weight[0] * 0}

@@ -8,6 +8,7 @@ Axes: `A` agents, `N` environments, `H` steps of a rollout, `B` = H x N, `D` obs
 
 from __future__ import annotations
 
+import itertools
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -231,7 +232,9 @@ def rollout(key: Array, learner: Learner, world: World, config: Config) -> tuple
     return environments, batch, ended
 
 
-def act(parameters: Parameters, observation: Array, legal: Array, uniform: Array, state: State, world: World, config: Config) -> tuple[Array, Array, Array]:
+def act(
+    parameters: Parameters, observation: Array, legal: Array, uniform: Array | None, state: State, world: World, config: Config
+) -> tuple[Array, Array, Array]:
     """Actions `[N, A]` drawn from the actors, their log-probabilities, and the masks they were drawn under.
 
     `uniform` `[N, A]` in [0, 1) decides the draw; None takes the most probable action instead.
@@ -265,9 +268,7 @@ def _step(
     if config.episode_limit:
         last = jax.lax.cond(jnp.any(truncated), lambda: values(learner, jax.vmap(world.observe)(state), config), lambda: bootstrap)
         bootstrap = jnp.where(truncated[:, None], last, 0.0)
-    batch = Batch(
-        observation, legal, action, log_probability, outcome.reward, outcome.terminated, truncated, bootstrap, jnp.ones_like(truncated)
-    )
+    batch = Batch(observation, legal, action, log_probability, outcome.reward, outcome.terminated, truncated, bootstrap, jnp.ones_like(truncated))
     ended = Ended(
         jnp.sum(over).astype(jnp.float32),
         jnp.sum(jnp.where(over[:, None], paid, 0), 0),
@@ -282,9 +283,7 @@ def _step(
 def _reset(key: Array, world: World, number: int) -> Environments:
     agents = len(world.agents)
     state = jax.vmap(world.reset)(jax.random.split(key, number))
-    return Environments(
-        state, jnp.zeros(number, jnp.int32), jnp.zeros((number, agents), jnp.float32), jnp.zeros((number, agents), jnp.int32)
-    )
+    return Environments(state, jnp.zeros(number, jnp.int32), jnp.zeros((number, agents), jnp.float32), jnp.zeros((number, agents), jnp.int32))
 
 
 def values(learner: Learner, observation: Array, config: Config) -> Array:
@@ -297,9 +296,7 @@ def values(learner: Learner, observation: Array, config: Config) -> Array:
 # --- Learning ---
 
 
-def advantages(
-    reward: Array, value: Array, next_value: Array, terminated: Array, truncated: Array, *, discount: float, gae: float
-) -> Array:
+def advantages(reward: Array, value: Array, next_value: Array, terminated: Array, truncated: Array, *, discount: float, gae: float) -> Array:
     """Generalised advantage estimates along rollouts of `H` steps that may span episodes.
 
         delta_t = reward_t + discount (1 - terminated_t) next_value_t - value_t
@@ -441,7 +438,7 @@ def _networks(key: Array, world: World, config: Config, outputs: int, is_shared:
     inputs = world.observation_size + (len(world.agents) if is_shared else 0)
     sizes = (inputs, *config.hidden, outputs)
 
-    weights = sum(a * b for a, b in zip(sizes, sizes[1:], strict=False))
+    weights = sum(a * b for a, b in itertools.pairwise(sizes))
     uniform = jax.random.uniform(key, (1 if is_shared else len(world.agents), weights), minval=-1.0)  # one draw: each compiles for a second
 
     def one(uniform: Array) -> Network:

@@ -11,7 +11,6 @@ from tandem.envs.thesis.observations import observe, observe_normalised, observe
 from tandem.errors import UsageError
 from tandem.learn.config import Config, Stage
 
-
 OBSERVATIONS: dict[str, Callable[..., Any]] = {"thesis": observe, "scaled": observe_scaled, "normalised": observe_normalised}
 """What a recipe's `sees` means: station and state to `[2, D]`, in NumPy and JAX alike."""
 

@@ -1,10 +1,10 @@
 """A run's folder: what was asked, the figures as CSV and JSONL, the newest checkpoint, the policies, the result. Readable without us.
 
-    run.json                what was asked: cell, recipe, factor, seeds, versions
-    metrics.jsonl, .csv     one row per interval and seed
-    checkpoint.safetensors  all that is needed to go on
-    policy-SEED.safetensors the actors, for stations without JAX
-    result.json             the document of `tandem train --json`
+run.json                what was asked: cell, recipe, factor, seeds, versions
+metrics.jsonl, .csv     one row per interval and seed
+checkpoint.safetensors  all that is needed to go on
+policy-SEED.safetensors the actors, for stations without JAX
+result.json             the document of `tandem train --json`
 """
 
 from __future__ import annotations

@@ -68,7 +68,7 @@ class StationWorld:
         data = station(cell, per_second=whole_ticks(cell))
         rewards = reward_set(recipe.rewards, stress_factor=stress_factor)
         as_arrays = jax.tree.map(jnp.asarray, (data, jax.tree.map(jnp.float32, rewards)))
-        return cls(*as_arrays, pace=recipe.pace, sees=recipe.sees)
+        return cls(as_arrays[0], as_arrays[1], pace=recipe.pace, sees=recipe.sees)
 
     def reset(self, key: Array) -> State:
         return ticks.reset(self.station)

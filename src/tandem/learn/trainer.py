@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -112,7 +112,10 @@ class Training:
             left = 0.0
             if stage < len(self.config.stages):
                 now = self.config.stages[stage]
-                within = (int(self.learners.stage_episodes[place]) / (now.episodes or 2**31), int(self.learners.stage_steps[place]) / (now.steps or 2**31))
+                within = (
+                    int(self.learners.stage_episodes[place]) / (now.episodes or 2**31),
+                    int(self.learners.stage_steps[place]) / (now.steps or 2**31),
+                )
                 left = min(max(within), 1.0)
             done.append((stage + left) / len(self.config.stages))
         return min(done)
@@ -219,7 +222,9 @@ def _interval(training: Training) -> list[Row]:
         )
     played = jax.device_get(_greedy(learners.parameters, training.world, training.config))
     training.learners, training.interval = learners, training.interval + 1
-    rows = [_row(training, place, jax.tree.map(lambda leaf, place=place: leaf[place], (reports, played))) for place in range(len(training.order.seeds))]
+    rows = [
+        _row(training, place, jax.tree.map(lambda leaf, place=place: leaf[place], (reports, played))) for place in range(len(training.order.seeds))
+    ]
     training.folder.append(rows)
     if training.tensorboard:
         _to_tensorboard(training.tensorboard, rows)
