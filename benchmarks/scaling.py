@@ -1,6 +1,7 @@
 """Random layered cells of 20 to 500 tasks: the gap to the best bound known after 1, 10 and 30 s, Tandem beside plain CP-SAT and PyJobShop.
 
     python benchmarks/scaling.py [--tasks 20 50 100 200 500] [--operators 2 4] [--seeds 10] [--seconds 1 10 30] [-o FILE.csv]
+    python benchmarks/scaling.py --show FILE.csv
 
 The best bound known of a cell is the best that any of the three proved in this run. PyJobShop says nothing while it works, so it is run once for
 each number of seconds. Every schedule goes through the checker; a claim of optimality that another solver refutes is printed as WRONG.
@@ -31,7 +32,10 @@ def main() -> int:
     parser.add_argument("--workers", type=int, default=os.cpu_count())
     parser.add_argument("--peers", nargs="+", default=list(PEERS), choices=list(PEERS))
     parser.add_argument("-o", "--output", type=Path)
+    parser.add_argument("--show", type=Path, help="print the tables of an earlier run instead")
     options = parser.parse_args()
+    if options.show:
+        return _show(options.show)
     print(f"{options.workers} workers, ortools {version('ortools')}, pyjobshop {version('pyjobshop')}", flush=True)
     rows: list[tuple] = []
     for tasks in options.tasks:
@@ -40,7 +44,29 @@ def main() -> int:
                 cell = layered(tasks, operators - operators // 2, operators // 2, seed=seed)
                 rows += _measured(cell, (tasks, operators, seed), options)
                 _write(options.output, rows)
-            _table([row for row in rows if row[:2] == (tasks, operators)], options)
+            _table([row for row in rows if row[:2] == (tasks, operators)])
+    return 0
+
+
+def _show(path: Path) -> int:
+    with open(path, newline="", encoding="utf-8") as file:
+        rows = [
+            (
+                int(r["tasks"]),
+                int(r["operators"]),
+                int(r["seed"]),
+                r["solver"],
+                float(r["seconds"]),
+                float(r["makespan"]) if r["makespan"] else None,
+                None,
+                r["proven"] == "True",
+                float(r["wall_s"]),
+                float(r["best_bound"]),
+            )
+            for r in csv.DictReader(file)
+        ]
+    for key in dict.fromkeys(row[:2] for row in rows):
+        _table([row for row in rows if row[:2] == key])
     return 0
 
 
@@ -65,12 +91,12 @@ def _measured(cell, key: tuple[int, int, int], options: argparse.Namespace) -> l
     return [(*key, peer, s, value, run.bound, run.proven and run.wall_s <= s + 0.5, round(run.wall_s, 2), best) for peer, s, value, run in found]
 
 
-def _table(rows: list[tuple], options: argparse.Namespace) -> None:
+def _table(rows: list[tuple]) -> None:
     """Mean gap to the best bound, and how many were proven, per solver and time."""
     tasks, operators = rows[0][:2]
-    for peer in options.peers:
+    for peer in dict.fromkeys(row[3] for row in rows):
         parts = []
-        for seconds in options.seconds:
+        for seconds in dict.fromkeys(row[4] for row in rows):
             mine = [row for row in rows if row[3] == peer and row[4] == seconds]
             gaps = [(row[5] - row[9]) / row[9] for row in mine if row[5] is not None]
             mean = f"{sum(gaps) / len(gaps):7.2%}" if gaps else "nothing"
