@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import time
+from dataclasses import replace
 
 import pytest
 from tests.benchmark_data import folder
@@ -11,12 +12,13 @@ from tests.benchmark_data import folder
 from tandem.cell.files import load
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, UsageError
-from tandem.explain.alternatives import Alternative
+from tandem.explain.alternatives import Alternative, alternative, sentence
 from tandem.explain.explanation import Explanation, TaskAnswer, explain
 from tandem.explain.floor import Floor, part, sentences
 from tandem.plan.methods import METHODS, plan
 from tandem.plan.question import Question
-from tandem.plan.result import Front
+from tandem.plan.result import Bound, Front, Result, Status
+from tandem.schedule.model import Schedule
 
 CASES = {"pearce2015_p3": "exhaustive", "pearce2018_p1": "exhaustive", "pearce2018_p2": "exhaustive"}
 
@@ -221,3 +223,13 @@ def test_fifty_tasks_are_explained_within_twenty_seconds() -> None:
     found = explain(cell)
     assert time.perf_counter() - begin < 22.0
     assert len(found.tasks) == 50
+
+
+def test_a_point_that_is_not_the_best_is_told_so(thesis: Cell) -> None:
+    """An unproven point may be beaten by the answer to "what if": that is said, not hidden behind "costs nothing"."""
+    slow = Schedule(tuple(replace(a, start=a.start + 100, end=a.end + 100) if a.task == "7" else a for a in plan(thesis)[1].schedule))
+    point = Result(thesis, slow, Status.FEASIBLE, Bound(23, 2))
+    human = next(mode for mode in thesis.modes("6") if mode.operators == ("human",))
+    found = alternative(thesis, point, "6", human)
+    assert (found.better.makespan, found.better.stress) == (24, 3) if found.better else False
+    assert sentence(thesis, found) == "human (3 s): a better schedule, found only now, does it so: 24 s, stress 3."

@@ -42,7 +42,7 @@ class Percent(click.ParamType):  # type: ignore[type-arg,unused-ignore]
 @FORMAT
 @click.option("--task", help="Only this task.")
 @click.option("--point", type=int, help="A point of the front, counted from 1; the recommended compromise when absent.")
-@click.option("--time-limit", type=float, default=20.0, show_default=True, help="Seconds for everything; what is not proven by then says so.")
+@click.option("--time-limit", type=float, default=17.0, show_default=True, help="Seconds for everything; what is not proven by then says so.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
 @click.option("--workers", type=int, help="Threads that plan at the same time; one per core when absent.")
 @AS_JSON

@@ -72,6 +72,12 @@ class Alternative:
         """There is a schedule as good as the chosen one that does it this way."""
         return any(cost is not None and cost.seconds <= 0 and cost.more_stress <= 0 for cost in (self.at_same_stress, self.in_same_time))
 
+    @property
+    def better(self) -> Cost | None:
+        """A schedule that beats the chosen one and does it this way: there is none when the chosen point is proven."""
+        costs = [cost for cost in (self.at_same_stress, self.in_same_time) if cost is not None and cost.seconds <= 0 and cost.more_stress <= 0]
+        return next((cost for cost in costs if cost.seconds < 0 or cost.more_stress < 0), None)
+
     def to_dict(self) -> dict[str, Any]:
         costs = {key: cost.to_dict() if (cost := getattr(self, key)) else None for key in ("at_same_stress", "in_same_time", "otherwise")}
         return {"operators": list(self.operators), "time": plain(self.time), "possible": self.possible, **costs, "open": list(self.open)}
@@ -97,7 +103,7 @@ def alternative(cell: Cell, point: Result, task: str, mode: Mode, *, time_limit:
         except NothingFoundError:
             open_questions.append(words)
             return None
-        bound = found.bound.stress if question.minimize == "stress" else found.bound.makespan
+        bound = _bound(found, point, question)
         more = float(decimal(found.makespan) - decimal(point.makespan)), float(decimal(found.stress) - decimal(point.stress))
         return Cost(found.makespan, found.stress, *more, found.status is Status.OPTIMAL, bound)
 
@@ -106,6 +112,13 @@ def alternative(cell: Cell, point: Result, task: str, mode: Mode, *, time_limit:
     same_time = same_stress if free else ask(Question("stress", max_makespan=point.makespan), STRESS)
     otherwise = None if same_stress or same_time else ask(Question("makespan"), ANY)
     return Alternative(task, mode.operators, mode.time, same_stress, same_time, otherwise, tuple(open_questions))
+
+
+def _bound(found: Result, point: Result, question: Question) -> float:
+    """What is excluded for the whole cell is excluded for each way of doing a task: the point's own bound counts too under its own limits."""
+    if question.minimize == "stress":
+        return max(found.bound.stress, point.bound.stress)
+    return max(found.bound.makespan, point.bound.makespan) if question.max_stress is not None else found.bound.makespan
 
 
 def rearranged(cell: Cell, schedule: Schedule) -> Schedule | None:
@@ -134,6 +147,8 @@ def sentence(cell: Cell, found: Alternative) -> str:
         return f"{who} ({found.time:g} s): no schedule allows it."
     if found.open == EVERYTHING:
         return f"{who} ({found.time:g} s): not looked at, time was short."
+    if better := found.better:
+        return f"{who} ({found.time:g} s): a better schedule, found only now, does it so: {better.makespan:g} s, stress {better.stress:g}."
     if found.costs_nothing:
         return f"{who} ({found.time:g} s): costs nothing, another schedule of the same makespan and stress does it so."
     parts = []
@@ -154,7 +169,7 @@ def sentence(cell: Cell, found: Alternative) -> str:
 
 def _size(cost: Cost, what: str) -> str:
     value: float = getattr(cost, what)
-    return f"{value:g}" if cost.proven else f"{cost.bound:g} to {value:g}"
+    return f"{value:g}" if cost.proven or cost.bound >= value else f"{cost.bound:g} to {value:g}"
 
 
 def _more(value: float, unit: str) -> str:

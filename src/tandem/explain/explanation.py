@@ -21,9 +21,10 @@ from tandem.plan.question import Question
 from tandem.plan.result import Front, Result
 from tandem.schedule.model import Assignment
 
-SHARE_FOR_FRONT = 0.35
-SHARE_FOR_FLOOR = 0.25
-"""Of the time limit; the rest is for the alternatives."""
+SHARE_FOR_FRONT = 0.3
+SHARE_FOR_FLOOR = 0.2
+SHARE_TO_END = 0.08
+"""Of the time limit; the last is for the questions that are open when no new ones are begun, the rest for the alternatives."""
 QUESTIONS_EACH = 3
 
 
@@ -99,7 +100,7 @@ def explain(
     *,
     task: str | None = None,
     point: int | None = None,
-    time_limit: float = 20.0,
+    time_limit: float = 17.0,
     seed: int = 0,
     workers: int | None = None,
     on_answer: Callable[[Front | Floor | TaskAnswer], None] | None = None,
@@ -132,7 +133,7 @@ def explain(
         quickest = front[place - 1] if cap is not None else front[0]
         held = floor(cell, quickest, max_stress=cap, time_limit=max(time_limit * SHARE_FOR_FLOOR, 0.2), seed=seed, workers=threads)
         tell(held)
-    until = began + time_limit
+    until = began + time_limit * (1 - SHARE_TO_END)
     answers = []
     for answer in _answers(front[place - 1], [task] if task is not None else None, until, seed, threads):
         tell(answer)

@@ -12,11 +12,15 @@ from typing import Any
 
 from tandem.cell.model import Cell, Table, plain
 from tandem.errors import CellError, InfeasibleError, NothingFoundError, UsageError
+from tandem.explain.alternatives import rearranged
 from tandem.explain.fronts import Point, area, reference
 from tandem.plan import exact
 from tandem.plan.question import Question
 from tandem.plan.result import Front
+from tandem.schedule.checker import faults
 from tandem.schedule.measures import exact as decimal
+from tandem.schedule.measures import makespan, stress
+from tandem.schedule.model import Schedule
 
 FINEST = 3
 """Decimals to which a changed time is rounded, seconds."""
@@ -166,8 +170,9 @@ def _run(
     pool = ProcessPoolExecutor(max_workers=min(workers, max(len(jobs), 1)), mp_context=multiprocessing.get_context("spawn"))
     try:
         futures: dict[Future[tuple[list[Point], bool]], tuple[str, tuple[str, ...], float]] = {}
+        schedules = [result.schedule for result in base]
         for task, who, share in jobs:
-            futures[pool.submit(_front_of, base.cell, task, share, who, seconds, seed)] = (task, who, share)
+            futures[pool.submit(_front_of, base.cell, schedules, task, share, who, seconds, seed)] = (task, who, share)
         for done, future in enumerate(as_completed(futures), 1):
             points, proven = future.result()
             effects.append(_effect(base, corner, *futures[future], points, proven))
@@ -180,15 +185,38 @@ def _run(
     return effects, False
 
 
-def _front_of(cell: Cell, task: str, share: float, who: tuple[str, ...], seconds: float, seed: int) -> tuple[list[Point], bool]:
-    """The points of the variant's front, and whether it is complete; none when there is no schedule or none was found."""
+def _front_of(
+    cell: Cell, known: Sequence[Schedule], task: str, share: float, who: tuple[str, ...], seconds: float, seed: int
+) -> tuple[list[Point], bool]:
+    """The points of the variant's front, and whether it is complete; none when there is no schedule or none was found.
+
+    A front that is not complete is joined with what the base's schedules give with the new times: else chance in the search, not the
+    times, would decide the order of the tasks.
+    """
     try:
-        front = exact.solve(scaled(cell, task, share, who), Question(), time_limit=seconds, seed=seed, workers=1)
+        changed = scaled(cell, task, share, who)
+        front = exact.solve(changed, Question(), time_limit=seconds, seed=seed, workers=1)
     except (InfeasibleError, CellError):
         return [], True
     except NothingFoundError:
-        return [], False
-    return front.points, front.complete
+        points = carried_over(changed, known)
+        return points, False
+    return (front.points, True) if front.complete else (nondominated([*front.points, *carried_over(changed, known)]), False)
+
+
+def carried_over(cell: Cell, schedules: Sequence[Schedule]) -> list[Point]:
+    """The points of the schedules of another cell with the same tasks, put together anew in their order with this cell's times; of the sound ones."""
+    moved = [schedule for old in schedules if (schedule := rearranged(cell, old)) is not None and not faults(cell, schedule)]
+    return nondominated([(makespan(schedule), stress(cell, schedule)) for schedule in moved])
+
+
+def nondominated(points: Sequence[Point]) -> list[Point]:
+    """The points that no other beats, sorted by the first."""
+    kept: list[Point] = []
+    for point in sorted(set(points)):
+        if not kept or point[1] < kept[-1][1]:
+            kept.append(point)
+    return kept
 
 
 def _effect(base: Front, corner: Point, task: str, who: tuple[str, ...], share: float, points: list[Point], proven: bool) -> Effect:
