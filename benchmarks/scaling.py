@@ -50,24 +50,17 @@ def main() -> int:
 
 def _show(path: Path) -> int:
     with open(path, newline="", encoding="utf-8") as file:
-        rows = [
-            (
-                int(r["tasks"]),
-                int(r["operators"]),
-                int(r["seed"]),
-                r["solver"],
-                float(r["seconds"]),
-                float(r["makespan"]) if r["makespan"] else None,
-                None,
-                r["proven"] == "True",
-                float(r["wall_s"]),
-                float(r["best_bound"]),
-            )
-            for r in csv.DictReader(file)
-        ]
+        rows = [_row(record) for record in csv.DictReader(file)]
     for key in dict.fromkeys(row[:2] for row in rows):
         _table([row for row in rows if row[:2] == key])
     return 0
+
+
+def _row(record: dict[str, str]) -> tuple:
+    """A line of the CSV file as `_table` wants it."""
+    key = (int(record["tasks"]), int(record["operators"]), int(record["seed"]), record["solver"], float(record["seconds"]))
+    found = float(record["makespan"]) if record["makespan"] else None
+    return (*key, found, None, record["proven"] == "True", float(record["wall_s"]), float(record["best_bound"]))
 
 
 def _measured(cell, key: tuple[int, int, int], options: argparse.Namespace) -> list[tuple]:
