@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from learn import tiny
 
 import tandem
+from learn import tiny
 from tandem.cli.learn import evaluate_command, train_command
 from tandem.draw.curves import band, plot_curves
 from tandem.errors import CellError, UsageError
@@ -71,7 +71,9 @@ def test_the_gap_is_the_excess_of_what_is_paid():
 
 def test_evaluate_draws_and_prints_one_document(run, tmp_path):
     done = CliRunner().invoke(
-        evaluate_command, [str(run), "--episodes", "5", "--json", "--gantt", str(tmp_path / "g.svg"), "--curves", str(tmp_path / "c.svg")], catch_exceptions=False
+        evaluate_command,
+        [str(run), "--episodes", "5", "--json", "--gantt", str(tmp_path / "g.svg"), "--curves", str(tmp_path / "c.svg")],
+        catch_exceptions=False,
     )
     document = json.loads(done.stdout)
     assert document["exact_front"] == [[23, 7], [24, 3], [34, 2]]
@@ -101,4 +103,4 @@ def test_curves_draw_into_the_axes_they_are_given():
 
     ax = blank(4, 3).axes[0]
     assert plot_curves({"one": ([[1, 2]], [[3, 4]])}, ax, marks={"here": 1.5}, levels={"best": 4}) is ax
-    assert [line.get_label() for line in ax.get_lines()][0] == "one"
+    assert next(line.get_label() for line in ax.get_lines()) == "one"

@@ -53,7 +53,8 @@ def plot_curves(
     ax.set_title(title, loc="left", fontsize=11)
     ax.grid(True, color=RULE, lw=0.6)
     ax.spines[["top", "right"]].set_visible(False)
-    ax.legend(frameon=False, fontsize=9)
+    if lines:
+        ax.legend(frameon=False, fontsize=9)
     return ax
 
 

@@ -166,7 +166,8 @@ def table(document: Mapping[str, Any]) -> str:
     made = document["versions"]
     lines += [
         "",
-        f"Exact front: {exact}. Pairs are makespan in seconds / stress. Shares with their 95 % interval (Wilson), means with half of theirs.",
+        f"Exact front: {exact}. Pairs are makespan in seconds / stress. Shares with their 95 % interval (Wilson), means with the half width "
+        "of theirs.",
         f"Made with: `{document['command']}`, tandem {made['tandem']}, JAX {made['jax']}, Python {made['python']}, {made['machine']}.",
     ]
     if document["quick"]:
