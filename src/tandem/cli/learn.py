@@ -1,4 +1,4 @@
-"""`tandem train`, `tandem evaluate`, `tandem reproduce`: agents that learn, beside the exact optimum."""
+"""`tandem train`, `tandem evaluate`: agents that learn, beside the exact optimum."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ FOLDER = click.Path(file_okay=False, path_type=Path)
 PICTURE = click.Path(dir_okay=False, path_type=Path)
 
 
-def _needs_learn_extra() -> None:
+def needs_learn_extra() -> None:
+    """Raises TandemError, which says what to install, when the packages for learning are not there."""
     try:
         import jax  # noqa: F401
     except ImportError as error:
@@ -63,7 +64,7 @@ def train_command(
 
     Ctrl-C saves; the exit code is then 130 and --resume goes on to the same end.
     """
-    _needs_learn_extra()
+    needs_learn_extra()
     from tandem.cell.files import load
     from tandem.learn import trainer
 
@@ -230,55 +231,6 @@ def _show_players(found: Any) -> None:
     front = found.front
     points = ", ".join(f"({makespan:g} s, {stress:g})" for makespan, stress in front.points) if front else "not found in time"
     console.print(f"exact front{'' if front and front.complete else ' (not proven complete)'}: {points}   (± = 95 % interval of the mean)")
-
-
-@click.command("reproduce")
-@click.argument("system", type=click.Choice(["thesis", "cells"]))
-@click.option("--quick", is_flag=True, help="A short version: few seeds, small budgets; shows that the code runs, not what the recipes reach.")
-@click.option("-o", "--output", type=FOLDER, help="Folder for the result, the records and the figures; tandem-out/SYSTEM when absent.")
-@click.option("--seeds", type=click.IntRange(1, 100), help="Seeds of the thesis's recipe, or of each cell; 10 when absent.")
-@click.option(
-    "--case", "cases", multiple=True, type=PICTURE, help="With `cells`: a case study to train on besides the random cells; may be repeated."
-)
-@click.option("--stored", is_flag=True, help="Train nothing: show the stored long run.")
-@click.option("--json", "as_json", is_flag=True, help="Print the result as one document.")
-def reproduce_command(system: str, quick: bool, output: Path | None, seeds: int | None, cases: tuple[Path, ...], stored: bool, as_json: bool) -> None:
-    """Run a published system here: published, ours and exact side by side, figures redrawn.
-
-    SYSTEM is thesis (Kinat 2023), or cells: our recipe on cells that are not the thesis's, held against their exact optimum.
-
-    \b
-    Examples:
-      tandem reproduce thesis --stored
-      tandem reproduce thesis --quick
-
-    The whole run of the thesis takes one to two CPU hours; it can be stopped and goes on where it was.
-    """
-    if not stored:
-        _needs_learn_extra()
-    folder = output or Path("tandem-out") / system
-    said = _thesis(folder, quick, seeds, stored) if system == "thesis" else _cells(folder, 2 if quick else seeds, cases, stored)
-    click.echo(json.dumps(said[0], ensure_ascii=False) if as_json else said[1])
-
-
-def _thesis(folder: Path, quick: bool, seeds: int | None, stored: bool) -> tuple[dict[str, Any], str]:
-    from tandem.experiments import thesis
-
-    document = thesis.stored() if stored else thesis.reproduce(folder, quick=quick, seeds=seeds, tell=_tell)
-    for file in thesis.draw_figures(document, folder):
-        _tell(f"wrote {file}")
-    return document, thesis.table(document)
-
-
-def _cells(folder: Path, seeds: int | None, cases: tuple[Path, ...], stored: bool) -> tuple[dict[str, Any], str]:
-    from tandem.experiments import other_cells
-
-    document = other_cells.stored() if stored else other_cells.reproduce(folder, cases, seeds=seeds or other_cells.SEEDS, tell=_tell)
-    return document, "\n".join(other_cells.line(row) for row in document["rows"])
-
-
-def _tell(text: str) -> None:
-    click.echo(text, err=True)
 
 
 def _figures(played: dict[str, Any]) -> tuple[str, str]:

@@ -24,7 +24,7 @@ VERBS: dict[str, tuple[str, str]] = {
     "sensitivity": ("tandem.cli.answers", "sensitivity_command"),
     "train": ("tandem.cli.learn", "train_command"),
     "evaluate": ("tandem.cli.learn", "evaluate_command"),
-    "reproduce": ("tandem.cli.learn", "reproduce_command"),
+    "reproduce": ("tandem.cli.laboratory", "reproduce_command"),
     "methods": ("tandem.cli.planning", "methods_command"),
     "generate": ("tandem.cli.cells", "generate"),
     "convert": ("tandem.cli.cells", "convert_command"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib import resources
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -32,11 +32,19 @@ def fitted(cell: Cell) -> tuple[Cell, str]:
     return cell.replace(same_operator=(), stress_of_set=None), ", ".join(left_out)
 
 
-def reproduce(folder: Path, cases: Sequence[Path] = (), *, seeds: int = SEEDS, tell: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
-    """The rows of `run` with what made them; also written to `folder/cells.json`."""
+def reproduce(
+    folder: Path,
+    *,
+    quick: bool = False,
+    seeds: int | None = None,
+    cases: Sequence[Path] = (),
+    tell: Callable[[str], None] = lambda _: None,
+) -> dict[str, Any]:
+    """The rows of `run` with what made them; also written to `folder/cells.json`. A quick run has 2 seeds."""
+    seeds = 2 if quick else seeds or SEEDS
     document = {
         "schema_version": 1,
-        "command": " ".join(["tandem reproduce cells", *(f"--case {path.name}" for path in cases)]),
+        "command": " ".join(["tandem reproduce cells", *["--quick"] * quick, *(f"--case {path.name}" for path in cases)]),
         "recipe": "tandem",
         "seeds": list(range(seeds)),
         "versions": versions(),
@@ -71,6 +79,16 @@ def run(cases: Sequence[Path] = (), *, seeds: int = SEEDS, tell: Callable[[str],
             rows.append({"cell": name, "tasks": len(cell.tasks), "left_out": left_out, **_one(cell, factor, seeds)})
             tell(line(rows[-1]))
     return rows
+
+
+def table(document: Mapping[str, Any]) -> str:
+    """A line per cell and factor."""
+    return "\n".join(line(row) for row in document["rows"])
+
+
+def draw_figures(document: Mapping[str, Any], folder: Path) -> list[Path]:
+    """None: the lines say it."""
+    return []
 
 
 def line(row: dict[str, Any]) -> str:

@@ -1,0 +1,54 @@
+"""`tandem reproduce`: published systems, run here."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from tandem.cli.learn import needs_learn_extra
+from tandem.errors import UsageError
+
+FOLDER = click.Path(file_okay=False, path_type=Path)
+CASE = click.Path(dir_okay=False, path_type=Path)
+
+
+@click.command("reproduce")
+@click.argument("name", metavar="SYSTEM")
+@click.option("--quick", is_flag=True, help="A short version: few seeds, small budgets; shows that the code runs, not what the recipes reach.")
+@click.option("-o", "--output", type=FOLDER, help="Folder for the result, the records and the figures; tandem-out/SYSTEM when absent.")
+@click.option("--seeds", type=click.IntRange(1, 100), help="How many seeds; as many as the stored run has when absent.")
+@click.option("--case", "cases", multiple=True, type=CASE, help="With `cells`: a case study to train on besides the random cells; may be repeated.")
+@click.option("--stored", is_flag=True, help="Train nothing: show the stored long run.")
+@click.option("--json", "as_json", is_flag=True, help="Print the result as one document.")
+def reproduce_command(name: str, quick: bool, output: Path | None, seeds: int | None, cases: tuple[Path, ...], stored: bool, as_json: bool) -> None:
+    """Run a published system here: published, ours and exact side by side, figures redrawn.
+
+    SYSTEM is one of the published systems, such as thesis (Kinat 2023), or cells: our recipe on cells that are not the thesis's.
+
+    \b
+    Examples:
+      tandem reproduce thesis --stored
+      tandem reproduce thesis --quick
+
+    Long runs can be stopped and go on where they were.
+    """
+    from tandem.experiments.systems import system
+
+    chosen = system(name)
+    if cases and not chosen.takes_cases:
+        raise UsageError(f"--case: {name} is run on its own cells; only `tandem reproduce cells` takes case studies.")
+    if not stored:
+        needs_learn_extra()
+    experiment, folder = chosen.load(), output or Path("tandem-out") / name
+    further: dict[str, Any] = {"cases": cases} if chosen.takes_cases else {}
+    document = experiment.stored() if stored else experiment.reproduce(folder, quick=quick, seeds=seeds, tell=_tell, **further)
+    for file in experiment.draw_figures(document, folder):
+        _tell(f"wrote {file}")
+    click.echo(json.dumps(document, ensure_ascii=False) if as_json else experiment.table(document))
+
+
+def _tell(text: str) -> None:
+    click.echo(text, err=True)
