@@ -1,0 +1,1 @@
+"""Who decides live what happens next, and how the deciders are judged."""
