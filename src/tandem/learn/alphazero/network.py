@@ -1,0 +1,101 @@
+"""A network that knows no sizes: it scores every move by what the move is and by what all moves have in common.
+
+The same weights read boards and cells of any size, with any number of operators, and the order of the moves does not matter to them. What is
+still to come is told as what is certain (`Game.least`) and something more, so that even an untrained network is not far off.
+
+`judge` works on NumPy and on JAX arrays alike. Axes: `K` moves, `F` and `G` features of a move and of the whole, `H` units.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from types import ModuleType
+from typing import Any, NamedTuple, Protocol
+
+import jax
+import jax.numpy as jnp
+
+from tandem.learn.features import MOVE_FEATURES, WHOLE_FEATURES
+from tandem.learn.game import Game, Look, State
+from tandem.learn.networks import Network, forward, init
+
+Array = Any
+Parameters = Any
+
+
+class Opinion(NamedTuple):
+    """logits: `[K]`, over all moves, legal or not. to_come: `[]`, the cost that is still to come, in units of the game."""
+
+    logits: Array
+    to_come: Array
+
+
+class Judge(Protocol):
+    """A network that a search can ask. It is hashable: it holds sizes, never weights."""
+
+    def start(self, key: Array, game: Game) -> Parameters:
+        """Weights that know nothing yet."""
+
+    def read(self, parameters: Parameters, seen: Any, least: Array, mover: Array) -> Opinion:
+        """What it thinks of what `game.observe` shows, when `mover` is to play and a cost of `least` units is certain."""
+
+
+def opinion(judge: Judge, parameters: Parameters, game: Game, state: State) -> Opinion:
+    """The judge's opinion of a state; nothing is to come once the game is over."""
+    found = judge.read(parameters, game.observe(state), game.least(state) / game.unit, game.to_play(state))
+    return found._replace(to_come=jnp.where(game.is_over(state), 0.0, found.to_come))
+
+
+@dataclass(frozen=True)
+class Scorer:
+    """The network for games that show a `Look`.
+
+    Attributes:
+      units: of each layer, `H`.
+    """
+
+    units: int = 64
+
+    def start(self, key: Array, game: Game | None = None) -> dict[str, Network]:
+        """Glorot-uniform weights; those of the last layer of the policy are small, so that it prefers nothing."""
+        units = self.units
+        sizes: dict[str, tuple[int, ...]] = {
+            "moves": (MOVE_FEATURES, units),
+            "whole": (WHOLE_FEATURES, units),
+            "mix": (units, units),
+            "policy_row": (units, units),
+            "policy_pool": (2 * units, units),
+            "policy": (units, 1),
+            "value": (2 * units + WHOLE_FEATURES, units, 1),
+        }
+        keys = dict(zip(sizes, jax.random.split(key, len(sizes)), strict=True))
+        return {name: init(_drawing(keys[name]), size, 0.01 if name == "policy" else 1.0) for name, size in sizes.items()}
+
+    def read(self, parameters: dict[str, Network], seen: Look, least: Array, mover: Array) -> Opinion:
+        return self.judge(jnp, parameters, seen, least)
+
+    def judge(self, xp: ModuleType, parameters: dict[str, Network], seen: Look, least: Array) -> Opinion:
+        """`read` over an array namespace."""
+        run = partial(forward, xp, activation="relu")
+        own = lambda name, inputs: run(parameters[name], inputs)  # noqa: E731
+        first = xp.maximum(own("moves", seen.moves) + own("whole", seen.whole)[None], 0)
+        rows = xp.maximum(own("mix", first), 0) * seen.there[:, None]
+        number = xp.maximum(seen.there.sum(), 1)
+        pool = xp.concatenate([rows.sum(0) / number, rows.max(0)])
+        scored = xp.maximum(own("policy_row", rows) + own("policy_pool", pool)[None], 0)
+        more = own("value", xp.concatenate([pool, seen.whole]))[0]
+        return Opinion(own("policy", scored)[:, 0], least + xp.logaddexp(more, xp.zeros_like(more)))
+
+
+def _drawing(key: Array) -> Callable[[tuple[int, ...]], Array]:
+    """Draws for `init`: a fresh part of the key for every layer."""
+    used = 0
+
+    def draw(shape: tuple[int, ...]) -> Array:
+        nonlocal used
+        used += 1
+        return jax.random.uniform(jax.random.fold_in(key, used), shape, minval=-1.0)
+
+    return draw
