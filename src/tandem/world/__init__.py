@@ -1,0 +1,1 @@
+"""The cell in motion, event by event: state, legal ways, time, chance, people. Pure functions over an array namespace."""

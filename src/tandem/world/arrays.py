@@ -1,0 +1,327 @@
+"""A cell as arrays, in whole numbers: what the world's functions read, in NumPy; `jax.jit` and `jax.vmap` take it as it is.
+
+Axes: `T` tasks and `O` operators in the cell's order; `W` ways, every way of doing every task, in the order of the tasks and then of
+`cell.modes(task)`; `U` tools, `Z` zones, `B` breaks per operator, `S` listed sets. What a cell does not say has an axis of length 0, and what it
+would cost is not computed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from functools import cached_property
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+
+from tandem.cell.model import Cell, Mode
+from tandem.errors import CellError, Fault, UsageError
+from tandem.plan.decode import Layout
+from tandem.plan.instance import Instance
+from tandem.schedule.model import Assignment, Schedule
+
+Array = Any
+"""A NumPy or JAX array, or a tracer of one."""
+
+NEVER = 2**31 - 1
+"""A tick that does not come."""
+
+FINE = 1000
+"""Ticks in a second that are sought, so that drawn durations need little rounding."""
+
+ROOM = 16
+"""So many times the longest nominal schedule must fit below `NEVER`: people may be slow, and things be done anew."""
+
+
+class Arrays(NamedTuple):
+    """One cell. Times in ticks, stress in units; `Names` leads back to names, seconds and the cell's own stress.
+
+    way_task: `[W]` int32, the task that the way does; `of_task`: `[W, T]` bool, the same as one row of one True each.
+    way_uses: `[W, O]` bool, who takes part; `way_size`: `[W]` int32, how many they are.
+    way_ticks: `[W]` int32, the nominal duration.
+    way_load: `[W, O]` int32, the stress that it puts on each.
+    way_open: `[W]` bool, False where no schedule can hold it: more operators than the tool or the zone has places, or a way that a partner in
+      `same_operator` lacks.
+    spread: `[W]` float32, coefficient of variation of the duration that the cell states; 0 when it states none.
+    needs: `[T, T]` bool, `needs[i, j]`: task i comes after task j.
+    release, deadline: `[T]` int32; a task without a deadline has NEVER.
+    tail: `[T]` int32, the longest chain of tasks that starts with the task, each in its quickest way.
+    human: `[O]` bool.
+    rank: `[O]` int32, who decides first at one moment: the humans, then the robots, in the cell's order.
+    way_tool: `[W]` int32, the tool that it needs in hand, -1 for none; `[0]` when tools play no part.
+    swap: `[W, O]` int32, how long the operator takes to take that tool up when it holds another one; `[0, O]` when tools play no part.
+    of_tool, of_zone: `[T, U]`, `[T, Z]` bool, the tool and the zone that the task needs.
+    tool_places, zone_places: `[U]`, `[Z]` int32, how many operators have room.
+    in_hand: `[O]` int32, the tool in hand at the start, -1 while the first one costs nothing.
+    break_from, break_to: `[O, B]` int32, sorted; NEVER where an operator has fewer.
+    limit: `[O]` int32, the most stress, NEVER for who has no limit; `[0]` when nobody has one.
+    must: `[T, O]` int32, the least stress that the task puts on the operator in any of its ways.
+    same: `[T, T]` bool, True where two different tasks must be done by the same operators; `[0, 0]` when there are none.
+    sets, set_stress: `[S, T]` bool and `[S]` int32: the cell's `stress_of_set`.
+    undo: `[W]` int32, how long the disassembly takes of what was mounted wrongly; `[0]` when nobody makes mistakes.
+    above: `[T, T]` bool, `above[i, j]`: task i comes after task j, directly or not; `[0, 0]` when nobody makes mistakes.
+    """
+
+    way_task: Array
+    of_task: Array
+    way_uses: Array
+    way_size: Array
+    way_ticks: Array
+    way_load: Array
+    way_open: Array
+    spread: Array
+    needs: Array
+    release: Array
+    deadline: Array
+    tail: Array
+    human: Array
+    rank: Array
+    way_tool: Array
+    swap: Array
+    of_tool: Array
+    tool_places: Array
+    of_zone: Array
+    zone_places: Array
+    in_hand: Array
+    break_from: Array
+    break_to: Array
+    limit: Array
+    must: Array
+    same: Array
+    sets: Array
+    set_stress: Array
+    undo: Array
+    above: Array
+
+
+def arrays(cell: Cell, *, per_second: int | None = None, undo: float | None = None) -> Arrays:
+    """The cell as arrays.
+
+    Args:
+      per_second: ticks in a second; a multiple of what makes every time of the cell whole. 1000 or so when absent.
+      undo: what the disassembly of a task takes, as a share of the task's own time; None when nobody makes mistakes.
+
+    Raises:
+      CellError: times or stresses are too large to be counted in whole numbers of 32 bits.
+      UsageError: `per_second` does not fit the cell, or `undo` is no share above 0.
+    """
+    return Names.of(cell, per_second=per_second).arrays(undo=undo)
+
+
+@dataclass(frozen=True)
+class Names:
+    """What leads from arrays back to a cell's words.
+
+    Attributes:
+      cell: the cell.
+      per_second: ticks in a second.
+      per_stress: units in a stress of 1.
+    """
+
+    cell: Cell
+    per_second: int
+    per_stress: int
+
+    @classmethod
+    def of(cls, cell: Cell, *, per_second: int | None = None) -> Self:
+        """The cell's names; raises as `arrays` does."""
+        instance = Instance.of(cell)
+        if per_second is None:
+            per_second = instance.per_second
+            while per_second < FINE and ROOM * 10 * per_second * _horizon(instance) < NEVER:
+                per_second *= 10
+        elif isinstance(per_second, bool) or per_second < 1 or per_second % instance.per_second:
+            raise UsageError(
+                f"per_second is {per_second!r}: the times of this cell are whole in ticks of 1/{instance.per_second} s; give a multiple of that."
+            )
+        _must_fit(instance, per_second)
+        return cls(cell, per_second, instance.per_stress)
+
+    @cached_property
+    def tasks(self) -> tuple[str, ...]:
+        """The tasks' names."""
+        return tuple(self.cell.tasks)
+
+    @cached_property
+    def operators(self) -> tuple[str, ...]:
+        """The operators' names."""
+        return tuple(self.cell.operators)
+
+    @cached_property
+    def ways(self) -> tuple[tuple[str, Mode], ...]:
+        """Per way, its task and its mode."""
+        return tuple((task, mode) for task in self.cell.tasks for mode in self.cell.modes(task))
+
+    def way(self, task: str, operators: Sequence[str]) -> int:
+        """The number of the way in which these operators do the task; -1 when there is none. The quickest, should there be several."""
+        who = set(operators)
+        found = [(mode.time, way) for way, (name, mode) in enumerate(self.ways) if name == task and set(mode.operators) == who]
+        return min(found, default=(0.0, -1))[1]
+
+    def ticks(self, seconds: float) -> int:
+        """Seconds in ticks, to the nearest."""
+        return round(Decimal(repr(float(seconds))) * self.per_second)
+
+    def seconds(self, ticks: int) -> float:
+        """Ticks in seconds: the nearest float, which prints as the exact decimal."""
+        return float(Decimal(int(ticks)) / self.per_second)
+
+    def stress(self, units: int) -> float:
+        """Units in the cell's own measure of stress."""
+        return float(Decimal(int(units)) / self.per_stress)
+
+    def assignment(self, way: int, start: int, end: int) -> Assignment:
+        """Work in that way, from tick to tick."""
+        task, mode = self.ways[way]
+        return Assignment(self.seconds(start), self.seconds(end), task, mode.operators)
+
+    def schedule(self, way: Array, start_at: Array, end_at: Array) -> Schedule:
+        """`[T]` each, as a state holds them -> the tasks that have begun, in names and seconds."""
+        rows = zip(np.asarray(way).tolist(), np.asarray(start_at).tolist(), np.asarray(end_at).tolist(), strict=True)
+        return Schedule(tuple(self.assignment(*row) for row in rows if row[0] >= 0))
+
+    def arrays(self, *, undo: float | None = None) -> Arrays:
+        """See `arrays`."""
+        if undo is not None and not 0 < undo <= 100:
+            raise UsageError(f"undo is {undo!r}: give the share of a task's time that its disassembly takes, more than 0, at most 100.")
+        layout = Layout.of(Instance.of(self.cell))
+        return Arrays(**{key: _in_32_bits(part) for make in PARTS for key, part in make(self, layout).items()}, **_undoing(self, layout, undo))
+
+
+def namespace(array: Array) -> Any:
+    """The module (`numpy`, `jax.numpy`) that the array belongs to."""
+    return array.__array_namespace__()
+
+
+def _ways(names: Names, layout: Layout) -> dict[str, Any]:
+    instance, modes, scale = layout.instance, names.ways, names.per_second // layout.instance.per_second
+    task = [instance.tasks.index(name) for name, _ in modes]
+    uses = np.array([[who in mode.operators for who in names.operators] for _, mode in modes])
+    flat = [way for row in instance.ways for way in row]
+    load = np.zeros(uses.shape, np.int64)
+    for row, way in zip(load, flat, strict=True):
+        row[list(way.operators)] = way.load
+    nothing_is_listed = instance.stress_of_set is not None and not instance.stress_of_set
+    opened = [set[int]() if nothing_is_listed else {step.way for step in steps} for steps in layout.steps]
+    place = [sum(other == mine for other in task[:way]) for way, mine in enumerate(task)]
+    return {
+        "way_task": np.array(task),
+        "of_task": np.arange(len(instance.tasks))[None, :] == np.array(task)[:, None],
+        "way_uses": uses,
+        "way_size": uses.sum(axis=1),
+        "way_ticks": np.array([way.ticks * scale for way in flat]),
+        "way_load": load,
+        "way_open": np.array([number in opened[mine] for number, mine in zip(place, task, strict=True)]),
+        "spread": np.array([_spread(names.cell, name, mode) for name, mode in modes], np.float32),
+    }
+
+
+def _tasks(names: Names, layout: Layout) -> dict[str, Any]:
+    instance, scale, count = layout.instance, names.per_second // layout.instance.per_second, len(names.tasks)
+    needs = np.zeros((count, count), bool)
+    for task, firsts in enumerate(instance.before):
+        needs[task, list(firsts)] = True
+    return {
+        "needs": needs,
+        "release": np.array(instance.release) * scale,
+        "deadline": np.array([NEVER if ticks is None else ticks * scale for ticks in instance.deadline]),
+        "tail": np.array(layout.tail) * scale,
+    }
+
+
+def _operators(names: Names, layout: Layout) -> dict[str, Any]:
+    instance, scale = layout.instance, names.per_second // layout.instance.per_second
+    order = sorted(range(len(instance.operators)), key=lambda operator: (not instance.human[operator], operator))
+    rest = np.full((len(instance.operators), max(map(len, instance.breaks)), 2), NEVER, np.int64)
+    for row, breaks in zip(rest, instance.breaks, strict=True):
+        row[: len(breaks)] = np.array(breaks, np.int64).reshape(-1, 2) * scale
+    limited = any(limit is not None for limit in instance.stress_limit)
+    return {
+        "human": np.array(instance.human),
+        "rank": np.argsort(order),
+        "in_hand": np.array([-1 if tool is None else tool for tool in instance.in_hand]),
+        "break_from": rest[..., 0],
+        "break_to": rest[..., 1],
+        "limit": np.array([NEVER if limit is None else limit for limit in instance.stress_limit] if limited else [], np.int64),
+        "must": np.array(layout.must),
+    }
+
+
+def _places(names: Names, layout: Layout) -> dict[str, Any]:
+    instance, scale, tasks = layout.instance, names.per_second // layout.instance.per_second, len(names.tasks)
+    tools = len(instance.tools) if any(tool >= 0 for tool in layout.tool) else 0
+    zones = len(instance.zones) if any(zone >= 0 for zone in layout.zone) else 0
+    flat = [(task, way) for task, row in enumerate(instance.ways) for way in row] if tools else []
+    swap = np.zeros((len(flat), len(instance.operators)), np.int64)
+    for row, (task, way) in zip(swap, flat, strict=True):
+        if layout.tool[task] >= 0:
+            row[list(way.operators)] = [instance.changeover[layout.tool[task]][operator] * scale for operator in way.operators]
+    return {
+        "way_tool": np.array([layout.tool[task] for task, _ in flat], np.int64),
+        "swap": swap,
+        "of_tool": np.arange(tools)[None, :] == np.array(layout.tool).reshape(tasks, 1),
+        "tool_places": np.array([places or len(instance.operators) for places in layout.tool_places[:tools]], np.int64),
+        "of_zone": np.arange(zones)[None, :] == np.array(layout.zone).reshape(tasks, 1),
+        "zone_places": np.array([places or len(instance.operators) for places in layout.zone_places[:zones]], np.int64),
+    }
+
+
+def _sets(names: Names, layout: Layout) -> dict[str, Any]:
+    instance, count = layout.instance, len(names.tasks)
+    team = np.array(layout.team)
+    teams = (team[:, None] == team[None, :]) & (team >= 0)[:, None] & ~np.eye(count, dtype=bool)
+    listed = instance.stress_of_set or {}
+    table = {tasks: units for tasks, units in listed.items() if not layout.with_humans_at(tasks).impossible()} or listed
+    return {
+        "same": teams if teams.any() else np.zeros((0, 0), bool),
+        "sets": np.array([[task in tasks for task in range(count)] for tasks in table], bool).reshape(len(table), count),
+        "set_stress": np.array(list(table.values()), np.int64),
+    }
+
+
+PARTS = (_ways, _tasks, _operators, _places, _sets)
+
+
+def _undoing(names: Names, layout: Layout, undo: float | None) -> dict[str, Any]:
+    if undo is None:
+        return {"undo": np.zeros(0, np.int32), "above": np.zeros((0, 0), bool)}
+    above = np.zeros((len(names.tasks), len(names.tasks)), bool)
+    for task in layout.instance.order:
+        for first in layout.instance.before[task]:
+            above[task] |= above[first]
+            above[task, first] = True
+    ticks = [max(1, round(mode.time * undo * names.per_second)) for _, mode in names.ways]
+    return {"undo": np.array(ticks, np.int32), "above": above}
+
+
+def _spread(cell: Cell, task: str, mode: Mode) -> float:
+    """The largest that the cell states for anyone who takes part."""
+    stated = cell.tasks[task].spread
+    return stated if isinstance(stated, float) else max(stated.get(who, 0.0) for who in mode.operators)
+
+
+def _in_32_bits(part: Array) -> Array:
+    return part.astype(np.int32) if np.issubdtype(part.dtype, np.integer) else part
+
+
+def _horizon(instance: Instance) -> float:
+    """Seconds by which everything has ended at the latest, with what has a deadline."""
+    latest = max([0, *(deadline for deadline in instance.deadline if deadline is not None)])
+    return max(instance.horizon, latest) / instance.per_second
+
+
+def _must_fit(instance: Instance, per_second: int) -> None:
+    faults = []
+    if ROOM * per_second * _horizon(instance) >= NEVER:
+        faults.append(
+            Fault(
+                f"all work one after the other takes {_horizon(instance):.6g} s, and the times are counted in ticks of 1/{per_second} s: "
+                f"more ticks than the simulation can count. Round the times to a coarser step, or cut the cell.",
+                ("tasks",),
+            )
+        )
+    if sum(max(way.stress for way in row) for row in instance.ways) >= NEVER // ROOM:
+        faults.append(Fault("the stresses have too wide a range for the simulation to count. Round them to a coarser step.", ("tasks",)))
+    if faults:
+        raise CellError(faults)

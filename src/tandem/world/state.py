@@ -1,0 +1,390 @@
+"""An assembly under way, event by event: what is legal, how work begins, how time runs on. One cell; `vmap` adds the batch.
+
+Pure functions over an array namespace: NumPy arrays in, NumPy arrays out; under `jax.jit` and `jax.vmap` the same lines are traced. None draws a
+random number: what chance brings (`fate.py`) comes in as arguments. Every rule is the checker's (`schedule/checker.py`) to the letter, so that a
+sound schedule replays to exactly its makespan and legal play makes sound schedules:
+
+- A way may begin when the tasks before it have ended, its release has come, all its operators are free, and its tool and its zone have room.
+- Whoever holds another tool must take up the right one first. An operator who was idle has used that time for it: the task starts at the later of
+  the clock and, for each operator, the end of its last work or break plus the changeover.
+- No break may lie between the beginning of a changeover and the nominal end of the task.
+- Stress limits, `same_operator` and `stress_of_set` rule out what would break them now or, as far as the least stress of the tasks that are left
+  tells, later. Deadlines rule out nothing; `late` reports them.
+
+At one moment the humans decide first, then the robots (`turn`); each sees what has begun before it. Who lets a turn pass waits until the next event.
+
+Axes as in `arrays.py`: `T` tasks, `W` ways, `O` operators. `M` is `T` when somebody may make mistakes, else 0.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tandem.cell.model import Cell
+from tandem.errors import UnsoundScheduleError
+from tandem.schedule.checker import faults
+from tandem.schedule.model import Schedule
+from tandem.world.arrays import NEVER, Array, Arrays, Names, namespace
+
+
+class State(NamedTuple):
+    """An assembly under way. Ticks; NEVER for what has not come and is not due.
+
+    clock: `[]` int32.
+    way: `[T]` int32, the way in which the task is or was done, -1 while it is open.
+    start_at, end_at: `[T]` int32, of the work in hand or done; changeovers come before `start_at`. The deciders must not look at an `end_at` that
+      is still to come: it is what really will be.
+    free_at: `[O]` int32, the operator works until then.
+    away_until: `[O]` int32, it is not there until then: broken down, or called away.
+    waits: `[O]` bool, it has let its turn pass until the next event.
+    in_hand: `[O]` int32, the tool in hand; -1 while the first one costs nothing.
+    load: `[O]` int32, units of stress of what it has begun.
+    refused: `[W]` bool, somebody who takes part will not do it.
+    bad_at: `[M]` int32, when it is noticed that the task was done wrongly; NEVER while it is right.
+    undoing: `[M]` bool, the work in hand is the task's disassembly.
+    tries: `[M]` int32, how often the task was undone.
+    """
+
+    clock: Array
+    way: Array
+    start_at: Array
+    end_at: Array
+    free_at: Array
+    away_until: Array
+    waits: Array
+    in_hand: Array
+    load: Array
+    refused: Array
+    bad_at: Array
+    undoing: Array
+    tries: Array
+
+
+def reset(arrays: Arrays) -> State:
+    """The assembly before anything has begun, at clock 0."""
+    xp = namespace(arrays.way_ticks)
+    (tasks, operators), mistakes = arrays.must.shape, arrays.above.shape[0]
+    return State(
+        clock=xp.zeros((), xp.int32),
+        way=xp.full(tasks, -1, xp.int32),
+        start_at=xp.full(tasks, NEVER, xp.int32),
+        end_at=xp.full(tasks, NEVER, xp.int32),
+        free_at=xp.zeros(operators, xp.int32),
+        away_until=xp.zeros(operators, xp.int32),
+        waits=xp.zeros(operators, bool),
+        in_hand=arrays.in_hand,
+        load=xp.zeros(operators, xp.int32),
+        refused=xp.zeros(arrays.way_ticks.shape[0], bool),
+        bad_at=xp.full(mistakes, NEVER, xp.int32),
+        undoing=xp.zeros(mistakes, bool),
+        tries=xp.zeros(mistakes, xp.int32),
+    )
+
+
+def mounted(state: State) -> Array:
+    """`[T]` bool, the task has been done, rightly or not, and stands so."""
+    return (state.way >= 0) & (state.end_at <= state.clock)
+
+
+def to_undo(arrays: Arrays, state: State) -> Array:
+    """`[M]` bool, the task is mounted and has to come off again: it was done wrongly and that is known, or it stands on such a one."""
+    xp = namespace(state.way)
+    up = mounted(state)
+    bad = up & (state.bad_at <= state.clock)
+    return bad | (up & xp.any(arrays.above & bad[None, :], axis=1))
+
+
+def legal(arrays: Arrays, state: State) -> Array:
+    """`[W]` bool, True where the way may begin now. Of a task that has to come off, its ways mean its disassembly."""
+    xp = namespace(state.way)
+    fitting = arrays.way_open & ~state.refused & _for_tasks(xp, arrays, _ready(xp, arrays, state))
+    free = (state.free_at <= state.clock) & (state.away_until <= state.clock) & ~state.waits
+    fitting = fitting & ~xp.any(arrays.way_uses & ~free[None, :], axis=1)
+    for rule in (_has_room, _is_clear_of_breaks, _keeps_limits, _stays_with_its_team, _leaves_a_listed_set):
+        found = rule(xp, arrays, state)
+        fitting = fitting if found is None else fitting & found
+    return fitting
+
+
+def legal_of(arrays: Arrays, mask: Array, operator: Array) -> Array:
+    """`[W]` bool, of the legal ways `mask` those in which the operator (`[]` int) takes part."""
+    xp = namespace(mask)
+    return mask & xp.any(arrays.way_uses & (xp.arange(arrays.human.shape[0]) == operator)[None, :], axis=1)
+
+
+def turn(arrays: Arrays, mask: Array) -> Array:
+    """`[]` int32, whose turn it is: of those who take part in a legal way of `mask` the first to decide; -1 when time has to run on."""
+    xp = namespace(mask)
+    able = xp.any(arrays.way_uses & mask[:, None], axis=0)
+    rank = xp.where(able, arrays.rank, NEVER)
+    return xp.where(xp.any(able), xp.argmin(rank), -1).astype(xp.int32)
+
+
+def may_wait(arrays: Arrays, state: State, mask: Array, operator: Array) -> Array:
+    """`[]` bool, the operator may let its turn pass: something is still to happen, or another one can begin something without it."""
+    xp = namespace(mask)
+    return (next_event(arrays, state) < NEVER) | xp.any(mask & ~legal_of(arrays, mask, operator))
+
+
+def starts(arrays: Arrays, state: State) -> Array:
+    """`[W]` int32, the tick at which each way would start if it were begun now: the clock, or later when a tool must be taken up first."""
+    xp = namespace(state.way)
+    if not arrays.swap.shape[0]:
+        return xp.broadcast_to(state.clock, arrays.way_ticks.shape)
+    since = xp.where(arrays.way_uses, _since(xp, arrays, state)[None, :] + _changes(xp, arrays, state), 0)
+    return xp.maximum(state.clock, xp.max(since, axis=1))
+
+
+def nominal(arrays: Arrays, state: State) -> Array:
+    """`[W]` int32, ticks that each way would nominally take: its own duration, or that of the disassembly."""
+    if not arrays.undo.shape[0]:
+        return arrays.way_ticks
+    xp = namespace(state.way)
+    return xp.where(_for_tasks(xp, arrays, mounted(state)), arrays.undo, arrays.way_ticks)
+
+
+def assign(arrays: Arrays, state: State, way: Array, ticks: Array | None = None, noticed: Array | None = None) -> State:
+    """The way begins now, after what changeovers need. Assumes `legal(arrays, state)[way]`; a `way` of -1 changes nothing.
+
+    Args:
+      way: `[]` int.
+      ticks: `[]` int, how long it really takes; the nominal duration when absent.
+      noticed: `[]` int, when it is done wrongly: ticks from its end until that is noticed; NEVER or None when it is done right.
+    """
+    xp = namespace(state.way)
+    chosen = xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32) == way
+    task = xp.any(arrays.of_task & chosen[:, None], axis=0)
+    who = xp.any(arrays.way_uses & chosen[:, None], axis=0)
+    start = _at(xp, starts(arrays, state), chosen)
+    end = start + (_at(xp, nominal(arrays, state), chosen) if ticks is None else ticks)
+    after = state._replace(
+        way=xp.where(task, way, state.way).astype(xp.int32),
+        start_at=xp.where(task, start, state.start_at).astype(xp.int32),
+        end_at=xp.where(task, end, state.end_at).astype(xp.int32),
+        free_at=xp.where(who, end, state.free_at).astype(xp.int32),
+        load=state.load + xp.sum(xp.where(chosen[:, None], arrays.way_load, 0), axis=0, dtype=xp.int32),
+    )
+    if arrays.swap.shape[0]:
+        tool = xp.sum(xp.where(chosen, arrays.way_tool + 1, 0), dtype=xp.int32) - 1
+        after = after._replace(in_hand=xp.where(who & (tool >= 0), tool, state.in_hand))
+    if arrays.undo.shape[0]:
+        comes_off = task & mounted(state)
+        bad_at = NEVER if noticed is None else xp.where(noticed >= NEVER - end, NEVER, end + noticed)
+        after = after._replace(undoing=state.undoing | comes_off, bad_at=xp.where(task & ~comes_off, bad_at, state.bad_at).astype(xp.int32))
+    return after
+
+
+def wait(state: State, operator: Array) -> State:
+    """The operator (`[]` int; -1 for nobody) lets its turn pass until the next event."""
+    xp = namespace(state.way)
+    return state._replace(waits=state.waits | (xp.arange(state.waits.shape[0]) == operator))
+
+
+def refuse(arrays: Arrays, state: State, operator: Array, task: Array) -> State:
+    """The operator (`[]` int) will not take part in the task (`[]` int) any more."""
+    xp = namespace(state.way)
+    mine = xp.any(arrays.way_uses & (xp.arange(arrays.human.shape[0]) == operator)[None, :], axis=1)
+    return state._replace(refused=state.refused | (mine & (arrays.way_task == task)))
+
+
+def next_event(arrays: Arrays, state: State) -> Array:
+    """`[]` int32, the next tick at which something happens by itself: work ends, a task is released, a break ends, somebody comes back, a mistake
+    is noticed. NEVER when nothing does."""
+    xp = namespace(state.way)
+    moments = [state.end_at, xp.where(state.way < 0, arrays.release, NEVER), state.away_until, arrays.break_to.reshape(-1)]
+    if arrays.undo.shape[0]:
+        moments.append(state.bad_at)
+    ahead = xp.concatenate(moments)
+    return xp.min(xp.where(ahead > state.clock, ahead, NEVER)).astype(xp.int32)
+
+
+def advance(arrays: Arrays, state: State, until: Array | None = None) -> State:
+    """Time runs to the next event, or to `until` (`[]` int) should that come sooner; nothing moves when there is neither. Everybody is asked again.
+
+    A disassembly that has ended leaves its task open. When all stands, what was done wrongly is noticed at the latest.
+    """
+    xp = namespace(state.way)
+    event = next_event(arrays, state)
+    event = event if until is None else xp.minimum(event, until)
+    clock = xp.where(event == NEVER, state.clock, event).astype(xp.int32)
+    moved = state._replace(clock=clock, waits=xp.zeros_like(state.waits))
+    return _settled(xp, moved) if arrays.undo.shape[0] else moved
+
+
+def is_done(state: State) -> Array:
+    """`[]` bool, every task has been done, and rightly."""
+    xp = namespace(state.way)
+    stands = mounted(state)
+    return xp.all(stands & (state.bad_at == NEVER) & ~state.undoing if state.bad_at.shape[0] else stands)
+
+
+def is_stuck(arrays: Arrays, state: State, mask: Array) -> Array:
+    """`[]` bool, no way is legal (`mask` `[W]`), nothing will happen, and not all is done: limits were spent so that none is left to go on."""
+    xp = namespace(state.way)
+    return ~xp.any(mask) & ~xp.any(state.waits) & (next_event(arrays, state) == NEVER) & ~is_done(state)
+
+
+def makespan(state: State) -> Array:
+    """`[]` int32, the latest end of what has begun; 0 before that."""
+    xp = namespace(state.way)
+    return xp.max(xp.where(state.way >= 0, state.end_at, 0))
+
+
+def stress(arrays: Arrays, state: State) -> Array:
+    """`[]` int32, units of stress of what has begun; by `stress_of_set`, the least of the listed sets that are still possible."""
+    xp = namespace(state.way)
+    if not arrays.sets.shape[0]:
+        return xp.sum(state.load, dtype=xp.int32)
+    return xp.min(xp.where(_possible_sets(xp, arrays, state), arrays.set_stress, NEVER))
+
+
+def late(arrays: Arrays, state: State) -> Array:
+    """`[T]` int32, ticks by which the task ends after its deadline; 0 while it has not begun."""
+    xp = namespace(state.way)
+    return xp.maximum(xp.where(state.way >= 0, state.end_at, 0) - arrays.deadline, 0)
+
+
+def replay(cell: Cell, schedule: Schedule) -> float:
+    """Plays the schedule by the world's rules and returns how long it took, seconds.
+
+    Raises:
+      UnsoundScheduleError: the schedule breaks its cell, or the world does not let it be played as it stands.
+    """
+    if wrong := faults(cell, schedule):
+        raise UnsoundScheduleError(wrong)
+    names = Names.of(cell)
+    arrays = names.arrays()
+    state = reset(arrays)
+    for row in sorted(schedule):
+        way, due = names.way(row.task, row.operators), names.ticks(row.start)
+        while state.clock < due:
+            state = advance(arrays, state, np.int32(due))
+        if not legal(arrays, state)[way] or starts(arrays, state)[way] != due:
+            raise UnsoundScheduleError([f"task {row.task!r}: the world does not let {' and '.join(row.operators)} start it at {row.start:g} s."])
+        state = assign(arrays, state, np.int32(way))
+    while not is_done(state):
+        state = advance(arrays, state)
+    return names.seconds(makespan(state))
+
+
+def _ready(xp: Any, arrays: Arrays, state: State) -> Array:
+    """`[T]` bool, work on the task may begin as far as other tasks and its release are concerned.
+
+    What has to come off does so from the top; and nothing is begun below a task that is in hand or has to come off.
+    """
+    up = mounted(state)
+    is_open = (state.way < 0) & (arrays.release <= state.clock)
+    if not arrays.undo.shape[0]:
+        return is_open & ~xp.any(arrays.needs & ~up[None, :], axis=1)
+    down, begun = to_undo(arrays, state), state.way >= 0
+    in_the_way = (down | (begun & ~up))[:, None] | (begun[:, None] & down[None, :])
+    return ((is_open & ~xp.any(arrays.needs & ~(up & ~down)[None, :], axis=1)) | down) & ~xp.any(arrays.above & in_the_way, axis=0)
+
+
+def _for_tasks(xp: Any, arrays: Arrays, tasks: Array) -> Array:
+    """`[W]` bool, the ways of these tasks (`[T]` bool)."""
+    return xp.any(arrays.of_task & tasks[None, :], axis=1)
+
+
+def _at(xp: Any, numbers: Array, chosen: Array) -> Array:
+    """`[]`, the number where `chosen` is True; 0 when it is nowhere."""
+    return xp.sum(xp.where(chosen, numbers, 0), dtype=xp.int32)
+
+
+def _since(xp: Any, arrays: Arrays, state: State) -> Array:
+    """`[O]` int32, since when the operator could have taken up a tool: the end of its work and of its last break."""
+    over = xp.where(arrays.break_to <= state.clock, arrays.break_to, 0)
+    rested = xp.maximum(state.free_at, xp.max(over, axis=1)) if over.shape[1] else state.free_at
+    return xp.maximum(rested, state.away_until)
+
+
+def _changes(xp: Any, arrays: Arrays, state: State) -> Array:
+    """`[W, O]` int32, ticks that the operator needs to take up the way's tool."""
+    other = (state.in_hand[None, :] >= 0) & (state.in_hand[None, :] != arrays.way_tool[:, None])
+    return xp.where(other, arrays.swap, 0)
+
+
+def _has_room(xp: Any, arrays: Arrays, state: State) -> Array | None:
+    """The way's operators find room at its tool and in its zone."""
+    if not arrays.tool_places.shape[0] and not arrays.zone_places.shape[0]:
+        return None
+    running = (state.way >= 0) & ~mounted(state)
+    in_hand = xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]
+    crowd = xp.where(running, xp.sum(xp.where(in_hand, arrays.way_size[:, None], 0), axis=0, dtype=xp.int32), 0)
+    fits = xp.ones(arrays.way_ticks.shape, bool)
+    for of_place, places in ((arrays.of_tool, arrays.tool_places), (arrays.of_zone, arrays.zone_places)):
+        if places.shape[0]:
+            left = places - xp.sum(xp.where(of_place, crowd[:, None], 0), axis=0, dtype=xp.int32)
+            room = xp.min(xp.where(of_place, left[None, :], NEVER), axis=1)
+            fits = fits & (arrays.way_size <= xp.min(xp.where(arrays.of_task, room[None, :], NEVER), axis=1))
+    return fits
+
+
+def _is_clear_of_breaks(xp: Any, arrays: Arrays, state: State) -> Array | None:
+    """No break of an operator lies between the beginning of its changeover and the nominal end."""
+    if not arrays.break_from.shape[1]:
+        return None
+    start = starts(arrays, state)
+    end = start + nominal(arrays, state)
+    begin = start[:, None] - (_changes(xp, arrays, state) if arrays.swap.shape[0] else 0)
+    inside = (arrays.break_from[None, :, :] < end[:, None, None]) & (
+        arrays.break_to[None, :, :] > xp.broadcast_to(begin[..., None], (*begin.shape, 1))
+    )
+    return ~xp.any(xp.any(inside, axis=2) & arrays.way_uses, axis=1)
+
+
+def _keeps_limits(xp: Any, arrays: Arrays, state: State) -> Array | None:
+    """Nobody's stress passes its limit, with the least that the tasks which are left will bring. Doing something anew is not held up by it."""
+    if not arrays.limit.shape[0]:
+        return None
+    ahead = xp.sum(xp.where((state.way < 0)[:, None], arrays.must, 0), axis=0, dtype=xp.int32)
+    own = xp.sum(xp.where(arrays.of_task[:, :, None], arrays.must[None, :, :], 0), axis=1, dtype=xp.int32)
+    within = (state.load + ahead)[None, :] - own + arrays.way_load <= arrays.limit[None, :]
+    kept = ~xp.any(arrays.way_uses & ~within, axis=1)
+    return kept | _for_tasks(xp, arrays, (state.tries > 0) | mounted(state)) if arrays.undo.shape[0] else kept
+
+
+def _stays_with_its_team(xp: Any, arrays: Arrays, state: State) -> Array | None:
+    """Tasks that the same operators must do are done by those who have begun with one of them."""
+    if not arrays.same.shape[0]:
+        return None
+    in_use = xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]
+    by = xp.any(in_use[:, :, None] & arrays.way_uses[:, None, :], axis=0)
+    partner = arrays.same & (state.way >= 0)[None, :]
+    other = xp.any(arrays.way_uses[:, None, :] != by[None, :, :], axis=2)
+    mine = xp.any(arrays.of_task[:, :, None] & partner[None, :, :], axis=1)
+    return ~xp.any(mine & other, axis=1)
+
+
+def _possible_sets(xp: Any, arrays: Arrays, state: State) -> Array:
+    """`[S]` bool, the listed sets that agree with what humans and robots have begun."""
+    in_use = xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]
+    by_human = xp.any(in_use & xp.any(arrays.way_uses & arrays.human[None, :], axis=1)[:, None], axis=0)
+    return ~xp.any((arrays.sets != by_human[None, :]) & (state.way >= 0)[None, :], axis=1)
+
+
+def _leaves_a_listed_set(xp: Any, arrays: Arrays, state: State) -> Array | None:
+    """Some set that `stress_of_set` lists can still become the set of the humans' tasks."""
+    if not arrays.sets.shape[0]:
+        return None
+    possible = _possible_sets(xp, arrays, state)
+    within, without = xp.any(arrays.sets & possible[:, None], axis=0), xp.any(~arrays.sets & possible[:, None], axis=0)
+    by_human = xp.any(arrays.way_uses & arrays.human[None, :], axis=1)
+    return xp.where(by_human, _for_tasks(xp, arrays, within), _for_tasks(xp, arrays, without))
+
+
+def _settled(xp: Any, state: State) -> State:
+    """Disassemblies that have ended leave their tasks open; when all stands, every mistake is noticed."""
+    off = state.undoing & (state.end_at <= state.clock)
+    stands = xp.all(mounted(state) & ~state.undoing)
+    bad_at = xp.where(stands & (state.bad_at < NEVER), xp.minimum(state.bad_at, state.clock), state.bad_at)
+    return state._replace(
+        way=xp.where(off, -1, state.way),
+        start_at=xp.where(off, NEVER, state.start_at),
+        end_at=xp.where(off, NEVER, state.end_at),
+        bad_at=xp.where(off, NEVER, bad_at),
+        undoing=state.undoing & ~off,
+        tries=state.tries + off,
+    )

@@ -1,0 +1,87 @@
+"""The world's rules are the checker's: what is sound replays, what is played legally is sound, and nothing beats the exact bound."""
+
+from __future__ import annotations
+
+from random import Random
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tests.strategies import cells
+
+from tandem.cell.model import Cell
+from tandem.errors import InfeasibleError, NothingFoundError
+from tandem.plan.bounds import least_makespan
+from tandem.plan.decode import Layout
+from tandem.plan.instance import Instance
+from tandem.plan.methods import plan
+from tandem.schedule.checker import faults
+from tandem.schedule.measures import stress as measured_stress
+from tandem.world.arrays import Names
+from tandem.world.state import State, advance, assign, is_done, is_stuck, late, legal, legal_of, makespan, may_wait, replay, reset, stress, turn, wait
+
+
+def random_play(cell: Cell, random: Random, waits: float = 0.2) -> tuple[Names, State, bool]:
+    """Legal ways at random, turns passed at random; True when it ended with all done."""
+    names = Names.of(cell)
+    arrays = names.arrays()
+    state = reset(arrays)
+    for _ in range(500):
+        mask = legal(arrays, state)
+        who = turn(arrays, mask)
+        if who < 0:
+            if is_done(state):
+                return names, state, True
+            if is_stuck(arrays, state, mask):
+                return names, state, False
+            state = advance(arrays, state)
+        elif random.random() < waits and may_wait(arrays, state, mask, who):
+            state = wait(state, who)
+        else:
+            state = assign(arrays, state, np.int32(random.choice(np.flatnonzero(legal_of(arrays, mask, who)).tolist())))
+    raise AssertionError("the play does not end")
+
+
+@settings(max_examples=150)
+@given(cells(), st.randoms(use_true_random=False))
+def test_random_legal_play_makes_a_sound_schedule(cell: Cell, random: Random) -> None:
+    """No operator, tool or zone is used twice at once, no break, limit or pair is broken; only deadlines may be missed, and are reported."""
+    names, state, done = random_play(cell, random)
+    schedule = names.schedule(state.way, state.start_at, state.end_at)
+    said = [sentence for sentence in faults(cell, schedule) if "deadline" not in sentence]
+    if not done:
+        said = [sentence for sentence in said if "is missing" not in sentence and "stress_of_set" not in sentence]
+    assert said == []
+    assert (late(names.arrays(), state).max() > 0) == any("deadline" in sentence for sentence in faults(cell, schedule))
+    if done:
+        assert names.stress(int(stress(names.arrays(), state))) == measured_stress(cell, schedule)
+
+
+@settings(max_examples=80)
+@given(cells(), st.randoms(use_true_random=False))
+def test_every_sound_schedule_replays_to_its_makespan(cell: Cell, random: Random) -> None:
+    for method in ("random", "best-of-n"):
+        try:
+            front = plan(cell, method=method, seed=random.randrange(1000))
+        except (NothingFoundError, InfeasibleError):
+            continue
+        for result in front:
+            assert replay(cell, result.schedule) == result.makespan
+
+
+@settings(max_examples=80)
+@given(cells(), st.randoms(use_true_random=False))
+def test_what_was_played_replays_too(cell: Cell, random: Random) -> None:
+    names, state, done = random_play(cell, random)
+    schedule = names.schedule(state.way, state.start_at, state.end_at)
+    if done and not faults(cell, schedule):
+        assert replay(cell, schedule) == names.seconds(int(makespan(state)))
+
+
+@settings(max_examples=60)
+@given(cells(), st.randoms(use_true_random=False))
+def test_no_play_beats_the_bound(cell: Cell, random: Random) -> None:
+    instance = Instance.of(cell)
+    names, state, done = random_play(cell, random)
+    if done:
+        assert names.seconds(int(makespan(state))) >= instance.seconds(least_makespan(Layout.of(instance)))
