@@ -106,6 +106,8 @@ class Decision:
       by: name of the decider that answered.
       latency_ms: how long it took; no part of what makes two decisions equal.
       expected_cost: of the choice taken; None when it was not reckoned. With `bound` it gives the gap.
+      look_again: when (s) the decider wants to be asked again although nothing has happened: a human who has not finished by then is slower
+        than it takes for granted. None: at the next event only.
     """
 
     starts: tuple[Start, ...]
@@ -116,6 +118,7 @@ class Decision:
     by: str
     latency_ms: float = field(default=0.0, compare=False)
     expected_cost: float | None = None
+    look_again: float | None = None
 
 
 class Policy(Protocol):

@@ -1,0 +1,344 @@
+"""The cell in motion in plain whole numbers: what may begin, and what the next event leaves. For exact values and for live search.
+
+Written apart from `tandem.world`, so that each can judge the other. A position knows no clock where none is needed (no release, no
+break): two moments of an assembly that lie alike before it are one position.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from tandem.cell.model import Cell
+from tandem.errors import CellError, Fault
+from tandem.plan.bounds import load_prices
+from tandem.plan.decode import Layout
+from tandem.plan.instance import Instance
+
+PER_SECOND = 1000
+"""Ticks in a second at least, so that a pace of 0.6 or 1.25 leaves whole numbers."""
+
+
+class Position(NamedTuple):
+    """An assembly under way, seen from now.
+
+    Attributes:
+      done: bits of the tasks that have ended.
+      running: `(way, ticks left)` of what is being done, sorted; at least 1 tick is left.
+      clock: ticks since the start; 0 where no rule of the cell looks at the clock.
+      hand: per operator, the tool in hand, -1 for none yet; empty where changing tools costs nothing.
+      load: stress units per operator so far; empty where nobody has a limit.
+      teams: `(team, operators)` of the `same_operator` teams that have begun, sorted.
+    """
+
+    done: int
+    running: tuple[tuple[int, int], ...]
+    clock: int = 0
+    hand: tuple[int, ...] = ()
+    load: tuple[int, ...] = ()
+    teams: tuple[tuple[int, int], ...] = ()
+
+
+@dataclass(frozen=True)
+class Moves:
+    """The moves of one cell. Ways are numbered through: those of the first task as `cell.modes` lists them, then the second's, and so on.
+
+    Attributes:
+      task: per way, its task. `who`: bits of its operators. `ticks`: its duration. `units`: its stress. `loads`: the stress per operator.
+      ways: per task, its ways. `need`: per task, bits of its predecessors.
+      human: bits of the humans. `everybody`: bits of all operators. `full`: bits of all tasks.
+      tails: per task, ticks on the longest chain that begins with it; `work`: its cheapest work at `prices`, per operator; `ease`: its least stress.
+    """
+
+    instance: Instance
+    per_second: int
+    task: tuple[int, ...]
+    who: tuple[int, ...]
+    ticks: tuple[int, ...]
+    units: tuple[int, ...]
+    loads: tuple[tuple[tuple[int, int], ...], ...]
+    ways: tuple[tuple[int, ...], ...]
+    need: tuple[int, ...]
+    human: int
+    everybody: int
+    full: int
+    tails: tuple[int, ...]
+    prices: tuple[int, ...]
+    work: tuple[int, ...]
+    ease: tuple[int, ...]
+    release: tuple[int, ...]
+    breaks: tuple[tuple[tuple[int, int], ...], ...]
+    changeover: tuple[tuple[int, ...], ...]
+    limits: tuple[int | None, ...]
+    team: tuple[int, ...]
+    tool_places: tuple[int, ...]
+    zone_places: tuple[int, ...]
+    timeless: bool
+    swaps: bool
+    limited: bool
+    plain: bool
+    _ready: dict[tuple[int, int], tuple[int, ...]]
+    _rest: dict[int, tuple[int, int, int]]
+
+    @classmethod
+    def of(cls, cell: Cell, pace: Mapping[str, float] | None = None) -> Moves:
+        """The cell's moves when every operator needs `pace` times the stated time (1 for who is not named; a group goes at its slowest).
+
+        Raises CellError when stress comes from a table of sets: it is then no sum, and what is still to come cannot be told apart from what was.
+        """
+        if cell.stress_of_set is not None:
+            raise CellError(
+                [Fault("live decisions need a stress that adds up; take stress_of_set out, or plan with `tandem plan`.", ("stress_of_set",))]
+            )
+        instance, pace = Instance.of(cell), pace or {}
+        per_second = max(PER_SECOND, instance.per_second)
+        scale = per_second // instance.per_second
+        layout = Layout.of(instance)
+        factor = [pace.get(name, 1.0) for name in instance.operators]
+        task, who, ticks, units, loads, ways = [], [], [], [], [], []
+        for place, row in enumerate(instance.ways):
+            usable = {step.way for step in layout.steps[place]}
+            mine = []
+            for number, way in enumerate(row):
+                if number in usable:
+                    mine.append(len(task))
+                task.append(place)
+                who.append(sum(1 << o for o in way.operators))
+                ticks.append(max(1, round(way.ticks * scale * max(factor[o] for o in way.operators))))
+                units.append(way.stress)
+                loads.append(tuple(zip(way.operators, way.load, strict=True)))
+            ways.append(tuple(mine))
+        tails = _tails(instance, ways, ticks)
+        prices = tuple(max(1, round(1024 * price)) for price in load_prices(layout)[1])
+        operators = range(len(instance.operators))
+
+        def priced(way: int) -> int:
+            return ticks[way] * sum(prices[o] for o in operators if who[way] >> o & 1)
+
+        changeover = tuple(tuple(x * scale for x in row) for row in instance.changeover)
+        swaps = any(any(row) for row in changeover)
+        tool_places = tuple(places if places < len(operators) else 0 for places in instance.tool_places)
+        zone_places = tuple(places if places < len(operators) else 0 for places in instance.zone_places)
+        timeless = not any(instance.release) and not any(instance.breaks)
+        limited = any(limit is not None for limit in instance.stress_limit)
+        return cls(
+            instance=instance,
+            per_second=per_second,
+            task=tuple(task),
+            who=tuple(who),
+            ticks=tuple(ticks),
+            units=tuple(units),
+            loads=tuple(loads),
+            ways=tuple(ways),
+            need=tuple(sum(1 << first for first in before) for before in instance.before),
+            human=sum(1 << o for o in operators if instance.human[o]),
+            everybody=(1 << len(operators)) - 1,
+            full=(1 << len(instance.tasks)) - 1,
+            tails=tails,
+            prices=prices,
+            work=tuple(min((priced(way) for way in row), default=0) for row in ways),
+            ease=tuple(min((units[way] for way in row), default=0) for row in ways),
+            release=tuple(x * scale for x in instance.release),
+            breaks=tuple(tuple((a * scale, b * scale) for a, b in row) for row in instance.breaks),
+            changeover=changeover,
+            limits=instance.stress_limit,
+            team=layout.team,
+            tool_places=tool_places,
+            zone_places=zone_places,
+            timeless=timeless,
+            swaps=swaps,
+            limited=limited,
+            plain=timeless and not swaps and not limited and max(layout.team, default=-1) < 0 and not any(tool_places) and not any(zone_places),
+            _ready={},
+            _rest={},
+        )
+
+    def root(self) -> Position:
+        """Nothing has begun."""
+        operators = len(self.instance.operators)
+        hand = tuple(-1 if tool is None else tool for tool in self.instance.in_hand) if self.swaps else ()
+        return Position(0, (), 0, hand, (0,) * operators if self.limited else ())
+
+    def begun(self, position: Position) -> int:
+        """Bits of the tasks that have ended or are being done."""
+        bits = position.done
+        for way, _ in position.running:
+            bits |= 1 << self.task[way]
+        return bits
+
+    def busy(self, position: Position) -> int:
+        """Bits of the operators who are doing something."""
+        bits = 0
+        for way, _ in position.running:
+            bits |= self.who[way]
+        return bits
+
+    def legal(self, position: Position, among: int | None = None) -> list[int]:
+        """The ways that may begin now; with `among`, those that need one of these operators."""
+        begun, busy = self.begun(position), self.busy(position)
+        who = self.who
+        found = [way for way in self.ready(position.done, begun) if not who[way] & busy and (among is None or who[way] & among)]
+        return found if self.plain else [way for way in found if self._may(position, way)]
+
+    def ready(self, done: int, begun: int) -> tuple[int, ...]:
+        """The ways of tasks that have not begun and whose predecessors have ended."""
+        known = self._ready.get((done, begun))
+        if known is None:
+            tasks = [t for t, need in enumerate(self.need) if not begun >> t & 1 and need & done == need]
+            known = self._ready[done, begun] = tuple(way for t in tasks for way in self.ways[t])
+        return known
+
+    def begin(self, position: Position, way: int) -> Position:
+        """The way begins now. Assumes that it is legal."""
+        left = self.ticks[way] + (self._change(position, way) if self.swaps else 0)
+        running = tuple(sorted([*position.running, (way, left)]))
+        if self.plain:
+            return position._replace(running=running)
+        hand, load, teams, task = position.hand, position.load, position.teams, self.task[way]
+        tool = self.instance.tool[task]
+        if hand and tool is not None:
+            hand = tuple(tool if self.who[way] >> o & 1 else held for o, held in enumerate(hand))
+        if load:
+            extra = dict(self.loads[way])
+            load = tuple(units + extra.get(o, 0) for o, units in enumerate(load))
+        if self.team[task] >= 0 and all(team != self.team[task] for team, _ in teams):
+            teams = tuple(sorted([*teams, (self.team[task], self.who[way])]))
+        return Position(position.done, running, position.clock, hand, load, teams)
+
+    def next_event(self, position: Position) -> int | None:
+        """Ticks until something happens: a task ends, or (only where something waits for the clock) a release or a break comes or goes. None for never."""
+        least = min((left for _, left in position.running), default=None)
+        if self.timeless:
+            return least
+        moments = [moment for moment in self._moments if moment > position.clock]
+        if moments and (least is None or moments[0] - position.clock < least):
+            return moments[0] - position.clock
+        return least
+
+    def after(self, position: Position, ticks: int) -> Position:
+        """Time has run for so many ticks, at most until the next event."""
+        done, running = position.done, []
+        for way, left in position.running:
+            if left <= ticks:
+                done |= 1 << self.task[way]
+            else:
+                running.append((way, left - ticks))
+        clock = 0 if self.timeless else position.clock + ticks
+        return Position(done, tuple(running), clock, position.hand, position.load, position.teams)
+
+    def choices(self, position: Position, among: int | None = None) -> Iterator[tuple[int, ...]]:
+        """Every set of ways that may begin together now, the empty one last; with `among`, only ways within these operators."""
+        legal = self.legal(position)
+        if among is not None:
+            legal = [way for way in legal if not self.who[way] & ~among]
+        yield from self._sets(position, legal, ())
+
+    def floor(self, position: Position) -> tuple[int, int]:
+        """(ticks, units) below which no continuation falls."""
+        begun = position.done
+        load = 0
+        ticks = 0
+        for way, left in position.running:
+            begun |= 1 << self.task[way]
+            load += left * self._price(way)
+            chain = left + self.tails[self.task[way]] - self._quickest[self.task[way]]
+            if chain > ticks:
+                ticks = chain
+        work, chain, ease = self._of_rest(begun)
+        if work:
+            ticks = max(ticks, chain, -(-(work + load) // self._total))
+        return ticks, ease
+
+    def flat(self, task: str, operators: Sequence[str]) -> int | None:
+        """The number of the way in which these operators do the task; None when there is none."""
+        bits = sum(1 << self.instance.operators.index(name) for name in operators)
+        return next((way for way in self.ways[self.instance.tasks.index(task)] if self.who[way] == bits), None)
+
+    def named(self, way: int) -> tuple[str, tuple[str, ...]]:
+        """The way as people say it: the task and its operators."""
+        return self.instance.tasks[self.task[way]], tuple(name for o, name in enumerate(self.instance.operators) if self.who[way] >> o & 1)
+
+    # ------------------------------------------------------------------ what follows from the fields
+
+    @property
+    def _moments(self) -> list[int]:
+        known = self.__dict__.get("_known_moments")
+        if known is None:
+            edges = {moment for row in self.breaks for pair in row for moment in pair} | set(self.release) - {0}
+            known = self.__dict__["_known_moments"] = sorted(edges)
+        return known
+
+    @property
+    def _quickest(self) -> list[int]:
+        known = self.__dict__.get("_known_quickest")
+        if known is None:
+            known = self.__dict__["_known_quickest"] = [min((self.ticks[way] for way in row), default=0) for row in self.ways]
+        return known
+
+    @property
+    def _total(self) -> int:
+        return sum(self.prices)
+
+    def _price(self, way: int) -> int:
+        return sum(price for o, price in enumerate(self.prices) if self.who[way] >> o & 1)
+
+    def _of_rest(self, begun: int) -> tuple[int, int, int]:
+        """Of the tasks that have not begun: cheapest work at the prices, longest chain, least stress."""
+        known = self._rest.get(begun)
+        if known is None:
+            left = [t for t in range(len(self.ways)) if not begun >> t & 1]
+            chain = max((self.tails[t] for t in left), default=0)
+            known = self._rest[begun] = (sum(self.work[t] for t in left), chain, sum(self.ease[t] for t in left))
+        return known
+
+    def _sets(self, position: Position, legal: Sequence[int], chosen: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+        for place, way in enumerate(legal):
+            after = self.begin(position, way)
+            rest = [other for other in legal[place + 1 :] if not self.who[other] & self.who[way] and self.task[other] != self.task[way]]
+            if not self.plain:
+                rest = [other for other in rest if self._may(after, other)]
+            yield from self._sets(after, rest, (*chosen, way))
+        yield chosen
+
+    def _may(self, position: Position, way: int) -> bool:
+        """Whether clock, breaks, tools, zones, limits and teams allow the way now. Assumes that it is ready and its operators are free."""
+        task, who = self.task[way], self.who[way]
+        if self.release[task] > position.clock:
+            return False
+        operators = [o for o in range(len(self.prices)) if who >> o & 1]
+        if any(team == self.team[task] and others != who for team, others in position.teams):
+            return False
+        if position.load and any(
+            self.limits[o] is not None and position.load[o] + units > self.limits[o]  # type: ignore[operator]
+            for o, units in self.loads[way]
+        ):
+            return False
+        if not self.timeless:
+            end = position.clock + self.ticks[way] + (self._change(position, way) if self.swaps else 0)
+            if any(off < end and position.clock < back for o in operators for off, back in self.breaks[o]):
+                return False
+        return self._has_place(position, self.instance.tool, self.tool_places, task, len(operators)) and self._has_place(
+            position, self.instance.zone, self.zone_places, task, len(operators)
+        )
+
+    def _has_place(self, position: Position, thing: Sequence[int | None], places: Sequence[int], task: int, count: int) -> bool:
+        mine = thing[task]
+        if mine is None or not places[mine]:
+            return True
+        taken = sum(self.who[way].bit_count() for way, _ in position.running if thing[self.task[way]] == mine)
+        return taken + count <= places[mine]
+
+    def _change(self, position: Position, way: int) -> int:
+        """Ticks that the operators need first to take up the way's tool."""
+        tool = self.instance.tool[self.task[way]]
+        if tool is None:
+            return 0
+        return max(self.changeover[tool][o] if position.hand[o] not in (-1, tool) else 0 for o in range(len(self.prices)) if self.who[way] >> o & 1)
+
+
+def _tails(instance: Instance, ways: Sequence[Sequence[int]], ticks: Sequence[int]) -> tuple[int, ...]:
+    tails = [0] * len(ways)
+    for task in reversed(instance.order):
+        tails[task] = min((ticks[way] for way in ways[task]), default=0) + max((tails[after] for after in instance.behind[task]), default=0)
+    return tuple(tails)
