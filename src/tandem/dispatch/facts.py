@@ -1,0 +1,57 @@
+"""What follows from a cell and is asked at every moment of a shift: worked out once. Names and seconds, as in the cell."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from tandem.cell.model import Cell, Mode
+from tandem.plan.decode import Layout
+from tandem.plan.instance import Instance
+
+
+@dataclass(frozen=True)
+class Facts:
+    """Facts of a cell.
+
+    Attributes:
+      ways: task -> the modes that a schedule can hold: no more operators than the tool and the zone have places, and none that a partner in
+        `same_operator` lacks.
+      behind: task -> its direct successors, in the cell's order.
+      team: task -> the other tasks that the same operators must do.
+      must: task -> operator -> the least stress that it puts on them, however it is done; only what is more than 0.
+      sets: the listed sets of tasks done by humans that can come about; None where stress adds up.
+    """
+
+    ways: Mapping[str, tuple[Mode, ...]]
+    behind: Mapping[str, tuple[str, ...]]
+    team: Mapping[str, tuple[str, ...]]
+    must: Mapping[str, Mapping[str, float]]
+    sets: tuple[frozenset[str], ...] | None
+
+    @classmethod
+    def of(cls, cell: Cell) -> Facts:
+        """The facts of the cell."""
+        layout = Layout.of(Instance.of(cell))
+        names, instance = layout.instance.tasks, layout.instance
+        return cls(
+            ways={task: tuple(cell.modes(task)[step.way] for step in steps) for task, steps in zip(names, layout.steps, strict=True)},
+            behind={task: tuple(names[after] for after in row) for task, row in zip(names, instance.behind, strict=True)},
+            team={
+                task: tuple(other for other, number in zip(names, layout.team, strict=True) if number == mine >= 0 and other != task)
+                for task, mine in zip(names, layout.team, strict=True)
+            },
+            must={
+                task: {who: instance.stress(units) for who, units in zip(instance.operators, row, strict=True) if units}
+                for task, row in zip(names, layout.must, strict=True)
+            },
+            sets=_sets(layout),
+        )
+
+
+def _sets(layout: Layout) -> tuple[frozenset[str], ...] | None:
+    table = layout.instance.stress_of_set
+    if table is None:
+        return None
+    feasible = [tasks for tasks in table if not layout.with_humans_at(tasks).impossible()]
+    return tuple(frozenset(layout.instance.tasks[task] for task in tasks) for tasks in feasible or table)
