@@ -98,14 +98,14 @@ def to_undo(arrays: Arrays, state: State) -> Array:
 
 def legal(arrays: Arrays, state: State) -> Array:
     """`[W]` bool, True where the way may begin now. Of a task that has to come off, its ways mean its disassembly."""
+    return _fitting(arrays, state, _ready(namespace(state.way), arrays, state))
+
+
+def out_of_order(arrays: Arrays, state: State) -> Array:
+    """`[W]` bool, True where someone could begin the way by mistake: all is as `legal` wants it, but a task before it is missing."""
     xp = namespace(state.way)
-    fitting = arrays.way_open & ~state.refused & _for_tasks(xp, arrays, _ready(xp, arrays, state))
-    free = (state.free_at <= state.clock) & (state.away_until <= state.clock) & ~state.waits
-    fitting = fitting & ~xp.any(arrays.way_uses & ~free[None, :], axis=1)
-    for rule in (_has_room, _is_clear_of_breaks, _keeps_limits, _stays_with_its_team, _leaves_a_listed_set):
-        found = rule(xp, arrays, state)
-        fitting = fitting if found is None else fitting & found
-    return fitting
+    premature = (state.way < 0) & (arrays.release <= state.clock) & xp.any(arrays.needs & ~mounted(state)[None, :], axis=1)
+    return _fitting(arrays, state, premature)
 
 
 def legal_of(arrays: Arrays, mask: Array, operator: Array) -> Array:
@@ -267,6 +267,18 @@ def replay(cell: Cell, schedule: Schedule) -> float:
     while not is_done(state):
         state = advance(arrays, state)
     return names.seconds(makespan(state))
+
+
+def _fitting(arrays: Arrays, state: State, tasks: Array) -> Array:
+    """`[W]` bool, of the ways of these tasks (`[T]` bool) those that break no rule but those about other tasks."""
+    xp = namespace(state.way)
+    fitting = arrays.way_open & ~state.refused & _for_tasks(xp, arrays, tasks)
+    free = (state.free_at <= state.clock) & (state.away_until <= state.clock) & ~state.waits
+    fitting = fitting & ~xp.any(arrays.way_uses & ~free[None, :], axis=1)
+    for rule in (_has_room, _is_clear_of_breaks, _keeps_limits, _stays_with_its_team, _leaves_a_listed_set):
+        found = rule(xp, arrays, state)
+        fitting = fitting if found is None else fitting & found
+    return fitting
 
 
 def _ready(xp: Any, arrays: Arrays, state: State) -> Array:

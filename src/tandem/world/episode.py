@@ -1,0 +1,294 @@
+"""Cell, chance, people and a decider together: one step, and whole episodes, in JAX for many at once or in NumPy for one.
+
+Somebody's turn it is, or time runs on. Whose turn it is hears what the decider wants it to do: a way, or -1 for waiting. A robot does it; a
+person answers as it likes (`people.choose`). What a person begins may go wrong, and takes as long as chance, pace, habit and fatigue have it. The
+decider sees none of that before it shows: it must read running work through `expected_ends`, not through `State.end_at`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from tandem.schedule.model import Assignment
+from tandem.world import people as crew
+from tandem.world import state as world
+from tandem.world.arrays import NEVER, Array, Arrays, Names, namespace
+from tandem.world.fate import Draw, Fate, away_until, fate, next_absence, real_ticks, with_rests
+from tandem.world.people import Person
+from tandem.world.state import State
+
+if TYPE_CHECKING:
+    import jax
+
+
+class Shift(NamedTuple):
+    """An episode under way.
+
+    state: the assembly.
+    mask: `[W]` bool, what is legal now. turn: `[]` int32, whose turn it is, -1 when time has to run on.
+    fatigue: `[O]` float32, of each when its last work ended (or ends).
+    begun: `[O]` int32, tasks that each has begun. asked: `[O]` int32, decisions that each has made.
+    suggested: `[O]` int32, the task that each was asked to do and has not begun; -1 for none.
+    changes: `[]` int32, how often somebody was asked for another task although the one before was still open.
+    illegal: `[]` int32, suggestions that were not legal; they count as waiting.
+    decisions, events: `[]` int32, turns taken, and times that time ran on.
+    """
+
+    state: State
+    mask: Array
+    turn: Array
+    fatigue: Array
+    begun: Array
+    asked: Array
+    suggested: Array
+    changes: Array
+    illegal: Array
+    decisions: Array
+    events: Array
+
+
+Decider = Callable[[Arrays, Shift], Array]
+"""`[]` int, the way that whose turn it is should begin, or -1 to wait. Its answer counts for nothing while `turn` is -1."""
+
+
+def begin(arrays: Arrays, people: Person) -> Shift:
+    """The episode before its first decision; `people` is a crew: one person per operator."""
+    xp = namespace(people.pace)
+    operators, zero = arrays.human.shape[0], xp.zeros((), xp.int32)
+    state = world.reset(arrays)
+    mask = world.legal(arrays, state)
+    nobody = xp.zeros(operators, xp.int32)
+    fatigue = xp.asarray(people.fatigue, dtype=xp.float32)
+    return Shift(state, mask, world.turn(arrays, mask), fatigue, nobody, nobody, nobody - 1, zero, zero, zero, zero)
+
+
+def step(arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array) -> Shift:
+    """Whose turn it is decides, having been asked to begin `way` (`[]` int, -1 to wait); or time runs on when it is nobody's."""
+    xp = namespace(shift.mask)
+    if xp is np:
+        return decide(arrays, fate, people, shift, way) if shift.turn >= 0 else run_on(arrays, fate, shift)
+    mine, later = _decided(arrays, fate, people, shift, way), _later(arrays, fate, shift)
+    ours = shift.turn >= 0
+    return _judged(arrays, Shift(*(_chosen(xp, ours, one, other) for one, other in zip(mine, later, strict=True))))
+
+
+def decide(arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array) -> Shift:
+    """Whose turn it is decides. Assumes that it is somebody's."""
+    return _judged(arrays, _decided(arrays, fate, people, shift, way))
+
+
+def run_on(arrays: Arrays, fate: Fate, shift: Shift) -> Shift:
+    """Time runs on to the next event."""
+    return _judged(arrays, _later(arrays, fate, shift))
+
+
+def is_over(arrays: Arrays, shift: Shift) -> Array:
+    """`[]` bool, all is done, or nothing can be done any more."""
+    return world.is_done(shift.state) | ((shift.turn < 0) & world.is_stuck(arrays, shift.state, shift.mask))
+
+
+def expected_ends(arrays: Arrays, state: State) -> Array:
+    """`[T]` int32, when work that is done ended, and when work in hand should end by the stated times (the clock, when that has passed); NEVER for
+    what is open."""
+    xp = namespace(state.way)
+    in_use = xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]
+    stated = xp.sum(xp.where(in_use, arrays.way_ticks[:, None], 0), axis=0, dtype=xp.int32)
+    if arrays.undo.shape[0]:
+        stated = xp.where(state.undoing, xp.sum(xp.where(in_use, arrays.undo[:, None], 0), axis=0, dtype=xp.int32), stated)
+    running = (state.way >= 0) & ~world.mounted(state)
+    start = xp.where(running, state.start_at, 0)
+    return xp.where(running, xp.maximum(start + stated, state.clock), state.end_at)
+
+
+def _judged(arrays: Arrays, shift: Shift) -> Shift:
+    mask = world.legal(arrays, shift.state)
+    return shift._replace(mask=mask, turn=world.turn(arrays, mask))
+
+
+def _chosen(xp: Any, which: Array, one: Any, other: Any) -> Any:
+    if isinstance(one, State):
+        return State(*(xp.where(which, a, b) for a, b in zip(one, other, strict=True)))
+    return xp.where(which, one, other)
+
+
+def _later(arrays: Arrays, fate: Fate, shift: Shift) -> Shift:
+    xp = namespace(shift.mask)
+    if not fate.away_from.shape[0]:
+        return shift._replace(state=world.advance(arrays, shift.state), events=(shift.events + 1).astype(xp.int32))
+    state = world.advance(arrays, shift.state, next_absence(fate, shift.state.clock))
+    return shift._replace(state=state._replace(away_until=away_until(fate, state.clock)), events=(shift.events + 1).astype(xp.int32))
+
+
+def _decided(arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array) -> Shift:
+    xp, state, who = namespace(shift.mask), shift.state, shift.turn
+    mine = world.legal_of(arrays, shift.mask, who)
+    me = xp.arange(arrays.human.shape[0]) == who
+    operators, decisions, _ = fate.mood.shape
+    asked_before = xp.sum(xp.where(me, shift.asked, 0), dtype=xp.int32)
+    mood = fate.mood.reshape(operators * decisions, 3)[xp.maximum(who, 0) * decisions + asked_before % decisions]
+    can_wait = world.may_wait(arrays, state, shift.mask, who)
+    answer = crew.choose(arrays, state, crew.of(people, who), who, mine, way, can_wait, mood)
+    begins, noticed = _slipped(xp, arrays, fate, people, shift, answer.way)
+    team = xp.any(arrays.way_uses & _is(xp, arrays, begins)[:, None], axis=0)
+    ticks, fatigue = _work(xp, arrays, fate, people, shift, begins, team)
+    after = world.assign(arrays, state, begins, ticks, noticed)
+    after = world.wait(after, xp.where((begins < 0) & ~answer.refuses, who, -1))
+    wanted = xp.any(_is(xp, arrays, way)[:, None] & arrays.of_task & mine[:, None], axis=0)
+    refused = xp.any(arrays.of_task & wanted[None, :], axis=1) & xp.any(arrays.way_uses & me[None, :], axis=1) & answer.refuses
+    before = xp.sum(xp.where(me, shift.suggested, 0), dtype=xp.int32) + xp.where(xp.any(me), 0, -1)
+    task = xp.where(xp.any(wanted), xp.argmax(wanted), -1).astype(xp.int32)
+    still_open = xp.any((xp.arange(arrays.needs.shape[0]) == before) & (state.way < 0))
+    changed = (task >= 0) & (task != before) & still_open & xp.any(me & arrays.human)
+    return shift._replace(
+        state=after._replace(refused=after.refused | refused),
+        fatigue=xp.where(team, fatigue, shift.fatigue).astype(xp.float32),
+        begun=shift.begun + team,
+        asked=shift.asked + me,
+        suggested=xp.where(me, xp.where((begins < 0) & ~answer.refuses, task, -1), shift.suggested).astype(xp.int32),
+        changes=(shift.changes + changed).astype(xp.int32),
+        illegal=(shift.illegal + ((way >= 0) & ~xp.any(wanted))).astype(xp.int32),
+        decisions=(shift.decisions + 1).astype(xp.int32),
+    )
+
+
+def _is(xp: Any, arrays: Arrays, way: Array) -> Array:
+    """`[W]` bool, True at the way."""
+    return xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32) == way
+
+
+def _slipped(xp: Any, arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array) -> tuple[Array, Array | None]:
+    """What is really begun, and when it is noticed that it was wrong; NEVER when it is right."""
+    if not arrays.undo.shape[0]:
+        return way, None
+    state, chosen = shift.state, _is(xp, arrays, way)
+    task = xp.any(arrays.of_task & chosen[:, None], axis=0)
+    team = xp.any(arrays.way_uses & chosen[:, None], axis=0)
+    attempt = task[:, None] & (xp.arange(fate.slip.shape[1])[None, :] == state.tries[:, None])
+    comes_off = xp.any(task & world.mounted(state))
+
+    def drawn(numbers: Array) -> Array:
+        return xp.sum(xp.where(attempt, numbers, 0))
+
+    careless = xp.max(xp.where(team, people.forgets, 0.0))
+    wrong = xp.any(attempt) & (drawn(fate.slip) < careless) & ~comes_off
+    premature = world.out_of_order(arrays, state) & world.legal_of(arrays, arrays.way_size == 1, shift.turn)
+    other = xp.argmax(xp.cumsum(premature) > drawn(fate.order) * xp.sum(premature))
+    strays = wrong & (drawn(fate.order) < 1) & xp.any(premature) & xp.any((xp.arange(arrays.human.shape[0]) == shift.turn) & arrays.human)
+    return xp.where(strays, other, way).astype(xp.int32), xp.where(wrong, drawn(fate.notice), NEVER).astype(xp.int32)
+
+
+def _work(xp: Any, arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array, team: Array) -> tuple[Array, Array]:
+    """How long the way really takes, and `[O]` how tired each would be after it. The slowest of a team sets the pace (ASSUMPTION)."""
+    state, chosen = shift.state, _is(xp, arrays, way)
+    start = xp.sum(xp.where(chosen, world.starts(arrays, state), 0), dtype=xp.int32)
+    stated = xp.sum(xp.where(chosen, world.nominal(arrays, state), 0), dtype=xp.int32)
+    fresh = crew.rested(people, shift.fatigue, xp.maximum(start - state.free_at, 0))
+    slowest = xp.max(xp.where(team, crew.time_factor(people, fresh, shift.begun), 0.0))
+    tries = xp.sum(xp.where(xp.any(arrays.of_task & chosen[:, None], axis=0), state.tries, 0), dtype=xp.int32) if arrays.undo.shape[0] else 0
+    drawn = real_ticks(fate, arrays, way, tries, stated)
+    more = drawn * slowest - stated  # added to the whole number, so that the stated time stays what it is
+    ticks = with_rests(fate, start, xp.maximum(1, stated + xp.rint(more).astype(xp.int32)), team)
+    return ticks, crew.tired(people, fresh, chosen, ticks)
+
+
+class Played(NamedTuple):
+    """An episode that has ended. All as in `Shift` and `State`, and: makespan, stress: `[]` int32, ticks and units; done: `[]` bool, all was done."""
+
+    makespan: Array
+    stress: Array
+    done: Array
+    shift: Shift
+
+
+def play(arrays: Arrays, fate: Fate, people: Person, decide: Decider, limit: int = 10_000) -> Played:
+    """A whole episode in JAX; ends after `limit` steps at the latest. `jit` it, `vmap` it over fates, people and cells."""
+    import jax
+
+    def goes_on(shift: Shift) -> Array:
+        return ~is_over(arrays, shift) & (shift.decisions + shift.events < limit)
+
+    shift = jax.lax.while_loop(goes_on, lambda shift: step(arrays, fate, people, shift, decide(arrays, shift)), begin(arrays, people))
+    return _played(arrays, shift)
+
+
+def play_many(key: jax.Array, draw: Draw, arrays: Arrays, people: Person, decide: Decider) -> Played:
+    """Episodes in JAX, one for each person of `people` (leading axis `E`, which everything returned has, too).
+
+    The e-th episode of a key has the same chance whoever decides. `draw` and `decide` are static: the same ones compile once.
+    """
+    return _compiled(draw, decide)(key, arrays, people)
+
+
+@lru_cache(maxsize=64)
+def _compiled(draw: Draw, decide: Decider) -> Callable[[jax.Array, Arrays, Person], Played]:
+    import jax
+
+    def many(key: jax.Array, arrays: Arrays, people: Person) -> Played:
+        def one(uniform: jax.Array, person: Person) -> Played:
+            return play(arrays, fate(draw, arrays, uniform), crew.crew(arrays, person), decide)
+
+        return jax.vmap(one)(jax.random.uniform(key, (people.pace.shape[0], draw.numbers)), people)
+
+    return jax.jit(many)
+
+
+def fates(key: jax.Array, draw: Draw, arrays: Arrays, episodes: int) -> Fate:
+    """The chances of `play_many`, in NumPy, with a leading axis: for those who play one episode after the other."""
+    import jax
+
+    make = jax.jit(jax.vmap(partial(fate, draw, arrays)))
+    return Fate(*(np.asarray(part) for part in make(jax.random.uniform(key, (episodes, draw.numbers)))))
+
+
+@dataclass(frozen=True)
+class Episode:
+    """One episode in words.
+
+    Attributes:
+      makespan, stress: seconds, and the cell's own measure.
+      done: all was done; else nothing could be done any more.
+      work: everything that was begun, in order; a task that went wrong is in it several times.
+      undone: the disassemblies among them.
+      decisions, changes: see `Shift`.
+    """
+
+    makespan: float
+    stress: float
+    done: bool
+    work: tuple[Assignment, ...]
+    undone: tuple[Assignment, ...]
+    decisions: int
+    changes: int
+
+
+def play_one(names: Names, arrays: Arrays, fate: Fate, people: Person, decide: Decider, limit: int = 10_000) -> Episode:
+    """A whole episode in NumPy, under a decider in Python; the same functions as `play`. Ends after `limit` steps at the latest."""
+    shift, work, undone = begin(arrays, people), list[Assignment](), list[Assignment]()
+    for _ in range(limit):
+        if is_over(arrays, shift):
+            break
+        before, shift = shift, step(arrays, fate, people, shift, decide(arrays, shift) if shift.turn >= 0 else np.int32(-1))
+        for task in np.flatnonzero((shift.state.start_at != before.state.start_at) & (shift.state.way >= 0)):
+            row = names.assignment(int(shift.state.way[task]), int(shift.state.start_at[task]), int(shift.state.end_at[task]))
+            work.append(row)
+            if shift.state.undoing.any() and shift.state.undoing[task]:
+                undone.append(row)
+    played = _played(arrays, shift)
+    return Episode(
+        makespan=names.seconds(int(played.makespan)),
+        stress=names.stress(int(played.stress)),
+        done=bool(played.done),
+        work=tuple(work),
+        undone=tuple(undone),
+        decisions=int(shift.decisions),
+        changes=int(shift.changes),
+    )
+
+
+def _played(arrays: Arrays, shift: Shift) -> Played:
+    return Played(world.makespan(shift.state), world.stress(arrays, shift.state), world.is_done(shift.state), shift)
