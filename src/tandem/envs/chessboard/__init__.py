@@ -3,7 +3,7 @@
 from tandem.envs.chessboard.chance import Chance, fate
 from tandem.envs.chessboard.layout import layout, stacked
 from tandem.envs.chessboard.players import PLAYERS
-from tandem.envs.chessboard.world import HUMAN, ROBOT, Fate, Layout, State, is_over, legal, observe, reset, step, to_play
+from tandem.envs.chessboard.world import HUMAN, ROBOT, Fate, Layout, State, bottom, is_over, legal, levels, observe, reset, step, to_play
 
 __all__ = [
     "HUMAN",
@@ -13,10 +13,12 @@ __all__ = [
     "Fate",
     "Layout",
     "State",
+    "bottom",
     "fate",
     "is_over",
     "layout",
     "legal",
+    "levels",
     "observe",
     "reset",
     "stacked",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -52,7 +53,7 @@ class Game:
     def schedule(self) -> Schedule:
         """Who did which piece from when to when, when nothing went wrong."""
         time = {piece.name: piece.time for piece in self.board.pieces}
-        return Schedule(tuple(Assignment(move.piece, (NAMES[move.agent],), move.at, move.at + time[move.piece]) for move in self.moves))
+        return Schedule(tuple(Assignment(float(move.at), float(move.at + time[move.piece]), move.piece, (NAMES[move.agent],)) for move in self.moves))
 
 
 def play(board: Board, choose: Callable[[Layout, State], Any], *, fate: Fate | None = None) -> Game:
@@ -103,8 +104,9 @@ def makespans(layouts: Layout, player: Player, key: Array, *, games: int = 1, fa
     return np.asarray(one(laid, keys, jax.tree.map(jnp.asarray, fates)))
 
 
+@cache
 def _one_game(player: Player, most: int, troubled: bool) -> Any:
-    """`[B]` boards, `[B, games]` keys and fates -> `[B, games]` seconds."""
+    """`[B]` boards, `[B, games]` keys and fates -> `[B, games]` seconds. Compiled once a player and shape."""
     import jax
 
     def game(laid: Layout, key: Array, fate: Fate | None) -> Array:

@@ -6,7 +6,7 @@ Pure functions over an array namespace: NumPy arrays in, NumPy arrays out; under
 They describe one board; `vmap` adds the batch, of states and of boards. No function here draws a random number.
 
 Axes: `h` rows from the bottom up, `w` columns, 2 agents (0 the robot, 1 the human). Everything about a piece stands in the cell of the
-start position in which its first column lies, so that nothing is ever looked up by number: falling changes `level`, not places.
+first position in which its first column lies, so that nothing is ever looked up by number: where a piece lies now is `levels`.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Layout(NamedTuple):
 class State(NamedTuple):
     """A game under way.
 
-    level: `[h, w]` int32, the row in which what was in this cell lies now, 1 is the bottom row; 0 = cleared, or never a piece.
+    on: `[h, w]` bool, whether what was in this cell is still on the board; False = cleared, or never a piece.
     doing: `[2, h, w]` bool, the piece that each agent is executing, at its start.
     left: `[2]` int32, seconds until the agent is free.
     clock: `[]` int32, seconds since the start.
@@ -50,7 +50,7 @@ class State(NamedTuple):
     repairing: `[]` bool, whether what the robot does is repairing its failure.
     """
 
-    level: Array
+    on: Array
     doing: Array
     left: Array
     clock: Array
@@ -75,7 +75,7 @@ def reset(layout: Layout) -> State:
     xp = namespace(layout.time)
     rows, columns = layout.time.shape
     return State(
-        level=settled(layout, xp.any(layout.joined, axis=2)),
+        on=xp.any(layout.joined, axis=2),
         doing=xp.zeros((2, rows, columns), bool),
         left=xp.zeros(2, xp.int32),
         clock=xp.zeros((), xp.int32),
@@ -84,45 +84,52 @@ def reset(layout: Layout) -> State:
     )
 
 
-def settled(layout: Layout, on: Array) -> Array:
-    """`[h, w]` int32: the rows in which the cells of the pieces that are left (`on`, `[h, w]` bool) lie when all have fallen.
+def levels(layout: Layout, state: State) -> Array:
+    """`[h, w]` int32: the rows in which the cells of the pieces lie when all have fallen, 1 is the bottom row; 0 = cleared.
 
     A piece falls a row when its whole span below is empty, again and again. Taken from the bottom up, each piece comes to rest at once: on
     the highest of the piles in its columns.
     """
-    xp = namespace(on)
-    pile, levels = xp.zeros(on.shape[1], xp.int32), []
-    for row in range(on.shape[0]):
+    xp = namespace(state.on)
+    pile, found = xp.zeros(state.on.shape[1], xp.int32), []
+    for row in range(state.on.shape[0]):
         rest = xp.max(xp.where(layout.joined[row], pile[None, :], 0), axis=1)
-        levels.append(xp.where(on[row], rest + 1, 0))
-        pile = xp.where(on[row], rest + 1, pile)
-    return xp.stack(levels).astype(xp.int32)
+        found.append(xp.where(state.on[row], rest + 1, 0))
+        pile = xp.where(state.on[row], rest + 1, pile)
+    return xp.stack(found).astype(xp.int32)
+
+
+def bottom(layout: Layout, state: State) -> Array:
+    """`[h, w]` bool, `levels == 1` without falling row by row: a piece comes to lie in the bottom row when nothing at all is below its span."""
+    xp = namespace(state.on)
+    below = xp.cumsum(state.on, axis=0) > state.on
+    return state.on & ~xp.any(layout.joined & below[:, None, :], axis=2)
 
 
 def eligible(layout: Layout, state: State) -> Array:
     """`[2, h, w]` bool, the starts of pieces in the bottom row that the agent can do and that nobody does, if the agent is free."""
-    xp = namespace(state.level)
+    xp = namespace(state.on)
     can = xp.stack([(layout.who == 2) | (layout.who == 3), (layout.who == 3) | (layout.who == 4)])
-    waiting = (state.level == 1) & ~xp.any(state.doing, axis=0)
+    waiting = bottom(layout, state) & ~xp.any(state.doing, axis=0)
     return can & waiting[None] & (state.left == 0)[:, None, None]
 
 
 def to_play(layout: Layout, state: State) -> Array:
     """`[]` int32, who chooses now: the human when there is something for it, else the robot (also when the game is over)."""
-    xp = namespace(state.level)
+    xp = namespace(state.on)
     return xp.any(eligible(layout, state)[HUMAN]).astype(xp.int32)
 
 
 def legal(layout: Layout, state: State) -> Array:
     """`[w]` bool, the columns in which a piece starts that the agent `to_play` may take. No move is waiting; none is left when it is over."""
-    xp = namespace(state.level)
+    xp = namespace(state.on)
     both = xp.any(eligible(layout, state), axis=1)
     return xp.where(xp.any(both[HUMAN]), both[HUMAN], both[ROBOT])
 
 
 def is_over(state: State) -> Array:
     """`[]` bool, True when nothing is left on the board."""
-    return ~namespace(state.level).any(state.level > 0)
+    return ~namespace(state.on).any(state.on)
 
 
 def step(layout: Layout, state: State, action: Array, fate: Fate | None = None) -> State:
@@ -145,15 +152,15 @@ def observe(layout: Layout, state: State) -> Array:
     Layer 0: seconds left of the piece that starts here. Layer 1: 2 robot only, 3 either, 4 human only, 0 the robot is executing it, 1 the
     human is, -1 no piece starts here, -2 cleared. Layer 2: its width in columns. Layers 0 and 2 are 0 where no piece starts.
     """
-    xp = namespace(state.level)
+    xp = namespace(state.on)
     starts = layout.who > 0
-    left = xp.sum(state.doing * state.left[:, None, None], axis=0)
+    left = xp.sum(xp.where(state.doing, state.left[:, None, None], 0), axis=0)
     time = xp.where(xp.any(state.doing, axis=0), left, layout.time)
     code = xp.where(state.doing[ROBOT], BY_ROBOT, xp.where(state.doing[HUMAN], BY_HUMAN, xp.where(starts, layout.who, NO_START)))
-    lies = state.level[None] == xp.arange(1, state.level.shape[0] + 1)[:, None, None]
-    layers = xp.stack([time, code - CLEARED, layout.width]).astype(xp.float32)
-    seen = xp.sum(lies[None] * layers[:, None], axis=2)
-    return xp.stack([seen[0], seen[1] + CLEARED, seen[2]], axis=-1).astype(xp.float32)
+    packed = (time * 2**9 + layout.width) * 2**3 + code - CLEARED  # one number a piece, so that one pass over the rows lets all three fall
+    lies = levels(layout, state)[None] == xp.arange(1, state.on.shape[0] + 1)[:, None, None]
+    seen = xp.max(xp.where(lies, packed[None], 0), axis=1)
+    return xp.stack([seen // 2**12, seen % 2**3 + CLEARED, seen // 2**3 % 2**9], axis=-1).astype(xp.float32)
 
 
 def namespace(array: Array) -> Any:
@@ -162,7 +169,7 @@ def namespace(array: Array) -> Any:
 
 
 def _begin(layout: Layout, state: State, action: Array) -> State:
-    xp = namespace(state.level)
+    xp = namespace(state.on)
     agent = xp.arange(2) == to_play(layout, state)
     here = xp.arange(layout.time.shape[1]) == action
     taken = eligible(layout, state) & agent[:, None, None] & here[None, None, :]
@@ -171,7 +178,7 @@ def _begin(layout: Layout, state: State, action: Array) -> State:
 
 def _run_on(layout: Layout, state: State, fate: Fate | None) -> State:
     """Time runs to the next completion; not at all when somebody has to choose or nobody is at work."""
-    xp = namespace(state.level)
+    xp = namespace(state.on)
     busy = state.left > 0
     first = xp.where(busy[ROBOT] & busy[HUMAN], xp.min(state.left), xp.max(state.left))
     passed = xp.where(xp.any(eligible(layout, state)), 0, first).astype(xp.int32)
@@ -193,7 +200,7 @@ def _run_on(layout: Layout, state: State, fate: Fate | None) -> State:
 
 
 def _clear(layout: Layout, state: State, done: Array, ended: Array) -> State:
-    """Pieces that are `done` (`[2, h, w]` bool, at their starts) leave the board, the rest falls, and who has `ended` (`[2]`) is free."""
-    xp = namespace(state.level)
+    """Pieces that are `done` (`[2, h, w]` bool, at their starts) leave the board, and who has `ended` (`[2]`) is free."""
+    xp = namespace(state.on)
     gone = xp.any(layout.joined & xp.any(done, axis=0)[:, :, None], axis=1)
-    return state._replace(level=settled(layout, (state.level > 0) & ~gone), doing=state.doing & ~ended[:, None, None])
+    return state._replace(on=state.on & ~gone, doing=state.doing & ~ended[:, None, None])
