@@ -157,8 +157,7 @@ def _someone_else(xp: Any, arrays: Arrays, state: State, operator: Array, asked:
 
 
 def harm(arrays: Arrays) -> Array:
-    """`[W]` float32, how much a way costs the others, as an adversary reckons: its time beyond the quickest other way, less half the chain that begins
-    with the task.
+    """`[W]` float32, how much harm a way does by an adversary's rule: its time beyond the quickest other way, less half the task's chain.
 
     Whoever does what suits others better, and what nobody waits for, does the team the most harm that a plain rule can find.
     """
