@@ -7,14 +7,14 @@ a decision process over positions and beliefs).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf
 
 from tandem.cell.model import Cell
-from tandem.dispatch.exact import COMPLIANT, MOST_POSITIONS, Human, Values, values
+from tandem.dispatch.exact import COMPLIANT, MOST_POSITIONS, Human, Values, may_wait, values
 from tandem.dispatch.moves import Moves, Position
-from tandem.dispatch.policy import Objective
+from tandem.dispatch.policy import SECONDS, Objective
 from tandem.errors import NothingFoundError
 
 Belief = tuple[tuple[int, Position], ...]
@@ -51,7 +51,7 @@ class BeliefValues:
             number, position = belief[0]
             return self.under[number].value(position)
         moves = self.moves
-        if belief[0][1].done & moves.full == moves.full:
+        if moves.is_over(belief[0][1]):
             return 0.0
         known = self.known.get(belief)
         if known is None:
@@ -70,11 +70,19 @@ class BeliefValues:
         legal = moves.legal(position, 1 << model.humans[turn])
         if not legal:
             return self.of_human(belief, turn + 1)
-        by_way = {way: self.if_human(belief, turn, way) for way in legal}
-        picks = model.human.picks(moves, legal)
-        obeys = 1.0 - sum(share for share, _ in picks)
-        value = sum(share * by_way[way] for share, way in picks)
-        return value + obeys * min(self.of_human(belief, turn + 1), *by_way.values()) if obeys > 1e-12 else value
+        return min(value for _, value in self.wishes(belief, turn, legal))
+
+    def wishes(self, belief: Belief, turn: int, legal: Sequence[int]) -> list[tuple[int | None, float]]:
+        """What can be asked of the human of that turn (a legal way, or None for waiting), each with the value that it comes to."""
+        model, moves, position = self.under[0], self.moves, belief[0][1]
+        can_wait = may_wait(moves, position, model.humans[turn])
+        by_choice: dict[int | None, float] = {way: self.if_human(belief, turn, way) for way in legal}
+        by_choice[None] = self.of_human(belief, turn + 1) if can_wait else inf
+        found: list[tuple[int | None, float]] = []
+        for asked in [*legal, None] if can_wait else legal:
+            answers = model.human.answers(moves, legal, asked, can_wait)
+            found.append((asked, sum(share * by_choice[choice] for share, choice in answers)))
+        return found
 
     def if_human(self, belief: Belief, turn: int, way: int) -> float:
         """The value when the human of that turn begins this way."""
@@ -124,7 +132,7 @@ class BeliefValues:
 
 
 def belief_values(
-    cell: Cell, prior: Mapping[float, float], human: Human = COMPLIANT, objective: Objective = Objective(), *, watches: bool = False
+    cell: Cell, prior: Mapping[float, float], human: Human = COMPLIANT, objective: Objective = SECONDS, *, watches: bool = False
 ) -> BeliefValues:
     """The values of the cell when all its humans need an unknown factor times the stated time, `prior`: factor -> probability.
 
@@ -135,7 +143,7 @@ def belief_values(
     return BeliefValues(under, tuple(share / total for share in prior.values()), watches)
 
 
-def bayes_adaptive(cell: Cell, prior: Mapping[float, float], *, objective: Objective = Objective(), watches: bool = False) -> float:
+def bayes_adaptive(cell: Cell, prior: Mapping[float, float], *, objective: Objective = SECONDS, watches: bool = False) -> float:
     """The least expected cost (seconds, when only time counts) beside compliant humans of unknown pace."""
     found = belief_values(cell, prior, objective=objective, watches=watches)
     return found.value(found.root())

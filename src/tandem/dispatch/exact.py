@@ -10,49 +10,69 @@ have one value. Times are certain here: what scatters is left to simulation.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf
 
 from tandem.cell.model import Cell
 from tandem.dispatch.moves import Moves, Position
-from tandem.dispatch.policy import Objective
+from tandem.dispatch.policy import SECONDS, Objective
 from tandem.errors import CellError, Fault, NothingFoundError
 
 MOST_POSITIONS = 400_000
 """So many positions are valued before the cell is called too large: about half a minute and 300 MiB."""
 
-Picks = Callable[[Moves, Position, int, Sequence[int]], list[tuple[float, int]]]
-"""`(moves, position, human, legal ways) -> (probability, way)` of the ways that the human picks by itself; what is left to 1, it complies."""
+Answers = list[tuple[float, int | None]]
+"""What a human may do, each with its probability: a way, or None for waiting."""
+
+SLIGHTLY = 1e-4
+"""Between two ways that a human likes the same, what was asked decides."""
 
 
 @dataclass(frozen=True)
 class Human:
-    """How a human decides, as the exact methods model it.
+    """How a human decides, as the exact methods model it: the persons of `tandem.world.people` that change nothing about themselves.
 
     Attributes:
-      random: the share of decisions in which any legal way is picked, each as likely as the others; never waiting.
-      prefers: tasks, the dearest first: of the legal ones always the first in this list is picked; a task that is not in it is done when asked.
-      spoils: does, of all that is legal, what costs most; random and preference play no part then.
+      random: the share of decisions in which any legal task is picked, each as likely as the others; never waiting.
+      taste: per way, how much it is liked; empty for a human who likes all the same. Unless at random, the legal way liked most is taken.
+      follows: what being asked for a way is worth, on the same scale.
+      obeys: waits when asked to; else takes the legal way liked most.
+      postpones: the share of requests that are put off: nothing until the next event.
+      spoils: does, of all that is legal, what costs most; nothing else counts then.
     """
 
     random: float = 0.0
-    prefers: tuple[str, ...] = ()
+    taste: tuple[float, ...] = ()
+    follows: float = 1.0
+    obeys: bool = True
+    postpones: float = 0.0
     spoils: bool = False
 
-    def picks(self, moves: Moves, legal: Sequence[int]) -> list[tuple[float, int]]:
-        """(probability, way) of what is picked unasked; nothing when nothing is legal."""
-        if not legal:
-            return []
-        shares = [(self.random / len(legal), way) for way in legal] if self.random else []
-        rank = {task: place for place, task in enumerate(self.prefers)}
-        liked = [(rank[name], way) for way in legal if (name := moves.instance.tasks[moves.task[way]]) in rank]
-        if liked:
-            shares.append((1.0 - self.random, min(liked)[1]))
-        return shares
+    def answers(self, moves: Moves, legal: Sequence[int], asked: int | None, can_wait: bool) -> Answers:
+        """What follows from asking for a legal way, or for waiting (None). `legal` is not empty."""
+        shares: dict[int | None, float] = {}
+        if self.random:
+            tasks = [moves.task[way] for way in legal]
+            for way, task in zip(legal, tasks, strict=True):
+                shares[way] = self.random / len(set(tasks)) / tasks.count(task)
+        sober = 1.0 - self.random
+        if sober > 0:
+            taste = self.taste or (0.0,) * moves.count
+            own = max(legal, key=lambda way: (taste[way % moves.count] + (self.follows + SLIGHTLY) * (way == asked), -way))
+            rests = 0.0 if not can_wait else self.postpones if asked is not None else float(self.obeys)
+            for choice, share in ((None, sober * rests), (own, sober * (1.0 - rests))):
+                if share > 0:
+                    shares[choice] = shares.get(choice, 0.0) + share
+        return [(share, choice) for choice, share in shares.items()]
 
 
 COMPLIANT = Human()
+
+
+def may_wait(moves: Moves, position: Position, operator: int) -> bool:
+    """Whether the operator may let its turn pass: something is still to happen, or another one can begin something without it."""
+    return moves.next_event(position) is not None or any(not moves.who[way] >> operator & 1 for way in moves.legal(position))
 
 
 @dataclass
@@ -77,7 +97,7 @@ class Values:
 
         Raises NothingFoundError when the cell is too large.
         """
-        if position.done & self.moves.full == self.moves.full:
+        if self.moves.is_over(position):
             return 0.0
         known = self.known.get(position)
         if known is None:
@@ -96,14 +116,21 @@ class Values:
         legal = moves.legal(position, 1 << self.humans[turn])
         if not legal:
             return self.of_human(position, turn + 1)
-        by_way = {way: self.if_human(position, turn, way) for way in legal}
-        wait = self.of_human(position, turn + 1)
         if self.human.spoils:
-            return max([*by_way.values(), *([wait] if wait < inf else [])])
-        picks = self.human.picks(moves, legal)
-        obeys = 1.0 - sum(share for share, _ in picks)
-        value = sum(share * by_way[way] for share, way in picks)
-        return value + obeys * min(wait, *by_way.values()) if obeys > 1e-12 else value
+            wait = self.of_human(position, turn + 1)
+            return max([self.if_human(position, turn, way) for way in legal] + ([wait] if wait < inf else []))
+        return min(value for _, value in self.wishes(position, turn, legal))
+
+    def wishes(self, position: Position, turn: int, legal: Sequence[int]) -> list[tuple[int | None, float]]:
+        """What can be asked of the human of that turn (a legal way, or None for waiting), each with the value that it comes to."""
+        can_wait = may_wait(self.moves, position, self.humans[turn])
+        by_choice: dict[int | None, float] = {way: self.if_human(position, turn, way) for way in legal}
+        by_choice[None] = self.of_human(position, turn + 1) if can_wait else inf
+        found: list[tuple[int | None, float]] = []
+        for asked in [*legal, None] if can_wait else legal:
+            answers = self.human.answers(self.moves, legal, asked, can_wait)
+            found.append((asked, sum(share * by_choice[choice] for share, choice in answers)))
+        return found
 
     def if_human(self, position: Position, turn: int, way: int) -> float:
         """The value when the human of that turn begins this way."""
@@ -127,13 +154,6 @@ class Values:
         ticks = self.moves.next_event(position)
         return inf if ticks is None else self.weights[0] * ticks + self.value(self.moves.after(position, ticks))
 
-    def wishes(self, position: Position, turn: int) -> list[tuple[int | None, float]]:
-        """What can be asked of the human of that turn (None: wait), each with its value, best first; equal ones as the ways are numbered."""
-        legal = self.moves.legal(position, 1 << self.humans[turn])
-        options: list[tuple[int | None, float]] = [(way, self.if_human(position, turn, way)) for way in legal]
-        options.append((None, self.of_human(position, turn + 1)))
-        return sorted(options, key=lambda option: option[1])
-
     @property
     def humans(self) -> list[int]:
         """The humans' numbers, in the order in which they move."""
@@ -144,7 +164,7 @@ class Values:
 
 
 def values(
-    cell: Cell, human: Human = COMPLIANT, objective: Objective = Objective(), *, pace: Mapping[str, float] | None = None, most: int = MOST_POSITIONS
+    cell: Cell, human: Human = COMPLIANT, objective: Objective = SECONDS, *, pace: Mapping[str, float] | None = None, most: int = MOST_POSITIONS
 ) -> Values:
     """The value function of the cell; nothing is reckoned before it is asked.
 
@@ -164,13 +184,13 @@ def weights(moves: Moves, objective: Objective) -> tuple[float, float]:
     return objective.time / moves.per_second, objective.stress / moves.instance.per_stress
 
 
-def expected(cell: Cell, *, random: float = 0.0, objective: Objective = Objective(), pace: Mapping[str, float] | None = None) -> float:
+def expected(cell: Cell, *, random: float = 0.0, objective: Objective = SECONDS, pace: Mapping[str, float] | None = None) -> float:
     """The least expected cost (seconds, when only time counts) beside humans who pick at random with probability `random`, and else comply."""
     found = values(cell, Human(random), objective, pace=pace)
     return found.value(found.moves.root())
 
 
-def minimax(cell: Cell, *, objective: Objective = Objective(), pace: Mapping[str, float] | None = None) -> float:
+def minimax(cell: Cell, *, objective: Objective = SECONDS, pace: Mapping[str, float] | None = None) -> float:
     """The least cost that no human can spoil, as long as it keeps doing what is legal: it may pick any legal way, or wait while somebody works."""
     found = values(cell, Human(spoils=True), objective, pace=pace)
     return found.value(found.moves.root())

@@ -6,8 +6,8 @@ break): two moments of an assembly that lie alike before it are one position.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from tandem.cell.model import Cell
@@ -26,6 +26,7 @@ class Position(NamedTuple):
     Attributes:
       done: bits of the tasks that have ended.
       running: `(way, ticks left)` of what is being done, sorted; at least 1 tick is left.
+      wrong: bits of the tasks, among those that have ended, that must be taken apart and done again.
       clock: ticks since the start; 0 where no rule of the cell looks at the clock.
       hand: per operator, the tool in hand, -1 for none yet; empty where changing tools costs nothing.
       load: stress units per operator so far; empty where nobody has a limit.
@@ -34,6 +35,7 @@ class Position(NamedTuple):
 
     done: int
     running: tuple[tuple[int, int], ...]
+    wrong: int = 0
     clock: int = 0
     hand: tuple[int, ...] = ()
     load: tuple[int, ...] = ()
@@ -42,13 +44,15 @@ class Position(NamedTuple):
 
 @dataclass(frozen=True)
 class Moves:
-    """The moves of one cell. Ways are numbered through: those of the first task as `cell.modes` lists them, then the second's, and so on.
+    """The moves of one cell. Ways are numbered through: those of the first task as `cell.modes` lists them, then the second's, and so on:
+    `count` ways of doing. Then come as many of taking apart what was done wrongly, in the same order, and then, per operator, being away.
 
     Attributes:
       task: per way, its task. `who`: bits of its operators. `ticks`: its duration. `units`: its stress. `loads`: the stress per operator.
-      ways: per task, its ways. `need`: per task, bits of its predecessors.
+      ways: per task, its ways of doing. `need`: per task, bits of its predecessors; `behind_task`: of its direct successors.
       human: bits of the humans. `everybody`: bits of all operators. `full`: bits of all tasks.
       tails: per task, ticks on the longest chain that begins with it; `work`: its cheapest work at `prices`, per operator; `ease`: its least stress.
+      behind: per way, ticks on the longest chain behind its task. `price`: the prices of its operators together; `total`: of all operators.
     """
 
     instance: Instance
@@ -63,8 +67,13 @@ class Moves:
     human: int
     everybody: int
     full: int
+    count: int
+    behind_task: tuple[int, ...]
     tails: tuple[int, ...]
+    behind: tuple[int, ...]
+    price: tuple[int, ...]
     prices: tuple[int, ...]
+    total: int
     work: tuple[int, ...]
     ease: tuple[int, ...]
     release: tuple[int, ...]
@@ -78,14 +87,17 @@ class Moves:
     swaps: bool
     limited: bool
     plain: bool
-    _ready: dict[tuple[int, int], tuple[int, ...]]
+    _ready: dict[tuple[int, int, int], tuple[int, ...]]
     _rest: dict[int, tuple[int, int, int]]
 
     @classmethod
-    def of(cls, cell: Cell, pace: Mapping[str, float] | None = None) -> Moves:
+    def of(cls, cell: Cell, pace: Mapping[str, float] | None = None, *, taking_apart: float = 1.0, max_stress: float | None = None) -> Moves:
         """The cell's moves when every operator needs `pace` times the stated time (1 for who is not named; a group goes at its slowest).
 
-        Raises CellError when stress comes from a table of sets: it is then no sum, and what is still to come cannot be told apart from what was.
+        Taking a task apart takes `taking_apart` times as long as doing it in the same way. `max_stress` limits the stress of the one human.
+
+        Raises CellError when stress comes from a table of sets: it is then no sum, and what is still to come cannot be told apart from what was;
+        and when `max_stress` is to hold for several humans together.
         """
         if cell.stress_of_set is not None:
             raise CellError(
@@ -109,6 +121,12 @@ class Moves:
                 units.append(way.stress)
                 loads.append(tuple(zip(way.operators, way.load, strict=True)))
             ways.append(tuple(mine))
+        count = len(task)
+        task += task + [len(ways) + o for o in range(len(factor))]
+        who += who + [1 << o for o in range(len(factor))]
+        ticks += [max(1, round(one * taking_apart)) for one in ticks] + [1] * len(factor)
+        units += units + [0] * len(factor)
+        loads += loads + [()] * len(factor)
         tails = _tails(instance, ways, ticks)
         prices = tuple(max(1, round(1024 * price)) for price in load_prices(layout)[1])
         operators = range(len(instance.operators))
@@ -116,12 +134,13 @@ class Moves:
         def priced(way: int) -> int:
             return ticks[way] * sum(prices[o] for o in operators if who[way] >> o & 1)
 
+        limits = _limits(instance, max_stress)
         changeover = tuple(tuple(x * scale for x in row) for row in instance.changeover)
         swaps = any(any(row) for row in changeover)
         tool_places = tuple(places if places < len(operators) else 0 for places in instance.tool_places)
         zone_places = tuple(places if places < len(operators) else 0 for places in instance.zone_places)
         timeless = not any(instance.release) and not any(instance.breaks)
-        limited = any(limit is not None for limit in instance.stress_limit)
+        limited = any(limit is not None for limit in limits)
         return cls(
             instance=instance,
             per_second=per_second,
@@ -135,14 +154,21 @@ class Moves:
             human=sum(1 << o for o in operators if instance.human[o]),
             everybody=(1 << len(operators)) - 1,
             full=(1 << len(instance.tasks)) - 1,
+            count=count,
+            behind_task=tuple(sum(1 << after for after in row) for row in instance.behind),
             tails=tails,
+            behind=tuple(
+                tails[place] - min((ticks[other] for other in ways[place]), default=0) if way < count else 0 for way, place in enumerate(task)
+            ),
+            price=tuple(sum(prices[o] for o in operators if bits >> o & 1) for bits in who),
             prices=prices,
+            total=sum(prices),
             work=tuple(min((priced(way) for way in row), default=0) for row in ways),
             ease=tuple(min((units[way] for way in row), default=0) for row in ways),
             release=tuple(x * scale for x in instance.release),
             breaks=tuple(tuple((a * scale, b * scale) for a, b in row) for row in instance.breaks),
             changeover=changeover,
-            limits=instance.stress_limit,
+            limits=limits,
             team=layout.team,
             tool_places=tool_places,
             zone_places=zone_places,
@@ -158,7 +184,11 @@ class Moves:
         """Nothing has begun."""
         operators = len(self.instance.operators)
         hand = tuple(-1 if tool is None else tool for tool in self.instance.in_hand) if self.swaps else ()
-        return Position(0, (), 0, hand, (0,) * operators if self.limited else ())
+        return Position(0, (), 0, 0, hand, (0,) * operators if self.limited else ())
+
+    def is_over(self, position: Position) -> bool:
+        """Everything is done, and nothing of it must be done again."""
+        return not position.wrong and position.done & self.full == self.full
 
     def begun(self, position: Position) -> int:
         """Bits of the tasks that have ended or are being done."""
@@ -178,15 +208,22 @@ class Moves:
         """The ways that may begin now; with `among`, those that need one of these operators."""
         begun, busy = self.begun(position), self.busy(position)
         who = self.who
-        found = [way for way in self.ready(position.done, begun) if not who[way] & busy and (among is None or who[way] & among)]
+        found = [way for way in self.ready(position.done, begun, position.wrong) if not who[way] & busy and (among is None or who[way] & among)]
+        if position.wrong:
+            going = {self.task[way] for way, _ in position.running}
+            found = [way for way in found if self.task[way] not in going]
         return found if self.plain else [way for way in found if self._may(position, way)]
 
-    def ready(self, done: int, begun: int) -> tuple[int, ...]:
-        """The ways of tasks that have not begun and whose predecessors have ended."""
-        known = self._ready.get((done, begun))
+    def ready(self, done: int, begun: int, wrong: int = 0) -> tuple[int, ...]:
+        """The ways of tasks that have not begun and whose predecessors have ended, and of taking apart what is wrong and bears nothing."""
+        known = self._ready.get((done, begun, wrong))
         if known is None:
-            tasks = [t for t, need in enumerate(self.need) if not begun >> t & 1 and need & done == need]
-            known = self._ready[done, begun] = tuple(way for t in tasks for way in self.ways[t])
+            fine = done & ~wrong
+            tasks = [t for t, need in enumerate(self.need) if not begun >> t & 1 and need & fine == need]
+            found = [way for t in tasks for way in self.ways[t]]
+            if wrong:
+                found += [self.count + way for t, row in enumerate(self.ways) if wrong >> t & 1 and not self.behind_task[t] & begun for way in row]
+            known = self._ready[done, begun, wrong] = tuple(found)
         return known
 
     def begin(self, position: Position, way: int) -> Position:
@@ -194,7 +231,7 @@ class Moves:
         left = self.ticks[way] + (self._change(position, way) if self.swaps else 0)
         running = tuple(sorted([*position.running, (way, left)]))
         if self.plain:
-            return position._replace(running=running)
+            return Position(position.done, running, position.wrong)
         hand, load, teams, task = position.hand, position.load, position.teams, self.task[way]
         tool = self.instance.tool[task]
         if hand and tool is not None:
@@ -204,11 +241,11 @@ class Moves:
             load = tuple(units + extra.get(o, 0) for o, units in enumerate(load))
         if self.team[task] >= 0 and all(team != self.team[task] for team, _ in teams):
             teams = tuple(sorted([*teams, (self.team[task], self.who[way])]))
-        return Position(position.done, running, position.clock, hand, load, teams)
+        return Position(position.done, running, position.wrong, position.clock, hand, load, teams)
 
     def next_event(self, position: Position) -> int | None:
-        """Ticks until something happens: a task ends, or (only where something waits for the clock) a release or a break comes or goes. None for never."""
-        least = min((left for _, left in position.running), default=None)
+        """Ticks until something happens: a task ends, or, where the clock matters, a release or a break comes or goes. None for never."""
+        least = min([left for _, left in position.running], default=None)
         if self.timeless:
             return least
         moments = [moment for moment in self._moments if moment > position.clock]
@@ -218,36 +255,62 @@ class Moves:
 
     def after(self, position: Position, ticks: int) -> Position:
         """Time has run for so many ticks, at most until the next event."""
-        done, running = position.done, []
+        done, wrong, running = position.done, position.wrong, []
         for way, left in position.running:
-            if left <= ticks:
-                done |= 1 << self.task[way]
-            else:
+            if left > ticks:
                 running.append((way, left - ticks))
+            elif way < self.count:
+                done |= 1 << self.task[way]
+            elif way < 2 * self.count:
+                done &= ~(1 << self.task[way])
+                wrong &= ~(1 << self.task[way])
+        if self.plain:
+            return Position(done, tuple(running), wrong)
         clock = 0 if self.timeless else position.clock + ticks
-        return Position(done, tuple(running), clock, position.hand, position.load, position.teams)
+        return Position(done, tuple(running), wrong, clock, position.hand, position.load, position.teams)
+
+    def spoiled(self, position: Position, task: int) -> Position:
+        """It is noticed that the task, which has ended, was done wrongly: it and all that stands on it must come off."""
+        wrong, pending = position.wrong, [task]
+        while pending:
+            one = pending.pop()
+            if position.done >> one & 1 and not wrong >> one & 1:
+                wrong |= 1 << one
+                pending += self.instance.behind[one]
+        return position._replace(wrong=wrong)
+
+    def without(self, ways: Iterable[int]) -> Moves:
+        """The same cell, in which nobody does a task in one of these ways; tasks that would be left without any keep theirs."""
+        gone = set(ways)
+        kept = tuple(tuple(way for way in row if way not in gone) or row for row in self.ways)
+        return replace(self, ways=kept, _ready={}, _rest={})
 
     def choices(self, position: Position, among: int | None = None) -> Iterator[tuple[int, ...]]:
         """Every set of ways that may begin together now, the empty one last; with `among`, only ways within these operators."""
         legal = self.legal(position)
         if among is not None:
             legal = [way for way in legal if not self.who[way] & ~among]
-        yield from self._sets(position, legal, ())
+        if self.plain:
+            yield from self._plain_sets(legal)
+        else:
+            yield from self._sets(position, legal, ())
 
     def floor(self, position: Position) -> tuple[int, int]:
         """(ticks, units) below which no continuation falls."""
-        begun = position.done
-        load = 0
-        ticks = 0
+        begun, load, ticks = position.done & ~position.wrong, 0, 0
         for way, left in position.running:
+            if way >= self.count:
+                continue
             begun |= 1 << self.task[way]
-            load += left * self._price(way)
-            chain = left + self.tails[self.task[way]] - self._quickest[self.task[way]]
+            load += left * self.price[way]
+            chain = left + self.behind[way]
             if chain > ticks:
                 ticks = chain
-        work, chain, ease = self._of_rest(begun)
+        rest = self._rest.get(begun)
+        work, chain, ease = self._of_rest(begun) if rest is None else rest
         if work:
-            ticks = max(ticks, chain, -(-(work + load) // self._total))
+            shared = -(-(work + load) // self.total)
+            ticks = max(ticks, chain, shared)
         return ticks, ease
 
     def flat(self, task: str, operators: Sequence[str]) -> int | None:
@@ -256,7 +319,7 @@ class Moves:
         return next((way for way in self.ways[self.instance.tasks.index(task)] if self.who[way] == bits), None)
 
     def named(self, way: int) -> tuple[str, tuple[str, ...]]:
-        """The way as people say it: the task and its operators."""
+        """The way of doing or taking apart as people say it: the task and its operators."""
         return self.instance.tasks[self.task[way]], tuple(name for o, name in enumerate(self.instance.operators) if self.who[way] >> o & 1)
 
     # ------------------------------------------------------------------ what follows from the fields
@@ -269,28 +332,21 @@ class Moves:
             known = self.__dict__["_known_moments"] = sorted(edges)
         return known
 
-    @property
-    def _quickest(self) -> list[int]:
-        known = self.__dict__.get("_known_quickest")
-        if known is None:
-            known = self.__dict__["_known_quickest"] = [min((self.ticks[way] for way in row), default=0) for row in self.ways]
-        return known
-
-    @property
-    def _total(self) -> int:
-        return sum(self.prices)
-
-    def _price(self, way: int) -> int:
-        return sum(price for o, price in enumerate(self.prices) if self.who[way] >> o & 1)
-
     def _of_rest(self, begun: int) -> tuple[int, int, int]:
         """Of the tasks that have not begun: cheapest work at the prices, longest chain, least stress."""
-        known = self._rest.get(begun)
-        if known is None:
-            left = [t for t in range(len(self.ways)) if not begun >> t & 1]
-            chain = max((self.tails[t] for t in left), default=0)
-            known = self._rest[begun] = (sum(self.work[t] for t in left), chain, sum(self.ease[t] for t in left))
+        left = [t for t in range(len(self.ways)) if not begun >> t & 1]
+        chain = max((self.tails[t] for t in left), default=0)
+        self._rest[begun] = known = (sum(self.work[t] for t in left), chain, sum(self.ease[t] for t in left))
         return known
+
+    def _plain_sets(self, legal: Sequence[int]) -> list[tuple[int, ...]]:
+        """`choices` where any ways of different tasks and operators can begin together."""
+        who, task = self.who, self.task
+        sets: list[tuple[tuple[int, ...], int, int]] = [((), 0, 0)]
+        for way in legal:
+            mine, bit = who[way], 1 << task[way]
+            sets += [((*chosen, way), busy | mine, begun | bit) for chosen, busy, begun in sets if not busy & mine and not begun & bit]
+        return [chosen for chosen, _, _ in sets[::-1]]
 
     def _sets(self, position: Position, legal: Sequence[int], chosen: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
         for place, way in enumerate(legal):
@@ -335,6 +391,20 @@ class Moves:
         if tool is None:
             return 0
         return max(self.changeover[tool][o] if position.hand[o] not in (-1, tool) else 0 for o in range(len(self.prices)) if self.who[way] >> o & 1)
+
+
+def _limits(instance: Instance, max_stress: float | None) -> tuple[int | None, ...]:
+    """Units of stress per operator; the limit over all humans is the limit of the one there is."""
+    if max_stress is None:
+        return instance.stress_limit
+    if sum(instance.human) > 1:
+        raise CellError(
+            [Fault("a limit on the stress of several humans together cannot be kept live; give each human a stress_limit.", ("operators",))]
+        )
+    most = int(max_stress * instance.per_stress + 1e-9)
+    return tuple(
+        min(most, most if limit is None else limit) if human else limit for human, limit in zip(instance.human, instance.stress_limit, strict=True)
+    )
 
 
 def _tails(instance: Instance, ways: Sequence[Sequence[int]], ticks: Sequence[int]) -> tuple[int, ...]:

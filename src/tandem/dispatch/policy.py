@@ -47,6 +47,10 @@ class Objective:
         return self.time * makespan + self.stress * stress
 
 
+SECONDS = Objective()
+"""Time alone."""
+
+
 @dataclass(frozen=True)
 class Options:
     """What may be set of a decider; each decider uses what concerns it.
@@ -188,7 +192,7 @@ POLICIES: dict[str, Entry] = {
 """Name -> decider. A new one is a file and a line here."""
 
 
-def policy(name: str, cell: Cell, objective: Objective = Objective(), options: Options = Options()) -> Policy:
+def policy(name: str, cell: Cell, objective: Objective = SECONDS, options: Options | None = None) -> Policy:
     """The decider of this name for the cell.
 
     Raises:
@@ -198,4 +202,4 @@ def policy(name: str, cell: Cell, objective: Objective = Objective(), options: O
     known = Known(POLICIES)
     if name not in known:
         raise UsageError(f"there is no policy {name!r}. {known.hint(name)} `tandem policies` lists them.")
-    return POLICIES[name](cell, objective, options)
+    return POLICIES[name](cell, objective, options or Options())
