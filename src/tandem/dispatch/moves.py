@@ -108,7 +108,12 @@ class Moves:
         scale = per_second // instance.per_second
         layout = Layout.of(instance)
         factor = [pace.get(name, 1.0) for name in instance.operators]
-        task, who, ticks, units, loads, ways = [], [], [], [], [], []
+        task: list[int] = []
+        who: list[int] = []
+        ticks: list[int] = []
+        units: list[int] = []
+        loads: list[tuple[tuple[int, int], ...]] = []
+        ways: list[tuple[int, ...]] = []
         for place, row in enumerate(instance.ways):
             usable = {step.way for step in layout.steps[place]}
             mine = []

@@ -64,7 +64,8 @@ def rest(moves: Moves, position: Position, *, with_running: bool = True) -> Rest
     if not tasks:
         return None
     place = {t: number for number, t in enumerate(tasks)}
-    rows, numbers = [], []
+    rows: list[tuple[Way, ...]] = []
+    numbers: list[tuple[int, ...]] = []
     for t in tasks:
         if t in runs and not position.wrong >> t & 1:
             way, left = runs[t]
@@ -127,11 +128,11 @@ def solve(left: Rest, weights: tuple[float, float], *, seconds: float, seed: int
     solver.parameters.random_seed = seed
     solver.parameters.max_time_in_seconds = seconds
     solver.parameters.cp_model_probing_level = 0
-    status = solver.solve(decisions.model)
-    if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
+    status = solver.status_name(solver.solve(decisions.model))
+    if status not in ("OPTIMAL", "FEASIBLE"):
         return None
     found = decisions.read(solver.value)
-    return _plan(left, layout, found, solver.best_objective_bound / SCALE * top, status == cp_model.OPTIMAL)
+    return _plan(left, layout, found, solver.best_objective_bound / SCALE * top, status == "OPTIMAL")
 
 
 def _plan(left: Rest, layout: Layout, found: Starts, bound: float, proven: bool) -> Plan:

@@ -94,7 +94,8 @@ class Search:
 
     def best(self, position: Position) -> tuple[tuple[int, ...], float]:
         """What to begin now, and the least cost. Raises OutOfTimeError."""
-        least, choice = inf, ()
+        least = inf
+        choice: tuple[int, ...] = ()
         for bound, paid, chosen, after in sorted(self.steps(position), key=lambda step: step[0]):
             if bound >= least:
                 break
