@@ -63,6 +63,16 @@ class Board:
         tasks = {piece.name: {"time": dict.fromkeys(able[piece.who], piece.time), "after": after[piece.name]} for piece in self.pieces}
         return Cell.of({"name": self.name, "operators": {ROBOT: {"kind": "robot"}, HUMAN: {"kind": "human"}}, "tasks": tasks})
 
+    @classmethod
+    def of(cls, cell: Cell) -> Board:
+        """The cell as a board with the same schedules, whatever board it came from.
+
+        Raises CellError, with every reason, when the game cannot hold it.
+        """
+        from tandem.cell.onto_board import board_of
+
+        return board_of(cell)
+
     def _below(self, piece: Piece) -> Iterator[Piece]:
         return (lower for lower in self.pieces if lower.row < piece.row and lower.first <= piece.last and piece.first <= lower.last)
 
