@@ -30,7 +30,7 @@ class BoardGame:
       ahead: what our network is told of it beforehand. `T` pieces.
       place: `[T]` int32, where in the flattened board the piece starts. cell: `[h, w]` int32, which piece starts here; 0 where none does.
       way: `[T, 2]` int32, the way in `ahead` in which the agent does the piece; the other's where it cannot.
-      unit: `[]` float32, the mean time of a piece, seconds.
+      unit: `[]` float32, the mean time of a piece, seconds; one second where the board itself is seen, with its raw times.
       sees: what `observe` gives: "features" (a `Look`), or "board", the tensor `[h, w, 3]` that the authors' network is given.
     """
 
@@ -58,10 +58,9 @@ class BoardGame:
         task, agent = np.nonzero(able)
         way = np.array([[_way(task, agent, piece, me) for me in (ROBOT, HUMAN)] for piece in range(len(place))], np.int32)
         time = np.array([piece.time for piece in board.pieces], np.float64)
-        unit = time.mean()
+        unit = 1.0 if sees == "board" else time.mean()
         told = ahead(task, agent[:, None] == np.arange(2), time[task] / unit, np.zeros(len(task)), needs, np.array([0, 1]))
-        data = jax.tree.map(jnp.asarray, (laid, told, place, cell.reshape(laid.time.shape), way))
-        return cls(*data, jnp.float32(unit), sees)
+        return cls(laid, told, place, cell.reshape(laid.time.shape), way, np.float32(unit), sees)
 
     @property
     def agents(self) -> tuple[str, ...]:
@@ -95,7 +94,7 @@ class BoardGame:
         if self.sees == "board":
             return chessboard.observe(self.layout, state)
         me = chessboard.to_play(self.layout, state)
-        playable = (state.level == 1) & (self.layout.who > 0) & ~jnp.any(state.doing, 0)
+        playable = chessboard.bottom(self.layout, state) & (self.layout.who > 0) & ~jnp.any(state.doing, 0)
         piece = jnp.sum(jnp.where(playable, self.cell, 0), 0)
         return look(self.ahead, self._standing(state), me, self.way[piece, me], jnp.any(playable, 0), self.legal(state), jnp.zeros(self.moves, bool))
 
@@ -103,7 +102,7 @@ class BoardGame:
         return time_to_come(self.ahead, self._standing(state)) * self.unit
 
     def _standing(self, state: State) -> Standing:
-        ended = state.level.reshape(-1)[self.place] == 0
+        ended = ~state.on.reshape(-1)[self.place]
         doing = state.doing.reshape(2, -1)[:, self.place]
         left = state.left / self.unit
         return Standing(ended | jnp.any(doing, 0), ended, left @ doing.astype(jnp.float32), left)

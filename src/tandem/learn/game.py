@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, Protocol
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 Array = Any
 State = Any
@@ -76,7 +77,7 @@ class Game(Protocol):
 
 def stacked(games: list[Any]) -> Any:
     """Several games of the same shape as one, with a leading axis. Raises ValueError when they have different shapes."""
-    shapes = {tuple(leaf.shape for leaf in jax.tree.leaves(game)) for game in games}
+    shapes = {tuple(np.shape(leaf) for leaf in jax.tree.leaves(game)) for game in games}
     if len(shapes) != 1 or len({jax.tree.structure(game) for game in games}) != 1:
         raise ValueError("the games have different shapes and cannot be played side by side.")
-    return jax.tree.map(lambda *leaves: jnp.stack(leaves), *games)
+    return jax.tree.map(lambda *leaves: jnp.asarray(np.stack(leaves)), *games)

@@ -1,23 +1,44 @@
-"""The named recipes: a configuration, the station's pace, what the agents see and which rewards they are paid."""
+"""The named recipes: an algorithm and its configuration, and what is trained on."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal, Protocol, Self
 
 from tandem.envs.thesis.observations import observe, observe_normalised, observe_scaled
 from tandem.errors import UsageError
+from tandem.learn.alphazero.recipes import ALPHAZERO, YU_2020, SearchRecipe, YuRecipe
 from tandem.learn.config import Config, Stage
+from tandem.learn.dqn.recipes import DQN, YU_2021, ValueRecipe
 
 OBSERVATIONS: dict[str, Callable[..., Any]] = {"thesis": observe, "scaled": observe_scaled, "normalised": observe_normalised}
 """What a recipe's `sees` means: station and state to `[2, D]`, in NumPy and JAX alike."""
 
 
+class AnyRecipe(Protocol):
+    """A recipe of any algorithm: frozen data that says which one, and that can be written down."""
+
+    @property
+    def algorithm(self) -> str:
+        """A name in `tandem.learn.algorithms.ALGORITHMS`."""
+
+    @property
+    def config(self) -> Any:
+        """Of the learner."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, as a run keeps them."""
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """The inverse of `to_dict`."""
+
+
 @dataclass(frozen=True)
 class Recipe:
-    """How the agents of a cell are trained.
+    """How PPO trains the agents of a cell with one robot and one human, on the thesis's station.
 
     Attributes:
       config: of the learner.
@@ -30,6 +51,15 @@ class Recipe:
     pace: Literal["ticks", "decisions"]
     sees: str
     rewards: str = "appendix"
+
+    algorithm: ClassVar[str] = "ppo"
+
+    def to_dict(self) -> dict[str, Any]:
+        return {"pace": self.pace, "sees": self.sees, "rewards": self.rewards, "config": self.config.to_dict()}
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        return cls(**{**data, "config": Config.from_dict(data["config"])})
 
 
 THESIS = Recipe(
@@ -80,11 +110,21 @@ TANDEM = Recipe(
 )
 """Ours: only legal actions, 64 stations at once, decisions instead of ticks."""
 
-RECIPES = {"tandem": TANDEM, "thesis": THESIS}
+KINDS: dict[str, type[AnyRecipe]] = {"ppo": Recipe, "alphazero": SearchRecipe, "yu": YuRecipe, "dqn": ValueRecipe}
+"""Algorithm -> the form of its recipes."""
+
+RECIPES: dict[str, AnyRecipe] = {
+    "tandem": TANDEM,
+    "thesis": THESIS,
+    "alphazero": ALPHAZERO,
+    "yu2020": YU_2020,
+    "dqn": DQN,
+    "yu2021": YU_2021,
+}
 """Name -> recipe. A new one is a line here."""
 
 
-def recipe(name: str) -> Recipe:
+def recipe(name: str) -> AnyRecipe:
     """The recipe of that name. Raises UsageError for one that `RECIPES` does not hold."""
     if name not in RECIPES:
         meant = "".join(f" Did you mean {near!r}?" for near in get_close_matches(name, RECIPES, 1))

@@ -48,6 +48,15 @@ def opinion(judge: Judge, parameters: Parameters, game: Game, state: State) -> O
     return found._replace(to_come=jnp.where(game.is_over(state), 0.0, found.to_come))
 
 
+def liked(judge: Judge, parameters: Parameters, game: Game, state: State) -> Array:
+    """`[]` int32, the legal move that the network likes best; any once the game is over."""
+    return jnp.argmax(jnp.where(game.legal(state), opinion(judge, parameters, game, state).logits, IMPOSSIBLE))
+
+
+IMPOSSIBLE = -1e9
+"""The logit of a move that is not legal: its probability is 0 and its gradient finite."""
+
+
 @dataclass(frozen=True)
 class Scorer:
     """The network for games that show a `Look`.

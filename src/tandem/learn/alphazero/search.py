@@ -10,16 +10,14 @@ Axes: `B` games side by side, `K` moves.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import mctx
 
-from tandem.errors import UsageError
-from tandem.learn.alphazero.network import Judge, Parameters, opinion
+from tandem.learn.alphazero.config import Search
+from tandem.learn.alphazero.network import IMPOSSIBLE, Judge, Parameters, opinion
 from tandem.learn.game import Game, State
 
 Array = Any
@@ -35,51 +33,6 @@ class Found(NamedTuple):
     move: Array
     policy: Array
     to_come: Array
-
-
-@dataclass(frozen=True)
-class Search:
-    """How a search is made.
-
-    Attributes:
-      kind: "gumbel" or "puct".
-      simulations: for each decision.
-      depth: moves that it looks ahead at most; None for no limit.
-      considered: of "gumbel": how many moves of the root are looked at.
-      gumbel_scale: of "gumbel": 1 draws, 0 is sure.
-      exploration: of "puct": the constant c.
-      noise, noise_alpha: of "puct": share and concentration of the Dirichlet noise at the root.
-      temperature: of "puct": of the draw from the visits; 0 takes the most visited.
-    """
-
-    kind: Literal["gumbel", "puct"] = "gumbel"
-    simulations: int = 16
-    depth: int | None = None
-    considered: int = 8
-    gumbel_scale: float = 1.0
-    exploration: float = 1.25
-    noise: float = 0.25
-    noise_alpha: float = 0.3
-    temperature: float = 1.0
-
-    def __post_init__(self) -> None:
-        if faults := list(self.faults()):
-            raise UsageError("The search does not hold:\n" + "\n".join(f"- {fault}" for fault in faults))
-
-    def faults(self) -> Iterator[str]:
-        """What is wrong with it."""
-        if self.kind not in ("gumbel", "puct"):
-            yield f"kind {self.kind!r}: choose gumbel or puct."
-        for name in ("simulations", "considered"):
-            if getattr(self, name) < 1:
-                yield f"{name} {getattr(self, name)}: must be 1 or more."
-        if self.depth is not None and self.depth < 1:
-            yield f"depth {self.depth}: must be 1 or more, or None."
-        for name in ("gumbel_scale", "exploration", "temperature"):
-            if not getattr(self, name) >= 0:
-                yield f"{name} {getattr(self, name)}: must be 0 or more."
-        if not 0 <= self.noise <= 1 or not self.noise_alpha > 0:
-            yield f"noise {self.noise}, noise_alpha {self.noise_alpha}: a share from 0 to 1, and a number above 0."
 
 
 def search(key: Array, judge: Judge, parameters: Parameters, games: Game, states: State, config: Search) -> Found:
@@ -119,7 +72,3 @@ def _expand(judge: Judge) -> Any:
         return jax.vmap(one, (None, 0, 0, 0))(parameters, games, moves, states)
 
     return expand
-
-
-IMPOSSIBLE = -1e9
-"""The logit of a move that is not legal: its probability is 0 and its gradient finite."""

@@ -1,0 +1,198 @@
+"""What self-play and its searches are told: frozen configurations that check themselves. No JAX is needed to read them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal, Self
+
+from tandem.errors import UsageError
+
+
+@dataclass(frozen=True)
+class Search:
+    """How a search is made.
+
+    Attributes:
+      kind: "gumbel" or "puct".
+      simulations: for each decision.
+      depth: moves that it looks ahead at most; None for no limit.
+      considered: of "gumbel": how many moves of the root are looked at.
+      gumbel_scale: of "gumbel": 1 draws, 0 is sure.
+      exploration: of "puct": the constant c.
+      noise, noise_alpha: of "puct": share and concentration of the Dirichlet noise at the root.
+      temperature: of "puct": of the draw from the visits; 0 takes the most visited.
+    """
+
+    kind: Literal["gumbel", "puct"] = "gumbel"
+    simulations: int = 16
+    depth: int | None = None
+    considered: int = 8
+    gumbel_scale: float = 1.0
+    exploration: float = 1.25
+    noise: float = 0.25
+    noise_alpha: float = 0.3
+    temperature: float = 1.0
+
+    def __post_init__(self) -> None:
+        if faults := list(self.faults()):
+            raise UsageError("The search does not hold:\n" + "\n".join(f"- {fault}" for fault in faults))
+
+    def faults(self) -> Iterator[str]:
+        """What is wrong with it."""
+        if self.kind not in ("gumbel", "puct"):
+            yield f"kind {self.kind!r}: choose gumbel or puct."
+        for name in ("simulations", "considered"):
+            if getattr(self, name) < 1:
+                yield f"{name} {getattr(self, name)}: must be 1 or more."
+        if self.depth is not None and self.depth < 1:
+            yield f"depth {self.depth}: must be 1 or more, or None."
+        for name in ("gumbel_scale", "exploration", "temperature"):
+            if not getattr(self, name) >= 0:
+                yield f"{name} {getattr(self, name)}: must be 0 or more."
+        if not 0 <= self.noise <= 1 or not self.noise_alpha > 0:
+            yield f"noise {self.noise}, noise_alpha {self.noise_alpha}: a share from 0 to 1, and a number above 0."
+
+
+@dataclass(frozen=True)
+class YuSearch:
+    """How it is made.
+
+    Attributes:
+      simulations: for each decision.
+      depth: own moves that it looks ahead at most.
+      exploration: the constant c.
+      temperature: tau; a move is drawn with N^(1/tau), so that 1000 draws almost evenly from what was looked at. 0 takes the most visited.
+      quirk: Q leaves out the time of the move itself.
+    """
+
+    simulations: int = 30
+    depth: int = 4
+    exploration: float = 100.0
+    temperature: float = 0.0
+    quirk: bool = True
+
+    def __post_init__(self) -> None:
+        if faults := list(self.faults()):
+            raise UsageError("The search does not hold:\n" + "\n".join(f"- {fault}" for fault in faults))
+
+    def faults(self) -> Iterator[str]:
+        """What is wrong with it."""
+        for name in ("simulations", "depth"):
+            if getattr(self, name) < 1:
+                yield f"{name} {getattr(self, name)}: must be 1 or more."
+        for name in ("exploration", "temperature"):
+            if not getattr(self, name) >= 0:
+                yield f"{name} {getattr(self, name)}: must be 0 or more."
+
+
+@dataclass(frozen=True)
+class Config:
+    """How a network is trained.
+
+    Attributes:
+      search: of every move of the self-play.
+      iterations: rounds of playing and learning.
+      games: played side by side in a round, `B`; drawn from those that the training is given.
+      kept: rounds whose experience is learned from.
+      minibatch, minibatches: how much, and how often, is learned in a round.
+      learning_rate: of Adam; it falls to a tenth of that along a straight line.
+      value_weight: of the value's loss.
+      gradient_limit: largest norm of the gradient.
+      trust: see `selfplay`.
+      units: of the network's layers.
+    """
+
+    search: Search = field(default_factory=Search)
+    iterations: int = 60
+    games: int = 64
+    kept: int = 4
+    minibatch: int = 512
+    minibatches: int = 24
+    learning_rate: float = 2e-3
+    value_weight: float = 0.25
+    gradient_limit: float = 1.0
+    trust: float = 1.0
+    units: int = 64
+
+    def __post_init__(self) -> None:
+        if faults := list(self.faults()):
+            raise UsageError("The training's configuration does not hold:\n" + "\n".join(f"- {fault}" for fault in faults))
+
+    def faults(self) -> Iterator[str]:
+        """Everything that is wrong with it."""
+        for name in ("iterations", "games", "kept", "minibatch", "minibatches", "units"):
+            if getattr(self, name) < 1:
+                yield f"{name} {getattr(self, name)}: must be 1 or more."
+        for name in ("learning_rate", "value_weight", "gradient_limit"):
+            if not getattr(self, name) > 0:
+                yield f"{name} {getattr(self, name)}: must be more than 0."
+        if not 0 <= self.trust <= 1:
+            yield f"trust {self.trust}: must lie between 0 and 1."
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, as a run keeps them."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """The inverse of `to_dict`."""
+        return cls(**{**data, "search": Search(**data["search"])})
+
+
+@dataclass(frozen=True)
+class YuConfig:
+    """How Yu, Huang and Chang (2020) train, as their code was read.
+
+    `outer` times: first `5 x switch` games in which the robot learns, then as many in which the human does; after each game the agent's network is
+    fitted once to its last positions. While one learns, the other plays what its own network likes best.
+
+    ASSUMPTION: each agent has positions of its own; a game begins on the same board each time, or on one drawn from those that are given.
+
+    Attributes:
+      search: of the agent that learns.
+      outer, inner, switch: games of each agent = outer x inner x switch.
+      kept: positions that are learned from, the newest.
+      minibatch: of a fit, which goes once over them.
+      learning_rate: of Adam, its default.
+      filters, dense, value_norm: see `yu_network`.
+    """
+
+    search: YuSearch = field(default_factory=lambda: YuSearch(temperature=1000.0))
+    outer: int = 10
+    inner: int = 5
+    switch: int = 5
+    kept: int = 200
+    minibatch: int = 16
+    learning_rate: float = 1e-3
+    filters: int = 10
+    dense: int = 128
+    value_norm: tuple[float, float] = (110.0, 90.0)
+
+    def __post_init__(self) -> None:
+        if faults := list(self.faults()):
+            raise UsageError("The training's configuration does not hold:\n" + "\n".join(f"- {fault}" for fault in faults))
+
+    def faults(self) -> Iterator[str]:
+        """Everything that is wrong with it."""
+        for name in ("outer", "inner", "switch", "kept", "minibatch", "filters", "dense"):
+            if getattr(self, name) < 1:
+                yield f"{name} {getattr(self, name)}: must be 1 or more."
+        if not self.learning_rate > 0:
+            yield f"learning_rate {self.learning_rate}: must be more than 0."
+        if len(self.value_norm) != 2 or not min(self.value_norm) > 0:
+            yield f"value_norm {self.value_norm}: needs two numbers above 0."
+
+    @property
+    def games(self) -> int:
+        """All games of a training."""
+        return 2 * self.outer * self.inner * self.switch
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, as a run keeps them."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """The inverse of `to_dict`."""
+        return cls(**{**data, "search": YuSearch(**data["search"]), "value_norm": tuple(data["value_norm"])})

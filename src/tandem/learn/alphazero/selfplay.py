@@ -1,0 +1,98 @@
+"""Whole games under a search or under the network alone, many side by side in one compiled loop.
+
+Axes: `L` moves of the longest game, `B` games, `K` moves to choose from.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from tandem.learn.alphazero.config import Search, YuSearch
+from tandem.learn.alphazero.network import Judge, Parameters, liked
+from tandem.learn.alphazero.search import Found, search
+from tandem.learn.alphazero.yu_search import yu_search
+from tandem.learn.game import Game, State
+
+Array = Any
+Looking = Search | YuSearch
+
+SEARCHES: dict[type[Looking], Any] = {Search: search, YuSearch: yu_search}
+"""How a search is told -> the search. One more is a line here."""
+
+
+def find(key: Array, judge: Judge, parameters: Parameters, games: Game, states: State, config: Looking) -> Found:
+    """What the search that `config` tells of finds in `states` `[B]` of `games` `[B]`."""
+    found: Found = SEARCHES[type(config)](key, judge, parameters, games, states, config)
+    return found
+
+
+class Experience(NamedTuple):
+    """What was seen and found at each decision; leading axes `[L, B]`, once flattened one.
+
+    seen: what the network was shown. legal: `[K]` bool. mover: `[]` int32. least: `[]`, units that were certain.
+    policy: `[K]`, after the search. to_come: `[]`, units that were still to come, as the game then went. valid: `[]` bool, False after the end.
+    """
+
+    seen: Any
+    legal: Array
+    mover: Array
+    least: Array
+    policy: Array
+    to_come: Array
+    valid: Array
+
+
+class Played(NamedTuple):
+    """cost: `[B]` float32, of each whole game. moves: `[L, B]` int32; -1 after the end. state: the last states. over: `[B]` bool."""
+
+    cost: Array
+    moves: Array
+    state: State
+    over: Array
+
+
+def selfplay(key: Array, judge: Judge, parameters: Parameters, games: Game, config: Looking, trust: float = 1.0) -> tuple[Experience, Played]:
+    """One whole game on each of `games` `[B]`, every move by a search.
+
+    Args:
+      trust: how much of `to_come` is what really came; the rest is what the search expected.
+    """
+    states = jax.vmap(lambda game: game.reset())(games)
+
+    def move(states: State, key: Array) -> tuple[State, tuple[Experience, Array, Array]]:
+        over = jax.vmap(lambda game, state: game.is_over(state))(games, states)
+        found = find(key, judge, parameters, games, states, config)
+        seen, legal, mover, least = jax.vmap(_shown)(games, states)
+        after, cost = jax.vmap(lambda game, state, move: game.step(state, move))(games, states, found.move)
+        experience = Experience(seen, legal, mover, least, found.policy, found.to_come, ~over)
+        return after, (experience, cost / games.unit, jnp.where(over, -1, found.move))
+
+    states, (experience, cost, moves) = jax.lax.scan(move, states, jax.random.split(key, games.longest))
+    to_come = jnp.cumsum(cost[::-1], 0)[::-1]
+    experience = experience._replace(to_come=trust * to_come + (1 - trust) * experience.to_come)
+    return experience, Played(to_come[0] * games.unit, moves, states, jax.vmap(lambda game, state: game.is_over(state))(games, states))
+
+
+def played(key: Array, judge: Judge, parameters: Parameters, games: Game, config: Looking | None = None) -> Played:
+    """One whole game on each of `games` `[B]`: by a search, or the move that the network likes best where `config` is None."""
+    states = jax.vmap(lambda game: game.reset())(games)
+
+    def move(carry: tuple[State, Array], key: Array) -> tuple[tuple[State, Array], Array]:
+        states, cost = carry
+        over = jax.vmap(lambda game, state: game.is_over(state))(games, states)
+        if config is None:
+            chosen = jax.vmap(lambda game, state: liked(judge, parameters, game, state))(games, states)
+        else:
+            chosen = find(key, judge, parameters, games, states, config).move
+        after, paid = jax.vmap(lambda game, state, move: game.step(state, move))(games, states, chosen)
+        return (after, cost + paid), jnp.where(over, -1, chosen)
+
+    (states, cost), moves = jax.lax.scan(move, (states, jnp.zeros_like(games.unit)), jax.random.split(key, games.longest))
+    return Played(cost, moves, states, jax.vmap(lambda game, state: game.is_over(state))(games, states))
+
+
+def _shown(game: Game, state: State) -> tuple[Any, Array, Array, Array]:
+    return game.observe(state), game.legal(state), game.to_play(state), game.least(state) / game.unit

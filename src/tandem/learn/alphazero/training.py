@@ -1,0 +1,125 @@
+"""Training by self-play: many whole games under search, then the network learns what the search found and what came of it; and again.
+
+Source: Silver et al. (2017), arXiv:1712.01815, with the search of Danihelka et al. (2022). `start` and `advance` are pure functions: the same
+key gives the same network.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import optax
+
+from tandem.learn.alphazero.config import Config
+from tandem.learn.alphazero.network import Judge, Parameters, Scorer
+from tandem.learn.alphazero.selfplay import Experience, selfplay
+from tandem.learn.game import Game
+from tandem.learn.networks import masked_log_softmax
+
+Array = Any
+
+
+class Learner(NamedTuple):
+    """A training under way: all that is needed to go on.
+
+    experience: of the last rounds, `[kept, L x B, ...]`; the newest is at `rounds % kept`.
+    rounds, games, moves: `[]` int32, done so far.
+    """
+
+    parameters: Parameters
+    optimiser: Any
+    experience: Experience
+    key: Array
+    rounds: Array
+    games: Array
+    moves: Array
+
+
+class Report(NamedTuple):
+    """What a round tells. cost: `[]`, mean of the games, in the game's own cost. policy_loss, value_loss, entropy: `[]`. finite: `[]` bool."""
+
+    cost: Array
+    policy_loss: Array
+    value_loss: Array
+    entropy: Array
+    finite: Array
+
+
+def judge(config: Config) -> Scorer:
+    """The network that is trained."""
+    return Scorer(config.units)
+
+
+def start(key: Array, games: Game, config: Config) -> Learner:
+    """A learner that knows nothing yet. `games` `[P]` is what it will play."""
+    network_key, key = jax.random.split(key)
+    one = jax.tree.map(lambda leaf: leaf[0], games)
+    parameters = judge(config).start(network_key, one)
+    drawn = jax.tree.map(lambda leaf: jnp.broadcast_to(leaf[0], (config.games, *leaf.shape[1:])), games)
+    shape = jax.eval_shape(lambda: _flat(selfplay(key, judge(config), parameters, drawn, config.search)[0]))
+    empty = jax.tree.map(lambda leaf: jnp.zeros((config.kept, *leaf.shape), leaf.dtype), shape)
+    zero = jnp.zeros((), jnp.int32)
+    return Learner(parameters, _optimiser(config).init(parameters), empty, key, zero, zero, zero)
+
+
+def advance(learner: Learner, games: Game, config: Config) -> tuple[Learner, Report]:
+    """One round: self-play on games drawn from `games` `[P]`, then learning."""
+    draw_key, play_key, learn_key, key = jax.random.split(learner.key, 4)
+    pool = games.unit.shape[0]
+    chosen = jax.random.choice(draw_key, pool, (config.games,), replace=pool < config.games)
+    drawn = jax.tree.map(lambda leaf: leaf[chosen], games)
+    fresh, result = selfplay(play_key, judge(config), learner.parameters, drawn, config.search, config.trust)
+    slot = learner.rounds % config.kept
+    experience = jax.tree.map(lambda all_, new: all_.at[slot].set(new), learner.experience, _flat(fresh))
+    learner = learner._replace(experience=experience)
+    parameters, moments, losses = _learn(learn_key, learner, config)
+    finite = jnp.all(jnp.asarray([jnp.all(jnp.isfinite(leaf)) for leaf in jax.tree.leaves(parameters)]))
+    after = learner._replace(
+        parameters=parameters,
+        optimiser=moments,
+        key=key,
+        rounds=learner.rounds + 1,
+        games=learner.games + config.games,
+        moves=learner.moves + jnp.sum(fresh.valid, dtype=jnp.int32),
+    )
+    return after, Report(jnp.mean(result.cost), *losses, finite)
+
+
+def loss(network: Judge, parameters: Parameters, batch: Experience, value_weight: float) -> tuple[Array, tuple[Array, Array, Array]]:
+    """Cross-entropy to what the search found, and the squared error of what is still to come; means over the valid rows."""
+    seen = jax.vmap(network.read, (None, 0, 0, 0))(parameters, batch.seen, batch.least, batch.mover)
+    log = masked_log_softmax(jnp, seen.logits, batch.legal)
+    weight = batch.valid / jnp.maximum(jnp.sum(batch.valid), 1)
+    policy = jnp.sum(weight * -jnp.sum(jnp.where(batch.legal, batch.policy * log, 0.0), -1))
+    value = jnp.sum(weight * (seen.to_come - batch.to_come) ** 2)
+    entropy = jnp.sum(weight * -jnp.sum(jnp.where(batch.legal, jnp.exp(log) * log, 0.0), -1))
+    return policy + value_weight * value, (policy, value, entropy)
+
+
+def _learn(key: Array, learner: Learner, config: Config) -> tuple[Parameters, Any, tuple[Array, Array, Array]]:
+    """Minibatches drawn evenly from the rounds that are kept; the early ones from those that there are."""
+    rows = learner.experience.valid.shape[1]
+    there = jnp.minimum(learner.rounds + 1, config.kept)
+    network, rule = judge(config), _optimiser(config)
+    rate = config.learning_rate * (1 - 0.9 * learner.rounds / config.iterations)
+
+    def minibatch(carry: tuple[Parameters, Any], key: Array) -> tuple[tuple[Parameters, Any], tuple[Array, Array, Array]]:
+        parameters, moments = carry
+        flat = jax.random.randint(key, (config.minibatch,), 0, there * rows)
+        batch = jax.tree.map(lambda leaf: leaf[flat // rows, flat % rows], learner.experience)
+        gradient, losses = jax.grad(loss, 1, has_aux=True)(network, parameters, batch, config.value_weight)
+        change, moments = rule.update(gradient, moments)
+        return (jax.tree.map(lambda old, by: old - rate * by, parameters, change), moments), losses
+
+    (parameters, moments), losses = jax.lax.scan(minibatch, (learner.parameters, learner.optimiser), jax.random.split(key, config.minibatches))
+    return parameters, moments, jax.tree.map(jnp.mean, losses)
+
+
+def _optimiser(config: Config) -> optax.GradientTransformation:
+    return optax.chain(optax.clip_by_global_norm(config.gradient_limit), optax.scale_by_adam())
+
+
+def _flat(experience: Experience) -> Experience:
+    return jax.tree.map(lambda leaf: leaf.reshape(-1, *leaf.shape[2:]), experience)

@@ -1,0 +1,81 @@
+"""The networks of Yu, Huang and Chang (2020): one for each agent, convolutions over the board as it lies, with raw times.
+
+Source: IEEE Access 2020, arXiv 2007.04140, and the authors' code as it was read (not copied): two convolutions of 10 filters of 2 x 2 with ReLU,
+"same" padding, each behind a max-pooling of 2 x 2; a dense layer of 128 with ReLU; a linear value and a policy over the columns. The value is
+learned in units of 110 s for the robot and 90 s for the human.
+
+ASSUMPTION: pooling drops an odd last row or column ("valid"), and weights start Glorot-uniform with biases 0, as their library has it by default.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from tandem.learn.alphazero.network import Opinion
+from tandem.learn.networks import Network, forward, init
+
+Array = Any
+
+
+@dataclass(frozen=True)
+class YuNetworks:
+    """For games that show the board, `[h, w, 3]`. Every array of the parameters has a leading axis of agents, the robot first.
+
+    Attributes:
+      filters, dense: of each convolution; units of the dense layer.
+      value_norm: seconds in a value of 1, robot's and human's.
+    """
+
+    filters: int = 10
+    dense: int = 128
+    value_norm: tuple[float, float] = (110.0, 90.0)
+
+    def start(self, key: Array, game: Any) -> dict[str, Network]:
+        """Weights that know nothing yet, for boards of the game's height and width."""
+        height, width = game.layout.time.shape[-2:]
+        flat = (height // 4) * (width // 4) * self.filters
+        sizes = {
+            "first": (4 * 3, self.filters),
+            "second": (4 * self.filters, self.filters),
+            "dense": (flat, self.dense),
+            "value": (self.dense, 1),
+            "policy": (self.dense, width),
+        }
+        keys = jax.random.split(key, (len(sizes), 2))
+
+        def network(key: Array, size: tuple[int, ...]) -> Network:
+            return init(lambda shape: jax.random.uniform(key, shape, minval=-1.0), size)
+
+        return {name: jax.vmap(partial(network, size=size))(keys[place]) for place, (name, size) in enumerate(sizes.items())}
+
+    def read(self, parameters: dict[str, Network], seen: Array, least: Array, mover: Array) -> Opinion:
+        """The opinion of the mover's network. `to_come` is in seconds: a game that shows the board has a unit of one second."""
+        logits, value = jax.vmap(self.outputs, (0, None))(parameters, seen)
+        mine = jnp.maximum(mover, 0)
+        return Opinion(logits[mine], value[mine] * jnp.asarray(self.value_norm)[mine])
+
+    def outputs(self, parameters: dict[str, Network], board: Array) -> tuple[Array, Array]:
+        """`[w]` logits and `[]` value, in units of `value_norm`, of one agent's network."""
+        flow = board
+        for name in ("first", "second"):
+            flow = _pooled(jax.nn.relu(forward(jnp, parameters[name], _patches(flow), "relu")))
+        flow = jax.nn.relu(forward(jnp, parameters["dense"], flow.reshape(-1), "relu"))
+        return forward(jnp, parameters["policy"], flow, "relu"), forward(jnp, parameters["value"], flow, "relu")[0]
+
+
+def _patches(image: Array) -> Array:
+    """`[h, w, 4 x c]`: each cell with its right, upper and diagonal neighbour; zeros beyond the edge, as "same" padding of 2 x 2 puts them."""
+    padded = jnp.pad(image, ((0, 1), (0, 1), (0, 0)))
+    return jnp.concatenate([padded[:-1, :-1], padded[:-1, 1:], padded[1:, :-1], padded[1:, 1:]], -1)
+
+
+def _pooled(image: Array) -> Array:
+    """The largest of each 2 x 2 cells; an odd last row or column is dropped."""
+    height, width, channels = image.shape
+    whole = image[: height // 2 * 2, : width // 2 * 2]
+    return whole.reshape(height // 2, 2, width // 2, 2, channels).max((1, 3))

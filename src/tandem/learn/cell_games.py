@@ -1,0 +1,142 @@
+"""Any cell (`tandem.world`) as a game for a search: a move begins a task in one of its ways, or lets the turn pass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any, Self
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from tandem.cell.model import Cell
+from tandem.errors import UsageError
+from tandem.learn.features import Ahead, Standing, ahead, look, missing, time_to_come
+from tandem.world import state as world
+from tandem.world.arrays import NEVER, Arrays, Names
+from tandem.world.state import State
+
+Array = Any
+
+STUCK = 2.0
+"""What each unit of work costs, twice its time, that is left when limits were spent so that nothing can go on."""
+
+
+@partial(
+    jax.tree_util.register_dataclass,
+    data_fields=["arrays", "ahead", "unit", "per_second", "per_stress", "time_weight", "stress_weight"],
+    meta_fields=["agents", "waiting"],
+)
+@dataclass(frozen=True)
+class CellGame:
+    """One cell, any number of operators. At one moment the humans choose first. Moves are the world's ways; with `waiting` one more, the last.
+
+    The cost is `time_weight` x seconds + `stress_weight` x stress. An operator that lets its turn pass is asked again at the next event.
+
+    Attributes:
+      arrays: the cell as the world has it.
+      ahead: what the network is told of it beforehand.
+      unit: `[]` float32, what a task of mean least time costs by its time alone.
+      per_second, per_stress: `[]` float32, ticks in a second, the world's units in a stress of 1.
+    """
+
+    arrays: Arrays
+    ahead: Ahead
+    unit: Array
+    per_second: Array
+    per_stress: Array
+    time_weight: Array
+    stress_weight: Array
+    agents: tuple[str, ...] = field(default=())
+    waiting: bool = field(default=True)
+
+    @classmethod
+    def of(cls, cell: Cell, *, time_weight: float = 1.0, stress_weight: float = 0.0, waiting: bool = True) -> Self:
+        """The cell's game.
+
+        Raises:
+          UsageError: a weight is below 0, or time weighs nothing.
+          CellError: times or stresses are too large to be counted.
+        """
+        if not (np.isfinite([time_weight, stress_weight]).all() and time_weight > 0 and stress_weight >= 0):
+            raise UsageError(f"weights of time {time_weight} and stress {stress_weight}: time must weigh more than 0, stress 0 or more.")
+        names = Names.of(cell)
+        arrays = names.arrays()
+        seconds = arrays.way_ticks / names.per_second
+        mean = np.mean([seconds[arrays.way_task == task].min() for task in range(len(names.tasks))])
+        unit = mean * time_weight
+        stress = (arrays.way_load * arrays.human).sum(1) / names.per_stress * stress_weight / unit
+        told = ahead(arrays.way_task, arrays.way_uses, seconds / mean, stress, arrays.needs, arrays.human)
+        numbers = [np.float32(number) for number in (unit, names.per_second, names.per_stress, time_weight, stress_weight)]
+        return cls(arrays, told, *numbers, agents=names.operators, waiting=waiting)
+
+    @property
+    def moves(self) -> int:
+        return int(self.arrays.way_ticks.shape[-1]) + self.waiting
+
+    @property
+    def longest(self) -> int:
+        tasks, operators = self.arrays.must.shape[-2:]
+        events = tasks + int(np.prod(self.arrays.break_to.shape[-2:])) + tasks * self.waiting
+        return tasks + self.waiting * operators * events
+
+    def reset(self) -> State:
+        return self._until_asked(jax.tree.map(jnp.asarray, world.reset(jax.tree.map(jnp.asarray, self.arrays))))
+
+    def legal(self, state: State) -> Array:
+        mask = world.legal(self.arrays, state)
+        me = world.turn(self.arrays, mask)
+        mine = world.legal_of(self.arrays, mask, me)
+        return jnp.append(mine, (me >= 0) & world.may_wait(self.arrays, state, mask, me)) if self.waiting else mine
+
+    def to_play(self, state: State) -> Array:
+        return world.turn(self.arrays, world.legal(self.arrays, state))
+
+    def step(self, state: State, move: Array) -> tuple[State, Array]:
+        ways = self.arrays.way_ticks.shape[0]
+        me = self.to_play(state)
+        begun = world.assign(self.arrays, state, jnp.where((me < 0) | (move >= ways), -1, move))
+        begun = world.wait(begun, jnp.where(move >= ways, me, -1))
+        after = self._until_asked(begun)
+        cost = self.time_weight * (after.clock - state.clock) / self.per_second
+        cost += self.stress_weight * (world.stress(self.arrays, after) - world.stress(self.arrays, state)) / self.per_stress
+        left = jnp.sum(jnp.where(after.way < 0, self.ahead.least, 0.0)) * self.unit * STUCK
+        newly_stuck = ~self.is_over(state) & self.is_over(after) & ~world.is_done(after)
+        return after, cost + jnp.where(newly_stuck, left, 0.0)
+
+    def is_over(self, state: State) -> Array:
+        return self.to_play(state) < 0
+
+    def observe(self, state: State) -> Any:
+        legal, now = self.legal(state), self._standing(state)
+        ways = self.arrays.way_ticks.shape[0]
+        free_of_others = (missing(self.ahead, now.ended) == 0) & ~now.begun
+        there = self.arrays.way_open & free_of_others[self.arrays.way_task]
+        way, waits = jnp.arange(ways), jnp.zeros(ways, bool)
+        if self.waiting:
+            way, waits, there = jnp.append(way, 0), jnp.append(waits, True), jnp.append(there, legal[-1])
+        return look(self.ahead, now, self.to_play(state), way, there, legal, waits)
+
+    def least(self, state: State) -> Array:
+        stress = jnp.sum(jnp.where(state.way < 0, self.ahead.least_stress, 0.0))
+        return (time_to_come(self.ahead, self._standing(state)) + stress) * self.unit
+
+    def is_done(self, state: State) -> Array:
+        """`[]` bool, every task has ended; False for a game that is over because nothing can go on."""
+        return world.is_done(state)
+
+    def _standing(self, state: State) -> Standing:
+        tick = 1.0 / (self.per_second * self.unit / self.time_weight)
+        begun, ended = state.way >= 0, world.mounted(state)
+        left = jnp.where(begun & ~ended, state.end_at - state.clock, 0) * tick
+        return Standing(begun, ended, left, jnp.maximum(state.free_at - state.clock, 0) * tick)
+
+    def _until_asked(self, state: State) -> State:
+        """Time runs until somebody can choose, or all is done, or nothing can go on."""
+
+        def goes_on(state: State) -> Array:
+            nobody = world.turn(self.arrays, world.legal(self.arrays, state)) < 0
+            return nobody & ~world.is_done(state) & (world.next_event(self.arrays, state) < NEVER)
+
+        return jax.lax.while_loop(goes_on, lambda state: world.advance(self.arrays, state), state)
