@@ -102,7 +102,7 @@ class Decision:
     """What begins now, and why.
 
     Attributes:
-      starts: tasks that robots begin now, alone or with a human; empty when all of them wait or are busy.
+      starts: tasks that robots begin now, alone or with a human who is asked for it too; empty when all of them wait or are busy.
       announced: human -> the task that they are asked to do now or next; who is missing is asked to wait.
       alternatives: the choices that were open, best first, the one taken included.
       bound: seconds that the remaining work takes at least from now on, whoever does it (times as the decider believes them).
@@ -112,6 +112,7 @@ class Decision:
       expected_cost: of the choice taken; None when it was not reckoned. With `bound` it gives the gap.
       look_again: when (s) the decider wants to be asked again although nothing has happened: a human who has not finished by then is slower
         than it takes for granted. None: at the next event only.
+      asks: what humans are asked to begin now, with all who are to take part; of `announced` the part that is for now.
     """
 
     starts: tuple[Start, ...]
@@ -123,6 +124,7 @@ class Decision:
     latency_ms: float = field(default=0.0, compare=False)
     expected_cost: float | None = None
     look_again: float | None = None
+    asks: tuple[Start, ...] = ()
 
 
 class Policy(Protocol):

@@ -7,6 +7,7 @@ from time import perf_counter
 
 from tandem.dispatch.moves import Moves, Position
 from tandem.dispatch.policy import Alternative, Decision
+from tandem.dispatch.seen import if_all_return
 from tandem.dispatch.situation import Situation, legal
 
 Ranked = Sequence[tuple[tuple[int, ...], float | None]]
@@ -40,10 +41,10 @@ def reply(
         for o, name in enumerate(names):
             if moves.who[way] >> o & 1 and moves.human >> o & 1:
                 announced[name] = moves.named(way)[0]
-    ticks, _ = moves.floor(position)
+    ticks, _ = moves.floor(if_all_return(moves, position) if situation.absent or situation.failed else position)
     cost = next((cost for ways, cost in ranked if tuple(ways) == tuple(choice)), None)
     return Decision(
-        starts=tuple(moves.named(way) for way in chosen if not moves.who[way] & moves.human),
+        starts=tuple(moves.named(way) for way in chosen if moves.who[way] & ~moves.human),
         announced=announced,
         alternatives=tuple(Alternative(tuple(moves.named(way) for way in ways), cost) for ways, cost in ranked[:MOST_ALTERNATIVES]),
         bound=ticks / moves.per_second,
@@ -52,6 +53,7 @@ def reply(
         latency_ms=1000 * (perf_counter() - began),
         expected_cost=cost,
         look_again=look_again,
+        asks=tuple(moves.named(way) for way in chosen if moves.who[way] & moves.human),
     )
 
 

@@ -71,6 +71,13 @@ def position(moves: Moves, situation: Situation, factor: Mapping[str, float]) ->
     )
 
 
+def if_all_return(moves: Moves, here: Position) -> Position:
+    """The position if everybody who is away came back at once: what bounds are reckoned from."""
+    away = round(AWAY_S * moves.per_second)
+    running = tuple((way, max(1, left - away) if left > away else left) for way, left in here.running if way < 2 * moves.count)
+    return here._replace(running=running)
+
+
 def ticks_left(moves: Moves, situation: Situation, at: Running, factor: Mapping[str, float]) -> int:
     """How long the running work is still expected to take, at least a tick."""
     slowest = max(factor.get(who, 1.0) for who in at.operators)

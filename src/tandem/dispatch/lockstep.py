@@ -1,0 +1,223 @@
+"""Many episodes at once under a decider in Python: the world moves them all together in JAX, the decider is asked for each distinct situation once.
+
+A decider's answer depends on what it sees alone, so episodes that look alike get the same answer. Where times are certain, a thousand
+episodes meet a few hundred situations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from tandem.dispatch.observed import Observer
+from tandem.dispatch.policy import Decision, Policy
+from tandem.world import episode
+from tandem.world import state as world
+from tandem.world.arrays import NEVER, Arrays, Names
+from tandem.world.episode import Shift
+from tandem.world.fate import Draw, Fate, away_until, fates, next_absence
+from tandem.world.people import Person, crew
+
+LIMIT = 5_000
+"""Steps after which an episode counts as not finished."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of `E` episodes.
+
+    Attributes:
+      makespan: `[E]` seconds; `stress`: `[E]`, the cell's measure; of an episode that did not finish, what it had come to.
+      changes: `[E]`, how often a human was asked for another task although the one before was still open.
+      done: `[E]` bool, all was done.
+      latency_ms: of each decision that was really made.
+    """
+
+    makespan: np.ndarray[Any, Any]
+    stress: np.ndarray[Any, Any]
+    changes: np.ndarray[Any, Any]
+    done: np.ndarray[Any, Any]
+    latency_ms: np.ndarray[Any, Any]
+
+
+@dataclass(frozen=True)
+class Stage:
+    """Where episodes are played: a cell, its chance, and the chances drawn.
+
+    Attributes:
+      fates: with a leading axis `E`. `people`: `E` persons.
+    """
+
+    names: Names
+    arrays: Arrays
+    fates: Fate
+    people: Person
+    taking_apart: float = 1.0
+
+    @classmethod
+    def of(cls, names: Names, arrays: Arrays, draw: Draw, people: Person, seed: int) -> Stage:
+        """Draws the chances of as many episodes as there are people; the same seed gives the same ones, whoever decides."""
+        import jax
+
+        return cls(names, arrays, fates(jax.random.key(seed), draw, arrays, people.pace.shape[0]), people, draw.chance.undo)
+
+    def play(self, policy: Policy) -> Outcome:
+        """Plays all episodes under the decider."""
+        return _Play(self, policy).run()
+
+
+@dataclass
+class _Play:
+    stage: Stage
+    policy: Policy
+    known: dict[bytes, Decision] = field(default_factory=dict)
+    latency_ms: list[float] = field(default_factory=list)
+
+    def run(self) -> Outcome:
+        begin, tick = compiled()
+        stage, names = self.stage, self.stage.names
+        episodes, operators = len(stage.people.pace), len(names.operators)
+        shift, over, off = begin(stage.arrays, stage.people)
+        asked = np.full((episodes, operators), -1, np.int32)
+        changes = np.zeros(episodes, np.int32)
+        until = np.full(episodes, NEVER, np.int32)
+        for _ in range(LIMIT):
+            seen = _Seen.of(shift, asked, off)
+            over = np.asarray(over)
+            if over.all():
+                break
+            ways = np.full(episodes, -1, np.int32)
+            turns = np.asarray(shift.turn)
+            for number in np.flatnonzero((turns >= 0) & ~over):
+                decision = self._decision(seen, number)
+                turn = int(turns[number])
+                ways[number] = self._way(decision, turn, seen.mask[number])
+                until[number] = NEVER if decision.look_again is None else max(names.ticks(decision.look_again), int(seen.clock[number]) + 1)
+                changes[number] += _announce(names, decision, asked[number], seen.open[number])
+            shift, over, off = tick(stage.arrays, stage.fates, stage.people, shift, ways, until)
+        return self._outcome(shift, changes)
+
+    def _decision(self, seen: _Seen, number: int) -> Decision:
+        key = seen.keys[number].tobytes()
+        known = self.known.get(key)
+        if known is None:
+            stage = self.stage
+            situation = Observer(stage.names, stage.arrays, stage.taking_apart).situation(seen.row(number))
+            known = self.known[key] = self.policy.decide(situation)
+            self.latency_ms.append(known.latency_ms)
+        return known
+
+    def _way(self, decision: Decision, turn: int, mask: Any) -> int:
+        """What whose turn it is begins, by the decision; -1 for waiting."""
+        names = self.stage.names
+        who = names.operators[turn]
+        for task, operators in (*decision.asks, *decision.starts):
+            if who in operators and (way := names.way(task, operators)) >= 0:
+                return way
+        if who in decision.announced:
+            task = decision.announced[who]
+            mine = [way for way, (name, mode) in enumerate(names.ways) if name == task and who in mode.operators and mask[way]]
+            return min(mine, key=lambda way: len(names.ways[way][1].operators), default=-1)
+        return -1
+
+    def _outcome(self, shift: Shift, changes: Any) -> Outcome:
+        import jax
+
+        stage = self.stage
+        stress = jax.vmap(world.stress, in_axes=(None, 0))(stage.arrays, shift.state)
+        makespan = jax.vmap(world.makespan)(shift.state)
+        return Outcome(
+            makespan=np.asarray(makespan, float) / stage.names.per_second,
+            stress=np.asarray(stress, float) / stage.names.per_stress,
+            changes=changes,
+            done=np.asarray(jax.vmap(world.is_done)(shift.state)),
+            latency_ms=np.array(self.latency_ms),
+        )
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """What can be seen of all episodes, as NumPy arrays with a leading axis `E`."""
+
+    fields: dict[str, Any]
+    mask: Any
+    keys: Any
+
+    @classmethod
+    def of(cls, shift: Shift, asked: Any, off: Any) -> _Seen:
+        state = shift.state
+        names = ("clock", "way", "start_at", "end_at", "away_until", "in_hand", "load", "refused", "undoing")
+        fields = {name: np.asarray(getattr(state, name)) for name in names}
+        clock = fields["clock"][:, None]
+        running = (fields["way"] >= 0) & (fields["end_at"] > clock)
+        fields["end_at"] = np.where(running, NEVER, fields["end_at"])  # how long it will still take is not to be seen
+        fields["away_until"] = np.where(fields["away_until"] > clock, NEVER, 0)
+        fields |= {"off": np.asarray(off), "asked": asked.copy()}
+        episodes = len(fields["clock"])
+        columns = [part.reshape(episodes, -1).astype(np.int32) for part in fields.values()]
+        return cls(fields, np.asarray(shift.mask), np.ascontiguousarray(np.concatenate(columns, axis=1)))
+
+    @property
+    def clock(self) -> Any:
+        return self.fields["clock"]
+
+    @property
+    def open(self) -> Any:
+        """`[E, T]` bool, tasks that have not begun, or must come off."""
+        off = self.fields["off"]
+        return (self.fields["way"] < 0) | off if off.shape[1] else self.fields["way"] < 0
+
+    def row(self, number: int) -> dict[str, Any]:
+        return {name: part[number].tolist() for name, part in self.fields.items()}
+
+
+def _announce(names: Names, decision: Decision, asked: Any, still_open: Any) -> int:
+    """Writes down what was announced; gives how many humans are asked for another task although the one before is open."""
+    changes = 0
+    for human, task in decision.announced.items():
+        operator, number = names.operators.index(human), names.tasks.index(task)
+        changes += asked[operator] not in (-1, number) and bool(still_open[asked[operator]])
+        asked[operator] = number
+    return changes
+
+
+@lru_cache(maxsize=1)
+def compiled() -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """`begin(arrays, people)` and `tick(arrays, fates, people, shifts, ways, until)`, over a leading axis of episodes.
+
+    Each gives the shifts, `[E]` whether they are over, and `[E, M]` which tasks must come off.
+    """
+    import jax
+    import jax.numpy as jnp
+
+    def told(arrays: Arrays, shift: Shift) -> tuple[Shift, Any, Any]:
+        off = world.to_undo(arrays, shift.state) if arrays.undo.shape[0] else jnp.zeros(0, bool)
+        return shift, episode.is_over(arrays, shift), off
+
+    def begin(arrays: Arrays, person: Person) -> tuple[Shift, Any, Any]:
+        return told(arrays, episode.begin(arrays, crew(arrays, person)))
+
+    def tick(arrays: Arrays, fate: Fate, person: Person, shift: Shift, way: Any, until: Any) -> tuple[Shift, Any, Any]:
+        mine = episode.decide(arrays, fate, crew(arrays, person), shift, way)
+        later = _later(arrays, fate, shift, until)
+        ours = shift.turn >= 0
+        return told(arrays, jax.tree.map(lambda one, other: jnp.where(ours, one, other), mine, later))
+
+    over_episodes = jax.vmap(tick, in_axes=(None, 0, 0, 0, 0, 0))
+    return jax.jit(jax.vmap(begin, in_axes=(None, 0))), jax.jit(over_episodes)
+
+
+def _later(arrays: Arrays, fate: Fate, shift: Shift, until: Any) -> Shift:
+    """Time runs on to the next event, or to the moment at which the decider wants to look again."""
+    import jax.numpy as jnp
+
+    clock = shift.state.clock
+    state = world.advance(arrays, shift.state, jnp.minimum(until, next_absence(fate, clock)) if fate.away_from.shape[0] else until)
+    if fate.away_from.shape[0]:
+        state = state._replace(away_until=away_until(fate, state.clock))
+    mask = world.legal(arrays, state)
+    return shift._replace(state=state, mask=mask, turn=world.turn(arrays, mask), events=shift.events + 1)
