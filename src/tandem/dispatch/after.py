@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Protocol
 
 from tandem.dispatch.events import Event
-from tandem.dispatch.situation import Order, Outcome, Running, Situation, Work, exact, is_ready, seconds
+from tandem.dispatch.situation import Order, Outcome, Running, Situation, Work, exact, seconds
 
 
 def after(situation: Situation, event: Event) -> Situation:
@@ -95,7 +95,7 @@ def _ended(situation: Situation, task: str, outcome: Outcome, *, wrong: bool = F
         return replace(situation, wrong={name: other for name, other in situation.wrong.items() if name != task})
     if outcome == "broken off":
         return situation
-    if wrong or not is_ready(situation, task):
+    if wrong or any(first not in situation.done for first in situation.cell.tasks[task].after):
         return replace(situation, wrong={**situation.wrong, task: work})
     return replace(situation, done={**situation.done, task: work})
 
@@ -103,13 +103,7 @@ def _ended(situation: Situation, task: str, outcome: Outcome, *, wrong: bool = F
 def _wrong(situation: Situation, task: str) -> Situation:
     if task in situation.running:
         return _ended(situation, task, "done", wrong=True)
-    off = {task}
-    queue = [task]
-    for name in queue:
-        for above in situation.facts.behind[name]:
-            if above in situation.done and above not in off:
-                off.add(above)
-                queue.append(above)
+    off = situation.facts.above[task] | {task}
     done = {name: work for name, work in situation.done.items() if name not in off}
     wrong = {**situation.wrong, **{name: work for name, work in situation.done.items() if name in off}}
     return replace(situation, done=done, wrong=wrong)

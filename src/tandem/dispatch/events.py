@@ -82,12 +82,12 @@ class Event:
 
 
 class EventError(TandemError):
-    """A line that is no event of this cell. Carries every reason."""
+    """A line that is no event of this cell. Carries every reason, and the `id` that it gave, should that be readable."""
 
     exit_code = 2
 
-    def __init__(self, reasons: list[str]):
-        self.reasons = tuple(reasons)
+    def __init__(self, reasons: list[str], id: str | None = None):
+        self.reasons, self.id = tuple(reasons), id
         super().__init__("\n".join(reasons))
 
 
@@ -104,7 +104,7 @@ def read_event(line: str, cell: Cell, start: datetime | None = None) -> Event:
     reading = _Reading(data, cell, start)
     event = reading.event()
     if event is None or reading.faults:
-        raise EventError(reading.faults)
+        raise EventError(reading.faults, reading.id())
     return event
 
 
@@ -120,7 +120,7 @@ def start_of(line: str) -> datetime | None:
 
 def _table(line: str) -> dict[str, Any]:
     if len(line) > LONGEST_LINE:
-        raise EventError([f"the line has {len(line)} characters; an event has at most {LONGEST_LINE}."])
+        raise EventError([f"the line has more than {LONGEST_LINE} characters. An event is one line like {json.dumps(EXAMPLE)}."])
     try:
         data = json.loads(line, object_pairs_hook=_once, parse_constant=_no_number)
     except EventError:
@@ -144,7 +144,7 @@ class _Reading:
 
     def event(self) -> Event | None:
         name = self.data.get("event")
-        at, id_ = self.at("at"), self.id()
+        at, id_ = self.at("at"), self.id(tell=True)
         if not isinstance(name, str) or name not in KINDS:
             self.faults.insert(0, _no_kind(self.data))
             return None
@@ -192,14 +192,16 @@ class _Reading:
             return None
         return seconds
 
-    def id(self) -> str | None:
+    def id(self, tell: bool = False) -> str | None:
+        """The id when there is one that can be used; with `tell` it is a fault when there is one that cannot."""
         value = self.data.get("id")
         if value is None:
             return None
-        if isinstance(value, bool) or not isinstance(value, str | int) or not 1 <= len(str(value)) <= LONGEST_ID:
-            self.faults.append(f"`id` is {_shown(value)}; it must be a text of 1 to {LONGEST_ID} characters or a whole number.")
-            return None
-        return str(value)
+        if isinstance(value, str | int) and not isinstance(value, bool) and 1 <= len(str(value)) <= LONGEST_ID and str(value).isprintable():
+            return str(value)
+        if tell:
+            self.faults.append(f"`id` is {_shown(value)}; it must be a text of 1 to {LONGEST_ID} printable characters, or a whole number.")
+        return None
 
     def task(self, name: str, presence: Presence) -> str | None:
         if presence == "no" or (presence == "may" and "task" not in self.data):

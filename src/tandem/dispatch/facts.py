@@ -18,6 +18,7 @@ class Facts:
       ways: task -> the modes that a schedule can hold: no more operators than the tool and the zone have places, and none that a partner in
         `same_operator` lacks.
       behind: task -> its direct successors, in the cell's order.
+      above: task -> all its successors, direct or not.
       team: task -> the other tasks that the same operators must do.
       must: task -> operator -> the least stress that it puts on them, however it is done; only what is more than 0.
       sets: the listed sets of tasks done by humans that can come about; None where stress adds up.
@@ -25,6 +26,7 @@ class Facts:
 
     ways: Mapping[str, tuple[Mode, ...]]
     behind: Mapping[str, tuple[str, ...]]
+    above: Mapping[str, frozenset[str]]
     team: Mapping[str, tuple[str, ...]]
     must: Mapping[str, Mapping[str, float]]
     sets: tuple[frozenset[str], ...] | None
@@ -37,6 +39,7 @@ class Facts:
         return cls(
             ways={task: tuple(cell.modes(task)[step.way] for step in steps) for task, steps in zip(names, layout.steps, strict=True)},
             behind={task: tuple(names[after] for after in row) for task, row in zip(names, instance.behind, strict=True)},
+            above=_above(instance),
             team={
                 task: tuple(other for other, number in zip(names, layout.team, strict=True) if number == mine >= 0 and other != task)
                 for task, mine in zip(names, layout.team, strict=True)
@@ -47,6 +50,14 @@ class Facts:
             },
             sets=_sets(layout),
         )
+
+
+def _above(instance: Instance) -> dict[str, frozenset[str]]:
+    above: dict[str, frozenset[str]] = {}
+    for task in reversed(instance.order):
+        direct = [instance.tasks[after] for after in instance.behind[task]]
+        above[instance.tasks[task]] = frozenset(direct).union(*(above[name] for name in direct))
+    return above
 
 
 def _sets(layout: Layout) -> tuple[frozenset[str], ...] | None:

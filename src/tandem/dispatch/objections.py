@@ -1,7 +1,7 @@
 """Which events cannot have happened, as far as the shift is known. Pure functions.
 
 An event that contradicts what is known is refused and changes nothing (`objections`). One that breaks a rule of the cell but may well have
-happened, a person working in their break for instance, is taken as it is; `remarks` says what is odd.
+happened, a person working in their break or before a task's turn for instance, is taken as it is; `remarks` says what is odd.
 """
 
 from __future__ import annotations
@@ -26,8 +26,10 @@ def remarks(situation: Situation, event: Event) -> list[str]:
     """What is odd about an event that is taken all the same. Assumes that there are no `objections`."""
     if event.kind != "started":
         return []
-    way = mode(situation.cell, task_of(event), event.operators)
-    return [f"{odd}." for odd in hindrances(replace(situation, now=event.at), task_of(event), way)]
+    task = task_of(event)
+    early = [] if is_ready(situation, task) else [f"{_not_ready(situation, task)}. What is mounted before its turn will have to come off"]
+    way = mode(situation.cell, task, event.operators)
+    return [f"{odd}." for odd in (*early, *hindrances(replace(situation, now=event.at), task, way))]
 
 
 def _against_started(situation: Situation, event: Event) -> Iterator[str]:
@@ -37,8 +39,8 @@ def _against_started(situation: Situation, event: Event) -> Iterator[str]:
         yield f"task {task!r} is under way since {at.start:g} s, by {_and(at.operators)}."
     elif task in situation.done:
         yield f"task {task!r} is done since {situation.done[task].end:g} s. If it is mounted wrongly, report it as wrong first."
-    elif not is_ready(situation, task):
-        yield _not_ready(situation, task)
+    elif not is_ready(situation, task) and (task in situation.wrong or not any(who in situation.cell.humans for who in event.operators)):
+        yield f"{_not_ready(situation, task)}."
     groups = [way.operators for way in situation.cell.modes(task)]
     if not any(set(group) == set(event.operators) for group in groups):
         yield f"{_and(event.operators)} cannot do task {task!r}; {' or '.join(map(_and, groups))} can."
@@ -51,9 +53,11 @@ def _against_started(situation: Situation, event: Event) -> Iterator[str]:
 
 def _not_ready(situation: Situation, task: str) -> str:
     if task in situation.wrong:
-        return f"task {task!r} is mounted wrongly and cannot be taken apart before {_and(map(repr, _above(situation, task)))}."
+        return f"task {task!r} is mounted wrongly and cannot be taken apart before {_and(map(repr, _above(situation, task)))}"
     missing = [first for first in situation.cell.tasks[task].after if first not in situation.done]
-    return f"task {task!r} comes after {_and(map(repr, missing))}, which {'are' if len(missing) > 1 else 'is'} not done; report that first, or stop."
+    if not missing:
+        return f"task {task!r} goes below {_and(map(repr, _above(situation, task)))}, begun before its turn: that has to come off first"
+    return f"task {task!r} comes after {_and(map(repr, missing))}, which {'are' if len(missing) > 1 else 'is'} not done"
 
 
 def _against_done(situation: Situation, event: Event) -> Iterator[str]:
@@ -148,8 +152,9 @@ RULES: dict[str, Callable[[Situation, Event], Iterator[str]]] = {
 
 
 def _above(situation: Situation, task: str) -> list[str]:
-    """What stands, or is being put, directly on the task."""
-    return [name for name in situation.facts.behind[task] if name in situation.done or name in situation.wrong or name in situation.running]
+    """What stands on the task, or is being put there."""
+    places = (situation.done, situation.wrong, situation.running)
+    return [name for name in situation.cell.tasks if name in situation.facts.above[task] and any(name in place for place in places)]
 
 
 def _not_there(situation: Situation, who: str) -> Iterator[str]:

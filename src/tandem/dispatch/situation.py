@@ -232,10 +232,15 @@ def legal(situation: Situation) -> list[tuple[str, tuple[str, ...]]]:
 
 
 def is_ready(situation: Situation, task: str) -> bool:
-    """What must come before has come: what the task stands on is in place; or, where the task is wrong, all that stands on it is off."""
+    """What must come before has come: what the task stands on is in place, and nothing above it is in hand or wrong (begun before its turn).
+
+    Where the task is wrong: all that stands on it is off.
+    """
+    above = situation.facts.above[task]
+    if any(name in above for place in (situation.running, situation.wrong) for name in place):
+        return False
     if task in situation.wrong:
-        places = (situation.done, situation.wrong, situation.running)
-        return not any(after in place for after in situation.facts.behind[task] for place in places)
+        return not any(name in above for name in situation.done)
     return all(first in situation.done for first in situation.cell.tasks[task].after)
 
 

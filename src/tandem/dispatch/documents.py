@@ -1,0 +1,101 @@
+"""What the floor hears and the journal keeps: decisions as plain values, and back again."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from tandem.dispatch.after import ordered, revoked
+from tandem.dispatch.events import Event
+from tandem.dispatch.in_time import Answered
+from tandem.dispatch.policy import Decision
+from tandem.dispatch.situation import Situation, hindrances, is_ready, legal, next_change
+
+SCHEMA_VERSION = 1
+"""Of events, answers and decisions."""
+
+MOST_ALTERNATIVES = 20
+"""So many are told with a decision."""
+
+Document = dict[str, Any]
+
+
+def document(situation: Situation, answered: Answered, number: int) -> Document:
+    """A decision as the floor hears it and as the journal keeps it."""
+    decision = answered.decision
+    now = ordered(situation, decision, number)
+    looks = [time for time in (decision.look_again, next_change(situation)) if time is not None and time > situation.now]
+    made = {
+        "type": "decision",
+        "number": number,
+        "at": situation.now,
+        "starts": [{"task": task, "operators": list(order.operators), "order": order.number} for task, order in now.orders.items()],
+        "announced": dict(now.announced),
+        "take_apart": [task for task in situation.wrong if task in now.orders or task in now.announced.values()],
+        "revoked": [{"task": task, "operators": list(order.operators), "order": order.number} for task, order in revoked(situation, now).items()],
+        "alternatives": [
+            {"starts": [{"task": task, "operators": list(who)} for task, who in other.starts], "expected_cost": _number(other.expected_cost)}
+            for other in decision.alternatives[:MOST_ALTERNATIVES]
+        ],
+        "expected_cost": _number(decision.expected_cost),
+        "bound": _number(decision.bound),
+        "why": decision.why,
+        "by": decision.by,
+        "instead": answered.instead,
+        "look_again": min(looks, default=None),
+        "over": situation.is_over,
+        "latency_ms": round(decision.latency_ms, 3),
+    }
+    return {**made, **({"fault": answered.fault} if answered.fault else {}), **({"stuck": held} if (held := stuck(situation)) else {})}
+
+
+def over(situation: Situation) -> Answered:
+    """The last decision: there is nothing left to do."""
+    why = f"Everything is done, after {situation.makespan:g} s; the humans have collected {situation.stress:g} of stress."
+    return Answered(Decision((), {}, (), 0.0, why, "shift"))
+
+
+def stuck(situation: Situation) -> list[str]:
+    """Why nothing goes on, where nobody is at anything, nothing may begin, and the clock alone will not change that; else an empty list."""
+    if situation.is_over or situation.running or legal(situation) or next_change(situation) is not None:
+        return []
+    idle, reasons = set(situation.idle), dict[str, None]()
+    for task in situation.open:
+        if is_ready(situation, task):
+            for way in situation.facts.ways[task]:
+                away = [f"{who!r} is {'down' if who in situation.failed else 'absent'}" for who in way.operators if who not in idle]
+                held = [*away, *hindrances(situation, task, way)]
+                reasons[f"task {task!r} by {' and '.join(way.operators)}: {'; '.join(held)}."] = None
+    return list(reasons)
+
+
+def digest(situation: Situation) -> str:
+    """Sixteen hexadecimal digits that change when anything in the situation does."""
+    return hashlib.sha256(json.dumps(situation.to_dict(), sort_keys=True).encode()).hexdigest()[:16]
+
+
+@dataclass(frozen=True)
+class Told:
+    """What a document of a decision tells; see `after.Choice`."""
+
+    starts: tuple[tuple[str, tuple[str, ...]], ...]
+    announced: Mapping[str, str]
+
+
+def told(decision: Mapping[str, Any]) -> Told:
+    """The part of the document that becomes part of the situation."""
+    return Told(tuple((row["task"], tuple(row["operators"])) for row in decision["starts"]), decision["announced"])
+
+
+def event_of(data: Mapping[str, Any]) -> Event:
+    """The inverse of `Event.to_dict`."""
+    operators = data.get("operators", [data["operator"]] if "operator" in data else [])
+    return Event(data["event"], data["at"], data.get("task"), tuple(operators), data.get("until"), data.get("id"))
+
+
+def _number(value: float | None) -> float | None:
+    return None if value is None or not math.isfinite(value) else float(value)
