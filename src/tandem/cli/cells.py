@@ -10,11 +10,14 @@ import click
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
+    from tandem.cell.chessboard import Board
     from tandem.cell.model import Cell
 
 OUTPUT = click.option(
     "-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Cell file to write, .yaml or .json; YAML on stdout when absent."
 )
+
+PICTURE = click.option("--picture", type=click.Path(dir_okay=False, path_type=Path), help="Draw the board too: .svg, .png or .pdf.")
 
 
 @click.group("generate")
@@ -60,7 +63,10 @@ def layered_command(
 @click.option("--max-time", type=int, default=10, show_default=True, help="Times are whole seconds from 1 to one less.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the draw.")
 @OUTPUT
-def chessboard_command(height: int, width: int, human: int, joint: int, robot: int, max_time: int, seed: int, output: Path | None) -> None:
+@PICTURE
+def chessboard_command(
+    height: int, width: int, human: int, joint: int, robot: int, max_time: int, seed: int, output: Path | None, picture: Path | None
+) -> None:
     """A random board of Yu, Huang, Chang (2020) as a cell; the same numbers give the same board."""
     from tandem.cell.chessboard import random_board
 
@@ -69,15 +75,18 @@ def chessboard_command(height: int, width: int, human: int, joint: int, robot: i
     except ValueError as error:
         raise UsageError(str(error)) from error
     _put(board.to_cell(), output)
+    _draw(board, picture)
 
 
 @generate.command("desk")
 @OUTPUT
-def desk_command(output: Path | None) -> None:
+@PICTURE
+def desk_command(output: Path | None, picture: Path | None) -> None:
     """The height-adjustable desk of Yu, Huang, Chang (2020): 53 tasks."""
     from tandem.cell.chessboard import desk
 
     _put(desk().to_cell(), output)
+    _draw(desk(), picture)
 
 
 @click.command("convert")
@@ -113,3 +122,11 @@ def _put(cell: Cell, output: Path | None) -> None:
         return
     dump(cell, output)
     click.echo(f"wrote {output}: {len(cell.tasks)} tasks, {len(cell.operators)} operators.", err=True)
+
+
+def _draw(board: Board, picture: Path | None) -> None:
+    if picture is not None:
+        from tandem.draw.board import plot_board
+        from tandem.draw.saving import save
+
+        click.echo(f"wrote {save(plot_board(board), picture)}", err=True)

@@ -27,6 +27,7 @@ VERBS: dict[str, tuple[str, str]] = {
     "reproduce": ("tandem.cli.laboratory", "reproduce_command"),
     "methods": ("tandem.cli.planning", "methods_command"),
     "generate": ("tandem.cli.cells", "generate"),
+    "board": ("tandem.cli.boards", "board_command"),
     "convert": ("tandem.cli.cells", "convert_command"),
     "schema": ("tandem.cli.cells", "schema_command"),
     "import": ("tandem.cli.sheets", "import_command"),
