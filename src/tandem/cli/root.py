@@ -25,6 +25,7 @@ VERBS: dict[str, tuple[str, str]] = {
     "train": ("tandem.cli.learn", "train_command"),
     "evaluate": ("tandem.cli.learn", "evaluate_command"),
     "reproduce": ("tandem.cli.laboratory", "reproduce_command"),
+    "dispatch": ("tandem.cli.dispatch", "dispatch_command"),
     "methods": ("tandem.cli.planning", "methods_command"),
     "generate": ("tandem.cli.cells", "generate"),
     "board": ("tandem.cli.boards", "board_command"),

@@ -5,13 +5,14 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from tandem.dispatch.after import ordered, revoked
 from tandem.dispatch.events import Event
 from tandem.dispatch.in_time import Answered
+from tandem.dispatch.journal import Entry
 from tandem.dispatch.policy import Decision
 from tandem.dispatch.situation import Situation, hindrances, is_ready, legal, next_change
 
@@ -57,6 +58,32 @@ def over(situation: Situation) -> Answered:
     """The last decision: there is nothing left to do."""
     why = f"Everything is done, after {situation.makespan:g} s; the humans have collected {situation.stress:g} of stress."
     return Answered(Decision((), {}, (), 0.0, why, "shift"))
+
+
+def summary(situation: Situation, entries: Iterable[Entry]) -> Document:
+    """The last line of a shift, or of the part of it that was seen: how it went, and how quickly it was decided upon."""
+    rows = list(entries)
+    decisions = [entry.decision for entry in rows if entry.decision is not None and entry.decision["by"] != "shift"]
+    spent = sorted(decision["latency_ms"] for decision in decisions)
+    return {
+        "type": "summary",
+        "over": situation.is_over,
+        "at": situation.now,
+        "makespan": situation.makespan,
+        "stress": situation.stress,
+        "lines": len(rows) - 1,
+        "events": sum(entry.event is not None for entry in rows),
+        "refused": sum(entry.answer is not None and not entry.answer["accepted"] for entry in rows),
+        "decisions": len(decisions),
+        "late": sum(decision["instead"] == "late" for decision in decisions),
+        "failed": sum(decision["instead"] == "failed" for decision in decisions),
+        "latency_ms": {"p50": _quantile(spent, 0.5), "p99": _quantile(spent, 0.99), "max": max(spent, default=0.0)},
+    }
+
+
+def _quantile(ordered_numbers: list[float], share: float) -> float:
+    """The smallest number that at least this share of them does not exceed; 0 when there are none."""
+    return ordered_numbers[max(0, math.ceil(share * len(ordered_numbers)) - 1)] if ordered_numbers else 0.0
 
 
 def stuck(situation: Situation) -> list[str]:

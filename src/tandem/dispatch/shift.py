@@ -71,6 +71,7 @@ class Shift:
       start: the moment on the wall clock that is 0 s; None while nobody has told one.
       is_resumed: the journal held it already.
       decision: the document of the last decision.
+      event: the last one that was taken; None before any.
       ask: what decides.
     """
 
@@ -79,7 +80,7 @@ class Shift:
         self.journal, self.cell, self.settings, self.start, self.ask = journal, cell, settings, start, ask
         self.situation = Situation.of(cell, taking_apart=settings.taking_apart)
         self.number, self.is_resumed, self.decision = -1, False, Document()
-        self._has_events = False
+        self.event: Event | None = None
 
     @classmethod
     def open(cls, cell: Cell, journal: Journal, settings: Settings, start: datetime | None = None, *, decider: InTime | None = None) -> Self:
@@ -169,14 +170,14 @@ class Shift:
         self.decision = self.decision if entry.decision is None else dict(entry.decision)
         if entry.event is not None:
             self.start = self.start or start_of(entry.line)
-            self._has_events = True
+            self.event = event_of(entry.event)
 
     def _answered(self, line: str) -> tuple[Document, Event | None]:
         """The answer to the line, and the event when it is taken."""
         start = self.start or start_of(line)
         try:
             event = read_event(line, self.cell, start)
-            if self.start is None and self._has_events and start is not None:
+            if self.start is None and self.event is not None and start is not None:
                 raise EventError(["the shift counts seconds and has no start on the wall clock; open it with --start to send times."], event.id)
         except EventError as error:
             return self._answer(None, error.id, accepted=False, reasons=list(error.reasons)), None

@@ -1,0 +1,276 @@
+"""`tandem dispatch`: a shift, live: events in, decisions out, a journal between them."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from datetime import datetime
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+import click
+
+from tandem.cli.planning import FORMAT, Weights
+from tandem.cli.screen import Screen
+from tandem.errors import UsageError
+
+if TYPE_CHECKING:
+    from tandem.cell.model import Cell
+    from tandem.dispatch.floor import Floor
+    from tandem.dispatch.journal import Journal
+    from tandem.dispatch.shift import Settings, Shift
+
+Show = Callable[["Shift", dict[str, Any]], None]
+
+
+class Moment(click.ParamType):  # type: ignore[type-arg]  # older releases of click take no parameter
+    """A time on the wall clock with its zone."""
+
+    name = "ISO-8601"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> datetime:
+        try:
+            moment = value if isinstance(value, datetime) else datetime.fromisoformat(str(value))
+        except ValueError:
+            self.fail(f"{value!r} is no time, such as 2026-03-02T06:00:00+01:00.", param, ctx)
+        if moment.tzinfo is None:
+            self.fail(f"{value!r} has no time zone. Add one, such as +01:00 or Z.", param, ctx)
+        return moment
+
+
+@click.command("dispatch")
+@click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=False))
+@FORMAT
+@click.option("--policy", default="auto", show_default=True, help="Who decides; `tandem policies` lists them.")
+@click.option(
+    "--journal", type=click.Path(dir_okay=False, path_type=Path), help="File that keeps the shift. Begin again with it to go on where it ended."
+)
+@click.option("--replay", "replays", is_flag=True, help="Take the journal's events anew, and say whether the decisions are the same.")
+@click.option(
+    "--events",
+    type=click.Path(exists=True, dir_okay=False, allow_dash=True),
+    default="-",
+    help="File of events, a line each; standard input when absent.",
+)
+@click.option("--budget", type=click.FloatRange(1.0), default=50.0, show_default=True, help="Milliseconds for each decision.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the decider, and of the simulated floor.")
+@click.option("--weights", type=Weights(), default=(1.0, 0.0), help="Keep TIME * makespan + STRESS * stress small; 1,0 when absent.")
+@click.option("--max-stress", type=float, help="Stay within this stress of all humans, as far as possible.")
+@click.option(
+    "--frozen", type=click.FloatRange(0.0), default=0.0, show_default=True, help="Seconds: what was announced so shortly before is not changed."
+)
+@click.option(
+    "--change-penalty", type=click.FloatRange(0.0), default=0.0, show_default=True, help="Seconds to gain before an announced task is changed."
+)
+@click.option("--learned", help="A trained policy: a file, or the folder of a run.")
+@click.option(
+    "--taking-apart",
+    type=click.FloatRange(0.0, min_open=True),
+    default=1.0,
+    show_default=True,
+    help="Share of a task's time that taking it apart takes.",
+)
+@click.option("--start", type=Moment(), help="When the shift begins, for events that tell the time; the first such event when absent.")
+@click.option("--simulate", "people", metavar="PEOPLE", help="No floor but a simulated one: compliant, random:0.5, pace:2+forgetful:0.1, ...")
+@click.option(
+    "--cv",
+    type=click.FloatRange(0.0),
+    default=0.0,
+    show_default=True,
+    help="Simulated: how far times scatter where the cell does not say (lognormal).",
+)
+@click.option("--failures", type=click.FloatRange(0.0, min_open=True), help="Simulated: mean seconds until a robot breaks down; never when absent.")
+@click.option(
+    "--absences", type=click.FloatRange(0.0, min_open=True), help="Simulated: mean seconds until a human is called away; never when absent."
+)
+@click.option(
+    "--speed", type=click.FloatRange(0.0, min_open=True), help="Simulated: so many times as fast as real time; as fast as possible when absent."
+)
+@click.option("--json", "as_json", is_flag=True, help="JSON lines on a terminal too. Into a pipe or file they always are.")
+@click.pass_context
+def dispatch_command(ctx: click.Context, /, **given: Any) -> int:
+    """Run a shift on CELL: events in, decisions out, a line of JSON each.
+
+    \b
+    Examples:
+      tandem dispatch cell.yaml --journal shift.db
+      tandem dispatch cell.yaml --simulate pace:1.5 --cv 0.2
+      tandem dispatch cell.yaml --journal shift.db --replay
+
+    An event is {"event": "done", "at": 12.5, "task": "4"}; the manual has them all. Advice, not a safety function.
+    """
+    from tandem.cell.files import load
+    from tandem.dispatch.journal import IN_MEMORY, Journal
+
+    cell = load(given["cell_file"], given["form"])
+    path: Path | None = given["journal"]
+    if given["replays"]:
+        if path is None:
+            raise UsageError("--replay: name the journal with --journal FILE.")
+        with Journal(path, read_only=True) as journal:
+            return _replay(cell, journal, given["as_json"])
+    show = _json_line if given["as_json"] or not sys.stdout.isatty() else Screen()
+    with Journal(IN_MEMORY if path is None else path) as journal, _terminated_cleanly() as stopped:
+        try:
+            return _run(ctx, cell, journal, given, show)
+        except KeyboardInterrupt:
+            go_on = f"Go on with: tandem dispatch {given['cell_file']} --journal {path}" if path else "Nothing was kept; --journal FILE would."
+            click.echo(f"{'terminated' if stopped else 'interrupted'}. {go_on}", err=True)
+            return 0 if stopped else 130
+
+
+def _run(ctx: click.Context, cell: Cell, journal: Journal, given: dict[str, Any], show: Show) -> int:
+    from tandem.dispatch.documents import summary
+    from tandem.dispatch.shift import Shift
+    from tandem.dispatch.situation import Situation
+
+    _same_as_kept(ctx, journal, given)
+    shift = Shift.open(cell, journal, _settings(given), given["start"])
+    show(shift, shift.hello())
+    show(shift, shift.decision)
+    if given["people"] is None:
+        with _events(given["events"]) as file:
+            for line in _lines(file):
+                for document in shift.take(line):
+                    show(shift, document)
+    else:
+        floor = _floor(cell, given)
+        floor.catch_up(Situation.of(cell, taking_apart=given["taking_apart"]), journal.entries())
+        for line in _simulated(floor, shift, given["speed"]):
+            for document in shift.take(line):
+                show(shift, document)
+    show(shift, summary(shift.situation, journal.entries()))
+    if not shift.situation.is_over and given["journal"] and given["people"] is None:
+        click.echo(
+            f"the events have ended, the shift has not. Go on with: tandem dispatch {given['cell_file']} --journal {given['journal']}", err=True
+        )
+    return 0
+
+
+def _settings(given: dict[str, Any]) -> Settings:
+    from tandem.dispatch.policy import Objective, Options
+    from tandem.dispatch.shift import Settings
+
+    time_weight, stress_weight = given["weights"]
+    options = Options(
+        budget_ms=given["budget"], seed=given["seed"], frozen_s=given["frozen"], change_penalty=given["change_penalty"], learned=given["learned"]
+    )
+    return Settings(given["policy"], Objective(time_weight, stress_weight, given["max_stress"]), options, given["taking_apart"])
+
+
+def _same_as_kept(ctx: click.Context, journal: Journal, given: dict[str, Any]) -> None:
+    """Takes what is not stated from the journal; what is stated must be what the shift was begun with."""
+    from tandem.dispatch.shift import Settings
+
+    if journal.is_new:
+        return
+    kept = Settings.from_dict(journal.about()["settings"])
+    there = {
+        "policy": kept.policy,
+        "budget": kept.options.budget_ms,
+        "seed": kept.options.seed,
+        "weights": (kept.objective.time, kept.objective.stress),
+        "max_stress": kept.objective.max_stress,
+        "frozen": kept.options.frozen_s,
+        "change_penalty": kept.options.change_penalty,
+        "learned": kept.options.learned,
+        "taking_apart": kept.taking_apart,
+    }
+    stated = [key for key in there if ctx.get_parameter_source(key) is click.core.ParameterSource.COMMANDLINE]
+    wrong = [f"--{key.replace('_', '-')} is {given[key]!r}, the shift was begun with {there[key]!r}." for key in stated if given[key] != there[key]]
+    if wrong:
+        raise UsageError("\n".join([*wrong, f"{journal.path}: go on without these options, or name another journal."]))
+    given |= there
+
+
+def _floor(cell: Cell, given: dict[str, Any]) -> Floor:
+    from tandem.dispatch.floor import Floor
+    from tandem.world.fate import Chance
+
+    chance = Chance(
+        spread="lognormal" if given["cv"] or any(_states_spread(task.spread) for task in cell.tasks.values()) else "off",
+        cv=given["cv"],
+        failure_s=given["failures"],
+        absence_s=given["absences"],
+        undo=given["taking_apart"],
+    )
+    return Floor(cell, given["people"], chance, given["seed"])
+
+
+def _states_spread(spread: Any) -> bool:
+    return any(spread.values()) if isinstance(spread, dict) else bool(spread)
+
+
+def _simulated(floor: Floor, shift: Shift, speed: float | None) -> Iterator[str]:
+    """What happens on the floor, a line each; in time with the wall clock when there is a speed."""
+    while (event := floor.next(shift.situation, shift.decision["look_again"])) is not None:
+        if speed is not None:
+            time.sleep(max(0.0, event.at - shift.situation.now) / speed)
+        yield json.dumps(event.to_dict(), ensure_ascii=False)
+
+
+@contextmanager
+def _events(name: str) -> Iterator[IO[bytes]]:
+    if name != "-":
+        with open(name, "rb") as file:
+            yield file
+        return
+    if sys.stdin.isatty():
+        click.echo(
+            'events from the keyboard, a line each, such as {"event": "started", "at": 0, "task": "1", "operator": "robot"}; Ctrl-D ends.', err=True
+        )
+    yield sys.stdin.buffer
+
+
+def _lines(file: IO[bytes]) -> Iterator[str]:
+    """Lines that are not blank, as text. Of a line that is longer than any event only the beginning is kept."""
+    from tandem.dispatch.events import LONGEST_LINE
+
+    most = 4 * LONGEST_LINE + 8
+    while line := file.readline(most):
+        rest = line
+        while len(rest) == most and not rest.endswith(b"\n"):
+            rest = file.readline(most)
+        text = line.decode(errors="replace").removeprefix("\ufeff").strip()
+        if text:
+            yield text
+
+
+@contextmanager
+def _terminated_cleanly() -> Iterator[list[int]]:
+    """Within it SIGTERM ends the shift as Ctrl-C does; what is yielded tells afterwards whether that was so."""
+    stopped: list[int] = []
+
+    def stop(number: int, _: object) -> None:
+        stopped.append(number)
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield stopped
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _replay(cell: Cell, journal: Journal, as_json: bool) -> int:
+    from tandem.dispatch.replay import replay
+
+    found = replay(cell, journal)
+    if as_json:
+        click.echo(json.dumps({"type": "replay", **vars(found)}, ensure_ascii=False))
+    else:
+        click.echo(
+            f"{found.entries} entries, {found.events} events taken, {found.decisions} decisions: {'DIFFERENT' if found.differences else 'the same'}."
+        )
+        for difference in found.differences:
+            click.echo(f"- {difference}")
+    return 1 if found.differences else 0
+
+
+def _json_line(_: Shift, document: dict[str, Any]) -> None:
+    click.echo(json.dumps(document, ensure_ascii=False))
+    sys.stdout.flush()

@@ -1,0 +1,85 @@
+"""A shift on a terminal: what happened, and now, next and why, in words. Grey is normal; only what is wrong has a colour."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from tandem.dispatch.events import Event
+    from tandem.dispatch.shift import Shift
+    from tandem.dispatch.situation import Situation
+
+
+class Screen:
+    """Shows each document as it comes."""
+
+    def __init__(self) -> None:
+        from rich.console import Console
+
+        self.console = Console(highlight=False, markup=False, emoji=False)
+
+    def __call__(self, shift: Shift, document: dict[str, Any]) -> None:
+        """Shows the document, read against where the shift stands."""
+        match document["type"]:
+            case "shift":
+                self._say(f"{document['cell'] or 'shift'}, decided by {document['policy']}. Advice, not a safety function.")
+                if document["resumed"]:
+                    self._say(f"going on at {document['at']:g} s, after entry {document['number']}.")
+            case "answer" if not document["accepted"]:
+                for reason in document["reasons"]:
+                    self._say(f"refused    {reason}", "red")
+            case "answer" if "duplicate_of" in document:
+                self._say(f"known      this event was taken already, as number {document['duplicate_of']}.")
+            case "answer":
+                self._say(f"{'' if shift.event is None else happened(shift.event)}", "bold")
+                for remark in document["remarks"]:
+                    self._say(f"odd        {remark}", "yellow")
+            case "decision":
+                for line in orders(shift.situation, document):
+                    self._say(line)
+                for reason in document.get("stuck", []):
+                    self._say(f"stuck      {reason}", "red")
+                for line in paces(shift):
+                    self._say(line)
+            case "summary":
+                state = "over" if document["over"] else "not over"
+                self._say(f"{state}: {document['makespan']:g} s, stress {document['stress']:g}; {document['events']} events, {_latency(document)}.")
+
+    def _say(self, text: str, style: str | None = None) -> None:
+        self.console.print(text, style=style, soft_wrap=True)
+
+
+def happened(event: Event) -> str:
+    """An event in words."""
+    who = " and ".join(event.operators)
+    until = "" if event.until is None else f" until {event.until:g} s"
+    words = [event.kind, *([f"{event.task!r}"] if event.task is not None else []), *([f"({who})"] if who else [])]
+    return f"{event.at:>8g} s  {' '.join(words)}{until}"
+
+
+def orders(situation: Situation, decision: dict[str, Any]) -> list[str]:
+    """A decision in words: what goes on now, what robots and humans are asked to do next, and why."""
+    apart = set(decision["take_apart"])
+
+    def named(task: str) -> str:
+        return f"take {task!r} apart" if task in apart else repr(task)
+
+    now = [f"{' and '.join(at.operators)} {task!r} until {at.expected_end:g} s" for task, at in situation.running.items()]
+    told = [f"{' and '.join(row['operators'])} {named(row['task'])}" for row in decision["starts"]]
+    asked = [f"{human}, please {named(task)}" for human, task in decision["announced"].items()]
+    withdrawn = [f"{' and '.join(row['operators'])} not {row['task']!r} after all" for row in decision["revoked"]]
+    rows = [("now", now), ("next", [*told, *asked]), ("withdrawn", withdrawn)]
+    return [*(f"  {label:<9}{' · '.join(words)}" for label, words in rows if words), f"  {'why':<9}{decision['why']}"]
+
+
+def paces(shift: Shift) -> list[str]:
+    """What is believed of each human's pace, once something was seen of it."""
+    from tandem.dispatch.pace import estimates
+
+    found = estimates(shift.situation, shift.settings.options.prior)
+    return [f"  {'pace':<9}{human} needs {pace.words}" for human, pace in found.items() if pace.seen]
+
+
+def _latency(document: dict[str, Any]) -> str:
+    latency = document["latency_ms"]
+    return f"{document['decisions']} decisions in {latency['p50']:.1f} ms (median), {latency['p99']:.1f} ms (99 %), {document['late']} late"
