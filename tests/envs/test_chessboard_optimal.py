@@ -8,7 +8,7 @@ import pytest
 from tests.envs.overlap_port import OverlapGame
 
 from tandem.cell.chessboard import Board, Piece, Who, desk, random_board
-from tandem.envs.chessboard.optimal import optimum
+from tandem.envs.chessboard.optimal import optimum, replanning
 from tandem.envs.chessboard.play import follow, play
 from tandem.errors import NothingFoundError
 from tandem.plan.methods import plan
@@ -91,3 +91,8 @@ def test_symmetric_halves_are_folded_and_nothing_is_lost(turn):
 def test_a_proof_that_needs_too_many_states_is_given_up():
     with pytest.raises(NothingFoundError, match="needs more than 10 states"):
         optimum(desk(), limit=10)
+
+
+def test_who_plans_anew_plays_the_optimum_when_nothing_goes_wrong():
+    board = random_board(seed=3)
+    assert play(board, replanning(board)).makespan == NO_WAITING[3]

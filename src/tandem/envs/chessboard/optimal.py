@@ -18,7 +18,7 @@ from typing import NamedTuple
 from tandem.cell.chessboard import Board, Piece, Who
 from tandem.envs.chessboard.layout import tails, waits
 from tandem.envs.chessboard.play import NAMES
-from tandem.envs.chessboard.world import HUMAN, ROBOT
+from tandem.envs.chessboard.world import HUMAN, ROBOT, Layout, State
 from tandem.errors import NothingFoundError
 from tandem.schedule.model import Assignment, Schedule
 
@@ -53,24 +53,33 @@ def optimum(board: Board, *, waiting: bool = False, limit: int = 2_000_000) -> O
     """
     rules = _Rules(board, waiting)
     fold = _folding(board, rules.pieces)
-    start = _State(0, (NOBODY, NOBODY), (0, 0), NOBODY)
-    clock, parent = {start: 0}, {start: start}
-    heap = [(rules.floor(start), 0, start)]
-    while heap:
-        least, minus_now, state = heappop(heap)
-        now = -minus_now
-        if clock[state] < now:
-            continue
-        if state.gone == rules.all:
-            return Optimum(board, now, *_played(rules, fold, _path(parent, state)), len(clock))
-        for _, _, after, passed in rules.children(state):
-            folded, then = fold(after), now + passed
-            if clock.get(folded, then + 1) > then:
-                clock[folded], parent[folded] = then, state
-                heappush(heap, (max(least, then + rules.floor(folded)), -then, folded))
-        if len(clock) > limit:
-            break
-    raise NothingFoundError(f"{board.name}: the proof needs more than {limit:,} states. Raise the limit, or let the planner answer.")
+    path, makespan, states = _search(rules, fold, _State(0, (NOBODY, NOBODY), (0, 0), NOBODY), limit)
+    schedule, columns = _played(rules, fold, path)
+    return Optimum(board, makespan, schedule, columns, states)
+
+
+def replanning(board: Board, *, limit: int = 2_000_000) -> Callable[[Layout, State], int]:
+    """Somebody who plays the board's optimum, and proves a new one whenever something has gone wrong. For `play`.
+
+    Raises NothingFoundError, when it plays, as `optimum` does.
+    """
+    rules = _Rules(board, waiting=False)
+    places = [(piece.row - 1, piece.first - 1) for piece in rules.pieces]
+    plan: dict[_State, int] = {}
+
+    def unfolded(state: _State) -> _State:
+        return state
+
+    def choose(_: Layout, state: State) -> int:
+        gone = sum(1 << number for number, place in enumerate(places) if not state.on[place])
+        robot, human = (next((number for number, place in enumerate(places) if doing[place]), NOBODY) for doing in state.doing)
+        here = _State(gone, (robot, human), (int(state.left[ROBOT]), int(state.left[HUMAN])), NOBODY)
+        if here not in plan:
+            path = _search(rules, unfolded, here, limit)[0]
+            plan.update(zip(path, _played(rules, unfolded, path)[1], strict=False))
+        return plan[here]
+
+    return choose
 
 
 class _State(NamedTuple):
@@ -91,7 +100,7 @@ class _Rules:
     """The game with pieces as bits."""
 
     def __init__(self, board: Board, waiting: bool):
-        self.waiting = waiting
+        self.name, self.waiting = board.name, waiting
         self.pieces = sorted(board.pieces, key=lambda piece: (piece.row, piece.first))
         chains = tails(board)
         self.time = [piece.time for piece in self.pieces]
@@ -167,6 +176,25 @@ class _Rules:
                 found.append(most)
             self._loads[begun] = (found[0], found[1], found[2])
         return self._loads[begun]
+
+
+def _search(rules: _Rules, fold: Callable[[_State], _State], start: _State, limit: int) -> tuple[list[_State], int, int]:
+    """The folded states of a best game from `start` on, the seconds that it takes, and how many states were kept."""
+    clock, parent = {start: 0}, {start: start}
+    heap = [(rules.floor(start), 0, start)]
+    while heap and len(clock) <= limit:
+        least, minus_now, state = heappop(heap)
+        now = -minus_now
+        if clock[state] < now:
+            continue
+        if state.gone == rules.all:
+            return _path(parent, state), now, len(clock)
+        for _, _, after, passed in rules.children(state):
+            folded, then = fold(after), now + passed
+            if clock.get(folded, then + 1) > then:
+                clock[folded], parent[folded] = then, state
+                heappush(heap, (max(least, then + rules.floor(folded)), -then, folded))
+    raise NothingFoundError(f"{rules.name}: the proof needs more than {limit:,} states. Raise the limit, or let the planner answer.")
 
 
 def _folding(board: Board, pieces: list[Piece]) -> Callable[[_State], _State]:
