@@ -7,12 +7,12 @@ waiting; `G` abilities of the robot.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from tandem.cell.model import Cell
+from tandem.cell.model import Cell, Mode
 from tandem.errors import CellError, Fault, UsageError
 from tandem.world.arrays import Array, Arrays, Names
 
@@ -128,7 +128,7 @@ def duo(cell: Cell) -> tuple[Duo, Names]:
     pick = np.zeros((2, 1 + max(map(len, own)), len(uses)), bool)
     for agent, ways in enumerate(own):
         pick[agent, 1 + np.arange(len(ways)), ways] = True
-    hard = np.array([[cell.tasks[task].difficulty.get(names.operators[who], 0.0) for who in row] for task, _ in names.ways]) * uses
+    hard = np.array([[difficulty_of(cell, task, mode).get(names.operators[who], 0.0) for who in row] for task, mode in names.ways])
     return Duo(
         arrays=arrays,
         row=np.array(row, np.int32),
@@ -141,6 +141,13 @@ def duo(cell: Cell) -> tuple[Duo, Names]:
         tick=np.float32(1 / names.per_second),
         work=np.float32(sum(min(mode.time * len(mode.operators) for mode in cell.modes(task)) for task in cell.tasks) / 2),
     ), names
+
+
+def difficulty_of(cell: Cell, task: str, mode: Mode) -> Mapping[str, float]:
+    """Operator -> how hard this way of doing the task is for them. In a cell that states no difficulty at all, the stress on the human is it."""
+    if any(one.difficulty for one in cell.tasks.values()):
+        return {who: cell.tasks[task].difficulty.get(who, 0.0) for who in mode.operators}
+    return {who: mode.stress.get(who, 0.0) for who in mode.operators}
 
 
 def _clashes(cell: Cell, names: Names) -> Array:
