@@ -7,7 +7,7 @@ episodes meet a few hundred situations.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
@@ -22,7 +22,7 @@ from tandem.world.episode import Shift
 from tandem.world.fate import Draw, Fate, away_until, fates, next_absence
 from tandem.world.people import Person, crew
 
-LIMIT = 5_000
+LIMIT = 1_000
 """Steps after which an episode counts as not finished."""
 
 
@@ -65,6 +65,12 @@ class Stage:
 
         return cls(names, arrays, fates(jax.random.key(seed), draw, arrays, people.pace.shape[0]), people, draw.chance.undo)
 
+    def first(self, count: int) -> Stage:
+        """The first so many of the episodes."""
+        if count >= len(self.people.pace):
+            return self
+        return replace(self, fates=Fate(*(part[:count] for part in self.fates)), people=Person(*(part[:count] for part in self.people)))
+
     def play(self, policy: Policy) -> Outcome:
         """Plays all episodes under the decider."""
         return _Play(self, policy).run()
@@ -93,7 +99,7 @@ class _Play:
             ways = np.full(episodes, -1, np.int32)
             turns = np.asarray(shift.turn)
             for number in np.flatnonzero((turns >= 0) & ~over):
-                decision = self._decision(seen, number)
+                decision = self._decision(seen, int(number))
                 turn = int(turns[number])
                 ways[number] = self._way(decision, turn, seen.mask[number])
                 until[number] = NEVER if decision.look_again is None else max(names.ticks(decision.look_again), int(seen.clock[number]) + 1)

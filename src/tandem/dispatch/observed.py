@@ -48,7 +48,9 @@ class Observer:
             else:
                 done[task] = work
         off = [name for number, name in enumerate(self.names.operators) if row["away_until"][number] > clock]
-        tools = list(dict.fromkeys([*(x.tool for x in cell.tasks.values() if x.tool), *cell.tools, *(x.tool for x in cell.operators.values() if x.tool)]))
+        tools = list(
+            dict.fromkeys([*(x.tool for x in cell.tasks.values() if x.tool), *cell.tools, *(x.tool for x in cell.operators.values() if x.tool)])
+        )
         return Situation(
             cell,
             now=self.names.seconds(clock),

@@ -12,6 +12,8 @@ from tandem.dispatch.situation import Running, Situation
 
 AWAY_S = 60.0
 """ASSUMPTION: who is absent or failed is planned for as being back in so many seconds from now, whenever one asks."""
+OVERDUE = 0.05
+"""ASSUMPTION: what should have ended already is expected to take this share of its stated time still."""
 MOST_MODELS = 64
 """So many cells with different paces and refusals are kept at hand."""
 
@@ -45,7 +47,7 @@ class Models:
 
 
 def position(moves: Moves, situation: Situation, factor: Mapping[str, float]) -> Position:
-    """Where the assembly stands when each human needs `factor` times the stated time (1 for who is not named). What is overdue ends at once."""
+    """Where the assembly stands when each human needs `factor` times the stated time (1 for who is not named). What is overdue ends soon."""
     cell, bit = moves.instance, {name: 1 << t for t, name in enumerate(moves.instance.tasks)}
     wrong = sum(bit[task] for task in situation.wrong)
     done = sum(bit[task] for task in situation.done) | wrong
@@ -84,7 +86,7 @@ def ticks_left(moves: Moves, situation: Situation, at: Running, factor: Mapping[
     since = situation.now if at.rests_since is None else at.rests_since
     left = at.stated * slowest - (since - at.start - at.rested)
     away = AWAY_S if at.rests_since is not None else 0.0
-    return max(1, round((max(left, 0.0) + away) * moves.per_second))
+    return max(1, round((left if left > 0 else OVERDUE * at.stated) * moves.per_second) + round(away * moves.per_second))
 
 
 def starts(moves: Moves, ways: Sequence[int]) -> tuple[Start, ...]:
