@@ -214,7 +214,7 @@ class Repair:
 
 
 def test_the_best_repair_takes_what_value_iteration_says() -> None:
-    """The policy of a value iteration written apart from the world, played in the world: its mean makespan is the value, within four standard errors."""
+    """The policy of a value iteration written apart from the world, played in it: its mean makespan is the value, within four standard errors."""
     p, episodes = 0.3, 8192
     plan = Repair(p)
     names, arrays = world(per_second=2)

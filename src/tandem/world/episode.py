@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -89,7 +89,9 @@ def run_on(arrays: Arrays, fate: Fate, shift: Shift) -> Shift:
 
 def is_over(arrays: Arrays, shift: Shift) -> Array:
     """`[]` bool, all is done, or nothing can be done any more."""
-    return world.is_done(shift.state) | ((shift.turn < 0) & world.is_stuck(arrays, shift.state, shift.mask))
+    xp = namespace(shift.mask)
+    nothing_left = world.is_stuck(arrays, shift.state, shift.mask) & ~xp.any(shift.state.refused)
+    return world.is_done(shift.state) | ((shift.turn < 0) & nothing_left)
 
 
 def expected_ends(arrays: Arrays, state: State) -> Array:
@@ -117,11 +119,15 @@ def _chosen(xp: Any, which: Array, one: Any, other: Any) -> Any:
 
 
 def _later(arrays: Arrays, fate: Fate, shift: Shift) -> Shift:
-    xp = namespace(shift.mask)
-    if not fate.away_from.shape[0]:
-        return shift._replace(state=world.advance(arrays, shift.state), events=(shift.events + 1).astype(xp.int32))
-    state = world.advance(arrays, shift.state, next_absence(fate, shift.state.clock))
-    return shift._replace(state=state._replace(away_until=away_until(fate, state.clock)), events=(shift.events + 1).astype(xp.int32))
+    """Time has run on. Where nothing was to come, because of refusals, those who refused are asked again."""
+    xp, state = namespace(shift.mask), shift.state
+    insists = (world.next_event(arrays, state) == NEVER) & ~xp.any(state.waits)
+    if fate.away_from.shape[0]:
+        moved = world.advance(arrays, state, next_absence(fate, state.clock))
+        moved = moved._replace(away_until=away_until(fate, moved.clock))
+    else:
+        moved = world.advance(arrays, state)
+    return shift._replace(state=moved._replace(refused=state.refused & ~insists), events=(shift.events + 1).astype(xp.int32))
 
 
 def _decided(arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array) -> Shift:
@@ -235,14 +241,6 @@ def _compiled(draw: Draw, decide: Decider) -> Callable[[jax.Array, Arrays, Perso
         return jax.vmap(one)(jax.random.uniform(key, (people.pace.shape[0], draw.numbers)), people)
 
     return jax.jit(many)
-
-
-def fates(key: jax.Array, draw: Draw, arrays: Arrays, episodes: int) -> Fate:
-    """The chances of `play_many`, in NumPy, with a leading axis: for those who play one episode after the other."""
-    import jax
-
-    make = jax.jit(jax.vmap(partial(fate, draw, arrays)))
-    return Fate(*(np.asarray(part) for part in make(jax.random.uniform(key, (episodes, draw.numbers)))))
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from tandem.errors import UsageError
 from tandem.world.arrays import NEVER, Array, Arrays, Names, namespace
+
+if TYPE_CHECKING:
+    import jax
 
 SPREADS = ("off", "lognormal", "triangular", "empirical")
 """How real durations lie around the nominal ones."""
@@ -180,6 +186,14 @@ def fate(draw: Draw, arrays: Arrays, uniform: Array) -> Fate:
 def nominal_fate(draw: Draw, arrays: Arrays) -> Fate:
     """The episode in which every coin of a mood lies in the middle: with chance off and compliant people, the nominal world."""
     return fate(draw, arrays, namespace(arrays.way_ticks).full(draw.numbers, 0.5, "float32"))
+
+
+def fates(key: jax.Array, draw: Draw, arrays: Arrays, episodes: int) -> Fate:
+    """The chances of so many episodes, with a leading axis, in NumPy: those that `episode.play_many` has for the same key."""
+    import jax
+
+    make = jax.jit(jax.vmap(partial(fate, draw, arrays)))
+    return Fate(*(np.asarray(part) for part in make(jax.random.uniform(key, (episodes, draw.numbers)))))
 
 
 def real_ticks(fate: Fate, arrays: Arrays, way: Array, attempt: Array, nominal: Array) -> Array:

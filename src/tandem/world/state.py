@@ -348,14 +348,18 @@ def _is_clear_of_breaks(xp: Any, arrays: Arrays, state: State) -> Array | None:
 
 
 def _keeps_limits(xp: Any, arrays: Arrays, state: State) -> Array | None:
-    """Nobody's stress passes its limit, with the least that the tasks which are left will bring. Doing something anew is not held up by it."""
+    """Nobody's stress passes its limit, with the least that the tasks which are left will bring. What mistakes bring on top does not count."""
     if not arrays.limit.shape[0]:
         return None
+    load = state.load
+    if arrays.undo.shape[0]:
+        stands = xp.any(xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :], axis=1)
+        load = xp.sum(xp.where(stands[:, None], arrays.way_load, 0), axis=0, dtype=xp.int32)
     ahead = xp.sum(xp.where((state.way < 0)[:, None], arrays.must, 0), axis=0, dtype=xp.int32)
     own = xp.sum(xp.where(arrays.of_task[:, :, None], arrays.must[None, :, :], 0), axis=1, dtype=xp.int32)
-    within = (state.load + ahead)[None, :] - own + arrays.way_load <= arrays.limit[None, :]
+    within = (load + ahead)[None, :] - own + arrays.way_load <= arrays.limit[None, :]
     kept = ~xp.any(arrays.way_uses & ~within, axis=1)
-    return kept | _for_tasks(xp, arrays, (state.tries > 0) | mounted(state)) if arrays.undo.shape[0] else kept
+    return kept | _for_tasks(xp, arrays, mounted(state)) if arrays.undo.shape[0] else kept
 
 
 def _stays_with_its_team(xp: Any, arrays: Arrays, state: State) -> Array | None:
