@@ -139,10 +139,11 @@ def _decided(arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Arra
     mood = fate.mood.reshape(operators * decisions, 3)[xp.maximum(who, 0) * decisions + asked_before % decisions]
     can_wait = world.may_wait(arrays, state, shift.mask, who)
     answer = crew.choose(arrays, state, crew.of(people, who), who, mine, way, can_wait, mood)
-    begins, noticed = _slipped(xp, arrays, fate, people, shift, answer.way)
+    begins, noticed, missed = _slipped(xp, arrays, fate, people, shift, answer.way)
     team = xp.any(arrays.way_uses & _is(xp, arrays, begins)[:, None], axis=0)
     ticks, fatigue = _work(xp, arrays, fate, people, shift, begins, team)
     after = world.assign(arrays, state, begins, ticks, noticed)
+    after = after._replace(tries=(after.tries + missed).astype(xp.int32)) if arrays.undo.shape[0] else after
     after = world.wait(after, xp.where((begins < 0) & ~answer.refuses, who, -1))
     wanted = xp.any(_is(xp, arrays, way)[:, None] & arrays.of_task & mine[:, None], axis=0)
     refused = xp.any(arrays.of_task & wanted[None, :], axis=1) & xp.any(arrays.way_uses & me[None, :], axis=1) & answer.refuses
@@ -167,10 +168,10 @@ def _is(xp: Any, arrays: Arrays, way: Array) -> Array:
     return xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32) == way
 
 
-def _slipped(xp: Any, arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array) -> tuple[Array, Array | None]:
-    """What is really begun, and when it is noticed that it was wrong; NEVER when it is right."""
+def _slipped(xp: Any, arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array) -> tuple[Array, Array | None, Array]:
+    """What really begins; when it is noticed that it was wrong (NEVER: it is right); and `[M]` bool, the task that was meant if another is begun."""
     if not arrays.undo.shape[0]:
-        return way, None
+        return way, None, shift.state.undoing
     state, chosen = shift.state, _is(xp, arrays, way)
     task = xp.any(arrays.of_task & chosen[:, None], axis=0)
     team = xp.any(arrays.way_uses & chosen[:, None], axis=0)
@@ -185,7 +186,7 @@ def _slipped(xp: Any, arrays: Arrays, fate: Fate, people: Person, shift: Shift, 
     premature = world.out_of_order(arrays, state) & world.legal_of(arrays, arrays.way_size == 1, shift.turn)
     other = xp.argmax(xp.cumsum(premature) > drawn(fate.order) * xp.sum(premature))
     strays = wrong & (drawn(fate.order) < 1) & xp.any(premature) & xp.any((xp.arange(arrays.human.shape[0]) == shift.turn) & arrays.human)
-    return xp.where(strays, other, way).astype(xp.int32), xp.where(wrong, drawn(fate.notice), NEVER).astype(xp.int32)
+    return xp.where(strays, other, way).astype(xp.int32), xp.where(wrong, drawn(fate.notice), NEVER).astype(xp.int32), task & strays
 
 
 def _work(xp: Any, arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array, team: Array) -> tuple[Array, Array]:

@@ -44,7 +44,7 @@ class State(NamedTuple):
     refused: `[W]` bool, somebody who takes part will not do it.
     bad_at: `[M]` int32, when it is noticed that the task was done wrongly; NEVER while it is right.
     undoing: `[M]` bool, the work in hand is the task's disassembly.
-    tries: `[M]` int32, how often the task was undone.
+    tries: `[M]` int32, how often the task was undone, or another one begun in its place by mistake.
     """
 
     clock: Array
