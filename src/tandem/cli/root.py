@@ -26,6 +26,8 @@ VERBS: dict[str, tuple[str, str]] = {
     "evaluate": ("tandem.cli.learn", "evaluate_command"),
     "reproduce": ("tandem.cli.laboratory", "reproduce_command"),
     "dispatch": ("tandem.cli.dispatch", "dispatch_command"),
+    "simulate": ("tandem.cli.simulate", "simulate_command"),
+    "policies": ("tandem.cli.simulate", "policies_command"),
     "methods": ("tandem.cli.planning", "methods_command"),
     "generate": ("tandem.cli.cells", "generate"),
     "board": ("tandem.cli.boards", "board_command"),

@@ -29,7 +29,7 @@ def fixed(cell: Cell, objective: Objective, options: Options) -> Fixed:
     moves = models.of(Situation.of(cell), 1.0)
     left = rest(moves, moves.root())
     weights = (objective.time / moves.per_second, objective.stress / moves.instance.per_stress)
-    plan = None if left is None else solve(left, weights, seconds=PLANNING_S, seed=options.seed)
+    plan = None if left is None else solve(left, weights, seconds=PLANNING_S, seed=options.seed, ties=True)
     if plan is None:
         raise InfeasibleError("no plan keeps the cell's limits and the objective's.")
     return Fixed(models, tuple(way for _, way in plan.begins))

@@ -108,10 +108,10 @@ def rest(moves: Moves, position: Position, *, with_running: bool = True) -> Rest
     )
 
 
-def solve(left: Rest, weights: tuple[float, float], *, seconds: float, seed: int = 0, hint: Starts | None = None) -> Plan | None:
+def solve(left: Rest, weights: tuple[float, float], *, seconds: float, seed: int = 0, ties: bool = False, hint: Starts | None = None) -> Plan | None:
     """The plan of least `weights[0] * ticks + weights[1] * units` that CP-SAT finds in the time, one thread; None when it finds none.
 
-    Of equally good ones it is whichever comes first.
+    Of equally good ones it is whichever comes first; with `ties`, where time alone counts, the one of least stress.
     """
     instance = left.instance
     layout = Layout.of(instance)
@@ -120,6 +120,8 @@ def solve(left: Rest, weights: tuple[float, float], *, seconds: float, seed: int
     decisions = formulate(instance, max(upper, instance.horizon if weights[1] else upper))
     top = max(weights)
     time, stress = (round(weight / top * SCALE) for weight in weights)
+    if ties and not stress:
+        stress = SCALE // (1 + sum(max(way.stress for way in ways) for ways in instance.ways))
     decisions.model.minimize(time * decisions.makespan + stress * decisions.stress)
     if quick is not None:
         decisions.hint(quick)
@@ -132,7 +134,8 @@ def solve(left: Rest, weights: tuple[float, float], *, seconds: float, seed: int
     if status not in ("OPTIMAL", "FEASIBLE"):
         return None
     found = decisions.read(solver.value)
-    return _plan(left, layout, found, solver.best_objective_bound / SCALE * top, status == "OPTIMAL")
+    bound = solver.best_objective_bound / SCALE
+    return _plan(left, layout, found, (float(int(bound)) if ties and not weights[1] else bound) * top, status == "OPTIMAL")
 
 
 def _plan(left: Rest, layout: Layout, found: Starts, bound: float, proven: bool) -> Plan:

@@ -15,6 +15,8 @@ from tandem.dispatch.seen import Models, cost_so_far, position
 from tandem.dispatch.situation import Situation
 from tandem.errors import NothingFoundError, UsageError
 
+TIES = 1e-6
+"""Where time alone counts, a unit of stress weighs so many seconds: of equally quick choices the easiest is taken."""
 MOST_TASKS = 14
 """Cells with more tasks are refused at once: their values would take minutes."""
 
@@ -43,6 +45,8 @@ def _table(name: str, cell: Cell, human: Human, objective: Objective, pace: floa
     if len(cell.tasks) > MOST_TASKS:
         raise UsageError(f"{name}: exact values are for cells of at most {MOST_TASKS} tasks, this one has {len(cell.tasks)}; take replan-robust.")
     found = values(cell, human, objective, pace=dict.fromkeys(cell.humans, pace))
+    if not objective.stress:
+        found.weights = (found.weights[0], TIES / found.moves.instance.per_stress)
     try:
         found.value(found.moves.root())
     except NothingFoundError as error:

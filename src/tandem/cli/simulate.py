@@ -1,0 +1,212 @@
+"""`tandem simulate` and `tandem policies`: deciders beside people, judged."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from tandem.cli.planning import FORMAT, Weights
+from tandem.errors import TandemError, UsageError
+
+PICTURE = click.Path(dir_okay=False, path_type=Path)
+
+
+class Prior(click.ParamType):  # type: ignore[type-arg]  # older releases of click take no parameter
+    """Pace factors, each with a weight: 0.6:1,1:3,2:1."""
+
+    name = "FACTOR:WEIGHT,..."
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> dict[float, float]:
+        if isinstance(value, dict):
+            return value
+        try:
+            pairs = [part.split(":") for part in str(value).split(",")]
+            return {float(factor): float(weight) for factor, weight in pairs}
+        except ValueError:
+            self.fail(f"{value!r} is no list of factors and weights, such as 0.6:1,1:3,2:1.", param, ctx)
+
+
+@click.command("simulate")
+@click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=True))
+@FORMAT
+@click.option(
+    "--policy", "policies", required=True, help="Who decides, joined by commas; `tandem policies` lists them. The others are compared with the first."
+)
+@click.option(
+    "--people",
+    multiple=True,
+    default=("compliant",),
+    show_default=True,
+    help="Who works there: compliant, random:0.5, pace:2.0, population:FILE, ...",
+)
+@click.option("--episodes", type=click.IntRange(2, 1_000_000), default=1000, show_default=True, help="Assemblies for each policy and people.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Of all chance. The same seed gives every policy the same episodes.")
+@click.option("--weights", type=Weights(), default=(1.0, 0.0), help="Policies keep TIME * makespan + STRESS * stress small; 1,0 when absent.")
+@click.option("--max-stress", type=float, help="Policies stay within this stress of the human, as far as they can.")
+@click.option(
+    "--spread",
+    type=click.Choice(["off", "lognormal", "triangular"]),
+    default="off",
+    show_default=True,
+    help="How real times scatter around the stated ones.",
+)
+@click.option(
+    "--cv", type=click.FloatRange(0.0, 10.0), default=0.0, show_default=True, help="Coefficient of variation where the cell does not state a spread."
+)
+@click.option("--failures", type=click.FloatRange(0.0, min_open=True), help="Mean seconds until a robot breaks down; never when absent.")
+@click.option("--absences", type=click.FloatRange(0.0, min_open=True), help="Mean seconds until a human is called away; never when absent.")
+@click.option(
+    "--taking-apart",
+    type=click.FloatRange(0.0, 100.0, min_open=True),
+    default=1.0,
+    show_default=True,
+    help="Share of a task's time that taking it apart takes.",
+)
+@click.option("--budget", type=click.FloatRange(1.0), default=50.0, show_default=True, help="Milliseconds that a policy is given for a decision.")
+@click.option("--prior", type=Prior(), help="What is believed of a human's pace before anything was seen: factors with weights, 0.6:1,1:3,2:1.")
+@click.option(
+    "--frozen", type=click.FloatRange(0.0), default=0.0, show_default=True, help="Seconds: what was announced so shortly before is not changed."
+)
+@click.option(
+    "--change-penalty", type=click.FloatRange(0.0), default=0.0, show_default=True, help="Seconds to gain before an announced task is changed."
+)
+@click.option("--learned", help="A trained policy, for `learned` and `auto`: a file, or the folder of a run.")
+@click.option("--chart", type=PICTURE, help="Draw what came out into this .svg, .png or .pdf.")
+@click.option("-o", "--output", type=PICTURE, help="Write the document into this .json file too.")
+@click.option("--json", "as_json", is_flag=True, help="Print the document; a list of them for several people.")
+@click.option("-q", "--quiet", is_flag=True, help="No progress.")
+def simulate_command(
+    cell_file: str,
+    form: str | None,
+    policies: str,
+    people: tuple[str, ...],
+    chart: Path | None,
+    output: Path | None,
+    as_json: bool,
+    quiet: bool,
+    **given: Any,
+) -> None:
+    """Judge who decides beside people: many assemblies, the same chances for all, next to the exact optimum.
+
+    \b
+    Examples:
+      tandem simulate cell.yaml --policy fixed,replan-robust --people pace:1.5
+      tandem simulate cell.yaml --policy expected,fixed --people random:0.1,random:0.5,random:1 --chart regret.svg
+    """
+    from tandem.cell.files import load
+
+    needs_jax()
+    from tandem.dispatch.judge import judge, split_people
+
+    cell = load(cell_file, form)
+    if chart is not None and chart.suffix.lower() not in (".svg", ".png", ".pdf"):
+        raise UsageError(f"--chart {chart}: a picture's name ends in .svg, .png or .pdf.")
+    trial = _trial(_split(policies), split_people(people), given)
+    documents = judge(cell, trial, (lambda _: None) if quiet else _tell)
+    document: Any = documents[0] if len(documents) == 1 else documents
+    if output is not None:
+        from tandem.cell.storing import store
+
+        store(output, json.dumps(document, indent=1, ensure_ascii=False) + "\n")
+        _tell(f"wrote {output}")
+    if chart is not None:
+        from tandem.draw.judged import judged_figure
+        from tandem.draw.saving import save
+
+        _tell(f"wrote {save(judged_figure(documents), chart)}")
+    if as_json:
+        click.echo(json.dumps(document, ensure_ascii=False))
+    else:
+        for one in documents:
+            _show(one)
+
+
+def needs_jax() -> None:
+    """Raises TandemError, which says what to install, when JAX is not there."""
+    try:
+        import jax  # noqa: F401
+    except ImportError as error:
+        raise TandemError("simulating many episodes needs JAX, which is not installed. Get it with: pip install 'tandem[learn]'") from error
+
+
+def _trial(policies: tuple[str, ...], people: tuple[str, ...], given: dict[str, Any]) -> Any:
+    from tandem.dispatch.judge import Trial
+    from tandem.dispatch.policy import Objective, Options
+    from tandem.world.fate import Chance
+
+    prior = {} if given["prior"] is None else {"prior": given["prior"]}
+    return Trial(
+        policies,
+        people,
+        given["episodes"],
+        given["seed"],
+        Objective(given["weights"][0], given["weights"][1], given["max_stress"]),
+        Chance(spread=given["spread"], cv=given["cv"], failure_s=given["failures"], absence_s=given["absences"], undo=given["taking_apart"]),
+        Options(
+            budget_ms=given["budget"],
+            seed=given["seed"],
+            frozen_s=given["frozen"],
+            change_penalty=given["change_penalty"],
+            learned=given["learned"],
+            **prior,
+        ),
+    )
+
+
+def _split(text: str) -> tuple[str, ...]:
+    return tuple(name for part in text.split(",") if (name := part.strip()))
+
+
+def _tell(text: str) -> None:
+    click.echo(text, err=True)
+
+
+def _show(document: dict[str, Any]) -> None:
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    heads = ("policy", "makespan", "p95", "stress", "regret", "prox.", "chg.", "p50/p99 ms", "above first")
+    for place, head in enumerate(heads):
+        table.add_column(head, justify="right" if place else "left", no_wrap=True)
+    for row in document["policies"]:
+        time, stress, difference = row["makespan"], row["stress"], row.get("difference")
+        latency = [row["latency_ms"][share] for share in ("p50", "p99")]
+        table.add_row(
+            row["policy"],
+            _with_half(time),
+            f"{time['p95']:.4g}",
+            _with_half(stress),
+            "-" if row["regret"] is None else f"{100 * row['regret_share']:.1f} %",
+            "-" if row["proximity"] is None else f"{row['proximity']:.3f}",
+            f"{row['changes']:.2g}",
+            "/".join("-" if one is None else f"{one:.1f}" for one in latency),
+            "" if difference is None else _with_half(difference),
+        )
+    console = Console(highlight=False)
+    best = "" if document["optimum"] is None else f", exact optimum {document['optimum']:g}"
+    console.print(f"beside {document['people']}: {document['episodes']} episodes, seed {document['seed']}{best}", soft_wrap=True)
+    console.print(table)
+
+
+def _with_half(measure: dict[str, Any]) -> str:
+    """The mean and half its 95 % interval."""
+    return f"{measure['mean']:.4g}±{(measure['ci95'][1] - measure['ci95'][0]) / 2:.2g}"
+
+
+@click.command("policies")
+@click.option("--json", "as_json", is_flag=True, help="Print them as one document.")
+def policies_command(as_json: bool) -> None:
+    """List the policies: who can decide live."""
+    from tandem.dispatch.policy import POLICIES
+
+    if as_json:
+        click.echo(json.dumps({"schema_version": 1, "policies": [{"name": name, "what": entry.what} for name, entry in POLICIES.items()]}))
+        return
+    width = max(map(len, POLICIES))
+    for name, entry in POLICIES.items():
+        click.echo(f"{name:<{width}}  {entry.what}")
