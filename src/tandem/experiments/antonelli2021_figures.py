@@ -61,7 +61,7 @@ def reached(found: Mapping[str, Any]) -> Figure:
         ax.plot(chances, mean, DASHES[place % 4], marker="o", ms=4, color=COLOURS[place], lw=1.8, label=player)
         ax.fill_between(chances, mean - half, np.minimum(mean + half, 1), color=COLOURS[place], alpha=0.15, lw=0)
     ax.set_ylim(0, 1.03)
-    return _dressed(ax, found, "share of episodes from any state that end within 200 operations")
+    return _dressed(ax, found, "share that ends within 200 operations, from any state")
 
 
 def precision(rows: list[Mapping[str, Any]]) -> Figure:
@@ -79,7 +79,7 @@ def precision(rows: list[Mapping[str, Any]]) -> Figure:
         ax.set_title(f"p = {p:g}", loc="left", fontsize=11)
         _plain(ax)
     panels[0].set_ylabel("largest difference from the exact value, s")
-    panels[0].legend(frameon=False, fontsize=8)
+    panels[0].legend(frameon=False, fontsize=8, loc="upper right")
     return figure
 
 
@@ -96,6 +96,9 @@ def _dressed(ax: Axes, found: Mapping[str, Any], label: str, *, log: bool = Fals
     ax.set_ylabel(label)
     if log:
         ax.set_yscale("log")
+        ax.yaxis.set_major_formatter("{x:,.0f}")
+        ax.yaxis.set_minor_formatter("{x:,.0f}")
+        ax.tick_params(axis="y", which="minor", labelsize=8)
     ax.set_title(found["cell"], loc="left", fontsize=11)
     _plain(ax)
     ax.legend(frameon=False, fontsize=9)
