@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from tandem.cell.model import Cell, plain
+from tandem.cell.names import Known
 from tandem.dispatch.best_response import optimum
 from tandem.dispatch.lockstep import Outcome, Stage
-from tandem.dispatch.policy import SECONDS, Objective, Options, policy
+from tandem.dispatch.policy import POLICIES, SECONDS, Objective, Options, Policy, policy
 from tandem.errors import UsageError
 from tandem.world.arrays import Names
 from tandem.world.crowd import Crowd, crowd
@@ -53,6 +54,10 @@ class Trial:
             raise UsageError("name at least one policy and one kind of people.")
         if doubled := {name for name in self.policies if self.policies.count(name) > 1}:
             raise UsageError(f"policy {', '.join(sorted(doubled))}: named twice. Name each once.")
+        known = Known(POLICIES)
+        if unknown := [name for name in self.policies if name not in known]:
+            faults = " ".join(f"There is no policy {name!r}. {known.hint(name)}" for name in unknown)
+            raise UsageError(f"{faults} `tandem policies` lists them.")
         if min([self.episodes, *self.fewer.values()]) < 2:
             raise UsageError(f"episodes {self.episodes}: an interval needs 2 at least.")
 
@@ -66,10 +71,13 @@ def judge(cell: Cell, trial: Trial, tell: Callable[[str], None] = lambda _: None
     """
     names = Names.of(cell)
     crowds = [crowd(spec, names, names.arrays()) for spec in trial.people]
-    return [_document(cell, names, trial, one, tell) for one in crowds]
+    made: dict[tuple[str, float], Policy] = {}
+    return [_document(cell, names, trial, one, made, tell) for one in crowds]
 
 
-def _document(cell: Cell, names: Names, trial: Trial, people: Crowd, tell: Callable[[str], None]) -> dict[str, Any]:
+def _document(
+    cell: Cell, names: Names, trial: Trial, people: Crowd, made: dict[tuple[str, float], Policy], tell: Callable[[str], None]
+) -> dict[str, Any]:
     arrays = names.arrays(undo=trial.chance.undo if people.makes_mistakes else None)
     draw = Draw.of(names, arrays, trial.chance)
     persons = people.draw(np.random.default_rng(trial.seed), trial.episodes)
@@ -81,7 +89,10 @@ def _document(cell: Cell, names: Names, trial: Trial, people: Crowd, tell: Calla
     for name in trial.policies:
         tell(f"{people.spec}: {name}")
         count = min(trial.episodes, trial.fewer.get(name, trial.episodes))
-        found = stage.first(count).play(policy(name, cell, trial.objective, told))
+        key = (name, told.random if name == "expected" else 0.0)
+        if key not in made:
+            made[key] = policy(name, cell, trial.objective, told)
+        found = stage.first(count).play(made[key])
         costs[name] = trial.objective.time * found.makespan + trial.objective.stress * found.stress
         rows.append(_row(name, found, costs, trial.policies[0], None if best is None else best[:count]))
     return {
