@@ -10,9 +10,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from tandem.cell.model import Cell
+from tandem.cell.model import Cell, plain
 from tandem.errors import UsageError
 from tandem.learn.features import Ahead, Standing, ahead, look, missing, time_to_come
+from tandem.learn.reached import Reached
 from tandem.world import state as world
 from tandem.world.arrays import NEVER, Arrays, Names
 from tandem.world.state import State
@@ -140,3 +141,12 @@ class CellGame:
             return nobody & ~world.is_done(state) & (world.next_event(self.arrays, state) < NEVER)
 
         return jax.lax.while_loop(goes_on, lambda state: world.advance(self.arrays, state), state)
+
+
+def reached(cell: Cell, played: Any) -> Reached:
+    """What one game of the cell reached, from its `cost` and last `state`, in the cell's seconds and stress; NumPy arrays."""
+    names, state = Names.of(cell), played.state
+    if not world.is_done(state):
+        return Reached(None, None, 0, float(played.cost), None)
+    makespan, stress = names.seconds(world.makespan(state)), names.stress(world.stress(names.arrays(), state))
+    return Reached(plain(makespan), plain(stress), 0, float(played.cost), names.schedule(state.way, state.start_at, state.end_at))

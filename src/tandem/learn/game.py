@@ -81,3 +81,8 @@ def stacked(games: list[Any]) -> Any:
     if len(shapes) != 1 or len({jax.tree.structure(game) for game in games}) != 1:
         raise ValueError("the games have different shapes and cannot be played side by side.")
     return jax.tree.map(lambda *leaves: jnp.asarray(np.stack(leaves)), *games)
+
+
+def many(game: Any, number: int) -> Any:
+    """The same game so many times, with a leading axis."""
+    return jax.tree.map(lambda leaf: jnp.broadcast_to(jnp.asarray(leaf), (number, *np.shape(leaf))), game)

@@ -5,6 +5,7 @@ Axes: `L` moves of the longest game, `B` games, `K` moves to choose from.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -63,35 +64,48 @@ def selfplay(key: Array, judge: Judge, parameters: Parameters, games: Game, conf
     states = jax.vmap(lambda game: game.reset())(games)
 
     def move(states: State, key: Array) -> tuple[State, tuple[Experience, Array, Array]]:
-        over = jax.vmap(lambda game, state: game.is_over(state))(games, states)
+        over = _are_over(games, states)
         found = find(key, judge, parameters, games, states, config)
         seen, legal, mover, least = jax.vmap(_shown)(games, states)
         after, cost = jax.vmap(lambda game, state, move: game.step(state, move))(games, states, found.move)
         experience = Experience(seen, legal, mover, least, found.policy, found.to_come, ~over)
-        return after, (experience, cost / games.unit, jnp.where(over, -1, found.move))
+        return after, (experience, cost / games.unit, jnp.where(over, 0, found.move + 1))
 
-    states, (experience, cost, moves) = jax.lax.scan(move, states, jax.random.split(key, games.longest))
+    states, (experience, cost, moves) = jax.lax.scan(_while_on(move, games), states, jax.random.split(key, games.longest))
     to_come = jnp.cumsum(cost[::-1], 0)[::-1]
     experience = experience._replace(to_come=trust * to_come + (1 - trust) * experience.to_come)
-    return experience, Played(to_come[0] * games.unit, moves, states, jax.vmap(lambda game, state: game.is_over(state))(games, states))
+    return experience, Played(to_come[0] * games.unit, moves - 1, states, _are_over(games, states))
 
 
 def played(key: Array, judge: Judge, parameters: Parameters, games: Game, config: Looking | None = None) -> Played:
     """One whole game on each of `games` `[B]`: by a search, or the move that the network likes best where `config` is None."""
     states = jax.vmap(lambda game: game.reset())(games)
 
-    def move(carry: tuple[State, Array], key: Array) -> tuple[tuple[State, Array], Array]:
-        states, cost = carry
-        over = jax.vmap(lambda game, state: game.is_over(state))(games, states)
+    def move(states: State, key: Array) -> tuple[State, tuple[Array, Array]]:
         if config is None:
             chosen = jax.vmap(lambda game, state: liked(judge, parameters, game, state))(games, states)
         else:
             chosen = find(key, judge, parameters, games, states, config).move
-        after, paid = jax.vmap(lambda game, state, move: game.step(state, move))(games, states, chosen)
-        return (after, cost + paid), jnp.where(over, -1, chosen)
+        after, cost = jax.vmap(lambda game, state, move: game.step(state, move))(games, states, chosen)
+        return after, (cost, jnp.where(_are_over(games, states), 0, chosen + 1))
 
-    (states, cost), moves = jax.lax.scan(move, (states, jnp.zeros_like(games.unit)), jax.random.split(key, games.longest))
-    return Played(cost, moves, states, jax.vmap(lambda game, state: game.is_over(state))(games, states))
+    states, (cost, moves) = jax.lax.scan(_while_on(move, games), states, jax.random.split(key, games.longest))
+    return Played(jnp.sum(cost, 0), moves - 1, states, _are_over(games, states))
+
+
+def _are_over(games: Game, states: State) -> Array:
+    return jax.vmap(lambda game, state: game.is_over(state))(games, states)
+
+
+def _while_on(move: Callable[[State, Array], tuple[State, Any]], games: Game) -> Callable[[State, Array], tuple[State, Any]]:
+    """`move`, which is not worked out any more (all its numbers are 0) once all games are over."""
+
+    def one(states: State, key: Array) -> tuple[State, Any]:
+        shape = jax.eval_shape(move, states, key)[1]
+        nothing = lambda states, key: (states, jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shape))  # noqa: E731
+        return jax.lax.cond(jnp.all(_are_over(games, states)), nothing, move, states, key)
+
+    return one
 
 
 def _shown(game: Game, state: State) -> tuple[Any, Array, Array, Array]:

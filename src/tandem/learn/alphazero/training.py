@@ -99,16 +99,16 @@ def loss(network: Judge, parameters: Parameters, batch: Experience, value_weight
 
 
 def _learn(key: Array, learner: Learner, config: Config) -> tuple[Parameters, Any, tuple[Array, Array, Array]]:
-    """Minibatches drawn evenly from the rounds that are kept; the early ones from those that there are."""
-    rows = learner.experience.valid.shape[1]
-    there = jnp.minimum(learner.rounds + 1, config.kept)
+    """Minibatches drawn evenly from the decisions that are kept."""
     network, rule = judge(config), _optimiser(config)
     rate = config.learning_rate * (1 - 0.9 * learner.rounds / config.iterations)
+    everything = jax.tree.map(lambda leaf: leaf.reshape(-1, *leaf.shape[2:]), learner.experience)
+    counted = jnp.cumsum(everything.valid)
 
     def minibatch(carry: tuple[Parameters, Any], key: Array) -> tuple[tuple[Parameters, Any], tuple[Array, Array, Array]]:
         parameters, moments = carry
-        flat = jax.random.randint(key, (config.minibatch,), 0, there * rows)
-        batch = jax.tree.map(lambda leaf: leaf[flat // rows, flat % rows], learner.experience)
+        drawn = jnp.searchsorted(counted, jax.random.randint(key, (config.minibatch,), 1, counted[-1] + 1))
+        batch = jax.tree.map(lambda leaf: leaf[drawn], everything)
         gradient, losses = jax.grad(loss, 1, has_aux=True)(network, parameters, batch, config.value_weight)
         change, moments = rule.update(gradient, moments)
         return (jax.tree.map(lambda old, by: old - rate * by, parameters, change), moments), losses
