@@ -13,10 +13,10 @@ from tandem.errors import UsageError
 if TYPE_CHECKING:
     from pettingzoo import ParallelEnv
 
-PARALLEL = {"thesis": "tandem.envs.thesis.parallel:ThesisParallel"}
+PARALLEL = {"thesis": "tandem.envs.thesis.parallel:ThesisParallel", "events": "tandem.envs.events.parallel:EventsParallel"}
 """Name -> the PettingZoo face, `module:class`."""
 
-SINGLE = {"tandem/Thesis-v0": "tandem.envs.thesis.single:ThesisEnv"}
+SINGLE = {"tandem/Thesis-v0": "tandem.envs.thesis.single:ThesisEnv", "tandem/RobotBesideHuman-v0": "tandem.envs.events.single:RobotBesideHuman"}
 """Gymnasium id -> the single-agent face, `module:class`."""
 
 
