@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
+
+from tandem.dispatch.pace import estimates
 
 if TYPE_CHECKING:
     from tandem.dispatch.events import Event
+    from tandem.dispatch.pace import Pace
     from tandem.dispatch.shift import Shift
-    from tandem.dispatch.situation import Situation
+    from tandem.dispatch.situation import Running, Situation
 
 
 class Screen:
@@ -17,6 +21,7 @@ class Screen:
         from rich.console import Console
 
         self.console = Console(highlight=False, markup=False, emoji=False)
+        self.paces: list[str] = []
 
     def __call__(self, shift: Shift, document: dict[str, Any]) -> None:
         """Shows the document, read against where the shift stands."""
@@ -35,12 +40,15 @@ class Screen:
                 for remark in document["remarks"]:
                     self._say(f"odd        {remark}", "yellow")
             case "decision":
-                for line in orders(shift.situation, document):
+                believed = estimates(shift.situation, shift.settings.options.prior)
+                for line in orders(shift.situation, document, believed):
                     self._say(line)
                 for reason in document.get("stuck", []):
                     self._say(f"stuck      {reason}", "red")
-                for line in paces(shift):
-                    self._say(line)
+                before, self.paces = self.paces, [f"  {'pace':<9}{human} needs {pace.words}" for human, pace in believed.items() if pace.seen]
+                for line in self.paces:
+                    if line not in before:
+                        self._say(line)
             case "summary":
                 state = "over" if document["over"] else "not over"
                 self._say(f"{state}: {document['makespan']:g} s, stress {document['stress']:g}; {document['events']} events, {_latency(document)}.")
@@ -57,27 +65,24 @@ def happened(event: Event) -> str:
     return f"{event.at:>8g} s  {' '.join(words)}{until}"
 
 
-def orders(situation: Situation, decision: dict[str, Any]) -> list[str]:
-    """A decision in words: what goes on now, what robots and humans are asked to do next, and why."""
+def orders(situation: Situation, decision: dict[str, Any], believed: Mapping[str, Pace]) -> list[str]:
+    """A decision in words: what goes on now, what robots and humans are asked to do next, and why. `believed`: the humans' paces."""
     apart = set(decision["take_apart"])
 
     def named(task: str) -> str:
         return f"take {task!r} apart" if task in apart else repr(task)
 
-    now = [f"{' and '.join(at.operators)} {task!r} until {at.expected_end:g} s" for task, at in situation.running.items()]
+    def going(task: str, at: Running) -> str:
+        end = at.start + at.rested + at.stated * max(believed[who].mean if who in believed else 1.0 for who in at.operators)
+        state = "resting" if at.rests_since is not None else f"until about {end:.4g} s" if situation.now < end else f"expected by {end:.4g} s"
+        return f"{' and '.join(at.operators)} {f'taking {task!r} apart' if at.undoing else repr(task)} {state}"
+
+    now = [going(task, at) for task, at in situation.running.items()]
     told = [f"{' and '.join(row['operators'])} {named(row['task'])}" for row in decision["starts"]]
     asked = [f"{human}, please {named(task)}" for human, task in decision["announced"].items()]
     withdrawn = [f"{' and '.join(row['operators'])} not {row['task']!r} after all" for row in decision["revoked"]]
     rows = [("now", now), ("next", [*told, *asked]), ("withdrawn", withdrawn)]
     return [*(f"  {label:<9}{' · '.join(words)}" for label, words in rows if words), f"  {'why':<9}{decision['why']}"]
-
-
-def paces(shift: Shift) -> list[str]:
-    """What is believed of each human's pace, once something was seen of it."""
-    from tandem.dispatch.pace import estimates
-
-    found = estimates(shift.situation, shift.settings.options.prior)
-    return [f"  {'pace':<9}{human} needs {pace.words}" for human, pace in found.items() if pace.seen]
 
 
 def _latency(document: dict[str, Any]) -> str:
