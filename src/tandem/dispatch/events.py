@@ -228,9 +228,7 @@ class _Reading:
         names = value if given[0] == "operators" and isinstance(value, list) else [value]
         names = [str(who) if isinstance(who, int) and not isinstance(who, bool) else who for who in names]
         if not names or not all(isinstance(who, str) for who in names):
-            self.faults.append(
-                f"{name}: `{given[0]}` is {_shown(value)}; it must be {'names' if given[0] == 'operators' else 'the name'} of operators."
-            )
+            self.faults.append(f"{name}: `{given[0]}` is {_shown(value)}; it must name operators of the cell.")
             return ()
         unknown = [who for who in dict.fromkeys(names) if who not in self.cell.operators]
         self.faults += [f"the cell has no operator {_shown(who)}. {Known(self.cell.operators).hint(who)}" for who in unknown]
