@@ -36,6 +36,7 @@ def document(situation: Situation, answered: Answered, number: int) -> Document:
         "at": situation.now,
         "starts": [{"task": task, "operators": list(order.operators), "order": order.number} for task, order in now.orders.items()],
         "announced": dict(now.announced),
+        "asks": [{"task": task, "operators": list(who)} for task, who in decision.asks],
         "take_apart": [task for task in situation.wrong if task in now.orders or task in now.announced.values()],
         "revoked": [{"task": task, "operators": list(order.operators), "order": order.number} for task, order in revoked(situation, now).items()],
         "alternatives": [
