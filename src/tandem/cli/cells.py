@@ -107,11 +107,24 @@ def convert_command(cell_file: str, form: str | None, output: Path | None) -> No
 
 
 @click.command("schema")
-def schema_command() -> None:
-    """Print the JSON Schema of cell files, for editors that check while you type."""
-    from tandem.cell.schema import schema_text
+@click.option(
+    "--of",
+    "what",
+    type=click.Choice(["cell", "events", "decisions"]),
+    default="cell",
+    show_default=True,
+    help="Cell files, or the lines of `tandem dispatch`.",
+)
+def schema_command(what: str) -> None:
+    """Print the JSON Schema of cell files, for editors that check while you type; or of a shift's events and decisions."""
+    if what == "cell":
+        from tandem.cell.schema import schema_text
 
-    click.echo(schema_text(), nl=False)
+        click.echo(schema_text(), nl=False)
+    else:
+        from tandem.dispatch.schema import schema_text as live_schema_text
+
+        click.echo(live_schema_text(what), nl=False)
 
 
 def _put(cell: Cell, output: Path | None) -> None:
