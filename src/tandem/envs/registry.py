@@ -13,7 +13,11 @@ from tandem.errors import UsageError
 if TYPE_CHECKING:
     from pettingzoo import ParallelEnv
 
-PARALLEL = {"thesis": "tandem.envs.thesis.parallel:ThesisParallel", "events": "tandem.envs.events.parallel:EventsParallel"}
+PARALLEL = {
+    "chessboard": "tandem.envs.chessboard.parallel:ChessboardParallel",
+    "thesis": "tandem.envs.thesis.parallel:ThesisParallel",
+    "events": "tandem.envs.events.parallel:EventsParallel",
+}
 """Name -> the PettingZoo face, `module:class`."""
 
 SINGLE = {"tandem/Thesis-v0": "tandem.envs.thesis.single:ThesisEnv", "tandem/RobotBesideHuman-v0": "tandem.envs.events.single:RobotBesideHuman"}
