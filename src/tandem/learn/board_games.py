@@ -14,7 +14,6 @@ from tandem.cell.chessboard import Board, Who
 from tandem.envs import chessboard
 from tandem.envs.chessboard import HUMAN, ROBOT, Layout, State
 from tandem.envs.chessboard.layout import waits
-from tandem.envs.chessboard.world import bottom
 from tandem.learn.features import Ahead, Standing, ahead, look, time_to_come
 
 Array = Any

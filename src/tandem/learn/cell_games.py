@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import jax
 import jax.numpy as jnp
@@ -22,6 +22,17 @@ Array = Any
 
 STUCK = 2.0
 """What each unit of work costs, twice its time, that is left when limits were spent so that nothing can go on."""
+
+
+class Asked(NamedTuple):
+    """An assembly in which somebody is asked, or which is over.
+
+    world: how it stands. mask: `[W]` bool, the ways that are legal for anybody. turn: `[]` int32, whose turn it is, -1 for nobody's.
+    """
+
+    world: State
+    mask: Array
+    turn: Array
 
 
 @partial(
@@ -82,50 +93,45 @@ class CellGame:
         events = tasks + int(np.prod(self.arrays.break_to.shape[-2:])) + tasks * self.waiting
         return tasks + self.waiting * operators * events
 
-    def reset(self) -> State:
-        return self._until_asked(jax.tree.map(jnp.asarray, world.reset(jax.tree.map(jnp.asarray, self.arrays))))
+    def reset(self) -> Asked:
+        arrays = jax.tree.map(jnp.asarray, self.arrays)
+        return self._until_asked(jax.tree.map(jnp.asarray, world.reset(arrays)))
 
-    def legal(self, state: State) -> Array:
-        mask = world.legal(self.arrays, state)
-        me = world.turn(self.arrays, mask)
-        mine = world.legal_of(self.arrays, mask, me)
-        return jnp.append(mine, (me >= 0) & world.may_wait(self.arrays, state, mask, me)) if self.waiting else mine
+    def legal(self, state: Asked) -> Array:
+        mine = world.legal_of(self.arrays, state.mask, state.turn)
+        if not self.waiting:
+            return mine
+        return jnp.append(mine, (state.turn >= 0) & world.may_wait(self.arrays, state.world, state.mask, state.turn))
 
-    def to_play(self, state: State) -> Array:
-        return world.turn(self.arrays, world.legal(self.arrays, state))
+    def to_play(self, state: Asked) -> Array:
+        return state.turn
 
-    def step(self, state: State, move: Array) -> tuple[State, Array]:
+    def step(self, state: Asked, move: Array) -> tuple[Asked, Array]:
+        waits, over = move >= self.arrays.way_ticks.shape[0], self.is_over(state)
+        before = state.world
+        begun = world.assign(self.arrays, before, jnp.where(waits | over, -1, move))
+        after = self._until_asked(world.wait(begun, jnp.where(waits, state.turn, -1)))
+        cost = self.time_weight * (after.world.clock - before.clock) / self.per_second
+        cost += self.stress_weight * (world.stress(self.arrays, after.world) - world.stress(self.arrays, before)) / self.per_stress
+        left = jnp.sum(jnp.where(after.world.way < 0, self.ahead.least, 0.0)) * self.unit * STUCK
+        return after, cost + jnp.where(~over & self.is_over(after), left, 0.0)
+
+    def is_over(self, state: Asked) -> Array:
+        return state.turn < 0
+
+    def observe(self, state: Asked) -> Any:
+        legal, now = self.legal(state), self._standing(state.world)
         ways = self.arrays.way_ticks.shape[0]
-        me = self.to_play(state)
-        begun = world.assign(self.arrays, state, jnp.where((me < 0) | (move >= ways), -1, move))
-        begun = world.wait(begun, jnp.where(move >= ways, me, -1))
-        after = self._until_asked(begun)
-        cost = self.time_weight * (after.clock - state.clock) / self.per_second
-        cost += self.stress_weight * (world.stress(self.arrays, after) - world.stress(self.arrays, state)) / self.per_stress
-        left = jnp.sum(jnp.where(after.way < 0, self.ahead.least, 0.0)) * self.unit * STUCK
-        newly_stuck = ~self.is_over(state) & self.is_over(after) & ~world.is_done(after)
-        return after, cost + jnp.where(newly_stuck, left, 0.0)
-
-    def is_over(self, state: State) -> Array:
-        return self.to_play(state) < 0
-
-    def observe(self, state: State) -> Any:
-        legal, now = self.legal(state), self._standing(state)
-        ways = self.arrays.way_ticks.shape[0]
-        free_of_others = (missing(self.ahead, now.ended) == 0) & ~now.begun
-        there = self.arrays.way_open & free_of_others[self.arrays.way_task]
+        waits_for_none = (missing(self.ahead, now.ended) == 0) & ~now.begun
+        there = self.arrays.way_open & waits_for_none[self.arrays.way_task]
         way, waits = jnp.arange(ways), jnp.zeros(ways, bool)
         if self.waiting:
             way, waits, there = jnp.append(way, 0), jnp.append(waits, True), jnp.append(there, legal[-1])
-        return look(self.ahead, now, self.to_play(state), way, there, legal, waits)
+        return look(self.ahead, now, state.turn, way, there, legal, waits)
 
-    def least(self, state: State) -> Array:
-        stress = jnp.sum(jnp.where(state.way < 0, self.ahead.least_stress, 0.0))
-        return (time_to_come(self.ahead, self._standing(state)) + stress) * self.unit
-
-    def is_done(self, state: State) -> Array:
-        """`[]` bool, every task has ended; False for a game that is over because nothing can go on."""
-        return world.is_done(state)
+    def least(self, state: Asked) -> Array:
+        stress = jnp.sum(jnp.where(state.world.way < 0, self.ahead.least_stress, 0.0))
+        return (time_to_come(self.ahead, self._standing(state.world)) + stress) * self.unit
 
     def _standing(self, state: State) -> Standing:
         tick = 1.0 / (self.per_second * self.unit / self.time_weight)
@@ -133,19 +139,22 @@ class CellGame:
         left = jnp.where(begun & ~ended, state.end_at - state.clock, 0) * tick
         return Standing(begun, ended, left, jnp.maximum(state.free_at - state.clock, 0) * tick)
 
-    def _until_asked(self, state: State) -> State:
+    def _until_asked(self, state: State) -> Asked:
         """Time runs until somebody can choose, or all is done, or nothing can go on."""
 
-        def goes_on(state: State) -> Array:
-            nobody = world.turn(self.arrays, world.legal(self.arrays, state)) < 0
-            return nobody & ~world.is_done(state) & (world.next_event(self.arrays, state) < NEVER)
+        def asked(state: State) -> Asked:
+            mask = world.legal(self.arrays, state)
+            return Asked(state, mask, world.turn(self.arrays, mask))
 
-        return jax.lax.while_loop(goes_on, lambda state: world.advance(self.arrays, state), state)
+        def goes_on(now: Asked) -> Array:
+            return (now.turn < 0) & ~world.is_done(now.world) & (world.next_event(self.arrays, now.world) < NEVER)
+
+        return jax.lax.while_loop(goes_on, lambda now: asked(world.advance(self.arrays, now.world)), asked(state))
 
 
 def reached(cell: Cell, played: Any) -> Reached:
     """What one game of the cell reached, from its `cost` and last `state`, in the cell's seconds and stress; NumPy arrays."""
-    names, state = Names.of(cell), played.state
+    names, state = Names.of(cell), played.state.world
     if not world.is_done(state):
         return Reached(None, None, 0, float(played.cost), None)
     makespan, stress = names.seconds(world.makespan(state)), names.stress(world.stress(names.arrays(), state))

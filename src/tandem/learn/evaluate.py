@@ -1,9 +1,10 @@
-"""Trained policies played in NumPy, beside the exact front, the best dispatch rule and a random player. No JAX is loaded."""
+"""Trained policies played beside the exact front, the best dispatch rule and a random player. PPO's play in NumPy: no JAX is loaded for them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from tandem.envs.thesis.world import legal as legal_now
 from tandem.errors import NothingFoundError, UsageError
 from tandem.learn.gaps import relative_gap
 from tandem.learn.policy import Policy
+from tandem.learn.reached import Reached
 from tandem.learn.recipes import OBSERVATIONS
 from tandem.learn.runs import RunFolder
 from tandem.plan.methods import plan
@@ -96,13 +98,13 @@ def evaluate(folder: str | Path, cell: Cell | None = None, *, seed: int | None =
     """Plays one seed of a run: greedy, sampled, best of the sampled; and a random player and the dispatch rules beside it.
 
     Args:
-      cell: another cell than the run's own; it needs as many tasks.
+      cell: another cell than the run's own; for PPO it needs as many tasks.
       seed: which policy; the run's first when absent. It also seeds the draws.
       episodes: of the sampled and the random player.
       front_limit: seconds for the exact front.
 
     Raises:
-      CellError: the folder holds no run, or the station cannot hold the cell.
+      CellError: the folder holds no run, or the algorithm cannot hold the cell.
       UsageError: no such seed, or the policy does not fit the cell.
     """
     run = RunFolder(Path(folder))
@@ -111,7 +113,25 @@ def evaluate(folder: str | Path, cell: Cell | None = None, *, seed: int | None =
         seed = run.seeds[0] if run.seeds else asked["seeds"][0]
     if seed not in run.seeds:
         raise UsageError(f"{folder}: has no policy of seed {seed}; there are {', '.join(map(str, run.seeds)) or 'none yet'}.")
-    return judge(Policy.load(run.policy(seed)), cell or Cell.model_validate(asked["cell"]), seed=seed, episodes=episodes, front_limit=front_limit)
+    plays_on = cell or Cell.model_validate(asked["cell"])
+    if (algorithm := asked.get("algorithm", "ppo")) != "ppo":
+        return _judge_turns(algorithm, run.policy(seed), plays_on, asked, seed, episodes, front_limit)
+    return judge(Policy.load(run.policy(seed)), plays_on, seed=seed, episodes=episodes, front_limit=front_limit)
+
+
+def _judge_turns(algorithm: str, path: Path, cell: Cell, asked: dict[str, Any], seed: int, episodes: int, front_limit: float) -> Evaluation:
+    """`evaluate` for an algorithm that plays a game of turns: its own players, beside the rules and a random player of the same game."""
+    from tandem.learn.algorithms import ALGORITHMS
+    from tandem.learn.trainer import Order
+    from tandem.learn.turns import at_random, paid
+
+    order = Order.from_dict(asked)
+    front, weights = _front(cell, front_limit), paid(order.stress_factor)
+    found = dict(import_module(ALGORITHMS[algorithm]).players(path, cell, order, seed=seed, episodes=episodes))
+    lines = [_line(cell, front, weights, player, reached) for player, reached in found.items()]
+    rule = _best_rule(cell, front, weights)
+    by_chance = _line(cell, front, weights, "random", at_random(cell, order, games=episodes, seed=seed))
+    return Evaluation(cell, front, tuple(line for line in (*lines, rule, by_chance) if line), order.stress_factor, seed)
 
 
 def judge(policy: Policy, cell: Cell, *, seed: int = 0, episodes: int = 100, front_limit: float = 30.0) -> Evaluation:
@@ -119,21 +139,18 @@ def judge(policy: Policy, cell: Cell, *, seed: int = 0, episodes: int = 100, fro
     notes = policy.notes
     rewards = reward_set(notes["rewards"], stress_factor=notes["stress_factor"])
     front = _front(cell, front_limit)
-    table = _Table(cell, rewards, notes["pace"], front)
+    scale = whole_ticks(cell)
+    paid = {"step": float(rewards.step), "per_second": scale, "stress_factor": float(rewards.stress_factor)}
     draws = np.random.default_rng(seed)
-    greedy = table.play(chooser(policy, notes["pace"]), 1)
-    sampled = table.play(chooser(policy, notes["pace"], draws), episodes)
-    by_chance = table.play(random_chooser(draws), episodes, pace="decisions")
+    greedy = _episodes(cell, rewards, chooser(policy, notes["pace"]), 1, notes["pace"])
+    sampled = _episodes(cell, rewards, chooser(policy, notes["pace"], draws), episodes, notes["pace"])
+    by_chance = _episodes(cell, rewards, random_chooser(draws), episodes, "decisions")
     finished = [episode for episode in sampled if episode.done]
-    best = [max(finished, key=lambda episode: sum(episode.returns))] if finished else sampled[:1]
-    lines = [
-        table.line("greedy", greedy),
-        table.line("sampled", sampled),
-        table.line(f"best of {episodes}", best),
-        table.best_rule(),
-        table.line("random", by_chance),
-    ]
-    return Evaluation(cell, front, tuple(line for line in lines if line), notes["stress_factor"], seed)
+    best = [min(finished, key=lambda episode: episode.cost)] if finished else sampled[:1]
+    players = {"greedy": greedy, "sampled": sampled, f"best of {episodes}": best}
+    lines = [_line(cell, front, paid, player, reached) for player, reached in players.items()]
+    lines += [line for line in (_best_rule(cell, front, paid), _line(cell, front, paid, "random", by_chance)) if line]
+    return Evaluation(cell, front, tuple(lines), notes["stress_factor"], seed)
 
 
 def chooser(policy: Policy, pace: str, generator: np.random.Generator | None = None) -> Choose:
@@ -174,56 +191,55 @@ def random_chooser(generator: np.random.Generator) -> Choose:
     return choose
 
 
-@dataclass(frozen=True)
-class _Table:
-    cell: Cell
-    rewards: Rewards
-    pace: str
-    front: Front | None
+def _line(cell: Cell, front: Front | None, paid: dict[str, Any], player: str, episodes: Sequence[Reached]) -> Line:
+    ended = [(episode.makespan, episode.stress) for episode in episodes if episode.makespan is not None and episode.stress is not None]
+    makespan, makespan_ci = _mean([makespan for makespan, _ in ended])
+    stress, stress_ci = _mean([stress for _, stress in ended])
+    alone = episodes[0].schedule if len(episodes) == 1 else None
+    wrong = faults(cell, alone) if alone else []
+    return Line(
+        player,
+        len(episodes),
+        len(ended) / len(episodes),
+        makespan,
+        stress,
+        makespan_ci,
+        stress_ci,
+        float(np.mean([episode.illegal for episode in episodes])),
+        relative_gap(front, makespan, stress, **paid),
+        alone if ended and not wrong else None,
+        tuple(wrong),
+    )
 
-    def play(self, choose: Choose, episodes: int, pace: str | None = None) -> list[Episode]:
-        scale = whole_ticks(self.cell)
-        return [play(self.cell, self.rewards, choose, by=pace or self.pace, per_second=scale, limit=1400 * scale) for _ in range(episodes)]
 
-    def line(self, player: str, episodes: Sequence[Episode]) -> Line:
-        scale = whole_ticks(self.cell)
-        ended = [episode for episode in episodes if episode.done]
-        makespan, makespan_ci = _mean([episode.ticks / scale for episode in ended])
-        stress, stress_ci = _mean([episode.stress for episode in ended])
-        wrong = faults(self.cell, episodes[0].schedule) if len(episodes) == 1 else []
-        return Line(
-            player,
-            len(episodes),
-            len(ended) / len(episodes),
-            makespan,
-            stress,
-            makespan_ci,
-            stress_ci,
-            float(np.mean([episode.illegal for episode in episodes])),
-            self._gap(makespan, stress),
-            episodes[0].schedule if len(episodes) == 1 and ended and not wrong else None,
-            tuple(wrong),
-        )
+def _best_rule(cell: Cell, front: Front | None, paid: dict[str, Any]) -> Line | None:
+    """The dispatch rule whose best schedule costs least under these rewards; the random rules are no rules."""
+    found = []
+    for name in RULES:
+        if name in ("random", "best-of-n"):
+            continue
+        try:
+            for result in plan(cell, method=name, seed=0):
+                gap = relative_gap(front, result.makespan, result.stress, **paid)
+                found.append((gap, result.makespan, result.stress, name, result.schedule))
+        except NothingFoundError:
+            continue
+    if not found:
+        return None
+    gap, makespan, stress, name, schedule = min(found, key=lambda item: (item[0] if item[0] is not None else item[1], item[3]))
+    return Line(f"rule {name}", 1, 1.0, plain(makespan), plain(stress), None, None, 0.0, gap, schedule)
 
-    def best_rule(self) -> Line | None:
-        """The dispatch rule whose best schedule costs least under these rewards; the random rules are no rules."""
-        found = []
-        for name in RULES:
-            if name in ("random", "best-of-n"):
-                continue
-            try:
-                for result in plan(self.cell, method=name, seed=0):
-                    found.append((self._gap(result.makespan, result.stress), result.makespan, result.stress, name, result.schedule))
-            except NothingFoundError:
-                continue
-        if not found:
-            return None
-        gap, makespan, stress, name, schedule = min(found, key=lambda item: (item[0] if item[0] is not None else item[1], item[3]))
-        return Line(f"rule {name}", 1, 1.0, plain(makespan), plain(stress), None, None, 0.0, gap, schedule)
 
-    def _gap(self, makespan: float | None, stress: float | None) -> float | None:
-        paid = {"step": float(self.rewards.step), "per_second": whole_ticks(self.cell), "stress_factor": float(self.rewards.stress_factor)}
-        return relative_gap(self.front, makespan, stress, **paid)
+def _episodes(cell: Cell, rewards: Rewards, choose: Choose, episodes: int, pace: str) -> list[Reached]:
+    """Episodes on the thesis's station."""
+    scale = whole_ticks(cell)
+    found = [play(cell, rewards, choose, by=pace, per_second=scale, limit=1400 * scale) for _ in range(episodes)]
+    return [_reached(episode, scale) for episode in found]
+
+
+def _reached(episode: Episode, per_second: int) -> Reached:
+    done = (episode.ticks / per_second, episode.stress) if episode.done else (None, None)
+    return Reached(*done, episode.illegal, -float(sum(episode.returns)), episode.schedule)
 
 
 def _mean(values: Sequence[float]) -> tuple[float | None, float | None]:

@@ -57,7 +57,7 @@ class Standing(NamedTuple):
 
 
 def ahead(task: Array, uses: Array, time: Array, stress: Array, needs: Array, human: Array) -> Ahead:
-    """From plain arrays, NumPy in and out: `task` `[W]`, `uses` `[W, O]` bool, `time` and `stress` `[W]` in units, `needs` `[T, T]` bool, `human` `[O]`."""
+    """From plain NumPy arrays: `task` `[W]`, `uses` `[W, O]` bool, `time` and `stress` `[W]` in units, `needs` `[T, T]` bool, `human` `[O]`."""
     tasks = needs.shape[0]
     behind = needs.T.copy()  # [i, j]: j comes after i
     for middle in range(tasks):
@@ -128,11 +128,15 @@ def look(ahead: Ahead, now: Standing, me: Array, way: Array, there: Array, mine:
     uses = ahead.uses[way]
     able = uses @ my
     starts = ahead.time[way]
+    tail, later = ahead.tail[task], ahead.tail[task] - ahead.least[task]
     parts = [
-        starts, ahead.stress[way], ahead.tail[task] / to_come, (longest - ahead.tail[task]) / to_come, (ahead.tail[task] - ahead.least[task]) / to_come,
-        *(behind.T / to_come), *unlocks.T, *helps.T, starts - ahead.least[task], able, jnp.sum(uses, 1) - 1.0, jnp.minimum(uses @ others, 1.0),
-        ahead.open[task] > 0, mine.astype(jnp.float32), now.busy @ uses.T,
-    ]  # fmt: skip
+        *(starts, ahead.stress[way], tail / to_come, (longest - tail) / to_come, later / to_come),
+        *(behind.T / to_come),
+        *unlocks.T,
+        *helps.T,
+        *(starts - ahead.least[task], able, jnp.sum(uses, 1) - 1.0, jnp.minimum(uses @ others, 1.0), ahead.open[task] > 0),
+        *(mine, now.busy @ uses.T),
+    ]
     rows = jnp.stack([jnp.asarray(part, jnp.float32) for part in parts], 1) * real[:, None]
     rows = jnp.concatenate([rows, waits.astype(jnp.float32)[:, None]], 1)
     busy_others = jnp.where(my > 0, 0.0, now.busy)

@@ -87,6 +87,17 @@ class YuSearch:
 
 
 @dataclass(frozen=True)
+class Wander:
+    """No search: what the network likes best, and with a probability of `share` any legal move instead."""
+
+    share: float = 0.05
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.share <= 1:
+            raise UsageError(f"share {self.share}: must lie between 0 and 1.")
+
+
+@dataclass(frozen=True)
 class Config:
     """How a network is trained.
 

@@ -42,17 +42,13 @@ def search(key: Array, judge: Judge, parameters: Parameters, games: Game, states
     seen = jax.vmap(lambda game, state: opinion(judge, parameters, game, state))(games, states)
     root = mctx.RootFnOutput(prior_logits=seen.logits, value=-seen.to_come, embedding=states)
     known = (parameters, games)
-    shared = {"invalid_actions": ~legal, "max_depth": config.depth}
+    told: dict[str, Any] = {"invalid_actions": ~legal, "max_depth": config.depth}
     if config.kind == "gumbel":
-        found = mctx.gumbel_muzero_policy(
-            known, key, root, _expand(judge), config.simulations,
-            max_num_considered_actions=config.considered, gumbel_scale=config.gumbel_scale, **shared,
-        )  # fmt: skip
+        run, own = mctx.gumbel_muzero_policy, {"max_num_considered_actions": config.considered, "gumbel_scale": config.gumbel_scale}
     else:
-        found = mctx.muzero_policy(
-            known, key, root, _expand(judge), config.simulations,
-            pb_c_init=config.exploration, dirichlet_fraction=config.noise, dirichlet_alpha=config.noise_alpha, temperature=config.temperature, **shared,
-        )  # fmt: skip
+        noise = {"dirichlet_fraction": config.noise, "dirichlet_alpha": config.noise_alpha}
+        run, own = mctx.muzero_policy, {"pb_c_init": config.exploration, "temperature": config.temperature, **noise}
+    found = run(known, key, root, _expand(judge), config.simulations, **told, **own)
     return Found(found.action, found.action_weights, -found.search_tree.node_values[:, 0])
 
 

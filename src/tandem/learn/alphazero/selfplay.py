@@ -11,16 +11,27 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from tandem.learn.alphazero.config import Search, YuSearch
+from tandem.learn.alphazero.config import Search, Wander, YuSearch
 from tandem.learn.alphazero.network import Judge, Parameters, liked
 from tandem.learn.alphazero.search import Found, search
 from tandem.learn.alphazero.yu_search import yu_search
 from tandem.learn.game import Game, State
 
 Array = Any
-Looking = Search | YuSearch
+Looking = Search | YuSearch | Wander
 
-SEARCHES: dict[type[Looking], Any] = {Search: search, YuSearch: yu_search}
+
+def wander(key: Array, judge: Judge, parameters: Parameters, games: Game, states: State, config: Wander) -> Found:
+    """What the network likes best, or now and then any legal move; `Found.policy` names what it likes, and nothing is said of what is to come."""
+    pick_key, astray_key = jax.random.split(key)
+    legal = jax.vmap(lambda game, state: game.legal(state))(games, states)
+    best = jax.vmap(lambda game, state: liked(judge, parameters, game, state))(games, states)
+    drawn = jnp.argmax(jnp.where(legal, jax.random.uniform(pick_key, legal.shape), -1.0), -1)
+    astray = jax.random.uniform(astray_key, best.shape) < config.share
+    return Found(jnp.where(astray, drawn, best).astype(jnp.int32), jax.nn.one_hot(best, legal.shape[1]), jnp.zeros(best.shape))
+
+
+SEARCHES: dict[type[Looking], Any] = {Search: search, YuSearch: yu_search, Wander: wander}
 """How a search is told -> the search. One more is a line here."""
 
 

@@ -14,10 +14,11 @@ from tandem.cell.storing import store
 from tandem.errors import CellError, Fault
 from tandem.learn.alphazero.network import Judge, Parameters, Scorer
 from tandem.learn.alphazero.yu_network import YuNetworks
+from tandem.learn.dqn.network import ValueNetworks
 
 FORMAT = "tandem network 1"
 
-NETWORKS: dict[str, type[Judge]] = {"scorer": Scorer, "yu": YuNetworks}
+NETWORKS: dict[str, type[Judge]] = {"scorer": Scorer, "yu": YuNetworks, "values": ValueNetworks}
 """What a file says of its network's form -> that form. One more is a line here."""
 
 

@@ -97,7 +97,9 @@ def _added(tree: Tree, node: Any, state: State, really: Array, judge: Judge, par
     legal = game.legal(state)
     prior = jax.nn.softmax(seen.logits) * legal  # a softmax over all columns, then the mask, as the authors have it
     new = (state, seen.to_come, legal, prior)
-    kept = jax.tree.map(lambda all_, one: all_.at[node].set(jnp.where(really, one, all_[node])), (tree.state, tree.value, tree.legal, tree.prior), new)
+    kept = jax.tree.map(
+        lambda all_, one: all_.at[node].set(jnp.where(really, one, all_[node])), (tree.state, tree.value, tree.legal, tree.prior), new
+    )
     return tree._replace(**dict(zip(("state", "value", "legal", "prior"), kept, strict=True)))
 
 
@@ -133,6 +135,7 @@ def _chosen(tree: Tree, node: Array, config: YuSearch) -> Array:
 
 def _until_my_turn(state: State, move: Array, me: Array, judge: Judge, parameters: Parameters, game: Game) -> tuple[State, Array]:
     """My move, then what the other's network likes best until I am asked again or all is over; and what it cost."""
+
     def goes_on(carry: tuple[State, Array]) -> Array:
         return ~game.is_over(carry[0]) & (game.to_play(carry[0]) != me)
 

@@ -21,7 +21,10 @@ Array = Any
 
 
 class Positions(NamedTuple):
-    """What an agent remembers, a ring: board `[K, h, w, 3]`, legal `[K, w]` bool, policy `[K, w]`, to_come `[K]` seconds. written: `[]` int32, ever."""
+    """What an agent remembers, a ring: board `[K, h, w, 3]`, legal `[K, w]` bool, policy `[K, w]`, to_come `[K]`, seconds.
+
+    written: `[]` int32, how many ever.
+    """
 
     board: Array
     legal: Array

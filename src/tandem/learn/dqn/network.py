@@ -1,0 +1,37 @@
+"""What a move costs, as each agent has learned it: the network of `alphazero.network`, read as Q-values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from tandem.learn.alphazero.network import Opinion, Scorer
+from tandem.learn.game import Look
+
+Array = Any
+
+
+@dataclass(frozen=True)
+class ValueNetworks:
+    """Q(s, a) is the cost that is still to come when the agent whose turn it is does a: what the state says plus what the move says.
+
+    Attributes:
+      agents: so many networks, one for each; 1 decides for all. Every array of the parameters has them as its leading axis.
+      units: of the layers.
+    """
+
+    agents: int = 1
+    units: int = 64
+
+    def start(self, key: Array, game: Any = None) -> Any:
+        return jax.vmap(Scorer(self.units).start)(jax.random.split(key, self.agents))
+
+    def read(self, parameters: Any, seen: Look, least: Array, mover: Array) -> Opinion:
+        """The logits are minus the Q-values, so that the best move has the largest."""
+        each = jax.vmap(lambda own: Scorer(self.units).judge(jnp, own, seen, least))(parameters)
+        mine = jnp.clip(mover, 0, self.agents - 1)
+        to_come = each.to_come[mine]
+        return Opinion(-(to_come + each.logits[mine]), to_come)
