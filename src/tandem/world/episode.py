@@ -253,7 +253,7 @@ class Episode:
       done: all was done; else nothing could be done any more.
       work: everything that was begun, in order; a task that went wrong is in it several times.
       undone: the disassemblies among them.
-      decisions, changes: see `Shift`.
+      decisions, events, changes: see `Shift`.
     """
 
     makespan: float
@@ -262,6 +262,7 @@ class Episode:
     work: tuple[Assignment, ...]
     undone: tuple[Assignment, ...]
     decisions: int
+    events: int
     changes: int
 
 
@@ -285,6 +286,7 @@ def play_one(names: Names, arrays: Arrays, fate: Fate, people: Person, decide: D
         work=tuple(work),
         undone=tuple(undone),
         decisions=int(shift.decisions),
+        events=int(shift.events),
         changes=int(shift.changes),
     )
 

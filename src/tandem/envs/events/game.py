@@ -78,6 +78,8 @@ class Game:
         self.arrays = self.names.arrays(undo=options.chance.undo if self.people.makes_mistakes else None)
         self.draw = Draw.of(self.names, self.arrays, options.chance)
         longest = [max(mode.time for mode in self.cell.modes(task)) for task in self.cell.tasks]
+        self._masked: Shift | None = None
+        self._masks: dict[int, NDArray[np.int8]] = {}
         self.limit = self.names.ticks(20 * sum(longest) if options.limit is None else options.limit)
         self.reset(np.random.default_rng(0))
 
@@ -139,9 +141,13 @@ class Game:
     def mask(self, operator: int) -> NDArray[np.int8]:
         """`[W + 1]`, 1 = the operator may choose it; 0 waits, i begins way i - 1. Who has nothing to choose waits."""
         shift, arrays = self.shift, self.arrays
-        mine = world.legal_of(arrays, shift.mask, np.int32(operator))
-        waits = not mine.any() or bool(world.may_wait(arrays, shift.state, shift.mask, np.int32(operator)))
-        return np.concatenate([[waits], mine]).astype(np.int8)
+        if self._masked is not shift:
+            self._masked, self._masks = shift, {}
+        if operator not in self._masks:
+            mine = world.legal_of(arrays, shift.mask, np.int32(operator))
+            waits = not mine.any() or bool(world.may_wait(arrays, shift.state, shift.mask, np.int32(operator)))
+            self._masks[operator] = np.concatenate([[waits], mine]).astype(np.int8)
+        return self._masks[operator].copy()
 
     def observe(self, operator: int) -> NDArray[np.float32]:
         """`[D]`, see `observations.observe`."""
