@@ -26,7 +26,7 @@ import optax
 
 from tandem.errors import UsageError
 from tandem.learn.networks import ACTIVATIONS, ILLEGAL, Network, init
-from tandem.learn.pairs import FIRST, SECOND, Networks, answered, candidates, choose, scores, value_of, values_of
+from tandem.learn.pairs import FIRST, SECOND, Networks, asked_with, candidates, choose, scores, value_of, values_of
 from tandem.learn.world import State, World
 
 Array = jax.Array
@@ -117,8 +117,6 @@ class Config:
             yield f"activation {self.activation!r}: choose {' or '.join(ACTIVATIONS)}."
         if self.actors_learn not in ACTORS_LEARN:
             yield f"actors_learn {self.actors_learn!r}: choose {' or '.join(ACTORS_LEARN)}."
-        if self.noise_in_targets and not self.noise:
-            yield "noise_in_targets: there is no noise; give it a spread with `noise`."
 
     @property
     def rounds(self) -> int:
@@ -149,7 +147,8 @@ class Learner(NamedTuple):
 
     networks, targets: actors and critic, and what trails behind them.
     moments: of the optimiser, by network.
-    state: the worlds being played, leading axis `N`. paid: `[N]`, their returns so far. noise: `[N, K]`, now on the human's scores.
+    state: the worlds being played, leading axis `N`. paid: `[N]`, their returns so far.
+    spread: `[]`, of the noise on the human's scores; 0 for none. noise: `[N, K]`, that noise now.
     key: for what is still to be drawn.
     rounds: `[]` int32, steps of all environments done.
     """
@@ -160,6 +159,7 @@ class Learner(NamedTuple):
     replay: Replay
     state: State
     paid: Array
+    spread: Array
     noise: Array
     key: Array
     rounds: Array
@@ -189,9 +189,12 @@ class Sample(NamedTuple):
     later_pairs: Array
 
 
-def train(key: Array, world: World, config: Config) -> tuple[Learner, Report]:
-    """A whole training; the reports have a leading axis of `config.rounds`. Pure: the same key gives the same networks."""
-    return advance(start(key, world, config), world, config, config.rounds)
+def train(key: Array, world: World, config: Config, noise: Array | float | None = None) -> tuple[Learner, Report]:
+    """A whole training; the reports have a leading axis of `config.rounds`. Pure: the same key gives the same networks.
+
+    `noise` `[]` stands for `config.noise` when given: as data, so that trainings with and without it run side by side.
+    """
+    return advance(start(key, world, config, noise), world, config, config.rounds)
 
 
 def advance(learner: Learner, world: World, config: Config, rounds: int) -> tuple[Learner, Report]:
@@ -199,8 +202,8 @@ def advance(learner: Learner, world: World, config: Config, rounds: int) -> tupl
     return jax.lax.scan(lambda learner, _: round_(learner, world, config), learner, None, rounds)
 
 
-def start(key: Array, world: World, config: Config) -> Learner:
-    """A learner that knows nothing yet."""
+def start(key: Array, world: World, config: Config, noise: Array | float | None = None) -> Learner:
+    """A learner that knows nothing yet; `noise` as in `train`."""
     weight_key, reset_key, key = jax.random.split(key, 3)
     seen, choices = world.observation_size, world.actions
     actor, critic = (seen, *config.hidden, choices), (2 * seen + 2 * choices, *config.hidden, 1)
@@ -222,6 +225,7 @@ def start(key: Array, world: World, config: Config) -> Learner:
         replay,
         jax.vmap(world.reset)(jax.random.split(reset_key, n)),
         jnp.zeros(n),
+        jnp.asarray(config.noise if noise is None else noise, jnp.float32),
         jnp.zeros((n, choices)),
         key,
         jnp.zeros((), jnp.int32),
@@ -262,7 +266,7 @@ class Draws(NamedTuple):
     """All that a round leaves to chance, uniform in [0, 1): one draw, because each compiles for a second.
 
     pair: `[N, 2]`, whether a pair is random and which. noise: `[N, K]`, for the human's scores. place: `[updates, B, 2]`, row and environment of
-    the transitions that are learned from. later: `[updates, B, K]`, for the human's scores in the critic's targets. What is not needed has length 0.
+    the transitions that are learned from. later: `[updates, B, K]`, for the human's scores in the critic's targets; `K` is 0 when they have no noise.
     """
 
     pair: Array
@@ -273,7 +277,7 @@ class Draws(NamedTuple):
 
 def _draws(key: Array, world: World, config: Config) -> Draws:
     n, b, u = config.environments, config.minibatch, config.updates
-    shapes = Draws((n, 2), (n, world.actions * bool(config.noise)), (u, b, 2), (u, b, world.actions * config.noise_in_targets))  # type: ignore[arg-type]
+    shapes = Draws((n, 2), (n, world.actions), (u, b, 2), (u, b, world.actions * config.noise_in_targets))  # type: ignore[arg-type]
     sizes = [math.prod(shape) for shape in shapes]
     parts = jnp.split(jax.random.uniform(key, (sum(sizes),)), list(itertools.accumulate(sizes[:-1])))
     return Draws(*[part.reshape(shape) for part, shape in zip(parts, shapes, strict=True)])
@@ -285,12 +289,13 @@ def _normal(uniform: Array) -> Array:
 
 def act(draws: Draws, learner: Learner, seen: Array, pairs: Array, config: Config) -> tuple[Array, Array]:
     """Pairs `[N, 2]` for `seen` `[N, 2, D]` and `pairs` `[N, K, K]`, some of them at random; and the noise `[N, K]` on the human's scores now."""
-    keep, noise = config.noise_memory, learner.noise
-    if config.noise:
-        noise = keep * noise + math.sqrt(1 - keep**2) * config.noise * _normal(draws.noise)
-    chosen = jax.vmap(lambda seen, pairs, noise: choose(jnp, learner.networks, seen, pairs, config.candidates, config.activation, noise))
-    plain = jax.vmap(lambda seen, pairs: choose(jnp, learner.networks, seen, pairs, config.candidates, config.activation))
-    action = chosen(seen, pairs, noise) if config.noise else plain(seen, pairs)
+    keep = config.noise_memory
+    noise = keep * learner.noise + math.sqrt(1 - keep**2) * learner.spread * _normal(draws.noise)
+
+    def chosen(seen: Array, pairs: Array, noise: Array) -> Array:
+        return choose(jnp, learner.networks, seen, pairs, config.candidates, config.activation, noise, learner.spread > 0)
+
+    action = jax.vmap(chosen)(seen, pairs, noise)
     gone = learner.rounds / (config.rounds * max(config.explore_until, 1e-6))
     share = config.explore_from + (config.explore_to - config.explore_from) * jnp.minimum(gone, 1.0)
     share = jnp.where(learner.rounds * config.environments < config.warm_up, 1.0, share)
@@ -369,10 +374,10 @@ def targets(later: Array, learner: Learner, sample: Sample, config: Config) -> A
     `later` `[B, K]` in [0, 1): for the noise on the human's choice there, if there is any.
     """
     choosing = learner.networks if config.double else learner.targets
-    noise = _normal(later) * config.noise if config.noise_in_targets else None
+    noise = _normal(later) * learner.spread if config.noise_in_targets else None
 
     def following(seen: Array, pairs: Array, noise: Array | None) -> Array:
-        asked = answered(jnp, scores(jnp, choosing["actors"], seen, config.activation), pairs, config.candidates, noise)
+        asked = asked_with(jnp, scores(jnp, choosing["actors"], seen, config.activation), pairs, config.candidates, noise, learner.spread > 0)
         value = values_of(jnp, learner.targets["critic"], seen, asked, config.activation)
         if not config.double:
             return jnp.max(jnp.where(asked.legal, value, ILLEGAL))

@@ -11,10 +11,11 @@ import jax.numpy as jnp
 
 from tandem.cell.model import Cell
 from tandem.envs.duo import world as rules
-from tandem.envs.duo.setting import AGENTS, HUMAN, ROBOT, Duo, Setting, duo
+from tandem.envs.duo.setting import AGENTS, HUMAN, Duo, Setting
+from tandem.envs.duo.setting import duo as duo_of
 from tandem.envs.duo.world import Paid, State
 from tandem.learn.config import StageValues
-from tandem.learn.ddpg import Config, legal_pairs, random_pairs
+from tandem.learn.ddpg import legal_pairs, random_pairs
 from tandem.learn.pairs import Networks, choose
 from tandem.learn.world import Outcome
 
@@ -44,7 +45,7 @@ class DuoWorld:
     @classmethod
     def of(cls, cell: Cell, setting: Setting) -> Self:
         """The cell as arrays on the device. Raises CellError for what two agents side by side cannot express."""
-        return cls(*jax.tree.map(jnp.asarray, (duo(cell)[0], setting)))
+        return cls(*jax.tree.map(jnp.asarray, (duo_of(cell)[0], setting)))
 
     def reset(self, key: Array) -> State:
         uniform = jax.random.uniform(key, (self.duo.arrays.release.shape[0] + 4,))
@@ -90,39 +91,48 @@ class Played(NamedTuple):
     before: Paid
 
 
-def play(key: Array, networks: Networks | None, world: DuoWorld, config: Config, episodes: int, limit: int, deviates: Array | float = 0.0) -> Played:
-    """Episodes in which the pair of the highest value is taken; with `networks` None a random legal pair.
+def play(key: Array, networks: Networks | None, duo: Duo, settings: Setting, deviates: Array, candidates: int, activation: str, limit: int) -> Played:
+    """Episodes, one a setting, in which the pair of the highest value is taken; with `networks` None a random legal pair.
 
     The same key gives the same chances whatever the networks are.
 
     Args:
+      settings: leading axis `E`.
+      deviates: `[E]`, probability at each of the human's decisions that it does one of the operations it could begin, each equally likely,
+        whatever it was shown. The robot sees that and chooses again.
+      candidates, activation: as in the training's `Config`.
       limit: steps after which an episode that has not ended is left.
-      deviates: probability, at each of the human's decisions, that it does one of the operations it could begin, each equally likely, whatever it
-        was shown. The robot sees that and chooses again.
     """
+    world, episodes = DuoWorld(duo, settings), deviates.shape[0]
     reset_key, draw_key = jax.random.split(key)
     uniform = jax.random.uniform(draw_key, (limit, episodes, 3))
-    state = jax.vmap(world.reset)(jax.random.split(reset_key, episodes))
+    keys = jax.random.split(reset_key, episodes)
+    state = jax.vmap(lambda key, setting: DuoWorld(duo, setting).reset(key))(keys, settings)
     none = Paid(jnp.zeros(episodes), jnp.zeros((episodes, 2)), jnp.zeros(episodes))
     number = jnp.zeros(episodes, jnp.int32)
     actions = jnp.zeros((limit, episodes, 2), jnp.int32)
     empty = Played(state, none, number, jnp.zeros(episodes, bool), number, actions, actions, jnp.zeros((limit, episodes), jnp.int32), state, none)
 
-    def decided(seen: Array, pairs: Array, draws: Array) -> tuple[Array, Array, Array]:
-        wanted = _choice(networks, seen, pairs, draws[2], config)
+    def chosen(seen: Array, pairs: Array, uniform: Array) -> Array:
+        if networks is None:
+            return random_pairs(uniform[None], pairs[None])[0]
+        return choose(jnp, networks, seen, pairs, candidates, activation)
+
+    def decided(seen: Array, pairs: Array, draws: Array, deviates: Array) -> tuple[Array, Array, Array]:
+        wanted = chosen(seen, pairs, draws[2])
         begins = jnp.any(pairs, 0) & (jnp.arange(pairs.shape[0]) > 0)
         count = jnp.sum(begins)
         own = jnp.sum(jnp.cumsum(begins) <= draws[1] * count)
         strays = (draws[0] < deviates) & (count > 0) & (own != wanted[HUMAN])
         left = pairs & ((jnp.arange(pairs.shape[0]) == own)[None, :] | ~strays)
-        return jnp.where(strays, _choice(networks, seen, left, draws[2], config), wanted), wanted, strays
+        return jnp.where(strays, chosen(seen, left, draws[2]), wanted), wanted, strays
 
     def one(carry: tuple[Array, Played]) -> tuple[Array, Played]:
         place, so_far = carry
         state, on = so_far.state, ~so_far.done
         pairs = jax.vmap(partial(legal_pairs, world))(state)
-        action, shown, strays = jax.vmap(decided)(jax.vmap(world.observe)(state), pairs, uniform[place])
-        after, paid = jax.vmap(partial(rules.step, world.duo, world.setting))(state, action)
+        action, shown, strays = jax.vmap(decided)(jax.vmap(world.observe)(state), pairs, uniform[place], deviates)
+        after, paid = jax.vmap(partial(rules.step, duo))(settings, state, action)
         keep = lambda new, old: jnp.where(on.reshape(-1, *[1] * (old.ndim - 1)), new, old)  # noqa: E731
         total = jax.tree.map(lambda sum_, more: keep(sum_ + more, sum_), so_far.paid, paid)
         after = jax.tree.map(keep, after, state)
@@ -147,12 +157,3 @@ def _at_the_change(so_far: Played, after: State, total: Paid) -> dict[str, Any]:
     here = (after.happened.kind > 0) & (so_far.changed.happened.kind == 0)
     pick = lambda new, old: jnp.where(here.reshape(-1, *[1] * (old.ndim - 1)), new, old)  # noqa: E731
     return {"changed": jax.tree.map(pick, after, so_far.changed), "before": jax.tree.map(pick, total, so_far.before)}
-
-
-def _choice(networks: Networks | None, seen: Array, pairs: Array, uniform: Array, config: Config) -> Array:
-    if networks is None:
-        return random_pairs(uniform[None], pairs[None])[0]
-    return choose(jnp, networks, seen, pairs, config.candidates, config.activation)
-
-
-__all__ = ["ROBOT", "DuoWorld", "Played", "play"]

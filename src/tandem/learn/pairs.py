@@ -82,24 +82,37 @@ def values_of(xp: ModuleType, critic: Network, seen: Array, asked: Candidates, a
     return _rest(xp, critic, common + asked.second @ weights[:number], activation)
 
 
-def choose(xp: ModuleType, networks: Networks, seen: Array, pairs: Array, number: int, activation: str, noise: Array | None = None) -> Array:
+def choose(
+    xp: ModuleType,
+    networks: Networks,
+    seen: Array,
+    pairs: Array,
+    number: int,
+    activation: str,
+    noise: Array | None = None,
+    strays: Array | None = None,
+) -> Array:
     """`[2]` int32, what the two do: the candidates' best pair in the critic's eyes.
 
     Args:
-      seen: `[2, D]`. pairs: `[K, K]` bool, see `candidates`. number: candidates an actor.
-      noise: `[K]`, added to the first agent's scores. That agent then does what its actor says, not what the critic would prefer: it stands
-        for a human who is not steered by a computer. The second agent answers as ever.
+      seen: `[2, D]`. pairs: `[K, K]` bool, see `candidates`. number: candidates an actor. noise, strays: see `asked_with`.
     """
-    asked = answered(xp, scores(xp, networks["actors"], seen, activation), pairs, number, noise)
+    asked = asked_with(xp, scores(xp, networks["actors"], seen, activation), pairs, number, noise, strays)
     return best_pair(xp, values_of(xp, networks["critic"], seen, asked, activation), asked)
 
 
-def answered(xp: ModuleType, score: Array, pairs: Array, number: int, noise: Array | None) -> Candidates:
-    """`candidates`; with `noise` `[K]` on the first agent's scores, only those pairs that have its best choice."""
-    if noise is None:
+def asked_with(xp: ModuleType, score: Array, pairs: Array, number: int, noise: Array | None, strays: Array | None) -> Candidates:
+    """`candidates`, with noise in the first agent's actor.
+
+    Args:
+      noise: `[K]`, added to the first agent's scores; None, as `strays`, for none.
+      strays: `[]` bool, where True the first agent does what its noisy actor says, not what the critic would prefer: it stands for a human who is
+        not steered by a computer. The second agent answers as ever.
+    """
+    if noise is None or strays is None:
         return candidates(xp, score, pairs, number)
     asked = candidates(xp, xp.stack([score[SECOND], score[FIRST] + noise]), pairs, number)
-    return asked._replace(legal=asked.legal & (xp.arange(number) == 0)[:, None])
+    return asked._replace(legal=asked.legal & ((xp.arange(number) == 0)[:, None] | ~strays))
 
 
 def _best(xp: ModuleType, score: Array, legal: Array, number: int) -> tuple[Array, Array]:
