@@ -19,7 +19,8 @@ from tandem.envs.duo.setting import HUMAN, ROBOT, duo, setting
 from tandem.errors import UsageError
 from tandem.experiments.zhang2022_play import fresh, pairs_of
 from tandem.learn import ddpg
-from tandem.learn.ddpg import Config, Replay, drawn, legal_pairs, random_pairs, store
+from tandem.learn.ddpg import Replay, drawn, legal_pairs, random_pairs, store
+from tandem.learn.ddpg_config import Config
 from tandem.learn.duo import DuoWorld
 from tandem.learn.pairs import asked_with, candidates, choose, scores, value_of, values_of
 

@@ -114,6 +114,7 @@ SYSTEMS: dict[str, System] = {
     "antonelli2021": System("Antonelli et al. 2021: Q-learning with disassembly", "tandem.experiments.antonelli2021"),
     "yu2020": System("Yu, Huang, Chang 2020: the chessboard and AlphaGo-Zero-style search", "tandem.experiments.yu2020"),
     "cells": System("our recipe on cells that are not the thesis's", "tandem.experiments.other_cells", published=False, takes_cases=True),
+    "zhang2022": System("Zhang et al. 2022: two actors that share a critic, cooperation and collaboration", "tandem.experiments.zhang2022"),
 }
 
 

@@ -1,0 +1,186 @@
+"""Zhang, Lv, Li, Bao, Liu, Liu (2022), RCIM 73, 102227: two actors and a shared critic on an alternator-like cell, beside what is exact.
+
+Their numbers are not public: the cell, the cost and every setting of the training are ASSUMPTIONS (docs/zhang.md).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from tandem.cell.generators import layered
+from tandem.cell.model import Cell
+from tandem.cell.storing import store
+from tandem.envs.duo.setting import AGENTS, Duo, duo
+from tandem.envs.duo.yardstick import best_rule, exact_front, matching
+from tandem.errors import CellError, Fault
+from tandem.experiments.systems import Features, Played
+from tandem.experiments.thesis_runs import thesis_cell
+from tandem.experiments.zhang2022_runs import ARMS, FACTORS, QUICK, Arm, Record, Size, alternator, random_player, run
+from tandem.experiments.zhang2022_summary import guides, summary, table
+
+STORED = "zhang2022.json"
+OTHERS: dict[str, Callable[[], Cell]] = {"thesis": thesis_cell, "random 12 tasks, seed 0": lambda: layered(12, seed=0)}
+"""Cells that are not the system's own, by name."""
+ON_OTHERS = Arm("ours", False)
+OTHER_SEEDS = 5
+
+
+def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, tell: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
+    """Trains, plays and returns the document, which is also written to `folder/zhang2022.json`.
+
+    The trainings of each recipe are kept in `folder/records` when they are done; a run that was stopped goes on from there.
+
+    Args:
+      quick: one seed, a thirtieth of the steps, and one other cell.
+      seeds: trainings an arm and factor; 10 when absent.
+    """
+    plain = QUICK if quick else Size()
+    size = Size(**{**vars(plain), "seeds": seeds or plain.seeds})
+    cell = alternator()
+    front = exact_front(cell)
+    tell(f"exact front: {len(front)} points, {'complete' if front.complete else 'not proven complete'}")
+    rows: list[Record] = []
+    for recipe in dict.fromkeys(arm.recipe for arm in ARMS):
+        arms = [arm for arm in ARMS if arm.recipe == recipe]
+        rows += _kept(
+            folder / "records" / f"{_file(recipe)}-{size.seeds}-{size.steps}.json", partial(run, cell, arms, FACTORS, size, front.points, tell)
+        )
+    others = list(OTHERS)[:1] if quick else list(OTHERS)
+    document = assemble(rows, cell, front.points, front.complete, random_player(cell, FACTORS, size), quick=quick, seeds=size.seeds)
+    kept = [(name, folder / "records" / f"{_file(name)}-{size.seeds}-{size.steps}.json") for name in others]
+    document["other_cells"] = [_kept(file, partial(_on, name, size, tell)) for name, file in kept]
+    folder.mkdir(parents=True, exist_ok=True)
+    store(folder / STORED, json.dumps(document, separators=(",", ":")) + "\n")
+    return document
+
+
+def assemble(
+    rows: Sequence[Record],
+    cell: Cell,
+    front: Sequence[tuple[float, float]],
+    complete: bool,
+    chance: Sequence[Mapping[str, Any]],
+    *,
+    quick: bool,
+    seeds: int,
+) -> dict[str, Any]:
+    """The document: what is exact, what a random player and the best dispatch rule do, a summary an arm and factor, the display, every record."""
+    from tandem.learn.runs import versions
+
+    best = {factor: matching(list(front), 1.0, factor) for factor in FACTORS}
+    rules = {factor: best_rule(cell, 1.0, factor) for factor in FACTORS}
+    return {
+        "schema_version": 1,
+        "command": "tandem reproduce zhang2022" + " --quick" * quick,
+        "quick": quick,
+        "seeds": list(range(seeds)),
+        "versions": versions(),
+        "published": "not public",
+        "cell": cell.name,
+        "exact_front": [list(point) for point in front],
+        "exact_front_complete": complete,
+        "matching": {f"{factor:g}": list(point) for factor, point in best.items()},
+        "rule": {f"{factor:g}": {"rule": name, "makespan": point[0], "difficulty": point[1]} for factor, (name, point) in rules.items()},
+        "random": {f"{factor:g}": dict(found) for factor, found in zip(FACTORS, chance, strict=True)},
+        "summary": summary(rows, {factor: point[0] + factor * point[1] for factor, point in best.items()}),
+        "display": guides(cell, rows),
+        "records": list(rows),
+    }
+
+
+def stored() -> dict[str, Any]:
+    """The document of the long run that ships with the package.
+
+    Raises CellError when this copy of the package has none.
+    """
+    file = resources.files("tandem.experiments") / "results" / STORED
+    try:
+        document: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise CellError([Fault("the stored result is not there; run `tandem reproduce zhang2022`.", (), str(file))]) from error
+    return document
+
+
+def draw_figures(document: Mapping[str, Any], folder: Path) -> list[Path]:
+    """Front, noise, recovery, curves and schedules, as SVG and PNG; returns the files."""
+    from tandem.draw.saving import save
+    from tandem.experiments.zhang2022_figures import figures
+
+    folder.mkdir(parents=True, exist_ok=True)
+    return [save(figure, folder / f"{name}{form}", dpi=110) for name, figure in figures(document) for form in (".svg", ".png")]
+
+
+def runs_on(cell: Cell) -> Duo:
+    """The cell as two agents share it. Raises CellError that names every feature that they cannot express."""
+    return duo(cell)[0]
+
+
+def _on(name: str, size: Size, tell: Callable[[str], None]) -> dict[str, Any]:
+    """Our recipe on another cell, at a factor of 1: the exact front, and what the greedy policies reach."""
+    cell = OTHERS[name]()
+    front = exact_front(cell)
+    small = Size(seeds=min(size.seeds, OTHER_SEEDS), steps=size.steps, noisy=1, changed=1, sampled=0)
+    rows = run(cell, [ON_OTHERS], FACTORS[:1], small, front.points, tell)
+    return {
+        "cell": name,
+        "tasks": len(cell.tasks),
+        "exact_front": [list(point) for point in front.points],
+        "exact_front_complete": front.complete,
+        "matching": list(matching(front.points, 1.0, FACTORS[0])),
+        "greedy": [[row["greedy"]["makespan"], row["greedy"]["difficulty"]] for row in rows],
+        "gaps": [row["greedy"]["gap"] for row in rows],
+    }
+
+
+def _kept(file: Path, make: Callable[[], Any]) -> Any:
+    """What the file holds; made and written first when it is not there."""
+    if not file.exists():
+        file.parent.mkdir(parents=True, exist_ok=True)
+        store(file, json.dumps(make()) + "\n")
+    return json.loads(file.read_text(encoding="utf-8"))
+
+
+def _file(name: str) -> str:
+    return "-".join("".join(letter if letter.isalnum() else " " for letter in name).split())
+
+
+# --- What the laboratory asks ---
+
+
+def _cost(cell: Cell) -> float:
+    points = exact_front(cell, time_limit=10).points
+    best = matching(points, 1.0, 1.0)
+    return best[0] + best[1]
+
+
+def _play(cell: Cell, seed: int, deviates: float = 0.0) -> Played:
+    from tandem.experiments.zhang2022_play import play_on
+
+    return play_on(cell, seed, deviates)
+
+
+def _exact(document: Mapping[str, Any]) -> list[float]:
+    return [value for point in document["exact_front"] for value in point] if document["exact_front_complete"] else []
+
+
+def _trains(*arguments: Any, **options: Any) -> Any:
+    from tandem.learn import ddpg
+
+    return ddpg.train(*arguments, **options)
+
+
+FEATURES = Features(
+    trains=_trains,
+    agents=lambda: AGENTS,
+    cost=_cost,
+    play=_play,
+    deviate=lambda cell, seed: _play(cell, seed, deviates=1.0),
+    exact=_exact,
+)
+
+__all__ = ["FEATURES", "assemble", "draw_figures", "reproduce", "runs_on", "stored", "table"]
