@@ -1,0 +1,232 @@
+"""Yu, Huang and Chang (2020): assembly as a chessboard, learned in the manner of AlphaGo Zero. What is published of it, their recipe run here as
+it was described, our recipe, plain rules, and the proven optimum, on random boards and on their desk."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tandem.cell.chessboard import Board, desk
+from tandem.cell.model import Cell
+from tandem.errors import CellError, Fault
+from tandem.experiments import yu2020_games as games
+from tandem.experiments import yu2020_runs as runs
+from tandem.experiments.systems import Features, Played
+from tandem.experiments.thesis import mean
+from tandem.learn.runs import versions
+
+STORED = "yu2020.json"
+SEEDS = 3
+RANDOM_GAMES, DESK_GAMES = 100, 2000
+TROUBLED_BOARDS, TROUBLED_GAMES = 20, 10
+QUICK_BOARDS, QUICK_TROUBLED_BOARDS = 10, 5
+
+PUBLISHED: dict[str, str | None] = {
+    "boards": None,
+    "desk": None,
+    "decision": None,
+    "said": "Beats a conventional mathematical optimisation in completion time and in time per decision, on 100 random boards and a simulated desk.",
+}
+"""What is public of their results: no number. The paper's tables are not, nor the sizes of its 100 boards or the method it was compared with."""
+
+
+def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, tell: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
+    """Plays, trains, plays again and returns the document, which is also written to `folder/yu2020.json`.
+
+    Records and weights of the trainings are kept in `folder/records` as they come; a run that was stopped goes on from there.
+
+    Args:
+      quick: ten boards, one seed, trainings of seconds.
+      seeds: trainings of each recipe; 3 when absent.
+    """
+    from tandem.cell.storing import store
+
+    sizes, number = (runs.QUICK, QUICK_BOARDS) if quick else (runs.LONG, len(games.TEST))
+    test, chosen = games.TEST[:number], range(seeds or (1 if quick else SEEDS))
+    tell("proving optima")
+    document: dict[str, Any] = {
+        "schema_version": 1,
+        "command": "tandem reproduce yu2020" + " --quick" * quick,
+        "quick": quick,
+        "seeds": list(chosen),
+        "versions": versions(),
+        "published": PUBLISHED,
+        "exact": {"desk": games.proven_desk(), "first": games.proven(games.FIRST[: 3 if quick else None]), "test": games.proven(test)},
+    }
+    tell("plain players")
+    document["plain"] = games.plain(test, games=10 if quick else RANDOM_GAMES, desk_games=10 if quick else DESK_GAMES, seed=0)
+    records_folder, boards = folder / "records", games.boards(test)
+    files = list(runs.run_all(records_folder, chosen, boards, sizes, tell))
+    untrained = [runs.untrained_record(recipe, seed, boards, sizes) for recipe in runs.LOOKING for seed in chosen]
+    document["records"] = [*untrained, *(json.loads(file.read_text(encoding="utf-8")) for file in files)]
+    document["decisions"] = runs.decisions(records_folder)
+    many = QUICK_TROUBLED_BOARDS if quick else TROUBLED_BOARDS
+    learned = runs.learned_deciders(records_folder, boards[:many], 2 if quick else TROUBLED_GAMES)
+    document["troubles"] = games.troubled(test[:many], 2 if quick else TROUBLED_GAMES, learned, seed=1, tell=tell)
+    document["films"] = runs.films(records_folder)
+    document["summary"] = summary(document)
+    folder.mkdir(parents=True, exist_ok=True)
+    store(folder / STORED, json.dumps(document, separators=(",", ":")) + "\n")
+    return document
+
+
+def stored() -> dict[str, Any]:
+    """The document of the long run that ships with the package.
+
+    Raises CellError when this copy of the package has none.
+    """
+    file = resources.files("tandem.experiments") / "results" / STORED
+    try:
+        document: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise CellError([Fault("the stored result is not there; run `tandem reproduce yu2020`.", (), str(file))]) from error
+    return document
+
+
+def summary(document: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """A row per player: on the test boards its mean gap to the optimum with waiting (with the half width of a 95 % interval over boards), to that of
+    the game itself, and the share of boards on which it beats the longest tail and the best of the random games; on the desk seconds."""
+    exact, plain = document["exact"]["test"], {row["player"]: row for row in document["plain"]}
+    best_random = next(row for name, row in plain.items() if name.startswith("random, best"))
+    rows = []
+
+    def row(player: str, trained_on: str | None, boards: Sequence[Sequence[float]], on_desk: Sequence[float]) -> dict[str, Any]:
+        found: dict[str, Any] = {"player": player, "trained_on": trained_on, "seeds": max(len(boards), len(on_desk))}
+        if boards:
+            took = np.mean(boards, axis=0)
+            found |= {
+                "gap": _gap(took, exact["waiting"]["makespans"]), "gap_no_waiting": _gap(took, exact["no_waiting"]["makespans"]),
+                "gap_of_seeds": [_gap(np.array(one), exact["waiting"]["makespans"])["mean"] for one in boards],
+                "beats_longest_tail": _beats(took, plain["longest-tail"]["boards"]), "beats_best_random": _beats(took, best_random["boards"]),
+            }  # fmt: skip
+        return {**found, "desk": list(on_desk)}
+
+    for one in document["plain"]:
+        rows.append(row(one["player"], None, [one["boards"]], [one["desk"]]))
+    for recipe in runs.LOOKING:
+        for place in ("nothing", "boards", "desk"):
+            own = [record for record in document["records"] if (record["recipe"], record["trained_on"]) == (recipe, place)]
+            for kind in runs.kinds(own):
+                boards = [record["boards"][kind] for record in own if record["boards"]]
+                rows.append(row(f"{recipe}, {kind}", place, boards, [record["desk"][kind][0] for record in own if record["desk"]]))
+    rows.append(row("exact, no waiting", None, [exact["no_waiting"]["makespans"]], [document["exact"]["desk"]["no_waiting"]["makespan"]]))
+    rows.append(row("exact, with waiting", None, [exact["waiting"]["makespans"]], [document["exact"]["desk"]["waiting"]["makespan"]]))
+    return rows
+
+
+def table(document: Mapping[str, Any]) -> str:
+    """Published, as described, ours and exact, as Markdown."""
+    number, made = len(document["exact"]["test"]["seeds"]), document["versions"]
+    first, last = document["exact"]["test"]["seeds"][0], document["exact"]["test"]["seeds"][-1]
+    lines = [
+        f"{number} random boards (seeds {first} to {last}, trained on by nobody) and the desk. Gap: mean over the boards to the proven optimum with "
+        "waiting, with the half width of its 95 % interval; desk: seconds, one number a seed.",
+        "",
+        "| player | trained on | seeds | gap, with waiting | gap, no waiting | beats longest tail | beats best random | desk | ms a decision |",
+        "|" + "---|" * 9,
+        "| Yu, Huang, Chang 2020 | 100 random boards? | | not public | not public | | | not public | not public |",
+    ]
+    for row in document["summary"]:
+        cells = [
+            row["player"], row["trained_on"] or "–", row["seeds"] if row["trained_on"] else "–",
+            *([_percent(row["gap"]), _percent(row["gap_no_waiting"]), f"{row['beats_longest_tail']:.0%}", f"{row['beats_best_random']:.0%}"]
+              if "gap" in row else ["–"] * 4),
+            " ".join(f"{seconds:g}" for seconds in row["desk"]) or "–",
+            f"{document['decisions'][row['player']]:.2g}" if row["player"] in document["decisions"] else "–",
+        ]  # fmt: skip
+        lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
+    lines += ["", "| troubles | decider | seconds, calm | seconds, troubled | lost | lost |", "|" + "---|" * 6]
+    for row in document["troubles"]:
+        each = [rough - calm for calm, rough in zip(row["calm"], row["rough"], strict=True)]
+        lost, calm, half = float(np.mean(each)), float(np.mean(row["calm"])), mean(each)["ci95"]
+        shown = f"{lost:.1f} s" + (f" ± {half:.1f}" if half else "")
+        lines.append(f"| {row['troubles']} | {row['decider']} | {calm:.1f} | {calm + lost:.1f} | {shown} | {lost / calm:.1%} |")
+    lines += [
+        "",
+        "Troubles: "
+        + "; ".join(
+            f"{name}: the robot fails at {chance.robot_fails:.0%} of its pieces (repair {chance.repair_s:g} s on average), "
+            f"the human at {chance.human_errs:.0%}"
+            for name, chance in games.TROUBLES.items()
+        )
+        + ". The same ones for every decider.",
+        f"Made with: `{document['command']}`, tandem {made['tandem']}, JAX {made['jax']}, Python {made['python']}, {made['machine']}.",
+    ]
+    if document["quick"]:
+        lines.append("This was a quick run: it shows that the code runs, not what the recipes reach.")
+    return "\n".join(lines)
+
+
+def draw_figures(document: Mapping[str, Any], folder: Path) -> list[Path]:
+    """Boards, films of games, gaps, troubles and learning curves, as SVG and PNG; returns the files."""
+    from tandem.draw.saving import save
+    from tandem.experiments.yu2020_figures import figures
+
+    folder.mkdir(parents=True, exist_ok=True)
+    return [save(figure, folder / f"{name}{form}", dpi=110) for name, figure in figures(document) for form in (".svg", ".png")]
+
+
+def runs_on(cell: Cell) -> Board:
+    """The cell as a board. Raises CellError that names every feature that the game cannot express."""
+    return Board.of(cell)
+
+
+def _train(cell: Cell, seed: int) -> Any:
+    from tandem.learn.alphazero.boards import train
+
+    return train([Board.of(cell)], runs.QUICK.ours, seed=seed)[0]
+
+
+def _play(cell: Cell, seed: int) -> Played:
+    return _carry(cell, cell, seed)
+
+
+def _carry(trained_on: Cell, played_on: Cell, seed: int) -> Played:
+    from tandem.learn.alphazero.boards import decide_ms, play
+
+    board, trained = Board.of(played_on), _train(trained_on, seed)
+    return Played(float(play(trained, [board], seed=seed)[0, 0]), (decide_ms(trained, board),))
+
+
+def _cost(cell: Cell) -> float:
+    from tandem.envs.chessboard.optimal import optimum
+
+    return float(optimum(Board.of(cell)).makespan)
+
+
+def _exact(document: Mapping[str, Any]) -> Sequence[float]:
+    return [document["exact"]["desk"]["no_waiting"]["makespan"], *document["exact"]["test"]["no_waiting"]["makespans"]]
+
+
+def _agents() -> Sequence[str]:
+    from tandem.learn.board_games import BoardGame
+
+    return BoardGame.of(desk()).agents
+
+
+def _trains(*arguments: Any, **options: Any) -> Any:
+    from tandem.learn.alphazero.boards import train
+
+    return train(*arguments, **options)
+
+
+FEATURES = Features(trains=_trains, agents=_agents, cost=_cost, play=_play, carry=_carry, exact=_exact)
+
+
+def _gap(took: Any, optimum: Iterable[float]) -> dict[str, float | None]:
+    """Mean over the boards of what was taken beyond the optimum, as a share of it."""
+    return mean([float(value) for value in np.asarray(took) / np.asarray(list(optimum)) - 1])
+
+
+def _beats(took: Any, other: Sequence[float]) -> float:
+    return round(float(np.mean(np.asarray(took) < np.asarray(other))), 4)
+
+
+def _percent(value: Mapping[str, float | None]) -> str:
+    assert value["mean"] is not None
+    return f"{value['mean']:.2%}" + (f" ± {value['ci95']:.2%}" if value["ci95"] else "")
