@@ -89,8 +89,7 @@ def run_on(arrays: Arrays, fate: Fate, shift: Shift) -> Shift:
 
 def is_over(arrays: Arrays, shift: Shift) -> Array:
     """`[]` bool, all is done, or nothing can be done any more."""
-    xp = namespace(shift.mask)
-    nothing_left = world.is_stuck(arrays, shift.state, shift.mask) & ~xp.any(shift.state.refused)
+    nothing_left = world.is_stuck(arrays, shift.state, shift.mask) & ~shift.state.refused.any()
     return world.is_done(shift.state) | ((shift.turn < 0) & nothing_left)
 
 
@@ -99,9 +98,9 @@ def expected_ends(arrays: Arrays, state: State) -> Array:
     what is open."""
     xp = namespace(state.way)
     in_use = xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]
-    stated = xp.sum(xp.where(in_use, arrays.way_ticks[:, None], 0), axis=0, dtype=xp.int32)
+    stated = xp.where(in_use, arrays.way_ticks[:, None], 0).sum(axis=0, dtype=xp.int32)
     if arrays.undo.shape[0]:
-        stated = xp.where(state.undoing, xp.sum(xp.where(in_use, arrays.undo[:, None], 0), axis=0, dtype=xp.int32), stated)
+        stated = xp.where(state.undoing, xp.where(in_use, arrays.undo[:, None], 0).sum(axis=0, dtype=xp.int32), stated)
     running = (state.way >= 0) & ~world.mounted(state)
     start = xp.where(running, state.start_at, 0)
     return xp.where(running, xp.maximum(start + stated, state.clock), state.end_at)
@@ -121,7 +120,7 @@ def _chosen(xp: Any, which: Array, one: Any, other: Any) -> Any:
 def _later(arrays: Arrays, fate: Fate, shift: Shift) -> Shift:
     """Time has run on. Where nothing was to come, because of refusals, those who refused are asked again."""
     xp, state = namespace(shift.mask), shift.state
-    insists = (world.next_event(arrays, state) == NEVER) & ~xp.any(state.waits)
+    insists = (world.next_event(arrays, state) == NEVER) & ~state.waits.any()
     if fate.away_from.shape[0]:
         moved = world.advance(arrays, state, next_absence(fate, state.clock))
         moved = moved._replace(away_until=away_until(fate, moved.clock))
@@ -135,22 +134,22 @@ def _decided(arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Arra
     mine = world.legal_of(arrays, shift.mask, who)
     me = xp.arange(arrays.human.shape[0]) == who
     operators, decisions, _ = fate.mood.shape
-    asked_before = xp.sum(xp.where(me, shift.asked, 0), dtype=xp.int32)
+    asked_before = xp.where(me, shift.asked, 0).sum(dtype=xp.int32)
     mood = fate.mood.reshape(operators * decisions, 3)[xp.maximum(who, 0) * decisions + asked_before % decisions]
     can_wait = world.may_wait(arrays, state, shift.mask, who)
     answer = crew.choose(arrays, state, crew.of(people, who), who, mine, way, can_wait, mood)
     begins, noticed, missed = _slipped(xp, arrays, fate, people, shift, answer.way)
-    team = xp.any(arrays.way_uses & _is(xp, arrays, begins)[:, None], axis=0)
+    team = (arrays.way_uses & _is(xp, arrays, begins)[:, None]).any(axis=0)
     ticks, fatigue = _work(xp, arrays, fate, people, shift, begins, team)
     after = world.assign(arrays, state, begins, ticks, noticed)
     after = after._replace(tries=(after.tries + missed).astype(xp.int32)) if arrays.undo.shape[0] else after
     after = world.wait(after, xp.where((begins < 0) & ~answer.refuses, who, -1))
-    wanted = xp.any(_is(xp, arrays, way)[:, None] & arrays.of_task & mine[:, None], axis=0)
-    refused = xp.any(arrays.of_task & wanted[None, :], axis=1) & xp.any(arrays.way_uses & me[None, :], axis=1) & answer.refuses
-    before = xp.sum(xp.where(me, shift.suggested, 0), dtype=xp.int32) + xp.where(xp.any(me), 0, -1)
-    task = xp.where(xp.any(wanted), xp.argmax(wanted), -1).astype(xp.int32)
-    still_open = xp.any((xp.arange(arrays.needs.shape[0]) == before) & (state.way < 0))
-    changed = (task >= 0) & (task != before) & still_open & xp.any(me & arrays.human)
+    wanted = (_is(xp, arrays, way)[:, None] & arrays.of_task & mine[:, None]).any(axis=0)
+    refused = (arrays.of_task & wanted[None, :]).any(axis=1) & (arrays.way_uses & me[None, :]).any(axis=1) & answer.refuses
+    before = xp.where(me, shift.suggested, 0).sum(dtype=xp.int32) + xp.where(me.any(), 0, -1)
+    task = xp.where(wanted.any(), wanted.argmax(), -1).astype(xp.int32)
+    still_open = ((xp.arange(arrays.needs.shape[0]) == before) & (state.way < 0)).any()
+    changed = (task >= 0) & (task != before) & still_open & (me & arrays.human).any()
     return shift._replace(
         state=after._replace(refused=after.refused | refused),
         fatigue=xp.where(team, fatigue, shift.fatigue).astype(xp.float32),
@@ -158,7 +157,7 @@ def _decided(arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Arra
         asked=shift.asked + me,
         suggested=xp.where(me, xp.where((begins < 0) & ~answer.refuses, task, -1), shift.suggested).astype(xp.int32),
         changes=(shift.changes + changed).astype(xp.int32),
-        illegal=(shift.illegal + ((way >= 0) & ~xp.any(wanted))).astype(xp.int32),
+        illegal=(shift.illegal + ((way >= 0) & ~wanted.any())).astype(xp.int32),
         decisions=(shift.decisions + 1).astype(xp.int32),
     )
 
@@ -173,30 +172,30 @@ def _slipped(xp: Any, arrays: Arrays, fate: Fate, people: Person, shift: Shift, 
     if not arrays.undo.shape[0]:
         return way, None, shift.state.undoing
     state, chosen = shift.state, _is(xp, arrays, way)
-    task = xp.any(arrays.of_task & chosen[:, None], axis=0)
-    team = xp.any(arrays.way_uses & chosen[:, None], axis=0)
+    task = (arrays.of_task & chosen[:, None]).any(axis=0)
+    team = (arrays.way_uses & chosen[:, None]).any(axis=0)
     attempt = task[:, None] & (xp.arange(fate.slip.shape[1])[None, :] == state.tries[:, None])
-    comes_off = xp.any(task & world.mounted(state))
+    comes_off = (task & world.mounted(state)).any()
 
     def drawn(numbers: Array) -> Array:
-        return xp.sum(xp.where(attempt, numbers, 0))
+        return xp.where(attempt, numbers, 0).sum()
 
-    careless = xp.max(xp.where(team, people.forgets, 0.0))
-    wrong = xp.any(attempt) & (drawn(fate.slip) < careless) & ~comes_off
+    careless = xp.where(team, people.forgets, 0.0).max()
+    wrong = attempt.any() & (drawn(fate.slip) < careless) & ~comes_off
     premature = world.out_of_order(arrays, state) & world.legal_of(arrays, arrays.way_size == 1, shift.turn)
-    other = xp.argmax(xp.cumsum(premature) > drawn(fate.order) * xp.sum(premature))
-    strays = wrong & (drawn(fate.order) < 1) & xp.any(premature) & xp.any((xp.arange(arrays.human.shape[0]) == shift.turn) & arrays.human)
+    other = (premature.cumsum() > drawn(fate.order) * premature.sum()).argmax()
+    strays = wrong & (drawn(fate.order) < 1) & premature.any() & ((xp.arange(arrays.human.shape[0]) == shift.turn) & arrays.human).any()
     return xp.where(strays, other, way).astype(xp.int32), xp.where(wrong, drawn(fate.notice), NEVER).astype(xp.int32), task & strays
 
 
 def _work(xp: Any, arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array, team: Array) -> tuple[Array, Array]:
     """How long the way really takes, and `[O]` how tired each would be after it. The slowest of a team sets the pace (ASSUMPTION)."""
     state, chosen = shift.state, _is(xp, arrays, way)
-    start = xp.sum(xp.where(chosen, world.starts(arrays, state), 0), dtype=xp.int32)
-    stated = xp.sum(xp.where(chosen, world.nominal(arrays, state), 0), dtype=xp.int32)
+    start = xp.where(chosen, world.starts(arrays, state), 0).sum(dtype=xp.int32)
+    stated = xp.where(chosen, world.nominal(arrays, state), 0).sum(dtype=xp.int32)
     fresh = crew.rested(people, shift.fatigue, xp.maximum(start - state.free_at, 0))
-    slowest = xp.max(xp.where(team, crew.time_factor(people, fresh, shift.begun), 0.0))
-    tries = xp.sum(xp.where(xp.any(arrays.of_task & chosen[:, None], axis=0), state.tries, 0), dtype=xp.int32) if arrays.undo.shape[0] else 0
+    slowest = xp.where(team, crew.time_factor(people, fresh, shift.begun), 0.0).max()
+    tries = xp.where((arrays.of_task & chosen[:, None]).any(axis=0), state.tries, 0).sum(dtype=xp.int32) if arrays.undo.shape[0] else 0
     drawn = real_ticks(fate, arrays, way, tries, stated)
     more = drawn * slowest - stated  # added to the whole number, so that the stated time stays what it is
     ticks = with_rests(fate, start, xp.maximum(1, stated + xp.rint(more).astype(xp.int32)), team)

@@ -88,7 +88,7 @@ def of(people: Person, operator: Array) -> Person:
     mine = xp.arange(people.pace.shape[0]) == operator
 
     def pick(values: Array) -> Array:
-        return xp.sum(xp.where(mine.reshape((-1, *[1] * (values.ndim - 1))), values, 0), axis=0)
+        return xp.where(mine.reshape((-1, *[1] * (values.ndim - 1))), values, 0).sum(axis=0)
 
     return Person(*map(pick, people))
 
@@ -106,10 +106,10 @@ def choose(arrays: Arrays, state: State, person: Person, operator: Array, legal:
     """
     xp = namespace(legal)
     asked = (xp.arange(legal.shape[0]) == suggested) & legal
-    is_asked = xp.any(asked)
+    is_asked = asked.any()
     astray = mood[0] < person.random
     liked = xp.where(legal, person.taste + (person.follows + SLIGHTLY) * asked, -xp.inf)
-    own = xp.where(astray, _any_task(xp, arrays, legal, mood[1]), xp.argmax(liked))
+    own = xp.where(astray, _any_task(xp, arrays, legal, mood[1]), liked.argmax())
     declines, puts_off = mood[2] < person.refuses, mood[2] < person.refuses + person.postpones
     for_good = declines & is_asked & ~astray & _someone_else(xp, arrays, state, operator, asked)
     rests = ~astray & can_wait & xp.where(is_asked, puts_off, person.obeys > 0)
@@ -137,23 +137,23 @@ def rested(person: Person, fatigue: Array, ticks: Array) -> Array:
 def tired(person: Person, fatigue: Array, way: Array, ticks: Array) -> Array:
     """Fatigue of a person, or of each of a crew, after so many ticks of work in that way (`[W]` bool, True at it)."""
     xp = namespace(person.taste)
-    rate = xp.sum(xp.where(way, person.tires, 0), axis=-1)
+    rate = xp.where(way, person.tires, 0).sum(axis=-1)
     return 1 - (1 - fatigue) * xp.exp(-rate * ticks)
 
 
 def _any_task(xp: Any, arrays: Arrays, legal: Array, number: Array) -> Array:
     """`[]` int, a legal way: each task is as likely as another, and so is each way of a task. `number` in [0, 1)."""
-    ways_of_task = xp.sum(xp.where(arrays.of_task & legal[:, None], 1, 0), axis=0)
-    share = xp.where(legal, 1.0 / xp.maximum(1, xp.sum(xp.where(arrays.of_task, ways_of_task[None, :], 0), axis=1)), 0.0)
-    heap = xp.cumsum(share)
-    return xp.argmax((heap > number * heap[-1] * (1 - 1e-6)) & legal)
+    ways_of_task = xp.where(arrays.of_task & legal[:, None], 1, 0).sum(axis=0)
+    share = xp.where(legal, 1.0 / xp.maximum(1, xp.where(arrays.of_task, ways_of_task[None, :], 0).sum(axis=1)), 0.0)
+    heap = share.cumsum()
+    return ((heap > number * heap[-1] * (1 - 1e-6)) & legal).argmax()
 
 
 def _someone_else(xp: Any, arrays: Arrays, state: State, operator: Array, asked: Array) -> Array:
     """`[]` bool, the task can still be done without the operator."""
-    task = xp.any(arrays.of_task & asked[:, None], axis=0)
-    left = arrays.way_open & ~state.refused & xp.any(arrays.of_task & task[None, :], axis=1)
-    return xp.any(left & ~legal_of(arrays, left, operator))
+    task = (arrays.of_task & asked[:, None]).any(axis=0)
+    left = arrays.way_open & ~state.refused & (arrays.of_task & task[None, :]).any(axis=1)
+    return (left & ~legal_of(arrays, left, operator)).any()
 
 
 def harm(arrays: Arrays) -> Array:

@@ -90,10 +90,9 @@ def mounted(state: State) -> Array:
 
 def to_undo(arrays: Arrays, state: State) -> Array:
     """`[M]` bool, the task is mounted and has to come off again: it was done wrongly and that is known, or it stands on such a one."""
-    xp = namespace(state.way)
     up = mounted(state)
     bad = up & (state.bad_at <= state.clock)
-    return bad | (up & xp.any(arrays.above & bad[None, :], axis=1))
+    return bad | (up & (arrays.above & bad[None, :]).any(axis=1))
 
 
 def legal(arrays: Arrays, state: State) -> Array:
@@ -103,29 +102,27 @@ def legal(arrays: Arrays, state: State) -> Array:
 
 def out_of_order(arrays: Arrays, state: State) -> Array:
     """`[W]` bool, True where someone could begin the way by mistake: all is as `legal` wants it, but a task before it is missing."""
-    xp = namespace(state.way)
-    premature = (state.way < 0) & (arrays.release <= state.clock) & xp.any(arrays.needs & ~mounted(state)[None, :], axis=1)
+    premature = (state.way < 0) & (arrays.release <= state.clock) & (arrays.needs & ~mounted(state)[None, :]).any(axis=1)
     return _fitting(arrays, state, premature)
 
 
 def legal_of(arrays: Arrays, mask: Array, operator: Array) -> Array:
     """`[W]` bool, of the legal ways `mask` those in which the operator (`[]` int) takes part."""
     xp = namespace(mask)
-    return mask & xp.any(arrays.way_uses & (xp.arange(arrays.human.shape[0]) == operator)[None, :], axis=1)
+    return mask & (arrays.way_uses & (xp.arange(arrays.human.shape[0]) == operator)[None, :]).any(axis=1)
 
 
 def turn(arrays: Arrays, mask: Array) -> Array:
     """`[]` int32, whose turn it is: of those who take part in a legal way of `mask` the first to decide; -1 when time has to run on."""
     xp = namespace(mask)
-    able = xp.any(arrays.way_uses & mask[:, None], axis=0)
+    able = (arrays.way_uses & mask[:, None]).any(axis=0)
     rank = xp.where(able, arrays.rank, NEVER)
-    return xp.where(xp.any(able), xp.argmin(rank), -1).astype(xp.int32)
+    return xp.where(able.any(), xp.argmin(rank), -1).astype(xp.int32)
 
 
 def may_wait(arrays: Arrays, state: State, mask: Array, operator: Array) -> Array:
     """`[]` bool, the operator may let its turn pass: something is still to happen, or another one can begin something without it."""
-    xp = namespace(mask)
-    return (next_event(arrays, state) < NEVER) | xp.any(mask & ~legal_of(arrays, mask, operator))
+    return (next_event(arrays, state) < NEVER) | (mask & ~legal_of(arrays, mask, operator)).any()
 
 
 def starts(arrays: Arrays, state: State) -> Array:
@@ -134,7 +131,7 @@ def starts(arrays: Arrays, state: State) -> Array:
     if not arrays.swap.shape[0]:
         return xp.broadcast_to(state.clock, arrays.way_ticks.shape)
     since = xp.where(arrays.way_uses, _since(xp, arrays, state)[None, :] + _changes(xp, arrays, state), 0)
-    return xp.maximum(state.clock, xp.max(since, axis=1))
+    return xp.maximum(state.clock, since.max(axis=1))
 
 
 def nominal(arrays: Arrays, state: State) -> Array:
@@ -155,8 +152,8 @@ def assign(arrays: Arrays, state: State, way: Array, ticks: Array | None = None,
     """
     xp = namespace(state.way)
     chosen = xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32) == way
-    task = xp.any(arrays.of_task & chosen[:, None], axis=0)
-    who = xp.any(arrays.way_uses & chosen[:, None], axis=0)
+    task = (arrays.of_task & chosen[:, None]).any(axis=0)
+    who = (arrays.way_uses & chosen[:, None]).any(axis=0)
     start = _at(xp, starts(arrays, state), chosen)
     end = start + (_at(xp, nominal(arrays, state), chosen) if ticks is None else ticks)
     after = state._replace(
@@ -164,10 +161,10 @@ def assign(arrays: Arrays, state: State, way: Array, ticks: Array | None = None,
         start_at=xp.where(task, start, state.start_at).astype(xp.int32),
         end_at=xp.where(task, end, state.end_at).astype(xp.int32),
         free_at=xp.where(who, end, state.free_at).astype(xp.int32),
-        load=state.load + xp.sum(xp.where(chosen[:, None], arrays.way_load, 0), axis=0, dtype=xp.int32),
+        load=state.load + xp.where(chosen[:, None], arrays.way_load, 0).sum(axis=0, dtype=xp.int32),
     )
     if arrays.swap.shape[0]:
-        tool = xp.sum(xp.where(chosen, arrays.way_tool + 1, 0), dtype=xp.int32) - 1
+        tool = xp.where(chosen, arrays.way_tool + 1, 0).sum(dtype=xp.int32) - 1
         after = after._replace(in_hand=xp.where(who & (tool >= 0), tool, state.in_hand))
     if arrays.undo.shape[0]:
         comes_off = task & mounted(state)
@@ -185,7 +182,7 @@ def wait(state: State, operator: Array) -> State:
 def refuse(arrays: Arrays, state: State, operator: Array, task: Array) -> State:
     """The operator (`[]` int) will not take part in the task (`[]` int) any more."""
     xp = namespace(state.way)
-    mine = xp.any(arrays.way_uses & (xp.arange(arrays.human.shape[0]) == operator)[None, :], axis=1)
+    mine = (arrays.way_uses & (xp.arange(arrays.human.shape[0]) == operator)[None, :]).any(axis=1)
     return state._replace(refused=state.refused | (mine & (arrays.way_task == task)))
 
 
@@ -197,7 +194,7 @@ def next_event(arrays: Arrays, state: State) -> Array:
     if arrays.undo.shape[0]:
         moments.append(state.bad_at)
     ahead = xp.concatenate(moments)
-    return xp.min(xp.where(ahead > state.clock, ahead, NEVER)).astype(xp.int32)
+    return xp.where(ahead > state.clock, ahead, NEVER).min().astype(xp.int32)
 
 
 def advance(arrays: Arrays, state: State, until: Array | None = None) -> State:
@@ -215,29 +212,27 @@ def advance(arrays: Arrays, state: State, until: Array | None = None) -> State:
 
 def is_done(state: State) -> Array:
     """`[]` bool, every task has been done, and rightly."""
-    xp = namespace(state.way)
     stands = mounted(state)
-    return xp.all(stands & (state.bad_at == NEVER) & ~state.undoing if state.bad_at.shape[0] else stands)
+    return (stands & (state.bad_at == NEVER) & ~state.undoing if state.bad_at.shape[0] else stands).all()
 
 
 def is_stuck(arrays: Arrays, state: State, mask: Array) -> Array:
     """`[]` bool, no way is legal (`mask` `[W]`), nothing will happen, and not all is done: limits were spent so that none is left to go on."""
-    xp = namespace(state.way)
-    return ~xp.any(mask) & ~xp.any(state.waits) & (next_event(arrays, state) == NEVER) & ~is_done(state)
+    return ~mask.any() & ~state.waits.any() & (next_event(arrays, state) == NEVER) & ~is_done(state)
 
 
 def makespan(state: State) -> Array:
     """`[]` int32, the latest end of what has begun; 0 before that."""
     xp = namespace(state.way)
-    return xp.max(xp.where(state.way >= 0, state.end_at, 0))
+    return xp.where(state.way >= 0, state.end_at, 0).max()
 
 
 def stress(arrays: Arrays, state: State) -> Array:
     """`[]` int32, units of stress of what has begun; by `stress_of_set`, the least of the listed sets that are still possible."""
     xp = namespace(state.way)
     if not arrays.sets.shape[0]:
-        return xp.sum(state.load, dtype=xp.int32)
-    return xp.min(xp.where(_possible_sets(xp, arrays, state), arrays.set_stress, NEVER))
+        return state.load.sum(dtype=xp.int32)
+    return xp.where(_possible_sets(xp, arrays, state), arrays.set_stress, NEVER).min()
 
 
 def late(arrays: Arrays, state: State) -> Array:
@@ -274,7 +269,7 @@ def _fitting(arrays: Arrays, state: State, tasks: Array) -> Array:
     xp = namespace(state.way)
     fitting = arrays.way_open & ~state.refused & _for_tasks(xp, arrays, tasks)
     free = (state.free_at <= state.clock) & (state.away_until <= state.clock) & ~state.waits
-    fitting = fitting & ~xp.any(arrays.way_uses & ~free[None, :], axis=1)
+    fitting = fitting & ~(arrays.way_uses & ~free[None, :]).any(axis=1)
     for rule in (_has_room, _is_clear_of_breaks, _keeps_limits, _stays_with_its_team, _leaves_a_listed_set):
         found = rule(xp, arrays, state)
         fitting = fitting if found is None else fitting & found
@@ -289,26 +284,26 @@ def _ready(xp: Any, arrays: Arrays, state: State) -> Array:
     up = mounted(state)
     is_open = (state.way < 0) & (arrays.release <= state.clock)
     if not arrays.undo.shape[0]:
-        return is_open & ~xp.any(arrays.needs & ~up[None, :], axis=1)
+        return is_open & ~(arrays.needs & ~up[None, :]).any(axis=1)
     down, begun = to_undo(arrays, state), state.way >= 0
     in_the_way = (down | (begun & ~up))[:, None] | (begun[:, None] & down[None, :])
-    return ((is_open & ~xp.any(arrays.needs & ~(up & ~down)[None, :], axis=1)) | down) & ~xp.any(arrays.above & in_the_way, axis=0)
+    return ((is_open & ~(arrays.needs & ~(up & ~down)[None, :]).any(axis=1)) | down) & ~(arrays.above & in_the_way).any(axis=0)
 
 
 def _for_tasks(xp: Any, arrays: Arrays, tasks: Array) -> Array:
     """`[W]` bool, the ways of these tasks (`[T]` bool)."""
-    return xp.any(arrays.of_task & tasks[None, :], axis=1)
+    return (arrays.of_task & tasks[None, :]).any(axis=1)
 
 
 def _at(xp: Any, numbers: Array, chosen: Array) -> Array:
     """`[]`, the number where `chosen` is True; 0 when it is nowhere."""
-    return xp.sum(xp.where(chosen, numbers, 0), dtype=xp.int32)
+    return xp.where(chosen, numbers, 0).sum(dtype=xp.int32)
 
 
 def _since(xp: Any, arrays: Arrays, state: State) -> Array:
     """`[O]` int32, since when the operator could have taken up a tool: the end of its work and of its last break."""
     over = xp.where(arrays.break_to <= state.clock, arrays.break_to, 0)
-    rested = xp.maximum(state.free_at, xp.max(over, axis=1)) if over.shape[1] else state.free_at
+    rested = xp.maximum(state.free_at, over.max(axis=1)) if over.shape[1] else state.free_at
     return xp.maximum(rested, state.away_until)
 
 
@@ -324,13 +319,13 @@ def _has_room(xp: Any, arrays: Arrays, state: State) -> Array | None:
         return None
     running = (state.way >= 0) & ~mounted(state)
     in_hand = xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]
-    crowd = xp.where(running, xp.sum(xp.where(in_hand, arrays.way_size[:, None], 0), axis=0, dtype=xp.int32), 0)
+    crowd = xp.where(running, xp.where(in_hand, arrays.way_size[:, None], 0).sum(axis=0, dtype=xp.int32), 0)
     fits = xp.ones(arrays.way_ticks.shape, bool)
     for of_place, places in ((arrays.of_tool, arrays.tool_places), (arrays.of_zone, arrays.zone_places)):
         if places.shape[0]:
-            left = places - xp.sum(xp.where(of_place, crowd[:, None], 0), axis=0, dtype=xp.int32)
-            room = xp.min(xp.where(of_place, left[None, :], NEVER), axis=1)
-            fits = fits & (arrays.way_size <= xp.min(xp.where(arrays.of_task, room[None, :], NEVER), axis=1))
+            left = places - xp.where(of_place, crowd[:, None], 0).sum(axis=0, dtype=xp.int32)
+            room = xp.where(of_place, left[None, :], NEVER).min(axis=1)
+            fits = fits & (arrays.way_size <= xp.where(arrays.of_task, room[None, :], NEVER).min(axis=1))
     return fits
 
 
@@ -344,7 +339,7 @@ def _is_clear_of_breaks(xp: Any, arrays: Arrays, state: State) -> Array | None:
     inside = (arrays.break_from[None, :, :] < end[:, None, None]) & (
         arrays.break_to[None, :, :] > xp.broadcast_to(begin[..., None], (*begin.shape, 1))
     )
-    return ~xp.any(xp.any(inside, axis=2) & arrays.way_uses, axis=1)
+    return ~(inside.any(axis=2) & arrays.way_uses).any(axis=1)
 
 
 def _keeps_limits(xp: Any, arrays: Arrays, state: State) -> Array | None:
@@ -353,12 +348,12 @@ def _keeps_limits(xp: Any, arrays: Arrays, state: State) -> Array | None:
         return None
     load = state.load
     if arrays.undo.shape[0]:
-        stands = xp.any(xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :], axis=1)
-        load = xp.sum(xp.where(stands[:, None], arrays.way_load, 0), axis=0, dtype=xp.int32)
-    ahead = xp.sum(xp.where((state.way < 0)[:, None], arrays.must, 0), axis=0, dtype=xp.int32)
-    own = xp.sum(xp.where(arrays.of_task[:, :, None], arrays.must[None, :, :], 0), axis=1, dtype=xp.int32)
+        stands = (xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]).any(axis=1)
+        load = xp.where(stands[:, None], arrays.way_load, 0).sum(axis=0, dtype=xp.int32)
+    ahead = xp.where((state.way < 0)[:, None], arrays.must, 0).sum(axis=0, dtype=xp.int32)
+    own = xp.where(arrays.of_task[:, :, None], arrays.must[None, :, :], 0).sum(axis=1, dtype=xp.int32)
     within = (load + ahead)[None, :] - own + arrays.way_load <= arrays.limit[None, :]
-    kept = ~xp.any(arrays.way_uses & ~within, axis=1)
+    kept = ~(arrays.way_uses & ~within).any(axis=1)
     return kept | _for_tasks(xp, arrays, mounted(state)) if arrays.undo.shape[0] else kept
 
 
@@ -367,18 +362,18 @@ def _stays_with_its_team(xp: Any, arrays: Arrays, state: State) -> Array | None:
     if not arrays.same.shape[0]:
         return None
     in_use = xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]
-    by = xp.any(in_use[:, :, None] & arrays.way_uses[:, None, :], axis=0)
+    by = (in_use[:, :, None] & arrays.way_uses[:, None, :]).any(axis=0)
     partner = arrays.same & (state.way >= 0)[None, :]
-    other = xp.any(arrays.way_uses[:, None, :] != by[None, :, :], axis=2)
-    mine = xp.any(arrays.of_task[:, :, None] & partner[None, :, :], axis=1)
-    return ~xp.any(mine & other, axis=1)
+    other = (arrays.way_uses[:, None, :] != by[None, :, :]).any(axis=2)
+    mine = (arrays.of_task[:, :, None] & partner[None, :, :]).any(axis=1)
+    return ~(mine & other).any(axis=1)
 
 
 def _possible_sets(xp: Any, arrays: Arrays, state: State) -> Array:
     """`[S]` bool, the listed sets that agree with what humans and robots have begun."""
     in_use = xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]
-    by_human = xp.any(in_use & xp.any(arrays.way_uses & arrays.human[None, :], axis=1)[:, None], axis=0)
-    return ~xp.any((arrays.sets != by_human[None, :]) & (state.way >= 0)[None, :], axis=1)
+    by_human = (in_use & (arrays.way_uses & arrays.human[None, :]).any(axis=1)[:, None]).any(axis=0)
+    return ~((arrays.sets != by_human[None, :]) & (state.way >= 0)[None, :]).any(axis=1)
 
 
 def _leaves_a_listed_set(xp: Any, arrays: Arrays, state: State) -> Array | None:
@@ -386,15 +381,15 @@ def _leaves_a_listed_set(xp: Any, arrays: Arrays, state: State) -> Array | None:
     if not arrays.sets.shape[0]:
         return None
     possible = _possible_sets(xp, arrays, state)
-    within, without = xp.any(arrays.sets & possible[:, None], axis=0), xp.any(~arrays.sets & possible[:, None], axis=0)
-    by_human = xp.any(arrays.way_uses & arrays.human[None, :], axis=1)
+    within, without = (arrays.sets & possible[:, None]).any(axis=0), (~arrays.sets & possible[:, None]).any(axis=0)
+    by_human = (arrays.way_uses & arrays.human[None, :]).any(axis=1)
     return xp.where(by_human, _for_tasks(xp, arrays, within), _for_tasks(xp, arrays, without))
 
 
 def _settled(xp: Any, state: State) -> State:
     """Disassemblies that have ended leave their tasks open; when all stands, every mistake is noticed."""
     off = state.undoing & (state.end_at <= state.clock)
-    stands = xp.all(mounted(state) & ~state.undoing)
+    stands = (mounted(state) & ~state.undoing).all()
     bad_at = xp.where(stands & (state.bad_at < NEVER), xp.minimum(state.bad_at, state.clock), state.bad_at)
     return state._replace(
         way=xp.where(off, -1, state.way),

@@ -25,13 +25,13 @@ def observe(arrays: Arrays, state: State, mask: Array, operator: Array) -> Array
     none = xp.zeros_like(begun)
     off, undoing = (to_undo(arrays, state), state.undoing) if arrays.undo.shape[0] else (none, none)
     in_use = xp.arange(arrays.way_ticks.shape[0])[:, None] == state.way[None, :]
-    by_human = xp.any(in_use & xp.any(arrays.way_uses & arrays.human[None, :], axis=1)[:, None], axis=0)
+    by_human = (in_use & (arrays.way_uses & arrays.human[None, :]).any(axis=1)[:, None]).any(axis=0)
     since = xp.where(running, xp.maximum(state.clock - state.start_at, 0), 0) / unit
     left = xp.where(running, expected_ends(arrays, state) - state.clock, 0) / unit
-    team = xp.any(in_use[:, :, None] & arrays.way_uses[:, None, :], axis=0) & up[:, None]
-    took = xp.sum(xp.where(team, xp.where(up, state.end_at - state.start_at, 0)[:, None], 0), axis=0)
-    stated = xp.sum(xp.where(team, xp.sum(xp.where(in_use, arrays.way_ticks[:, None], 0), axis=0)[:, None], 0), axis=0)
-    hardest = xp.maximum(1, xp.max(arrays.way_load))
+    team = (in_use[:, :, None] & arrays.way_uses[:, None, :]).any(axis=0) & up[:, None]
+    took = xp.where(team, xp.where(up, state.end_at - state.start_at, 0)[:, None], 0).sum(axis=0)
+    stated = xp.where(team, xp.where(in_use, arrays.way_ticks[:, None], 0).sum(axis=0)[:, None], 0).sum(axis=0)
+    hardest = xp.maximum(1, arrays.way_load.max())
     parts = [
         ~begun,
         running & ~undoing,
