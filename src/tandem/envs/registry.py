@@ -14,9 +14,11 @@ if TYPE_CHECKING:
     from pettingzoo import ParallelEnv
 
 PARALLEL = {
+    "duo": "tandem.envs.duo.parallel:DuoParallel",
     "chessboard": "tandem.envs.chessboard.parallel:ChessboardParallel",
     "thesis": "tandem.envs.thesis.parallel:ThesisParallel",
     "events": "tandem.envs.events.parallel:EventsParallel",
+    "grid": "tandem.envs.grid.parallel:GridParallel",
 }
 """Name -> the PettingZoo face, `module:class`."""
 

@@ -1,0 +1,124 @@
+"""Robot and human side by side as PettingZoo wants it: two agents that act at the same time."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+from pettingzoo import ParallelEnv
+
+from tandem.cell.model import Cell
+from tandem.envs.duo.display import words
+from tandem.envs.duo.setting import AGENTS, HUMAN, ROBOT, duo, setting
+from tandem.envs.duo.world import chance, choices, cost, is_done, narrow, observation_size, observe, reset, step
+from tandem.envs.thesis.game import as_cell
+
+Observation = dict[str, NDArray[Any]]
+
+
+class DuoParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
+    """`robot_0` and `human_0`; action 0 waits, `i` begins the agent's i-th way of `ways(agent)`, alone or jointly.
+
+    Both act at once, but the human's word goes first: an action of the robot that does not fit what the human has named becomes the lowest
+    action that does, which is joining where the human asks for it. `info["yielded"]` says so. An action that the mask forbids does
+    not raise: the lowest legal one is taken and `info["illegal"]` is True. Each agent is paid minus its part of the cost. Options: those of
+    `tandem.envs.duo.setting`.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"name": "duo_v0", "render_modes": [], "is_parallelizable": True}
+
+    def __init__(self, cell: Cell | str | os.PathLike[str], **options: float):
+        self.cell, self.setting, self.render_mode = as_cell(cell), setting(**options), None
+        self.data, self.names = duo(self.cell)
+        self.possible_agents = list(AGENTS)
+        self.agents: list[str] = []
+        size, actions = observation_size(self.data), self.data.pick.shape[1]
+        highest = np.full(size, np.inf, np.float32)  # what is missing can be missing for longer than the longest task takes
+        self.observation_spaces = {
+            agent: spaces.Dict({"observation": spaces.Box(0 * np.ones(size, np.float32), highest), "action_mask": spaces.MultiBinary(actions)})
+            for agent in AGENTS
+        }
+        self.action_spaces = {agent: spaces.Discrete(actions) for agent in AGENTS}
+        self._random = np.random.default_rng()
+
+    def observation_space(self, agent: str) -> gymnasium.Space[Any]:
+        """The same object at each call."""
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent: str) -> gymnasium.Space[Any]:
+        """The same object at each call."""
+        return self.action_spaces[agent]
+
+    def ways(self, agent: str) -> list[str]:
+        """What the agent's actions mean, by number."""
+        picks = self.data.pick[AGENTS.index(agent)]
+        meant = [self.names.ways[int(np.argmax(pick))] if pick.any() else None for pick in picks]
+        return ["wait", *[f"{way[0]} by {' and '.join(way[1].operators)}" if way else "" for way in meant[1:]]]
+
+    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
+        """The first observations; the human's pace and what will happen are drawn with the seed."""
+        if seed is not None:
+            self._random = np.random.default_rng(seed)
+        numbers = {"normal": self._random.standard_normal(len(self.cell.tasks)), "uniform": self._random.random(4)}
+        self._state = reset(self.data, *chance(numbers, self.data, self.setting))
+        self._difficulty = 0.0
+        self.agents = list(AGENTS)
+        return self._observations(), {agent: self._info() for agent in AGENTS}
+
+    def step(
+        self, actions: dict[str, int]
+    ) -> tuple[dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
+        """Both act; time runs on until somebody can choose again."""
+        if not self.agents:
+            return {}, {}, {}, {}, {}
+        masks = choices(self.data, self._state)
+        named = [int(actions[agent]) for agent in AGENTS]
+        human = _nearest(named[HUMAN], masks[HUMAN])
+        robot = _nearest(named[ROBOT], narrow(self.data, self._state, masks, np.int32(human)))
+        self._state, paid = step(self.data, self.setting, self._state, np.array([robot, human], np.int32))
+        self._difficulty += float(paid.difficulty.sum())
+        reward, done = cost(self.setting, paid), bool(is_done(self._state))
+        illegal = [not masks[agent, named[agent]] for agent in (ROBOT, HUMAN)]
+        yielded = [not illegal[ROBOT] and robot != named[ROBOT], False]
+        if done:
+            self.agents = []
+        return (
+            self._observations(),
+            {agent: -float(reward[i]) for i, agent in enumerate(AGENTS)},
+            dict.fromkeys(AGENTS, done),
+            dict.fromkeys(AGENTS, False),
+            {agent: self._info() | {"illegal": illegal[i], "yielded": yielded[i]} for i, agent in enumerate(AGENTS)},
+        )
+
+    def action_masks(self) -> dict[str, NDArray[np.int8]]:
+        """Agent -> `[K]` int8, 1 = legal before the other has named anything."""
+        return dict(zip(AGENTS, choices(self.data, self._state).astype(np.int8), strict=True))
+
+    def render(self) -> None:
+        """There is no picture of it; `envs.duo.display` says what is shown to the human."""
+
+    def close(self) -> None:
+        """Nothing is held open."""
+
+    def _observations(self) -> dict[str, Observation]:
+        seen, masks = observe(self.data, self._state), self.action_masks()
+        return {agent: {"observation": seen.copy(), "action_mask": masks[agent]} for agent in AGENTS}
+
+    def _info(self) -> dict[str, Any]:
+        state = self._state
+        return {
+            "time": self.names.seconds(int(state.assembly.clock)),
+            "difficulty": self._difficulty,
+            "fatigue": float(state.fatigue),
+            "happened": words(self.cell, self.names, self.data, state.happened),
+            "is_success": bool(is_done(state)),
+        }
+
+
+def _nearest(action: int, legal: NDArray[np.bool_]) -> int:
+    """The action, or the lowest legal one."""
+    return action if legal[action] else int(np.argmax(legal))
