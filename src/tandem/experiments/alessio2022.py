@@ -59,7 +59,6 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
         "updates": QUICK_UPDATES if quick else UPDATES,
         "versions": versions(),
         "published": "qualitative only: the wrong terminal state that the human pursues is blocked, the right one is reached",
-        "grids": [_of_grid(name, list(_trained(name, trainings, number, quick, kept)), kept) for name, trainings in plan.items()],
         "formulations": kept.get("formulations", lambda: alessio_grid.formulations(40 if quick else RANDOM_GRIDS)),
         "coverage": kept.get("coverage", lambda: alessio_grid.cover(layout("crossing"), range(number), updates=QUICK_UPDATES if quick else UPDATES)),
         "cells": [
@@ -68,6 +67,7 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
         ],
         "price": kept.get("price", lambda: alessio_cells.prices(9 if quick else PRICED_CELLS)),
     }
+    document["grids"] = [_of_grid(name, list(_trained(name, trainings, number, quick, kept)), kept) for name, trainings in plan.items()]
     folder.mkdir(parents=True, exist_ok=True)
     store(folder / STORED, json.dumps(document, separators=(",", ":")) + "\n")
     return document
