@@ -133,7 +133,7 @@ class Moves:
         units += units + [0] * len(factor)
         loads += loads + [()] * len(factor)
         tails = _tails(instance, ways, ticks)
-        prices = tuple(max(1, round(1024 * price)) for price in load_prices(layout)[1])
+        prices = tuple(max(1, round(1024 * price)) for price in load_prices(_paced(layout, ways, ticks))[1])
         operators = range(len(instance.operators))
 
         def priced(way: int) -> int:
@@ -396,6 +396,14 @@ class Moves:
         if tool is None:
             return 0
         return max(self.changeover[tool][o] if position.hand[o] not in (-1, tool) else 0 for o in range(len(self.prices)) if self.who[way] >> o & 1)
+
+
+def _paced(layout: Layout, ways: Sequence[Sequence[int]], ticks: Sequence[int]) -> Layout:
+    """The layout with the times that the operators really need."""
+    steps = []
+    for row, mine in zip(layout.steps, ways, strict=True):
+        steps.append(tuple(step._replace(ticks=ticks[way]) for step, way in zip(sorted(row, key=lambda step: step.way), mine, strict=True)))
+    return replace(layout, steps=tuple(steps))
 
 
 def _limits(instance: Instance, max_stress: float | None) -> tuple[int | None, ...]:

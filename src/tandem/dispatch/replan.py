@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 from math import inf
 from time import perf_counter
@@ -30,6 +30,8 @@ TIE = 1e-6
 """Costs closer than this are equal."""
 STRETCHED = (0.85, 1.2)
 """Equally good choices are compared under these further factors on the humans' times. ASSUMPTION."""
+ALL_PACES, ONE_PACE = 0.5, 0.7
+"""Shares of the budget by which the choices must be valued under every belief, or else under the mean pace alone, or else CP-SAT plans."""
 OVERDUE_TICKS = 2
 """A robot looks again so many ticks after a human could have finished: who finishes just then is heard of first."""
 MOST_SCENARIOS = 7
@@ -126,16 +128,20 @@ class Robust:
         """What begins now."""
         began = perf_counter()
         paces = estimates(situation, self.options.prior)
-        until = began + self.options.budget_ms / 1000 * 0.5
+        budget = self.options.budget_ms / 1000
         likely = {name: pace.mean for name, pace in paces.items()}
         moves = self.models.of(situation, likely)
         here = position(moves, situation, likely)
         if not moves.legal(here):
             return reply(self.name, moves, situation, here, (), [((), None)], began=began, why="nothing can begin before something has ended.")
-        try:
-            ranked, look = self.ranked(situation, paces, until)
-        except OutOfTimeError:
-            return by_plan(self, moves, situation, here, began, self.options.budget_ms / 1000 - (perf_counter() - began) - 0.003)
+        for beliefs, share in ((paces, ALL_PACES), ({name: _as_one(pace) for name, pace in paces.items()}, ONE_PACE)):
+            try:
+                ranked, look = self.ranked(situation, beliefs, began + budget * share)
+                break
+            except OutOfTimeError:
+                continue
+        else:
+            return by_plan(self, moves, situation, here, began, budget - (perf_counter() - began) - 0.003)
         choice = ranked[0][0]
         look_again = None if look is None else situation.now + look / moves.per_second
         return reply(self.name, moves, situation, here, choice, ranked, began=began, why=self._why(moves, ranked, paces), look_again=look_again)
@@ -242,6 +248,11 @@ class Robust:
         others = [other for _, other in ranked[1:] if other > cost + TIE]
         gain = f", {others[0] - cost:.3g} less than the next best" if others else ", as good as any other choice"
         return f"{phrase(moves, choice)}: expected cost {cost:.4g} {ground}{gain}."
+
+
+def _as_one(pace: Pace) -> Pace:
+    """The pace as if it were surely its mean."""
+    return replace(pace, shares=((round(pace.mean, 3), 1.0),))
 
 
 def scenarios(paces: Mapping[str, Pace]) -> list[tuple[tuple[tuple[str, float], ...], float]]:

@@ -6,7 +6,7 @@ shift's, find most of it. Shares nothing with the constraint solver.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from math import inf
 from time import perf_counter
@@ -70,10 +70,20 @@ class Search:
 
     def steps(self, position: Position) -> Iterable[tuple[float, float, tuple[int, ...], Position]]:
         """(bound, cost until the next event, ways begun now, position then) of everything that can be begun together now."""
+        legal = self.moves.legal(position) if self.moves.plain and not self.weights[1] else []
         for chosen in self.moves.choices(position):
             found = self.step(position, chosen)
-            if found is not None:
+            if found is not None and not (legal and self._wastes(legal, chosen, found[1])):
                 yield found
+
+    def _wastes(self, legal: Sequence[int], chosen: Sequence[int], paid: float) -> bool:
+        """Somebody waits who could have done a task that nobody begins, and be free again by the next event: then doing it is no worse."""
+        moves, most = self.moves, paid / self.weights[0] + 0.5
+        who = task = 0
+        for way in chosen:
+            who |= moves.who[way]
+            task |= 1 << moves.task[way]
+        return any(moves.ticks[way] <= most and not moves.who[way] & who and not task >> moves.task[way] & 1 for way in legal if way < moves.count)
 
     def step(self, position: Position, chosen: tuple[int, ...]) -> tuple[float, float, tuple[int, ...], Position] | None:
         """One of `steps`; None when nothing would ever happen then."""
