@@ -139,8 +139,8 @@ def test_ranges_are_drawn_per_person(station: tuple[Names, Arrays]) -> None:
 
 
 def test_the_example_population_keeps_its_parts_apart(station: tuple[Names, Arrays]) -> None:
-    held_out = crowd("population:examples/shift.people.yaml", *station)
-    train = crowd("population:examples/shift.people.yaml:train", *station)
+    held_out = crowd("population:examples/people/day-shift.yaml", *station)
+    train = crowd("population:examples/people/day-shift.yaml:train", *station)
     assert {group.spec for group in held_out.groups}.isdisjoint(group.spec for group in train.groups)
     assert held_out.draw(np.random.default_rng(0), 50).taste.shape == (50, len(station[1].way_ticks))
     assert held_out.makes_mistakes
