@@ -106,6 +106,9 @@ class Values:
             known = self.known[position] = self.of_human(position, 0)
         return known
 
+    def prepare(self, position: Position) -> None:
+        """Makes sure that `value` is right for the position and what follows from it; here it is so without."""
+
     def of_human(self, position: Position, turn: int) -> float:
         """The same when the humans from number `turn` on are still to move, and then the robots."""
         moves = self.moves

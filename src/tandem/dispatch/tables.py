@@ -71,6 +71,7 @@ class Table:
         moves = self.models.of(situation, self.pace)
         here = position(moves, situation, dict.fromkeys(situation.cell.humans, self.pace))
         found = self.values if moves.ways == self.values.moves.ways else self._with(moves)
+        found.prepare(here)
         choice, ranked = best(found, here)
         base = cost_so_far(self.objective, situation)
         why = (
