@@ -37,7 +37,7 @@ def _exact_values(document: Mapping[str, Any]) -> Sequence[float]:
 
 
 FEATURES = Features(
-    trains=adversarial.together,
+    trains=lambda: adversarial.together,
     agents=lambda: GridWorld.of(layout("crossing")).agents,
     cost=_guaranteed,
     play=lambda cell, seed: _episode(cell, seed, hostile=False),

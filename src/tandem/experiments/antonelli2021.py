@@ -336,7 +336,7 @@ def _exact_values(document: Mapping[str, Any]) -> list[float]:
 
 
 FEATURES = Features(
-    trains=qlearning.train,
+    trains=lambda: qlearning.train,
     agents=lambda: ["robot"],  # one table: the human does what is asked for, or slips
     cost=lambda cell: float(value_iteration(runs_on(cell).process(0.0)).values[0]),
     play=lambda cell, seed: episode(cell, seed, p=0.0),

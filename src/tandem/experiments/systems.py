@@ -41,7 +41,7 @@ class Features:
     the system has no such thing. All must be quick (a second or two, compiling included): short trainings, small budgets.
 
     Attributes:
-      trains: the function that trains it; its module's name under `learn` is the algorithm.
+      trains: gives the function that trains it (so that it is imported only then); its module under `learn` names the algorithm.
       agents: who decides, by name, read off the world or policy that is trained.
       cost: what the system itself says that a cell costs: the least cost by its own objective, or that of one fixed policy. A number
         that moves with the cell's times, stress or difficulty exactly when the system minds them; other units are welcome.
@@ -52,7 +52,7 @@ class Features:
       exact: document -> the exact (proven) values that it holds; empty when it holds none.
     """
 
-    trains: Callable[..., Any]
+    trains: Callable[[], Callable[..., Any]]
     agents: Callable[[], Sequence[str]]
     cost: Callable[[Cell], float]
     play: Callable[[Cell, int], Played]

@@ -209,10 +209,10 @@ def _agents() -> Sequence[str]:
     return BoardGame.of(desk()).agents
 
 
-def _trains(*arguments: Any, **options: Any) -> Any:
+def _trains() -> Callable[..., Any]:
     from tandem.learn.alphazero.boards import train
 
-    return train(*arguments, **options)
+    return train
 
 
 FEATURES = Features(trains=_trains, agents=_agents, cost=_cost, play=_play, carry=_carry, exact=_exact)

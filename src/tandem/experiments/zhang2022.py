@@ -168,10 +168,10 @@ def _exact(document: Mapping[str, Any]) -> list[float]:
     return [value for point in document["exact_front"] for value in point] if document["exact_front_complete"] else []
 
 
-def _trains(*arguments: Any, **options: Any) -> Any:
+def _trains() -> Callable[..., Any]:
     from tandem.learn import ddpg
 
-    return ddpg.train(*arguments, **options)
+    return ddpg.train
 
 
 FEATURES = Features(
