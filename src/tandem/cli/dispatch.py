@@ -15,7 +15,6 @@ from typing import IO, TYPE_CHECKING, Any
 import click
 
 from tandem.cli.planning import FORMAT, Weights
-from tandem.cli.screen import Screen
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
@@ -113,7 +112,7 @@ def dispatch_command(ctx: click.Context, /, **given: Any) -> int:
             raise UsageError("--replay: name the journal with --journal FILE.")
         with Journal(path, read_only=True) as journal:
             return _replay(cell, journal, given["as_json"])
-    show = _json_line if given["as_json"] or not sys.stdout.isatty() else Screen()
+    show = _json_line if given["as_json"] or not _is_terminal() else _screen()
     with Journal(IN_MEMORY if path is None else path) as journal, _terminated_cleanly() as stopped:
         try:
             return _run(ctx, cell, journal, given, show)
@@ -129,16 +128,16 @@ def _run(ctx: click.Context, cell: Cell, journal: Journal, given: dict[str, Any]
     from tandem.dispatch.situation import Situation
 
     _same_as_kept(ctx, journal, given)
+    floor = None if given["people"] is None else _floor(cell, given)
     shift = Shift.open(cell, journal, _settings(given), given["start"])
     show(shift, shift.hello())
     show(shift, shift.decision)
-    if given["people"] is None:
+    if floor is None:
         with _events(given["events"]) as file:
             for line in _lines(file):
                 for document in shift.take(line):
                     show(shift, document)
     else:
-        floor = _floor(cell, given)
         floor.catch_up(Situation.of(cell, taking_apart=given["taking_apart"]), journal.entries())
         for line in _simulated(floor, shift, given["speed"]):
             for document in shift.take(line):
@@ -269,6 +268,16 @@ def _replay(cell: Cell, journal: Journal, as_json: bool) -> int:
         for difference in found.differences:
             click.echo(f"- {difference}")
     return 1 if found.differences else 0
+
+
+def _screen() -> Show:
+    from tandem.cli.screen import Screen
+
+    return Screen()
+
+
+def _is_terminal() -> bool:
+    return sys.stdout.isatty()
 
 
 def _json_line(_: Shift, document: dict[str, Any]) -> None:

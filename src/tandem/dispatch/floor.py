@@ -26,6 +26,9 @@ from tandem.world.episode import begin, decide, is_over
 from tandem.world.fate import OFF, Chance, Draw, away_until, fate, next_absence
 from tandem.world.people import Person, crew
 
+ROUNDS = 10
+"""After so many rounds in which everybody was asked and nothing began or is to come, the floor stands still for good."""
+
 
 class Floor:
     """A floor under way; its clock is the world's (`tandem.world.episode`), in ticks."""
@@ -58,7 +61,8 @@ class Floor:
         Args:
           look_again: when to report that time has passed, should nothing else happen before, s.
         """
-        while True:
+        standstill = 0
+        while standstill < ROUNDS:
             while self.pending:
                 event = self.pending.popleft()
                 if event.kind != "wrong" or event.task in situation.done:
@@ -69,7 +73,8 @@ class Floor:
             if self.episode.turn >= 0:
                 self._somebody_decides(situation)
             else:
-                self._time_runs_on(look_again)
+                standstill = 0 if self._time_runs_on(look_again) else standstill + 1
+        return None
 
     def catch_up(self, situation: Situation, entries: Iterable[Entry]) -> None:
         """Lives through what the journal holds.
@@ -132,20 +137,26 @@ class Floor:
             bad_at[place] = state.end_at[place]
             self.episode = self.episode._replace(state=state._replace(bad_at=bad_at))
 
-    def _time_runs_on(self, look_again: float | None) -> None:
-        """Time runs to what happens next, or to where somebody wanted to look again."""
+    def _time_runs_on(self, look_again: float | None) -> bool:
+        """Time runs to what happens next, or to where somebody wanted to look again; False when it stands still.
+
+        Where nothing would happen any more because somebody refused, they are asked again, as in the world's own episodes.
+        """
         before = self.episode.state
+        asked_again = int(world.next_event(self.arrays, before)) == NEVER and not before.waits.any()
         until = next_absence(self.fate, before.clock) if self.fate.away_from.shape[0] else np.int32(NEVER)
         if look_again is not None:
             until = np.int32(min(int(until), max(int(before.clock) + 1, math.ceil(look_again * self.names.per_second))))
         state = world.advance(self.arrays, before, until)
         if self.fate.away_from.shape[0]:
             state = state._replace(away_until=away_until(self.fate, state.clock))
+        state = state._replace(refused=before.refused & (not asked_again))
         mask = world.legal(self.arrays, state)
         self.episode = self.episode._replace(state=state, mask=mask, turn=world.turn(self.arrays, mask))
         self.pending.extend(self._reported(before, state))
         if not self.pending and state.clock > before.clock:
             self.pending.append(Event("tick", self.now))
+        return bool(state.clock > before.clock)
 
     def _reported(self, before: world.State, state: world.State) -> Iterable[Event]:
         """What the floor sees of the time that has passed: work that ended, mistakes, who left and who came."""
