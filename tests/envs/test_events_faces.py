@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import warnings
 
 import gymnasium
@@ -199,3 +201,14 @@ def test_a_slow_human_shows_once_it_has_done_something(thesis: Cell):
         observation, _, ended, _, _ = env.step(int(np.flatnonzero(env.action_masks())[-1]))
         shown.append(float(observation["observation"][place]))
     assert (shown[0], shown[-1]) == (1.0, 2.0)
+
+
+def test_the_robot_beside_a_human_needs_no_jax():
+    program = (
+        "import sys, gymnasium, tandem, tandem.envs\n"
+        "env = gymnasium.make('tandem/RobotBesideHuman-v0', cell=tandem.load('examples/thesis.yaml'), person='forgetful:0.2').unwrapped\n"
+        "env.reset(seed=0)\n"
+        "while not env.game.over: env.step(int(env.action_masks().nonzero()[0][-1]))\n"
+        "assert env.game.done and 'jax' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True)

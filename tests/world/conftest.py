@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import pytest
 
 from tandem.cell.files import load
 from tandem.cell.model import Cell
+
+jax = pytest.importorskip("jax", reason="chance is drawn with the extra tandem[learn]")
 
 RICH = {
     "operators": {
@@ -36,3 +40,10 @@ def thesis() -> Cell:
 @pytest.fixture(scope="session")
 def rich() -> Cell:
     return Cell.of({"name": "rich", **RICH})
+
+
+@pytest.fixture(autouse=True)
+def _no_rank_promotion() -> Iterator[None]:
+    """A forgotten axis fails instead of being guessed."""
+    with jax.numpy_rank_promotion("raise"):
+        yield

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import jax
 import numpy as np
 import pytest
 
@@ -11,7 +12,7 @@ from tandem.cell.model import Cell
 from tandem.errors import CellError, UnsoundScheduleError, UsageError
 from tandem.schedule.model import Assignment, Schedule
 from tandem.world.arrays import Arrays, Names
-from tandem.world.state import State, advance, assign, is_stuck, legal, legal_of, may_wait, refuse, replay, reset, starts, turn, wait
+from tandem.world.state import State, advance, assign, is_stuck, legal, legal_of, may_wait, refuse, replay, reset, starts, stress, turn, wait
 
 
 def cell(tasks: dict[str, Any], operators: dict[str, Any] | None = None, **more: Any) -> Cell:
@@ -137,3 +138,16 @@ def test_legal_of_is_the_operators_share() -> None:
     names, arrays, state = at_start(cell({"1": {"time": {"robot": 3.0, "human": 4.0}}, "2": {"time": {"robot": 2.0}}}))
     mine = legal_of(arrays, legal(arrays, state), np.int32(names.operators.index("robot")))
     assert [names.ways[way][0] for way in np.flatnonzero(mine)] == ["1", "2"]
+
+
+def test_stress_by_set_is_kept_under_jit_as_in_numpy() -> None:
+    """Listed are the sets {1} and {1, 2}: task 1 is the human's, and a robot that has taken task 2 leaves only {1}."""
+    tasks = {"1": {"time": {"robot": 3.0, "human": 3.0}}, "2": {"time": {"robot": 3.0, "human": 3.0}}}
+    names, arrays, state = at_start(cell(tasks, stress_of_set={"1": 2.0, "1,2": 5.0}))
+    jitted = jax.jit(lambda state: (legal(arrays, state), stress(arrays, state)))
+    by_robot, by_human = (begun(names, arrays, state, "2", who) for who in ("robot", "human"))
+    for which, ways, least in ((state, ["1", "2", "2"], 2), (by_robot, ["1"], 2), (by_human, [], 5)):
+        mask, units = jitted(which)
+        np.testing.assert_array_equal(mask, legal(arrays, which))
+        assert [names.ways[way][0] for way in np.flatnonzero(mask)] == ways
+        assert int(units) == int(stress(arrays, which)) == least
