@@ -9,6 +9,7 @@ from tests.envs.overlap_port import OverlapGame
 
 from tandem.cell.chessboard import Board, Piece, Who, desk, random_board
 from tandem.envs.chessboard import HUMAN, PLAYERS, ROBOT, is_over, layout, legal, observe, reset, stacked, step, to_play
+from tandem.envs.chessboard.pictures import film
 from tandem.envs.chessboard.play import by_rule, follow, makespans, play
 from tandem.envs.chessboard.world import bottom, levels
 from tandem.errors import UsageError
@@ -150,3 +151,16 @@ def test_a_board_that_is_larger_than_the_padding_is_refused():
         layout(desk(), height=10)
     with pytest.raises(UsageError, match="give at least one"):
         stacked([])
+
+
+def test_a_film_shows_the_whole_game_and_whoever_is_at_work():
+    game = play(desk(), by_rule(PLAYERS["longest-tail"]))
+    frames = film(game, 10)
+    assert frames[0].title == "0 s"
+    assert frames[0].rows == {piece.name: piece.row for piece in desk().pieces}
+    assert len(frames) == 10
+    assert [len(frame.rows) for frame in frames] == sorted((len(frame.rows) for frame in frames), reverse=True)
+    busy = {name for frame in frames for name in frame.doing}
+    assert all(frame.rows[name] == 1 for frame in frames for name in frame.doing)
+    assert any(len(frame.doing) == 2 for frame in frames)
+    assert busy <= {piece.name for piece in desk().pieces}

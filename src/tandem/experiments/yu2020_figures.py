@@ -45,7 +45,7 @@ def gaps(document: Document) -> Figure:
     """Mean gap to the optimum with waiting, a bar a player."""
     rows = [row for row in document["summary"] if "gap" in row]
     rows.sort(key=lambda row: -row["gap"]["mean"])
-    names = [row["player"] + (f", trained on {row['trained_on']}" if row["trained_on"] else "") for row in rows]
+    names = [_named(row) for row in rows]
     figure = blank(8.2, 0.32 * len(rows) + 1.3)
     _bars(figure.axes[0], names, [100 * row["gap"]["mean"] for row in rows], [100 * (row["gap"]["ci95"] or 0) for row in rows], "%")
     number = len(document["exact"]["test"]["seeds"])
@@ -69,7 +69,8 @@ def troubles(document: Document) -> Figure:
         ax.set_title(f"{degree} trouble", loc="left", fontsize=11)
         ax.set_xlabel("seconds, mean")
     figure.axes[-1].set_yticklabels([])
-    figure.axes[0].legend(frameon=False, fontsize=8, loc="lower right")
+    handles, labels = figure.axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower left", ncols=2, frameon=False, fontsize=9)
     return figure
 
 
@@ -91,13 +92,17 @@ def curves(document: Document) -> Figure:
         )
         title = "on the desk" if place == "desk" else "on boards it does not train on"
         plot_curves(lines, ax, xlabel="games of self-play", ylabel="seconds, network alone", title=title, levels=levels)
-        ax.set_xscale("log")
     return figure
+
+
+def _named(row: Mapping[str, Any]) -> str:
+    trained = {None: "", "nothing": ", untrained"}.get(row["trained_on"], f", trained on {row['trained_on']}")
+    return f"{row['player']}{trained}"
 
 
 def _line(curves: Sequence[Sequence[Mapping[str, Any]]]) -> tuple[list[list[float]], list[list[float]]]:
     """Games and held-out makespan, a list a seed."""
-    return [[max(point["games"], 1) for point in curve] for curve in curves], [[point["held"] for point in curve] for curve in curves]
+    return [[point["games"] for point in curve] for curve in curves], [[point["held"] for point in curve] for curve in curves]
 
 
 def _bars(ax: Axes, names: Sequence[str], values: Sequence[float], halves: Sequence[float], unit: str) -> None:

@@ -41,7 +41,7 @@ class Sizes:
       training: boards that are trained on, of `TRAINING`.
       held: boards that learning curves are read on, of `HELD`.
       every: recipe -> rounds (ours) or games (theirs) from one point of the curve to the next.
-      samples: games of which the best counts; 0 to leave that out.
+      samples: games on the desk of which the best counts; 0 to leave that out.
       trainings: recipe, and what it is trained on: "boards", random ones, or "desk".
     """
 
@@ -55,7 +55,7 @@ class Sizes:
 
 
 EVERYTHING = (("ours", "boards"), ("ours", "desk"), ("as described", "boards"), ("as described", "desk"))
-LONG = Sizes(Config(), YuConfig(), len(TRAINING), len(HELD), {"ours": 5, "as described": 10}, 16, EVERYTHING)
+LONG = Sizes(Config(iterations=40), YuConfig(), len(TRAINING), len(HELD), {"ours": 5, "as described": 10}, 16, EVERYTHING)
 QUICK = Sizes(
     replace(Config(), search=Search(simulations=8, considered=4), iterations=2, games=16, minibatch=128, minibatches=4),
     replace(YuConfig(), outer=1, inner=1, switch=1, search=YuSearch(simulations=6, temperature=1000.0)),
@@ -114,11 +114,11 @@ def run(recipe: str, place: str, seed: int, test: Sequence[Board], sizes: Sizes,
 
 
 def played(trained: Any, on: Sequence[Board], recipe: str, sizes: Sizes) -> dict[str, Any]:
-    """Makespans on these boards: of the network alone, of the search, of the best of several searched games."""
+    """Makespans on these boards: of the network alone, of the search, and on a single board of the best of several searched games."""
     from tandem.learn.alphazero.boards import play
 
     took = {"network": play(trained, on)[:, 0].tolist(), "search": play(trained, on, looking=LOOKING[recipe])[:, 0].tolist()}
-    if sizes.samples:
+    if sizes.samples and len(on) == 1:
         took[f"best of {sizes.samples}"] = play(trained, on, looking=DRAWN[recipe], samples=sizes.samples).min(1).tolist()
     return took
 

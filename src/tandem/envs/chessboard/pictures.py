@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-
 import numpy as np
 
 from tandem.cell.chessboard import Board, Who
 from tandem.draw.board import Frame
 from tandem.envs.chessboard.layout import by_place, layout
 from tandem.envs.chessboard.play import Game
-from tandem.envs.chessboard.world import HUMAN, ROBOT, State, levels
+from tandem.envs.chessboard.world import HUMAN, ROBOT, State, begin, levels
 
 WHO = {ROBOT: Who.ROBOT, HUMAN: Who.HUMAN}
 
@@ -25,21 +23,18 @@ def frame(board: Board, state: State, title: str) -> Frame:
 
 
 def film(game: Game, count: int = 12) -> list[Frame]:
-    """About `count` moments of the game, evenly over its clock: each as it looks when the last move of that moment has been made."""
-    return [frame(game.board, state, f"{state.clock} s") for state in _at_rest(game, count)]
-
-
-def _at_rest(game: Game, count: int) -> Sequence[State]:
-    wanted = np.linspace(0, game.makespan, count, endpoint=False)
-    moments = list(_moments(game))
+    """About `count` moments of the game, evenly over its clock: each as it looks when everybody has chosen who could."""
+    moments = _moments(game)
     clocks = np.array([int(state.clock) for state in moments])
+    wanted = np.linspace(0, game.makespan, count, endpoint=False)
     places = sorted({int(np.searchsorted(clocks, moment, side="right")) - 1 for moment in wanted})
-    return [moments[place] for place in places]
+    return [frame(game.board, moments[place], f"{clocks[place]} s") for place in places]
 
 
-def _moments(game: Game) -> Iterator[State]:
-    """The states before the moves, without those in which the other agent moves at the same second."""
-    states = [move.state for move in game.moves]
-    for state, following in zip(states, [*states[1:], None], strict=True):
-        if following is None or following.clock > state.clock:
-            yield state
+def _moments(game: Game) -> list[State]:
+    """The states after the last move of each second in which there were moves, before time runs on."""
+    laid, found = layout(game.board), []
+    for move, following in zip(game.moves, [*game.moves[1:], None], strict=True):
+        if following is None or following.at > move.at:
+            found.append(begin(laid, move.state, np.int32(move.column)))
+    return found

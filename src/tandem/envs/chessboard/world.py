@@ -139,11 +139,20 @@ def step(layout: Layout, state: State, action: Array, fate: Fate | None = None) 
     anything to take then. What ends at the same time ends together. A column in which nothing legal starts begins nothing, and when
     nobody is at work nothing changes: so a game that is over stays as it is.
     """
-    state = _begin(layout, state, action)
+    state = begin(layout, state, action)
     # Two ends free both agents, and with fate the robot's may come in two parts: then somebody has to choose, or it is over.
     for _ in range(2 if fate is None else 3):
         state = _run_on(layout, state, fate)
     return state
+
+
+def begin(layout: Layout, state: State, action: Array) -> State:
+    """The agent `to_play` takes the piece that starts in column `action`; no time passes."""
+    xp = namespace(state.on)
+    agent = xp.arange(2) == to_play(layout, state)
+    here = xp.arange(layout.time.shape[1]) == action
+    taken = eligible(layout, state) & agent[:, None, None] & here[None, None, :]
+    return state._replace(doing=state.doing | taken, left=state.left + xp.sum(taken * layout.time[None], axis=(1, 2)).astype(xp.int32))
 
 
 def observe(layout: Layout, state: State) -> Array:
@@ -166,14 +175,6 @@ def observe(layout: Layout, state: State) -> Array:
 def namespace(array: Array) -> Any:
     """The module (`numpy`, `jax.numpy`) that the array belongs to."""
     return array.__array_namespace__()
-
-
-def _begin(layout: Layout, state: State, action: Array) -> State:
-    xp = namespace(state.on)
-    agent = xp.arange(2) == to_play(layout, state)
-    here = xp.arange(layout.time.shape[1]) == action
-    taken = eligible(layout, state) & agent[:, None, None] & here[None, None, :]
-    return state._replace(doing=state.doing | taken, left=state.left + xp.sum(taken * layout.time[None], axis=(1, 2)).astype(xp.int32))
 
 
 def _run_on(layout: Layout, state: State, fate: Fate | None) -> State:
