@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from tandem.draw.figure import blank
 from tandem.draw.style import FAINT_INK, HUMAN_COLOURS, ROBOT_COLOURS, RULE
-from tandem.envs.grid.layout import RIGHT, Layout
+from tandem.envs.grid.layout import HUMAN_START, RIGHT, ROBOT_START, Layout
 from tandem.envs.grid.pictures import plot_paths
 from tandem.experiments.alessio_grid import ADVERSARIAL, PLAIN
 
@@ -25,27 +25,38 @@ def figures(document: Mapping[str, Any]) -> Iterator[tuple[str, Figure]]:
     for grid in document["grids"]:
         name = grid["grid"]
         yield f"blocked-{name}", blocked(grid)
-        yield f"film-{name}", film(grid)
-        yield f"success-{name}", success(grid)
+        if grid["records"]:
+            yield f"film-{name}", film(grid)
+            yield f"success-{name}", success(grid)
     yield "price-of-robustness", price(document["cells"])
 
 
 def blocked(grid: Mapping[str, Any]) -> Figure:
-    """A human goes straight for the wrong terminal state, beside a robot trained without an adversary and one trained with one; and minimax."""
+    """A human goes straight for the wrong terminal state, beside a robot trained without an adversary and one trained with one; and minimax.
+
+    Where nothing was trained, the quickest robot stands for both.
+    """
     drawn = Layout(tuple(grid["rows"]))
-    figure = blank(3 * (0.45 * drawn.width + 0.5), 0.45 * drawn.height + 1.2)
+    panels = [
+        (_typical(grid["records"], training)["greedy"], f"trained {said}", _count(grid["records"], training))
+        for training, said in ((PLAIN, "beside a random human"), (ADVERSARIAL, "against an adversary"))
+        if grid["records"]
+    ] or [(grid["exact"]["quickest"], "the quickest way", "")]
+    figure = blank((len(panels) + 1) * (0.45 * drawn.width + 0.5), 0.45 * drawn.height + 1.2)
     figure.clear()
-    axes = figure.subplots(1, 3)
-    for ax, training, said in ((axes[0], PLAIN, "trained beside a random human"), (axes[1], ADVERSARIAL, "trained against an adversary")):
-        record = _typical(grid["records"], training)
-        line = _pairs(record["greedy"]["pursued"])
-        own = [each for each in grid["records"] if each["training"] == training]
-        barred = sum(each["greedy"]["barred"] for each in own)
-        plot_paths(drawn, line, ax, title=f"{said}:\n{_end(drawn, line)}\n(right one in {barred} of {len(own)} seeds)")
-    start = (drawn.squares("R")[0], drawn.squares("H")[0])
+    axes = figure.subplots(1, len(panels) + 1)
+    for ax, (greedy, said, count) in zip(axes, panels, strict=False):
+        line = _pairs(greedy["pursued"])
+        plot_paths(drawn, line, ax, title=f"{said}:\n{_end(drawn, line)}\n{count}")
+    start = (drawn.squares(ROBOT_START)[0], drawn.squares(HUMAN_START)[0])
     line = [start, *_pairs(grid["exact"]["line"])]
-    plot_paths(drawn, line, axes[2], title=f"exact minimax, worst human:\n{_end(drawn, line)}\n")
+    plot_paths(drawn, line, axes[-1], title=f"exact minimax, worst human:\n{_end(drawn, line)}\n")
     return figure
+
+
+def _count(records: Sequence[Mapping[str, Any]], training: str) -> str:
+    own = [record for record in records if record["training"] == training]
+    return f"(right one in {sum(record['greedy']['barred'] for record in own)} of {len(own)} seeds)"
 
 
 def film(grid: Mapping[str, Any]) -> Figure:

@@ -52,11 +52,10 @@ TRAININGS: dict[str, Training] = {
     "adversarial, share 10 %": Training("adversary"),
     "adversarial, share 100 %": Training("adversary", share=1.0),
     "adversarial, hostile human": Training("adversary", share=0.0, human="hostile"),
-    "adversarial, in turns": Training("adversary", order="in turns"),
     "as described, plain: random human": Training("random", sees="published", lawful=False),
     "as described, adversarial, share 10 %": Training("adversary", sees="published", lawful=False),
 }
-"""Name -> training. A new one is a line here. "As described" sees the published channels and punishes impossible moves; the rest is our recipe."""
+"""Name -> training; all of them are run. "As described" sees the published channels and punishes impossible moves; the rest is our recipe."""
 
 PLAIN, ADVERSARIAL = "plain: random human", "adversarial, share 10 %"
 DESCRIBED = ("as described, plain: random human", "as described, adversarial, share 10 %")
