@@ -182,7 +182,7 @@ class Robust:
             steps = _steps(beliefs, choice)
             if steps is not None:
                 floor = sum(share * bound for share, _, bound, _, _ in steps)
-                bounds.append((floor + self._penalty(situation, first, choice), choice, steps))
+                bounds.append((floor + self._penalty(situation, first, beliefs[0][2], choice), choice, steps))
         bounds.sort(key=lambda row: (row[0], [-way for way in row[1]]))
         best, found = inf, []
         for bound, choice, steps in bounds:
@@ -212,13 +212,14 @@ class Robust:
         try:
             for stretch in STRETCHED:
                 factor = tuple((name, round(pace.mean * stretch, 3)) for name, pace in paces.items())
-                search, here = self._under(situation, factor, until)
-                costs = dict(self._values(situation, [(1.0, search, here)], ties))
+                search, there = self._under(situation, factor, until)
+                costs = dict(self._values(situation, [(1.0, search, there)], ties))
                 extra = {choice: cost + costs.get(choice, 1e9) for choice, cost in extra.items()}
         except OutOfTimeError:
             pass
         moves = self.models.of(situation, 1.0)
-        keeps = {choice: self._changes(situation, moves, choice) for choice in ties}
+        here = position(moves, situation, {})
+        keeps = {choice: self._changes(situation, moves, here, choice) for choice in ties}
         stress = {choice: sum(moves.units[way] for way in choice) for choice in ties}
         first = sorted(ties, key=lambda choice: (extra[choice], keeps[choice], stress[choice], -len(choice)))
         value = dict(found)
@@ -233,13 +234,14 @@ class Robust:
         kept = [choice for choice in choices if all(any(moves.named(way) == (task, (human,)) for way in choice) for human, task in due)]
         return kept or choices
 
-    def _penalty(self, situation: Situation, moves: Moves, choice: tuple[int, ...]) -> float:
-        return self.options.change_penalty * self.objective.time * self._changes(situation, moves, choice) if self.options.change_penalty else 0.0
+    def _penalty(self, situation: Situation, moves: Moves, here: Position, choice: tuple[int, ...]) -> float:
+        changes = self._changes(situation, moves, here, choice) if self.options.change_penalty else 0
+        return self.options.change_penalty * self.objective.time * changes
 
-    def _changes(self, situation: Situation, moves: Moves, choice: tuple[int, ...]) -> int:
-        """How many announced tasks that could begin now are replaced by others."""
-        asked = {name: moves.named(way)[0] for way in choice for name in moves.named(way)[1] if name in situation.cell.humans}
-        return sum(task != situation.announced.get(human, task) and situation.announced[human] in situation.open for human, task in asked.items())
+    def _changes(self, situation: Situation, moves: Moves, here: Position, choice: tuple[int, ...]) -> int:
+        """How many tasks that were announced to idle humans, and could begin now, they are not to begin now."""
+        may, chosen = {moves.named(way) for way in moves.legal(here)}, {moves.named(way) for way in choice}
+        return sum((task, (human,)) in may and (task, (human,)) not in chosen for human, task in situation.announced.items())
 
     def _why(self, moves: Moves, ranked: Sequence[tuple[tuple[int, ...], float]], paces: Mapping[str, Pace]) -> str:
         choice, cost = ranked[0]
