@@ -111,11 +111,11 @@ class System:
 
 SYSTEMS: dict[str, System] = {
     "thesis": System("Kinat 2023: two independent PPO agents", "tandem.experiments.thesis"),
+    "yu2020": System("Yu, Huang, Chang 2020: the chessboard and AlphaGo-Zero-style search", "tandem.experiments.yu2020"),
     "antonelli2021": System("Antonelli et al. 2021: Q-learning with disassembly", "tandem.experiments.antonelli2021"),
     "alessio2022": System("Alessio et al. 2022: PPO against an adversary on a grid", "tandem.experiments.alessio2022"),
-    "yu2020": System("Yu, Huang, Chang 2020: the chessboard and AlphaGo-Zero-style search", "tandem.experiments.yu2020"),
-    "cells": System("our recipe on cells that are not the thesis's", "tandem.experiments.other_cells", published=False, takes_cases=True),
     "zhang2022": System("Zhang et al. 2022: two actors that share a critic, cooperation and collaboration", "tandem.experiments.zhang2022"),
+    "cells": System("our recipe on cells that are not the thesis's", "tandem.experiments.other_cells", published=False, takes_cases=True),
 }
 
 

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import json
 import math
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from tandem.cell.model import Cell
 from tandem.envs.thesis.optimal import return_optimal
 from tandem.envs.thesis.rewards import reward_set
+from tandem.envs.thesis.station import station, whole_ticks
+from tandem.envs.thesis.world import State, Station
 from tandem.errors import CellError, Fault
+from tandem.experiments.systems import Features, Played
 from tandem.experiments.thesis_runs import FACTORS, OURS, PUBLISHED, VARIANTS, run_all, run_ours, run_thesis, thesis_cell
 from tandem.learn.recipes import TANDEM, longer
 from tandem.learn.runs import versions
@@ -184,6 +189,11 @@ def draw_figures(document: Mapping[str, Any], folder: Path) -> list[Path]:
     return [save(figure, folder / f"{name}{form}", dpi=110) for name, figure in figures(document) for form in (".svg", ".png")]
 
 
+def runs_on(cell: Cell) -> Station:
+    """The cell as the thesis's station holds it. Raises CellError that names every feature that it cannot express."""
+    return station(cell, per_second=whole_ticks(cell))
+
+
 def _quick_records(seeds: int) -> Iterator[dict[str, Any]]:
     yield from run_ours(range(seeds), recipe=longer(TANDEM, QUICK))
     for variant, recipe in VARIANTS.items():
@@ -217,3 +227,60 @@ def _mean(value: Mapping[str, float | None], unit: str = "") -> str:
     if value["mean"] is None:
         return "–"
     return f"{value['mean']:.2f}{unit}" + (f" ± {value['ci95']:.2f}" if value["ci95"] is not None else "")
+
+
+# --- What it can do: for the laboratory ---
+
+STRESS_FACTOR = 1.0
+"""Of the probes: stress counts."""
+SHORT = 0.01
+"""The share of our recipe's budget that a policy of the probes has."""
+
+
+def _least_cost(cell: Cell) -> float:
+    """What the rewards cost at least, robot and human together."""
+    return -return_optimal(cell, reward_set("appendix", stress_factor=STRESS_FACTOR), per_second=whole_ticks(cell)).value
+
+
+def _carry(trained_on: Cell, played_on: Cell, seed: int) -> Played:
+    from tandem.envs.thesis.episode import play, seconds
+    from tandem.learn.agents import PPO
+    from tandem.learn.evaluate import chooser
+
+    agents = PPO(trained_on, stress_factor=STRESS_FACTOR, seed=seed)
+    agents.recipe = longer(TANDEM, SHORT)
+    policy = agents.learn().policy
+    assert policy is not None
+    decide, times = chooser(policy, "decisions"), []
+
+    def timed(data: Station, state: State) -> Any:
+        began = time.perf_counter()
+        action = decide(data, state)
+        times.append(1000 * (time.perf_counter() - began))
+        return action
+
+    per_second = whole_ticks(played_on)
+    episode = play(played_on, reward_set("appendix", stress_factor=STRESS_FACTOR), timed, per_second=per_second)
+    return Played(seconds(episode.ticks, per_second) if episode.done else None, tuple(times))
+
+
+def _agents() -> Sequence[str]:
+    from tandem.learn.stations import StationWorld
+
+    return StationWorld.of(thesis_cell(), TANDEM, stress_factor=STRESS_FACTOR).agents
+
+
+def _trains() -> Callable[..., Any]:
+    from tandem.learn import ppo
+
+    return ppo.train
+
+
+FEATURES = Features(
+    trains=_trains,
+    agents=_agents,
+    cost=_least_cost,
+    play=lambda cell, seed: _carry(cell, cell, seed),
+    carry=_carry,
+    exact=lambda document: [value for point in document["exact_front"] for value in point],
+)
