@@ -69,6 +69,7 @@ def test_what_is_no_journal_is_refused(tmp_path: Path) -> None:
     (tmp_path / "text.db").write_text("this is no database, but a text that is long enough to be taken for something\n" * 20)
     with pytest.raises(JournalError, match="no journal of a shift, or a damaged one"):
         Journal(tmp_path / "text.db")
+    assert not (tmp_path / "text.db.lock").exists(), "nothing is left beside a file that is not ours"
     with sqlite3.connect(tmp_path / "other.db") as other:
         other.execute("CREATE TABLE birds (name TEXT)")
     with pytest.raises(JournalError, match="a database, but no journal"):

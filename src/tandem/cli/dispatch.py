@@ -89,7 +89,9 @@ class Moment(click.ParamType):  # type: ignore[type-arg]  # older releases of cl
 @click.option(
     "--speed", type=click.FloatRange(0.0, min_open=True), help="Simulated: so many times as fast as real time; as fast as possible when absent."
 )
-@click.option("--json", "as_json", is_flag=True, help="JSON lines on a terminal too. Into a pipe or file they always are.")
+@click.option(
+    "--json/--words", "as_json", default=None, help="JSON lines, or words for people; words on a terminal, JSON lines elsewhere when absent."
+)
 @click.pass_context
 def dispatch_command(ctx: click.Context, /, **given: Any) -> int:
     """Run a shift on CELL: events in, decisions out, a line of JSON each.
@@ -111,8 +113,8 @@ def dispatch_command(ctx: click.Context, /, **given: Any) -> int:
         if path is None:
             raise UsageError("--replay: name the journal with --journal FILE.")
         with Journal(path, read_only=True) as journal:
-            return _replay(cell, journal, given["as_json"])
-    show = _json_line if given["as_json"] or not _is_terminal() else _screen()
+            return _replay(cell, journal, bool(given["as_json"]))
+    show = _json_line if given["as_json"] or (given["as_json"] is None and not _is_terminal()) else _screen()
     with Journal(IN_MEMORY if path is None else path) as journal, _terminated_cleanly() as stopped:
         try:
             return _run(ctx, cell, journal, given, show)

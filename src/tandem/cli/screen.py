@@ -51,7 +51,7 @@ class Screen:
                         self._say(line)
             case "summary":
                 state = "over" if document["over"] else "not over"
-                self._say(f"{state}: {document['makespan']:g} s, stress {document['stress']:g}; {document['events']} events, {_latency(document)}.")
+                self._say(f"{state} at {document['at']:g} s, stress {document['stress']:g}; {document['events']} events, {_latency(document)}.")
 
     def _say(self, text: str, style: str | None = None) -> None:
         self.console.print(text, style=style, soft_wrap=True)

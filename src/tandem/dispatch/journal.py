@@ -85,6 +85,7 @@ class Journal:
         """
         self.path = os.fspath(path)
         self._lock: int | None = None
+        locks_before = os.path.exists(f"{self.path}.lock")
         if self.path != IN_MEMORY:
             if read_only and not os.path.exists(self.path):
                 raise UsageError(f"{self.path}: there is no such journal.")
@@ -98,10 +99,10 @@ class Journal:
                 self.connection.execute("PRAGMA query_only=ON")
             self._check()
         except sqlite3.Error as error:
-            self.close()
+            self.close(forget_lock=not locks_before)
             raise JournalError(f"{self.path}: this is no journal of a shift, or a damaged one ({error}). Name another file.") from error
         except TandemError:
-            self.close()
+            self.close(forget_lock=not locks_before)
             raise
 
     @property
@@ -146,12 +147,15 @@ class Journal:
         found = self.connection.execute("SELECT number, event FROM entries WHERE id = ?", (id,)).fetchone()
         return (found[0], json.loads(found[1])) if found else None
 
-    def close(self) -> None:
-        """Closes the file and gives the lock back. Closing twice is fine."""
+    def close(self, *, forget_lock: bool = False) -> None:
+        """Closes the file and gives the lock back; with `forget_lock` the lock's file goes too. Closing twice is fine."""
         if hasattr(self, "connection"):
             with suppress(sqlite3.Error):
                 self.connection.close()
         if self._lock is not None:
+            if forget_lock:
+                with suppress(OSError):
+                    os.unlink(f"{self.path}.lock")
             os.close(self._lock)
             self._lock = None
 
