@@ -31,7 +31,9 @@ def needs_learn_extra() -> None:
 @click.command("train")
 @click.argument("cell_file", metavar="[CELL]", required=False, type=click.Path(allow_dash=True))
 @click.option("--format", "form", metavar="NAME", help="What CELL is written in; told from its content when absent.")
-@click.option("--recipe", "recipe_name", default="tandem", show_default=True, help="How to train: tandem, or thesis (Kinat 2023).")
+@click.option("--recipe", "recipe_name", default="tandem", show_default=True, help="How to train; see the documentation.")
+@click.option("--set", "settings", multiple=True, metavar="NAME=VALUE", help="Change a number of the recipe, such as waiting=false; may be repeated.")
+@click.option("--people", metavar="SPEC", help="With `--recipe response`: beside whom, such as random:0.5 or population:FILE.")
 @click.option("--stress-factor", type=float, default=0.0, show_default=True, help="How much a unit of stress counts; a second counts 10.")
 @click.option("--seeds", type=click.IntRange(1, 1000), default=1, show_default=True, help="How many trainings, side by side.")
 @click.option("--first-seed", type=click.IntRange(0), default=0, show_default=True, help="The seeds are this one and those that follow.")
@@ -45,6 +47,8 @@ def train_command(
     cell_file: str | None,
     form: str | None,
     recipe_name: str,
+    settings: tuple[str, ...],
+    people: str | None,
     stress_factor: float,
     seeds: int,
     first_seed: int,
@@ -55,11 +59,17 @@ def train_command(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Train a robot's and a human's agent on CELL by trial and error.
+    """Train agents on CELL by trial and error, one for each operator.
+
+    Recipes: tandem (ours: independent PPO), thesis (Kinat 2023); alphazero (ours: self-play with a search, any number of operators),
+    yu2020 (Yu, Huang and Chang 2020); dqn (ours: deep Q-learning), yu2021 (Yu, Huang and Chang 2021); response (ours: one decider beside
+    people who do as they like, for `tandem simulate` and `tandem dispatch`).
 
     \b
     Examples:
       tandem train cell.yaml --stress-factor 5 --seeds 3
+      tandem train cell.yaml --recipe alphazero --set simulations=64
+      tandem train cell.yaml --recipe response --people random:0..1+pace:0.6..3
       tandem train --resume runs/my-run
 
     Ctrl-C saves; the exit code is then 130 and --resume goes on to the same end.
@@ -67,6 +77,7 @@ def train_command(
     needs_learn_extra()
     from tandem.cell.files import load
     from tandem.learn import trainer
+    from tandem.learn.recipes import changed, recipe
 
     if (cell_file is None) == (resume is None):
         raise UsageError("give a CELL to train on, or --resume RUN to go on with a run; one of the two.")
@@ -78,6 +89,7 @@ def train_command(
             document = trainer.train(
                 load(cell_file, form),
                 recipe_name=recipe_name,
+                own_recipe=changed(recipe(recipe_name), [*settings, *([f"people={people}"] if people else [])]),
                 stress_factor=stress_factor,
                 seeds=range(first_seed, first_seed + seeds),
                 folder=folder,
@@ -131,12 +143,14 @@ def _show_training(document: dict[str, Any]) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    table = Table("seed", "greedy makespan", "stress", "illegal", "gap", f"best of {document['seeds'][0]['best_of_n']['n']}", "gap", "steps", "CPU s")
+    searched = any("searched" in row for row in document["seeds"])
+    best = f"best of {document['seeds'][0]['best_of_n']['n']}"
+    table = Table("seed", "greedy makespan", "stress", "illegal", "gap", *["searched", "gap"] * searched, best, "gap", "steps", "CPU s")
     for row in document["seeds"]:
-        best = row["best_of_n"]
+        plays = [row[name] for name in ("searched", "best_of_n") if name in row]
         table.add_row(
             str(row["seed"]), *_figures(row["greedy"]), str(row["greedy"]["illegal"]), _share(row["greedy"]["gap"]),
-            " / ".join(_figures(best)), _share(best["gap"]), str(row["steps"]), f"{row['cpu_s']:.1f}",
+            *(text for played in plays for text in (" / ".join(_figures(played)), _share(played["gap"]))), str(row["steps"]), f"{row['cpu_s']:.1f}",
         )  # fmt: skip
     console = Console(highlight=False)
     console.print(table)

@@ -53,6 +53,7 @@ ALGORITHMS = {
     "alphazero": "tandem.learn.alphazero.trainee",
     "yu": "tandem.learn.alphazero.yu_trainee",
     "dqn": "tandem.learn.dqn.trainee",
+    "response": "tandem.learn.response.trainee",
 }
 """Name -> the module with its `Trainee`, which is made from an order."""
 

@@ -51,23 +51,12 @@ class Trainee:
         return jax.block_until_ready(_advance(learners, self.world, self.config, updates))
 
     def share(self, learners: ppo.Learner) -> float:
-        stages, done = self.config.stages, []
-        for place in range(len(self.order.seeds)):
-            stage = int(learners.stage[place])
-            left = 0.0
-            if stage < len(stages):
-                within = (
-                    int(learners.stage_episodes[place]) / (stages[stage].episodes or 2**31),
-                    int(learners.stage_steps[place]) / (stages[stage].steps or 2**31),
-                )
-                left = min(max(within), 1.0)
-            done.append((stage + left) / len(stages))
-        return min(done)
+        return share(learners, self.config)
 
     def rows(self, learners: ppo.Learner, report: ppo.Report) -> list[Row]:
         """The figures that the thesis watches, and those that say how good the agents are."""
         played = jax.device_get(_greedy(learners.parameters, self.world, self.config))
-        return [self._row(learners, place, *_of_seed((report, played), place)) for place in range(len(self.order.seeds))]
+        return [self._row(learners, place, *of_seed((report, played), place)) for place in range(len(self.order.seeds))]
 
     def play(self, learners: ppo.Learner) -> list[Row]:
         """`best_of_n`: of n sampled episodes the one with the largest sum of returns."""
@@ -75,7 +64,7 @@ class Trainee:
         drawn = jax.device_get(_sampled(jax.random.key(self.order.seeds[0]), learners.parameters, self.world, self.config))
         rows = []
         for place in range(len(self.order.seeds)):
-            sure, draws = _of_seed((greedy, drawn), place)
+            sure, draws = of_seed((greedy, drawn), place)
             best = {"n": BEST_OF, **self._reached(draws, best_of(draws))}
             rows.append({"steps": int(learners.steps[place]), "greedy": self._reached(sure, 0), "best_of_n": best})
         return rows
@@ -119,12 +108,28 @@ class Trainee:
         return {"makespan": makespan, "stress": stress, "illegal": int(np.sum(played.illegal[place]))}
 
 
+def share(learners: ppo.Learner, config: Config) -> float:
+    """How much of the budget the slowest seed has behind it, 0 to 1."""
+    stages, done = config.stages, []
+    for place, stage in enumerate(np.asarray(learners.stage).tolist()):
+        left = 0.0
+        if stage < len(stages):
+            within = (
+                int(learners.stage_episodes[place]) / (stages[stage].episodes or 2**31),
+                int(learners.stage_steps[place]) / (stages[stage].steps or 2**31),
+            )
+            left = min(max(within), 1.0)
+        done.append((stage + left) / len(stages))
+    return min(done)
+
+
 def best_of(played: play.Played) -> int:
     """Which of the episodes that ended has the largest sum of returns; 0 when none ended."""
     return int(np.argmax(np.where(played.done, np.asarray(played.returns).sum(-1), -np.inf)))
 
 
-def _of_seed(tree: Any, place: int) -> Sequence[Any]:
+def of_seed(tree: Any, place: int) -> Sequence[Any]:
+    """One seed's part of results that have a leading axis of seeds."""
     return jax.tree.map(lambda leaf: leaf[place], tree)
 
 

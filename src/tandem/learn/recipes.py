@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import json
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from typing import Any, ClassVar, Literal, Protocol, Self
@@ -12,6 +13,7 @@ from tandem.errors import UsageError
 from tandem.learn.alphazero.recipes import ALPHAZERO, YU_2020, SearchRecipe, YuRecipe
 from tandem.learn.config import Config, Stage
 from tandem.learn.dqn.recipes import DQN, YU_2021, ValueRecipe
+from tandem.learn.response.recipes import RESPONSE, ResponseRecipe
 
 OBSERVATIONS: dict[str, Callable[..., Any]] = {"thesis": observe, "scaled": observe_scaled, "normalised": observe_normalised}
 """What a recipe's `sees` means: station and state to `[2, D]`, in NumPy and JAX alike."""
@@ -110,7 +112,7 @@ TANDEM = Recipe(
 )
 """Ours: only legal actions, 64 stations at once, decisions instead of ticks."""
 
-KINDS: dict[str, type[AnyRecipe]] = {"ppo": Recipe, "alphazero": SearchRecipe, "yu": YuRecipe, "dqn": ValueRecipe}
+KINDS: dict[str, type[AnyRecipe]] = {"ppo": Recipe, "alphazero": SearchRecipe, "yu": YuRecipe, "dqn": ValueRecipe, "response": ResponseRecipe}
 """Algorithm -> the form of its recipes."""
 
 RECIPES: dict[str, AnyRecipe] = {
@@ -120,6 +122,7 @@ RECIPES: dict[str, AnyRecipe] = {
     "yu2020": YU_2020,
     "dqn": DQN,
     "yu2021": YU_2021,
+    "response": RESPONSE,
 }
 """Name -> recipe. A new one is a line here."""
 
@@ -151,3 +154,39 @@ def longer(base: Recipe, factor: float) -> Recipe:
         return replace(stage, episodes=stage.episodes and max(1, round(stage.episodes * factor)), steps=steps)
 
     return replace(base, config=replace(base.config, stages=tuple(stretched(stage) for stage in base.config.stages)))
+
+
+def changed(base: AnyRecipe, settings: Sequence[str]) -> AnyRecipe:
+    """The recipe with settings such as `waiting=false` or `config.search.simulations=64`; values are JSON, or words.
+
+    Raises UsageError, with all faults at once, for what is no setting of the recipe or does not fit it.
+    """
+    data, faults = json.loads(json.dumps(base.to_dict())), []
+    for setting in settings:
+        name, is_one, value = setting.partition("=")
+        *parents, last = name.split(".")
+        part: Any = data
+        for parent in parents:
+            part = part.get(parent) if isinstance(part, dict) else None
+        if not is_one or not isinstance(part, dict) or last not in part:
+            faults.append(f"--set {setting}: the recipe has no such setting; it has {', '.join(_names(data))}.")
+            continue
+        new = _value(value)
+        if type(new) is not type(part[last]) and not (part[last] is None or new is None or (isinstance(part[last], float) and type(new) is int)):
+            faults.append(f"--set {setting}: must be like {json.dumps(part[last])}.")
+            continue
+        part[last] = new
+    if faults:
+        raise UsageError("\n".join(faults))
+    return KINDS[base.algorithm].from_dict(data) if settings else base
+
+
+def _names(data: Mapping[str, Any], place: str = "") -> list[str]:
+    return [name for key, value in data.items() for name in (_names(value, f"{place}{key}.") if isinstance(value, dict) else [place + key])]
+
+
+def _value(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except ValueError:
+        return text

@@ -1,0 +1,49 @@
+"""The recipe of a best response: PPO's configuration, and beside whom it is trained."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+from tandem.learn.config import Config, Stage
+
+
+@dataclass(frozen=True)
+class ResponseRecipe:
+    """How one decider learns beside people.
+
+    Attributes:
+      config: of PPO.
+      people: beside whom, as `tandem.world.crowd` reads it. Of a population file the training part.
+    """
+
+    config: Config
+    people: str = "random:0..1+pace:0.5..3"
+
+    algorithm: ClassVar[str] = "response"
+
+    def to_dict(self) -> dict[str, Any]:
+        return {"people": self.people, "config": self.config.to_dict()}
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        return cls(**{**data, "config": Config.from_dict(data["config"])})
+
+
+RESPONSE = ResponseRecipe(
+    Config(
+        stages=(
+            Stage(steps=262_144, entropy=0.02, learning_rate=2e-3),
+            Stage(steps=262_144, entropy=0.005, learning_rate=1e-3),
+            Stage(steps=262_144, entropy=0.001, learning_rate=3e-4),
+        ),
+        environments=256,
+        horizon=32,
+        minibatch=2048,
+        epochs=4,
+        gae=0.97,
+        hidden=(64, 64),
+    )
+)
+"""Half a minute of one core for a cell of seven tasks. The settings were found on the thesis's cell and kept for all others."""
