@@ -4,7 +4,8 @@ it was described, our recipe, plain rules, and the proven optimum, on random boa
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -46,33 +47,51 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
     """
     from tandem.cell.storing import store
 
-    sizes, number = (runs.QUICK, QUICK_BOARDS) if quick else (runs.LONG, len(games.TEST))
-    test, chosen = games.TEST[:number], range(seeds or (1 if quick else SEEDS))
+    with _compiled_quickly() if quick else nullcontext():
+        document = _document(folder / "records", quick, range(seeds or (1 if quick else SEEDS)), tell)
+    folder.mkdir(parents=True, exist_ok=True)
+    store(folder / STORED, json.dumps(document, separators=(",", ":")) + "\n")
+    return document
+
+
+def _document(records: Path, quick: bool, seeds: Sequence[int], tell: Callable[[str], None]) -> dict[str, Any]:
+    sizes, number, many, few = (
+        (runs.QUICK, QUICK_BOARDS, QUICK_TROUBLED_BOARDS, 2) if quick else (runs.LONG, len(games.TEST), TROUBLED_BOARDS, TROUBLED_GAMES)
+    )
+    test, random_games, desk_games = games.TEST[:number], *((10, 10) if quick else (RANDOM_GAMES, DESK_GAMES))
+    boards = games.boards(test)
     tell("proving optima")
     document: dict[str, Any] = {
         "schema_version": 1,
         "command": "tandem reproduce yu2020" + " --quick" * quick,
         "quick": quick,
-        "seeds": list(chosen),
+        "seeds": list(seeds),
         "versions": versions(),
         "published": PUBLISHED,
         "exact": {"desk": games.proven_desk(), "first": games.proven(games.FIRST[: 3 if quick else None]), "test": games.proven(test)},
     }
     tell("plain players")
-    document["plain"] = games.plain(test, games=10 if quick else RANDOM_GAMES, desk_games=10 if quick else DESK_GAMES, seed=0)
-    records_folder, boards = folder / "records", games.boards(test)
-    files = list(runs.run_all(records_folder, chosen, boards, sizes, tell))
-    untrained = [runs.untrained_record(recipe, seed, boards, sizes) for recipe in runs.LOOKING for seed in chosen[:1]]
+    document["plain"] = games.plain(test, games=random_games, desk_games=desk_games, seed=0)
+    files = list(runs.run_all(records, seeds, boards, sizes, tell))
+    untrained = [runs.untrained_record(recipe, seed, boards, sizes) for recipe in runs.LOOKING for seed in seeds[:1]]
     document["records"] = [*untrained, *(json.loads(file.read_text(encoding="utf-8")) for file in files)]
-    document["decisions"] = runs.decisions(records_folder)
-    many = QUICK_TROUBLED_BOARDS if quick else TROUBLED_BOARDS
-    learned = runs.learned_deciders(records_folder, boards[:many], 2 if quick else TROUBLED_GAMES)
-    document["troubles"] = games.troubled(test[:many], 2 if quick else TROUBLED_GAMES, learned, seed=1, tell=tell)
-    document["films"] = runs.films(records_folder)
-    document["summary"] = summary(document)
-    folder.mkdir(parents=True, exist_ok=True)
-    store(folder / STORED, json.dumps(document, separators=(",", ":")) + "\n")
-    return document
+    document["decisions"] = runs.decisions(records)
+    document["troubles"] = games.troubled(test[:many], few, runs.learned_deciders(records, boards[:many], few), seed=1, tell=tell)
+    document["films"] = runs.films(records)
+    return {**document, "summary": summary(document)}
+
+
+@contextmanager
+def _compiled_quickly() -> Iterator[None]:
+    """A quick run spends nearly all of its time compiling: here without most optimisations, which changes nothing but speed."""
+    import jax
+
+    before = jax.config.jax_disable_most_optimizations  # type: ignore[attr-defined]
+    jax.config.update("jax_disable_most_optimizations", True)
+    try:
+        yield
+    finally:
+        jax.config.update("jax_disable_most_optimizations", before)
 
 
 def stored() -> dict[str, Any]:

@@ -55,7 +55,7 @@ class Sizes:
 
 
 EVERYTHING = (("ours", "boards"), ("ours", "desk"), ("as described", "boards"), ("as described", "desk"))
-LONG = Sizes(Config(iterations=40), YuConfig(), len(TRAINING), len(HELD), {"ours": 5, "as described": 10}, 16, EVERYTHING)
+LONG = Sizes(Config(iterations=16), YuConfig(), len(TRAINING), len(HELD), {"ours": 2, "as described": 20}, 16, EVERYTHING)
 QUICK = Sizes(
     replace(Config(), search=Search(simulations=8, considered=4), iterations=2, games=16, minibatch=128, minibatches=4),
     replace(YuConfig(), outer=1, inner=1, switch=1, search=YuSearch(simulations=6, temperature=1000.0)),
