@@ -84,7 +84,7 @@ def _compare(folder: Path, *, quick: bool, stored: bool, seeds: int | None, as_j
     for name, entries in document["features"].items():
         click.echo(name)
         for feature, entry in entries.items():
-            click.echo(f"  {feature:<28}{entry['value']}")
+            click.echo(f"  {feature:<30}{entry['value']}")
 
 
 def _tell(text: str) -> None:

@@ -44,7 +44,7 @@ OURS = Config(steps=1_000_000, horizon=40.0, epsilon=0.3, epsilon_end=0.3, limit
 """Episodes begin anywhere, the rate falls with the visits, nothing is discounted, slips come in an even order; trained with the p that is
 played with."""
 
-PRECISE = Config(steps=2_000_000, stratified=True, reports=40)
+PRECISE = Config(steps=2_000_000, stratified=True)
 """For the last digits: every pair in every round, in double precision."""
 PRECISE_AT = {0.0: 5.0, 0.1: 5.0, 0.2: 10.0, 0.3: 15.0, 0.5: 60.0}
 """p -> horizon of the rate: about as many as the operations that an assembly takes then; with less, the first guesses fade too slowly."""
@@ -301,7 +301,7 @@ def draw_figures(document: Mapping[str, Any], folder: Path) -> list[Path]:
 
 # --- What it can do: for the laboratory ---
 
-SHORT = replace(OURS, steps=50_000, reports=1)
+SHORT = replace(OURS, steps=50_000)
 
 
 def episode(cell: Cell, seed: int, *, p: float, config: Config = SHORT) -> Played:
