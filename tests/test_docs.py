@@ -76,7 +76,7 @@ def test_every_page_is_reachable() -> None:
 
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python")], ids=lambda page: page.name)
 def test_the_python_examples_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    if page.name in ("environments.md", "learning.md", "people.md"):
+    if page.name in ("environments.md", "learning.md", "yu.md", "people.md"):
         pytest.importorskip("pettingzoo", reason="needs tandem[learn]")
     shutil.copytree(ROOT / "examples", tmp_path / "examples")
     monkeypatch.chdir(tmp_path)
