@@ -33,7 +33,7 @@ from tandem.world.fate import Chance
 
 ROOT = Path(__file__).resolve().parents[1]
 PEOPLE = (
-    "compliant", "random:0.1", "random:0.5", "random:1", "pace:0.6", "pace:2",
+    "compliant", "random:0.5", "random:1", "pace:0.6", "pace:2",
     "utility:stress=1", "forgetful:0.1", "refusing:0.2", "adversarial",
 )  # fmt: skip
 CERTAIN = ("compliant", "pace:0.6", "pace:2", "utility:stress=1", "adversarial")
@@ -61,7 +61,7 @@ def cells(case: Path | None) -> Iterator[tuple[str, Cell, int]]:
 def fewer(episodes: int, certain: bool, scatter: bool, tasks: int) -> dict[str, int]:
     """How many episodes the slow deciders get."""
     if certain:
-        return {}
+        return dict.fromkeys(POLICIES, 2)
     slow = max(6, episodes // 10)
     if not scatter:
         return {"replan": slow, "replan-robust": max(slow, episodes // 2)}
@@ -79,7 +79,7 @@ def rows_of(name: str, cell: Cell, episodes: int, options: Options, tell: Any) -
         trial = Trial(
             policies,
             ("compliant",) if scatter else (people,),
-            2 if certain else episodes,
+            episodes,
             0,
             chance=SCATTER if scatter else Chance(),
             options=options,

@@ -92,7 +92,7 @@ def _document(
         key = (name, told.random if name == "expected" else 0.0)
         if key not in made:
             made[key] = policy(name, cell, trial.objective, told)
-        found = stage.first(count).play(made[key])
+        found = stage.play(made[key], count)
         costs[name] = trial.objective.time * found.makespan + trial.objective.stress * found.stress
         rows.append(_row(name, found, costs, trial.policies[0], None if best is None else best[:count]))
     return {

@@ -7,7 +7,7 @@ episodes meet a few hundred situations.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
@@ -65,21 +65,16 @@ class Stage:
 
         return cls(names, arrays, fates(jax.random.key(seed), draw, arrays, people.pace.shape[0]), people, draw.chance.undo)
 
-    def first(self, count: int) -> Stage:
-        """The first so many of the episodes."""
-        if count >= len(self.people.pace):
-            return self
-        return replace(self, fates=Fate(*(part[:count] for part in self.fates)), people=Person(*(part[:count] for part in self.people)))
-
-    def play(self, policy: Policy) -> Outcome:
-        """Plays all episodes under the decider."""
-        return _Play(self, policy).run()
+    def play(self, policy: Policy, count: int | None = None) -> Outcome:
+        """Plays all episodes under the decider, or the first `count` of them: the others stand still, so that nothing is compiled anew."""
+        return _Play(self, policy, len(self.people.pace) if count is None else min(count, len(self.people.pace))).run()
 
 
 @dataclass
 class _Play:
     stage: Stage
     policy: Policy
+    count: int
     known: dict[bytes, Decision] = field(default_factory=dict)
     latency_ms: list[float] = field(default_factory=list)
 
@@ -93,12 +88,12 @@ class _Play:
         until = np.full(episodes, NEVER, np.int32)
         for _ in range(LIMIT):
             seen = _Seen.of(shift, asked, off)
-            over = np.asarray(over)
+            over = np.asarray(over)[: self.count]
             if over.all():
                 break
             ways = np.full(episodes, -1, np.int32)
             turns = np.asarray(shift.turn)
-            for number in np.flatnonzero((turns >= 0) & ~over):
+            for number in np.flatnonzero((turns[: self.count] >= 0) & ~over):
                 decision = self._decision(seen, int(number))
                 turn = int(turns[number])
                 ways[number] = self._way(decision, turn, seen.mask[number])
@@ -133,14 +128,14 @@ class _Play:
     def _outcome(self, shift: Shift, changes: Any) -> Outcome:
         import jax
 
-        stage = self.stage
+        stage, mine = self.stage, slice(self.count)
         stress = jax.vmap(world.stress, in_axes=(None, 0))(stage.arrays, shift.state)
         makespan = jax.vmap(world.makespan)(shift.state)
         return Outcome(
-            makespan=np.asarray(makespan, float) / stage.names.per_second,
-            stress=np.asarray(stress, float) / stage.names.per_stress,
-            changes=changes,
-            done=np.asarray(jax.vmap(world.is_done)(shift.state)),
+            makespan=np.asarray(makespan, float)[mine] / stage.names.per_second,
+            stress=np.asarray(stress, float)[mine] / stage.names.per_stress,
+            changes=changes[mine],
+            done=np.asarray(jax.vmap(world.is_done)(shift.state))[mine],
             latency_ms=np.array(self.latency_ms),
         )
 
