@@ -50,6 +50,18 @@ def test_an_entry_that_cannot_be_written_leaves_nothing_behind(tmp_path: Path) -
         assert [entry.number for entry in journal.entries()] == [0, 1, 2]
 
 
+def test_a_full_disk_ends_the_shift_and_loses_nothing(tmp_path: Path) -> None:
+    with begun(tmp_path / "shift.db") as journal:
+        journal.connection.execute("PRAGMA max_page_count = 12")
+        written = 0
+        with pytest.raises(JournalError, match="disk is full"):
+            for written in range(1, 1000):
+                journal.append(replace(OPENING, number=written, line="x" * 500))
+    with Journal(tmp_path / "shift.db") as journal:
+        assert [entry.number for entry in journal.entries()] == list(range(written))
+        journal.append(replace(OPENING, number=written))
+
+
 def test_a_second_shift_is_kept_out_and_a_reader_is_not(tmp_path: Path) -> None:
     with begun(tmp_path / "shift.db"):
         with pytest.raises(UsageError, match="another shift is writing this journal"):

@@ -42,7 +42,7 @@ class Moment(click.ParamType):  # type: ignore[type-arg]  # older releases of cl
 
 
 @click.command("dispatch")
-@click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=False))
+@click.argument("cell_file", metavar="CELL", type=click.Path())
 @FORMAT
 @click.option("--policy", default="auto", show_default=True, help="Who decides; `tandem policies` lists them.")
 @click.option(
@@ -107,6 +107,8 @@ def dispatch_command(ctx: click.Context, /, **given: Any) -> int:
     from tandem.cell.files import load
     from tandem.dispatch.journal import IN_MEMORY, Journal
 
+    if given["cell_file"] == "-":
+        raise UsageError("CELL cannot come from standard input, where the events come from. Name a file.")
     cell = load(given["cell_file"], given["form"])
     path: Path | None = given["journal"]
     if given["replays"]:

@@ -188,7 +188,8 @@ class _Reading:
         seconds = (moment - (self.start or moment)).total_seconds()
         if not 0 <= seconds <= LONGEST_SHIFT:
             began = (self.start or moment).isoformat()
-            self.faults.append(f"`{key}` is {text}, which is {seconds:+.6g} s from the start of the shift at {began}. State the start with --start.")
+            wrong = "before" if seconds < 0 else f"more than {LONGEST_SHIFT:.0f} s after"
+            self.faults.append(f"`{key}` is {text}, {wrong} the start of the shift at {began}. The start is stated with --start when a shift begins.")
             return None
         return seconds
 

@@ -98,6 +98,9 @@ class Journal:
             if read_only:
                 self.connection.execute("PRAGMA query_only=ON")
             self._check()
+        except sqlite3.OperationalError as error:
+            self.close(forget_lock=not locks_before)
+            raise JournalError(f"{self.path}: the journal cannot be opened ({error}). Look at its permissions and the space on the disk.") from error
         except sqlite3.Error as error:
             self.close(forget_lock=not locks_before)
             raise JournalError(f"{self.path}: this is no journal of a shift, or a damaged one ({error}). Name another file.") from error
