@@ -53,10 +53,10 @@ def test_an_entry_that_cannot_be_written_leaves_nothing_behind(tmp_path: Path) -
 def test_a_full_disk_ends_the_shift_and_loses_nothing(tmp_path: Path) -> None:
     with begun(tmp_path / "shift.db") as journal:
         journal.connection.execute("PRAGMA max_page_count = 12")
-        written = 0
+        entries = (replace(OPENING, number=number, line="x" * 500) for number in range(1, 1000))
         with pytest.raises(JournalError, match="disk is full"):
-            for written in range(1, 1000):
-                journal.append(replace(OPENING, number=written, line="x" * 500))
+            all(journal.append(entry) is None for entry in entries)
+        written = next(entries).number - 1
     with Journal(tmp_path / "shift.db") as journal:
         assert [entry.number for entry in journal.entries()] == list(range(written))
         journal.append(replace(OPENING, number=written))
