@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
+from functools import partial
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,7 @@ from tandem.learn.runs import versions
 STORED = "yu2020.json"
 SEEDS = 3
 RANDOM_GAMES, DESK_GAMES = 100, 2000
-TROUBLED_BOARDS, TROUBLED_GAMES = 20, 5
+TROUBLED_BOARDS, TROUBLED_GAMES = 10, 5
 QUICK_BOARDS, QUICK_TROUBLED_BOARDS = 10, 5
 
 PUBLISHED: dict[str, str | None] = {
@@ -68,17 +69,24 @@ def _document(records: Path, quick: bool, seeds: Sequence[int], tell: Callable[[
         "seeds": list(seeds),
         "versions": versions(),
         "published": PUBLISHED,
-        "exact": {"desk": games.proven_desk(), "first": games.proven(games.FIRST[: 3 if quick else None]), "test": games.proven(test)},
+        "exact": runs.kept(records / "exact.json", lambda: _exact_results(test, games.FIRST[: 3 if quick else None])),
     }
     tell("plain players")
-    document["plain"] = games.plain(test, games=random_games, desk_games=desk_games, seed=0)
+    document["plain"] = runs.kept(records / "plain.json", lambda: games.plain(test, games=random_games, desk_games=desk_games, seed=0))
     files = list(runs.run_all(records, seeds, boards, sizes, tell))
-    untrained = [runs.untrained_record(recipe, seed, boards, sizes) for recipe in runs.LOOKING for seed in seeds[:1]]
+    untrained = [
+        runs.kept(records / f"{recipe.replace(' ', '-')}_untrained.json", partial(runs.untrained_record, recipe, 0, boards, sizes))
+        for recipe in runs.LOOKING
+    ]
     document["records"] = [*untrained, *(json.loads(file.read_text(encoding="utf-8")) for file in files)]
     document["decisions"] = runs.decisions(records)
     document["troubles"] = games.troubled(test[:many], few, runs.learned_deciders(records, boards[:many], few), seed=1, tell=tell)
     document["films"] = runs.films(records)
     return {**document, "summary": summary(document)}
+
+
+def _exact_results(test: Sequence[int], first: Sequence[int]) -> dict[str, Any]:
+    return {"desk": games.proven_desk(), "first": games.proven(first), "test": games.proven(test)}
 
 
 @contextmanager

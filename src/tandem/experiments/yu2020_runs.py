@@ -6,16 +6,17 @@ A record is plain data and lies in a file of its own beside the weights, so that
 from __future__ import annotations
 
 import json
-import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from numpy.typing import NDArray
 
 from tandem.cell.chessboard import Board, desk
+from tandem.cell.storing import store
 from tandem.envs.chessboard.optimal import optimum, replanning
 from tandem.envs.chessboard.play import by_rule
 from tandem.envs.chessboard.play import play as play_one
@@ -74,14 +75,18 @@ def wanted(seeds: Sequence[int], sizes: Sizes) -> list[tuple[str, str, int]]:
 
 def run_all(folder: Path, seeds: Sequence[int], test: Sequence[Board], sizes: Sizes, tell: Tell) -> Iterator[Path]:
     """Every training that has no record in `folder` yet; yields each record's file. The weights lie beside it."""
-    folder.mkdir(parents=True, exist_ok=True)
     for recipe, place, seed in wanted(seeds, sizes):
         file = folder / f"{recipe.replace(' ', '-')}_{place}_{seed}.json"
-        if not file.exists():
-            part = file.with_suffix(f".{os.getpid()}.part")
-            part.write_text(json.dumps(run(recipe, place, seed, test, sizes, weights_of(file), tell)))
-            part.replace(file)
+        kept(file, partial(run, recipe, place, seed, test, sizes, weights_of(file), tell))
         yield file
+
+
+def kept(file: Path, make: Callable[[], Any]) -> Any:
+    """What the file holds; made, and written whole or not at all, when there is none yet."""
+    if not file.exists():
+        file.parent.mkdir(parents=True, exist_ok=True)
+        store(file, json.dumps(make()))
+    return json.loads(file.read_text(encoding="utf-8"))
 
 
 def weights_of(record: Path) -> Path:
