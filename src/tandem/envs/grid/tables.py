@@ -94,14 +94,17 @@ def _moves(grid: Grid, agent: int) -> tuple[tuple[Table, Table], Table, Table]:
 
 
 def quickest(grid: Grid) -> Table:
-    """`[S, S, 5]` a robot that looks at nobody: each first move of a shortest way to a right terminal state is as likely as the others."""
+    """`[S, S, 5]` a robot that goes the shortest way to a right terminal state around where the human stands now; the first action of equals."""
     squares = grid.kind.shape[0]
     neighbour, kind = np.asarray(grid.neighbour), np.asarray(grid.kind)
-    far = np.where(kind == REACHED_RIGHT, 0, squares)
-    for _ in range(squares):
-        near = np.where((neighbour >= 0) & (kind[neighbour] != REACHED_WRONG), far[neighbour], squares).min(-1)
-        far = np.where(kind == REACHED_RIGHT, 0, np.where(kind == REACHED_WRONG, squares, np.minimum(far, near + 1)))
-    leads = (neighbour >= 0) & (far[neighbour] < far[:, None])
-    leads[:, WAIT] |= ~leads.any(-1)
-    policy = leads / leads.sum(-1, keepdims=True)
-    return np.broadcast_to(policy[:, None, :], (squares, squares, 5))
+    policy = np.zeros((squares, squares, 5))
+    for human in range(squares):
+        enters = (neighbour >= 0) & (neighbour != human) & (kind[neighbour] != REACHED_WRONG)
+        enters[:, WAIT] = False
+        far = np.where(kind == REACHED_RIGHT, 0, squares)
+        for _ in range(squares):
+            near = np.where(enters, far[neighbour], squares).min(-1)
+            far = np.where(kind == REACHED_RIGHT, 0, np.minimum(far, near + 1))
+        leads = enters & (far[neighbour] < far[:, None])
+        policy[np.arange(squares), human, np.where(leads.any(-1), leads.argmax(-1), WAIT)] = 1.0
+    return policy
