@@ -94,18 +94,17 @@ def traits(spec: str, names: Names) -> tuple[Trait, ...]:
     Raises:
       UsageError: with everything that is wrong with it, and how to mend it.
     """
-    found, wrong, owner = [], [], dict[str, str]()
+    found, wrong = list[Trait](), list[str]()
     for part in spec.split("+"):
         kind, _, rest = part.strip().partition(":")
         if kind not in KINDS:
             wrong.append(f"{part.strip()!r}: there is no such kind of person. {Known(KINDS).hint(kind)}")
             continue
+        if kind in [trait.kind for trait in found]:
+            wrong.append(f"{spec!r}: {kind!r} stands there twice. Keep one of them.")
         trait, faults = _trait(kind, [word.strip() for word in rest.split(",")] if rest else [], names)
         wrong += faults
         found.append(trait)
-        if kind in owner:
-            wrong.append(f"{spec!r}: {kind!r} stands there twice. Keep one of them.")
-        owner[kind] = kind
     tasting = [trait.kind for trait in found if trait.kind in TASTES]
     if len(set(tasting)) > 1:
         wrong.append(f"{spec!r}: {' and '.join(map(repr, tasting))} each say what the person likes. Keep one of them.")
