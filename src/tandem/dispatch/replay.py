@@ -14,6 +14,10 @@ from tandem.dispatch.in_time import Instead, InTime
 from tandem.dispatch.journal import Entry, Journal, JournalError
 from tandem.dispatch.shift import Shift, opened_with
 
+PATIENCE = 20.0
+"""Deciders that stop at the clock are given so many times the budget in a replay: what they had time for in the shift they have time for now, however
+busy the machine is."""
+
 
 @dataclass(frozen=True)
 class Replayed:
@@ -28,14 +32,15 @@ class Replayed:
 def replay(cell: Cell, journal: Journal, *, decider: InTime | None = None) -> Replayed:
     """Takes every line of the journal anew and compares answers, decisions and situations with what is written there, latencies aside.
 
-    A decision that the rule gave, because the decider was late or failed, is asked of the rule again.
+    A decision that the rule gave, because the decider was late or failed, is asked of the rule again. What a decider itself left off because its
+    time was over (re-planning falls back on simpler plans) comes out as a difference.
 
     Raises JournalError, UsageError and CellError as `Shift.open` does.
     """
     if journal.is_new:
         raise JournalError(f"{journal.path}: nothing was written to this journal yet.")
     settings, start = opened_with(journal, cell)
-    made = decider or settings.decider(cell)
+    made = decider or settings.decider(cell, patience=PATIENCE)
     differences: list[str] = []
     events = decisions = entries = 0
     with Journal() as fresh:

@@ -55,9 +55,9 @@ class Settings:
         options = Options(**{**data["options"], "prior": dict(data["options"]["prior"])})
         return cls(data["policy"], Objective(**data["objective"]), options, data["taking_apart"])
 
-    def decider(self, cell: Cell) -> InTime:
-        """The decider, with the rule that stands in for it. May take seconds."""
-        told = replace(self.options, budget_ms=self.options.budget_ms * FOR_PLANNING)
+    def decider(self, cell: Cell, *, patience: float = 1.0) -> InTime:
+        """The decider, with the rule that stands in for it. May take seconds. With `patience` it is told so many times the budget."""
+        told = replace(self.options, budget_ms=self.options.budget_ms * FOR_PLANNING * patience)
         made = policy(self.policy, cell, self.objective, told)
         return InTime(made, policy(RULE, cell, self.objective, told), self.options.budget_ms)
 
