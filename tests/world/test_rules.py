@@ -12,7 +12,8 @@ from tandem.cell.model import Cell
 from tandem.errors import CellError, UnsoundScheduleError, UsageError
 from tandem.schedule.model import Assignment, Schedule
 from tandem.world.arrays import Arrays, Names
-from tandem.world.state import State, advance, assign, is_stuck, legal, legal_of, may_wait, refuse, replay, reset, starts, stress, turn, wait
+from tandem.world.replay import replay
+from tandem.world.state import State, advance, assign, is_stuck, legal, legal_of, may_wait, refuse, reset, starts, stress, turn, wait
 
 
 def cell(tasks: dict[str, Any], operators: dict[str, Any] | None = None, **more: Any) -> Cell:

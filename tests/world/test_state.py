@@ -18,7 +18,8 @@ from tandem.plan.methods import plan
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import stress as measured_stress
 from tandem.world.arrays import Names
-from tandem.world.state import State, advance, assign, is_done, is_stuck, late, legal, legal_of, makespan, may_wait, replay, reset, stress, turn, wait
+from tandem.world.replay import replay
+from tandem.world.state import State, advance, assign, is_done, is_stuck, late, legal, legal_of, makespan, may_wait, reset, stress, turn, wait
 
 
 def random_play(cell: Cell, random: Random, waits: float = 0.2) -> tuple[Names, State, bool]:

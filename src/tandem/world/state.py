@@ -20,13 +20,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from tandem.cell.model import Cell
-from tandem.errors import UnsoundScheduleError
-from tandem.schedule.checker import faults
-from tandem.schedule.model import Schedule
-from tandem.world.arrays import NEVER, Array, Arrays, Names, namespace
+from tandem.world.arrays import NEVER, Array, Arrays, namespace
 
 
 class State(NamedTuple):
@@ -239,29 +233,6 @@ def late(arrays: Arrays, state: State) -> Array:
     """`[T]` int32, ticks by which the task ends after its deadline; 0 while it has not begun."""
     xp = namespace(state.way)
     return xp.maximum(xp.where(state.way >= 0, state.end_at, 0) - arrays.deadline, 0)
-
-
-def replay(cell: Cell, schedule: Schedule) -> float:
-    """Plays the schedule by the world's rules and returns how long it took, seconds.
-
-    Raises:
-      UnsoundScheduleError: the schedule breaks its cell, or the world does not let it be played as it stands.
-    """
-    if wrong := faults(cell, schedule):
-        raise UnsoundScheduleError(wrong)
-    names = Names.of(cell)
-    arrays = names.arrays()
-    state = reset(arrays)
-    for row in sorted(schedule):
-        way, due = names.way(row.task, row.operators), names.ticks(row.start)
-        while state.clock < due:
-            state = advance(arrays, state, np.int32(due))
-        if not legal(arrays, state)[way] or starts(arrays, state)[way] != due:
-            raise UnsoundScheduleError([f"task {row.task!r}: the world does not let {' and '.join(row.operators)} start it at {row.start:g} s."])
-        state = assign(arrays, state, np.int32(way))
-    while not is_done(state):
-        state = advance(arrays, state)
-    return names.seconds(makespan(state))
 
 
 def _fitting(arrays: Arrays, state: State, tasks: Array) -> Array:
