@@ -45,8 +45,9 @@ SEEDS = 4
 
 def returns(world: Any, config: Config) -> list[float]:
     """Sum of both agents' returns of the greedy pair, a seed each."""
-    train = jax.jit(jax.vmap(lambda key: ddpg.train(key, world, config)[0].networks))
-    networks = jax.device_get(train(jax.random.split(jax.random.key(0), SEEDS)))
+    keys = jax.random.split(jax.random.key(0), SEEDS)
+    train = jax.jit(jax.vmap(lambda key: ddpg.train(key, world, config)[0].networks)).lower(keys)
+    networks = jax.device_get(train.compile(compiler_options={"xla_backend_optimization_level": 0})(keys))  # compiles faster, runs slower
     return [_greedy(world, jax.tree.map(lambda leaf, seed=seed: leaf[seed], networks), config) for seed in range(SEEDS)]
 
 
@@ -68,10 +69,6 @@ def _greedy(world: Any, networks: Any, config: Config) -> float:
 )
 def test_every_seed_solves_the_probe(world: Any, config: Config, best: float) -> None:
     np.testing.assert_allclose(returns(world(), config), best, atol=1e-5)
-
-
-def test_a_critic_that_never_looks_ahead_fails_the_late_reward() -> None:
-    assert min(returns(LateReward(), replace(EXPECTED, ahead=1, discount=0.0))) < 1.0
 
 
 # --- The choice ---

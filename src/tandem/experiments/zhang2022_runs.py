@@ -40,7 +40,7 @@ OURS = replace(
     last_rate=0.1,
     noise_in_targets=True,
 )
-"""The same two actors and shared critic. Returns over four steps, no discount, actors that learn from the critic's value of each candidate, five
+"""The same two actors and shared critic. Returns over four steps, no discount, actors that learn from the critic's value of each candidate, four
 candidates, targets that do not choose for themselves (double), rates that fall; where there is noise, it is in the critic's targets too."""
 
 NOISE = 0.3
@@ -65,11 +65,13 @@ class Arm:
       recipe: "as described" or "ours".
       noise: noise on the human's actor in training.
       changes: probability of a change in a training episode.
+      factors: it is trained once for each.
     """
 
     recipe: str
     noise: bool
     changes: float = 0.0
+    factors: tuple[float, ...] = FACTORS[:1]
 
     @property
     def name(self) -> str:
@@ -82,7 +84,7 @@ class Arm:
         return DESCRIBED if self.recipe == "as described" else OURS
 
 
-ARMS = (Arm("as described", False), Arm("as described", True), Arm("ours", False), Arm("ours", True), Arm("ours", False, 0.5))
+ARMS = (Arm("as described", False), Arm("as described", True), Arm("ours", False, factors=FACTORS), Arm("ours", True), Arm("ours", False, 0.5))
 
 
 @dataclass(frozen=True)
@@ -95,13 +97,13 @@ class Size:
     """
 
     seeds: int = 10
-    steps: int = 48_000
-    noisy: int = 200
-    changed: int = 1000
+    steps: int = 40_000
+    noisy: int = 100
+    changed: int = 100
     sampled: int = 10
 
 
-QUICK = Size(seeds=1, steps=1600, noisy=20, changed=50, sampled=2)
+QUICK = Size(seeds=1, steps=1600, noisy=20, changed=20, sampled=2)
 
 
 def alternator() -> Cell:
@@ -110,7 +112,7 @@ def alternator() -> Cell:
         return load(file)
 
 
-def run(cell: Cell, arms: Sequence[Arm], factors: Sequence[float], size: Size, front: Sequence[tuple[float, float]], tell: Tell) -> list[Record]:
+def run(cell: Cell, arms: Sequence[Arm], size: Size, front: Sequence[tuple[float, float]], tell: Tell) -> list[Record]:
     """The records of these arms, all of one recipe; they are trained side by side.
 
     `greedy`: makespan, difficulty, fatigue at the end, cost, `gap` of the cost to the matching point's, `beyond`, the least share by which both
@@ -118,7 +120,7 @@ def run(cell: Cell, arms: Sequence[Arm], factors: Sequence[float], size: Size, f
     beside a human who strays. `changed`: of the episodes with a change those that were finished, how often each kind came, and `losses`, for a
     sample of them how much more the rest cost than the re-planned optimum of it, as a share. `curve`: mean cost of training episodes.
     """
-    wanted = [(arm, factor, seed) for arm in arms for factor in factors for seed in range(size.seeds)]
+    wanted = [(arm, factor, seed) for arm in arms for factor in arm.factors for seed in range(size.seeds)]
     config = replace(arms[0].config, steps=size.steps)
     networks, reports, cpu_s = train(cell, config, wanted)
     tell(f"{arms[0].recipe}: {len(wanted)} trainings, {cpu_s:.1f} CPU s each")
