@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import inf
 
 from tandem.cell.model import Cell
@@ -157,13 +158,10 @@ class Values:
         ticks = self.moves.next_event(position)
         return inf if ticks is None else self.weights[0] * ticks + self.value(self.moves.after(position, ticks))
 
-    @property
+    @cached_property
     def humans(self) -> list[int]:
         """The humans' numbers, in the order in which they move."""
-        found = self.__dict__.get("_humans")
-        if found is None:
-            found = self.__dict__["_humans"] = [o for o, human in enumerate(self.moves.instance.human) if human]
-        return found
+        return [o for o, human in enumerate(self.moves.instance.human) if human]
 
 
 def values(

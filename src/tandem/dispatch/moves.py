@@ -6,18 +6,12 @@ break): two moments of an assembly that lie alike before it are one position.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import NamedTuple
 
-from tandem.cell.model import Cell
-from tandem.errors import CellError, Fault
-from tandem.plan.bounds import load_prices
-from tandem.plan.decode import Layout
-from tandem.plan.instance import Instance
-
-PER_SECOND = 1000
-"""Ticks in a second at least, so that a pace of 0.6 or 1.25 leaves whole numbers."""
+from tandem.dispatch.numbers import Numbers
 
 
 class Position(NamedTuple):
@@ -43,147 +37,11 @@ class Position(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Moves:
-    """The moves of one cell. Ways are numbered through: those of the first task as `cell.modes` lists them, then the second's, and so on:
-    `count` ways of doing. Then come as many of taking apart what was done wrongly, in the same order, and then, per operator, being away.
+class Moves(Numbers):
+    """The moves of one cell in these numbers; what is ready, and what is left, is remembered by the set of tasks."""
 
-    Attributes:
-      task: per way, its task. `who`: bits of its operators. `ticks`: its duration. `units`: its stress. `loads`: the stress per operator.
-      ways: per task, its ways of doing. `need`: per task, bits of its predecessors; `behind_task`: of its direct successors.
-      human: bits of the humans. `everybody`: bits of all operators. `full`: bits of all tasks.
-      tails: per task, ticks on the longest chain that begins with it; `work`: its cheapest work at `prices`, per operator; `ease`: its least stress.
-      behind: per way, ticks on the longest chain behind its task. `price`: the prices of its operators together; `total`: of all operators.
-    """
-
-    instance: Instance
-    per_second: int
-    task: tuple[int, ...]
-    who: tuple[int, ...]
-    ticks: tuple[int, ...]
-    units: tuple[int, ...]
-    loads: tuple[tuple[tuple[int, int], ...], ...]
-    ways: tuple[tuple[int, ...], ...]
-    need: tuple[int, ...]
-    human: int
-    everybody: int
-    full: int
-    count: int
-    behind_task: tuple[int, ...]
-    tails: tuple[int, ...]
-    behind: tuple[int, ...]
-    price: tuple[int, ...]
-    prices: tuple[int, ...]
-    total: int
-    work: tuple[int, ...]
-    ease: tuple[int, ...]
-    release: tuple[int, ...]
-    breaks: tuple[tuple[tuple[int, int], ...], ...]
-    changeover: tuple[tuple[int, ...], ...]
-    limits: tuple[int | None, ...]
-    team: tuple[int, ...]
-    tool_places: tuple[int, ...]
-    zone_places: tuple[int, ...]
-    timeless: bool
-    swaps: bool
-    limited: bool
-    plain: bool
-    _ready: dict[tuple[int, int, int], tuple[int, ...]]
-    _rest: dict[int, tuple[int, int, int]]
-
-    @classmethod
-    def of(cls, cell: Cell, pace: Mapping[str, float] | None = None, *, taking_apart: float = 1.0, max_stress: float | None = None) -> Moves:
-        """The cell's moves when every operator needs `pace` times the stated time (1 for who is not named; a group goes at its slowest).
-
-        Taking a task apart takes `taking_apart` times as long as doing it in the same way. `max_stress` limits the stress of the one human.
-
-        Raises CellError when stress comes from a table of sets: it is then no sum, and what is still to come cannot be told apart from what was;
-        and when `max_stress` is to hold for several humans together.
-        """
-        if cell.stress_of_set is not None:
-            raise CellError(
-                [Fault("live decisions need a stress that adds up; take stress_of_set out, or plan with `tandem plan`.", ("stress_of_set",))]
-            )
-        instance, pace = Instance.of(cell), pace or {}
-        per_second = max(PER_SECOND, instance.per_second)
-        scale = per_second // instance.per_second
-        layout = Layout.of(instance)
-        factor = [pace.get(name, 1.0) for name in instance.operators]
-        task: list[int] = []
-        who: list[int] = []
-        ticks: list[int] = []
-        units: list[int] = []
-        loads: list[tuple[tuple[int, int], ...]] = []
-        ways: list[tuple[int, ...]] = []
-        for place, row in enumerate(instance.ways):
-            usable = {step.way for step in layout.steps[place]}
-            mine = []
-            for number, way in enumerate(row):
-                if number in usable:
-                    mine.append(len(task))
-                task.append(place)
-                who.append(sum(1 << o for o in way.operators))
-                ticks.append(max(1, round(way.ticks * scale * max(factor[o] for o in way.operators))))
-                units.append(way.stress)
-                loads.append(tuple(zip(way.operators, way.load, strict=True)))
-            ways.append(tuple(mine))
-        count = len(task)
-        task += task + [len(ways) + o for o in range(len(factor))]
-        who += who + [1 << o for o in range(len(factor))]
-        ticks += [max(1, round(one * taking_apart)) for one in ticks] + [1] * len(factor)
-        units += units + [0] * len(factor)
-        loads += loads + [()] * len(factor)
-        tails = _tails(instance, ways, ticks)
-        prices = tuple(max(1, round(1024 * price)) for price in load_prices(_paced(layout, ways, ticks))[1])
-        operators = range(len(instance.operators))
-
-        def priced(way: int) -> int:
-            return ticks[way] * sum(prices[o] for o in operators if who[way] >> o & 1)
-
-        limits = _limits(instance, max_stress)
-        changeover = tuple(tuple(x * scale for x in row) for row in instance.changeover)
-        swaps = any(any(row) for row in changeover)
-        tool_places = tuple(places if places < len(operators) else 0 for places in instance.tool_places)
-        zone_places = tuple(places if places < len(operators) else 0 for places in instance.zone_places)
-        timeless = not any(instance.release) and not any(instance.breaks)
-        limited = any(limit is not None for limit in limits)
-        return cls(
-            instance=instance,
-            per_second=per_second,
-            task=tuple(task),
-            who=tuple(who),
-            ticks=tuple(ticks),
-            units=tuple(units),
-            loads=tuple(loads),
-            ways=tuple(ways),
-            need=tuple(sum(1 << first for first in before) for before in instance.before),
-            human=sum(1 << o for o in operators if instance.human[o]),
-            everybody=(1 << len(operators)) - 1,
-            full=(1 << len(instance.tasks)) - 1,
-            count=count,
-            behind_task=tuple(sum(1 << after for after in row) for row in instance.behind),
-            tails=tails,
-            behind=tuple(
-                tails[place] - min((ticks[other] for other in ways[place]), default=0) if way < count else 0 for way, place in enumerate(task)
-            ),
-            price=tuple(sum(prices[o] for o in operators if bits >> o & 1) for bits in who),
-            prices=prices,
-            total=sum(prices),
-            work=tuple(min((priced(way) for way in row), default=0) for row in ways),
-            ease=tuple(min((units[way] for way in row), default=0) for row in ways),
-            release=tuple(x * scale for x in instance.release),
-            breaks=tuple(tuple((a * scale, b * scale) for a, b in row) for row in instance.breaks),
-            changeover=changeover,
-            limits=limits,
-            team=layout.team,
-            tool_places=tool_places,
-            zone_places=zone_places,
-            timeless=timeless,
-            swaps=swaps,
-            limited=limited,
-            plain=timeless and not swaps and not limited and max(layout.team, default=-1) < 0 and not any(tool_places) and not any(zone_places),
-            _ready={},
-            _rest={},
-        )
+    _ready: dict[tuple[int, int, int], tuple[int, ...]] = field(default_factory=dict)
+    _rest: dict[int, tuple[int, int, int]] = field(default_factory=dict)
 
     def root(self) -> Position:
         """Nothing has begun."""
@@ -327,15 +185,10 @@ class Moves:
         """The way of doing or taking apart as people say it: the task and its operators."""
         return self.instance.tasks[self.task[way]], tuple(name for o, name in enumerate(self.instance.operators) if self.who[way] >> o & 1)
 
-    # ------------------------------------------------------------------ what follows from the fields
-
-    @property
+    @cached_property
     def _moments(self) -> list[int]:
-        known = self.__dict__.get("_known_moments")
-        if known is None:
-            edges = {moment for row in self.breaks for pair in row for moment in pair} | set(self.release) - {0}
-            known = self.__dict__["_known_moments"] = sorted(edges)
-        return known
+        """Ticks at which the clock alone changes what is allowed, sorted."""
+        return sorted({moment for row in self.breaks for pair in row for moment in pair} | set(self.release) - {0})
 
     def _of_rest(self, begun: int) -> tuple[int, int, int]:
         """Of the tasks that have not begun: cheapest work at the prices, longest chain, least stress."""
@@ -396,32 +249,3 @@ class Moves:
         if tool is None:
             return 0
         return max(self.changeover[tool][o] if position.hand[o] not in (-1, tool) else 0 for o in range(len(self.prices)) if self.who[way] >> o & 1)
-
-
-def _paced(layout: Layout, ways: Sequence[Sequence[int]], ticks: Sequence[int]) -> Layout:
-    """The layout with the times that the operators really need."""
-    steps = []
-    for row, mine in zip(layout.steps, ways, strict=True):
-        steps.append(tuple(step._replace(ticks=ticks[way]) for step, way in zip(sorted(row, key=lambda step: step.way), mine, strict=True)))
-    return replace(layout, steps=tuple(steps))
-
-
-def _limits(instance: Instance, max_stress: float | None) -> tuple[int | None, ...]:
-    """Units of stress per operator; the limit over all humans is the limit of the one there is."""
-    if max_stress is None:
-        return instance.stress_limit
-    if sum(instance.human) > 1:
-        raise CellError(
-            [Fault("a limit on the stress of several humans together cannot be kept live; give each human a stress_limit.", ("operators",))]
-        )
-    most = int(max_stress * instance.per_stress + 1e-9)
-    return tuple(
-        min(most, most if limit is None else limit) if human else limit for human, limit in zip(instance.human, instance.stress_limit, strict=True)
-    )
-
-
-def _tails(instance: Instance, ways: Sequence[Sequence[int]], ticks: Sequence[int]) -> tuple[int, ...]:
-    tails = [0] * len(ways)
-    for task in reversed(instance.order):
-        tails[task] = min((ticks[way] for way in ways[task]), default=0) + max((tails[after] for after in instance.behind[task]), default=0)
-    return tuple(tails)
