@@ -13,7 +13,7 @@ from tandem.cell.model import Cell
 from tandem.cell.storing import store
 from tandem.errors import CellError
 from tandem.experiments.antonelli2021 import own_cell
-from tandem.experiments.features import PROBES, Entry, features, other_cells, tooled
+from tandem.experiments.features import PROBES, Entry, base, features, other_cells, tooled
 from tandem.experiments.systems import SYSTEMS, System
 from tandem.experiments.thesis_runs import thesis_cell
 from tandem.learn.runs import versions
@@ -50,7 +50,7 @@ class Shown:
 
 def cells_to_try() -> dict[str, Cell]:
     """Cells that every system is shown; none of them is the own cell of all."""
-    return {"the thesis's cell": thesis_cell(), "two flanges, joint tasks": own_cell(), "a cell with tools": tooled(5.0)}
+    return {"three tasks": base(), "the thesis's cell": thesis_cell(), "two flanges, joint tasks": own_cell(), "a cell with tools": tooled(5.0)}
 
 
 def compare(
@@ -74,7 +74,7 @@ def compare(
         try:
             document = experiment.stored() if stored else experiment.reproduce(folder / name, quick=quick, seeds=seeds, tell=tell)
         except CellError as error:
-            missing = str(error.faults[0])
+            missing = error.faults[0].message
         tell(f"{name}: what it can do")
         figures = experiment.draw_figures(document, folder / name) if document is not None else []
         words = experiment.table(document) if document is not None else ""
@@ -97,7 +97,7 @@ def html(shown: Sequence[Shown], *, command: str) -> str:
     made = versions()
     body = tag(
         "body",
-        tag("header", tag("h1", "Five published systems, run here"), *(tag("p", sentence, class_="lead") for sentence in _lead(shown))),
+        tag("header", tag("h1", "Published systems, run here"), *(tag("p", sentence, class_="lead") for sentence in _lead(shown))),
         tag("main", _matrix(shown), _findings(shown), _others(shown), *(_section(one) for one in shown)),
         tag(
             "footer",
@@ -123,7 +123,7 @@ STYLE = """
 .figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(24rem, 1fr)); gap: 1rem; margin: 1rem 0; }
 .figures figure { margin: 0; break-inside: avoid; }
 .figures img { width: 100%; height: auto; max-height: 32rem; object-fit: contain; object-position: left top; }
-.matrix td { max-width: 13rem; }
+.matrix td { max-width: 12rem; overflow-wrap: anywhere; }
 @media print { .figures { grid-template-columns: 1fr 1fr; } .figures img { max-height: 85mm; } .matrix table { font-size: 8.5pt; } }
 """
 
@@ -175,14 +175,14 @@ def _words(entry: Entry) -> str:
 
 def _section(one: Shown) -> Markup:
     exact = one.entries["exact optimum known"]
-    words = html_of(one.table, one.title) if one.document is not None else tag("p", one.missing)
+    words = html_of(one.table, one.title) if one.document is not None else html_of(one.missing, one.title)
     return tag(
         "section",
         tag("h2", one.title, id=one.name),
         tag("p", f"Proven beside it: {exact.how}. Run it: ", tag("code", f"tandem reproduce {one.name}"), class_="note"),
         words,
         tag("div", *(tag("figure", _picture(file)) for file in _one_of_each(one.figures)), class_="figures"),
-        class_="page",
+        class_="page" if one.document is not None else None,
     )
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from tandem.cell.model import Cell
-from tandem.errors import CellError
+from tandem.errors import CellError, UsageError
 from tandem.experiments.systems import Document, Experiment, Features, Played
 
 SEED = 0
@@ -54,6 +54,12 @@ def joint() -> Cell:
 def other() -> Cell:
     """The base with other times: a cell that the policy has not seen."""
     return base(left={"time": {"robot": 7}}, right={"time": {"human": 2}}, top={"time": {"robot": 5, "human": 5}})
+
+
+def larger() -> Cell:
+    """The base and one more task on top: a cell of another size."""
+    data = base().to_dict()
+    return Cell.of({**data, "tasks": {**data["tasks"], "lid": {"time": {"robot": 2, "human": 2}, "after": ["top"]}}})
 
 
 def in_a_row() -> Cell:
@@ -137,7 +143,9 @@ def together(system: Experiment, document: Document | None) -> Entry:
 
 def disassembly(system: Experiment, document: Document | None) -> Entry:
     """A human mounts something wrongly: is it taken apart again, and the product finished?"""
-    return _episode(system.FEATURES.mistake, lambda played: played.undone, "taken apart {n} times", "nothing was taken apart")
+    return _episode(
+        system.FEATURES.mistake, lambda played: played.undone, "finished; times that something was taken apart: {n}", "nothing was taken apart"
+    )
 
 
 def tools(system: Experiment, document: Document | None) -> Entry:
@@ -153,7 +161,9 @@ def tools(system: Experiment, document: Document | None) -> Entry:
 
 def deviation(system: Experiment, document: Document | None) -> Entry:
     """A human does not do what is expected: is the product finished all the same?"""
-    return _episode(system.FEATURES.deviate, lambda played: played.deviations, "finished after {n} deviations", "the human did not deviate")
+    return _episode(
+        system.FEATURES.deviate, lambda played: played.deviations, "finished; times that the human deviated: {n}", "the human did not deviate"
+    )
 
 
 def real_time(system: Experiment, document: Document | None) -> Entry:
@@ -166,16 +176,22 @@ def real_time(system: Experiment, document: Document | None) -> Entry:
 
 
 def generalises(system: Experiment, document: Document | None) -> Entry:
-    """A cell that the policy was not trained on: does it finish it?"""
-    if system.FEATURES.carry is None:
+    """Cells that the policy was not trained on, one of the same size and one larger: does it finish them?"""
+    carry = system.FEATURES.carry
+    if carry is None:
         return Entry(NO, "what it learns is bound to the cell that it learned on")
-    try:
-        played = system.FEATURES.carry(base(), other(), SEED)
-    except CellError as error:
-        return Entry(NO, f"refused: {first(error)}")
-    if played.makespan is None:
-        return Entry(NO, "it did not finish another cell")
-    return Entry("yes", f"trained on one cell, it finishes another in {played.makespan:.4g}")
+    seen, finished = [], []
+    for size, cell in (("of the same size", other()), ("larger", larger())):
+        try:
+            took = carry(base(), cell, SEED).makespan
+            seen.append(f"a cell {size} is " + ("not finished" if took is None else f"finished in {took:.4g}"))
+            finished += [size] * (took is not None)
+        except CellError as error:
+            seen.append(f"a cell {size} is refused: {first(error)}")
+        except UsageError as error:
+            seen.append(f"a cell {size} is refused: {error}")
+    values = {(): NO, ("of the same size",): "same size only", ("larger",): "larger only"}
+    return Entry(values.get(tuple(finished), "yes"), "; ".join(seen))
 
 
 def exact_known(system: Experiment, document: Document | None) -> Entry:
@@ -214,8 +230,17 @@ def other_cells(system: Experiment, cells: Mapping[str, Cell]) -> dict[str, Entr
             system.runs_on(cell)
             found[name] = Entry("yes", "")
         except CellError as error:
-            found[name] = Entry(NO, " ".join(dict.fromkeys(fault.message for fault in error.faults)))
+            found[name] = Entry(NO, _told(list(dict.fromkeys(fault.message for fault in error.faults))))
     return found
+
+
+def _told(messages: list[str]) -> str:
+    """All of a few complaints, the first of many."""
+    rest = len(messages) - MOST_TOLD
+    return " ".join([*messages[:MOST_TOLD], *([f"(and {rest} more)"] if rest > 0 else [])])
+
+
+MOST_TOLD = 3
 
 
 def first(error: CellError) -> str:
