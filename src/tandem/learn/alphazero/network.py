@@ -8,9 +8,10 @@ still to come is told as what is certain (`Game.least`) and something more, so t
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 from types import ModuleType
 from typing import Any, NamedTuple, Protocol
 
@@ -79,8 +80,7 @@ class Scorer:
             "policy": (units, 1),
             "value": (2 * units + WHOLE_FEATURES, units, 1),
         }
-        keys = dict(zip(sizes, jax.random.split(key, len(sizes)), strict=True))
-        return {name: init(_drawing(keys[name]), size, 0.01 if name == "policy" else 1.0) for name, size in sizes.items()}
+        return drawn(key, sizes, {"policy": 0.01})
 
     def read(self, parameters: dict[str, Network], seen: Look, least: Array, mover: Array) -> Opinion:
         return self.judge(jnp, parameters, seen, least)
@@ -98,13 +98,18 @@ class Scorer:
         return Opinion(own("policy", scored)[:, 0], least + xp.logaddexp(more, xp.zeros_like(more)))
 
 
-def _drawing(key: Array) -> Callable[[tuple[int, ...]], Array]:
-    """Draws for `init`: a fresh part of the key for every layer."""
+def drawn(key: Array, sizes: Mapping[str, tuple[int, ...]], last: Mapping[str, float] | None = None) -> dict[str, Network]:
+    """Networks by name, their weights from one draw: every draw of its own takes a second to compile.
+
+    Args:
+      last: by name, see `networks.init`; 1 when absent.
+    """
+    numbers = jax.random.uniform(key, (sum(a * b for size in sizes.values() for a, b in pairwise(size)),), minval=-1.0)
     used = 0
 
     def draw(shape: tuple[int, ...]) -> Array:
         nonlocal used
-        used += 1
-        return jax.random.uniform(jax.random.fold_in(key, used), shape, minval=-1.0)
+        used += shape[0] * shape[1]
+        return numbers[used - shape[0] * shape[1] : used].reshape(shape)
 
-    return draw
+    return {name: init(draw, size, (last or {}).get(name, 1.0)) for name, size in sizes.items()}

@@ -10,14 +10,13 @@ ASSUMPTION: pooling drops an odd last row or column ("valid"), and weights start
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 
-from tandem.learn.alphazero.network import Opinion
-from tandem.learn.networks import Network, forward, init
+from tandem.learn.alphazero.network import Opinion, drawn
+from tandem.learn.networks import Network, forward
 
 Array = Any
 
@@ -46,12 +45,7 @@ class YuNetworks:
             "value": (self.dense, 1),
             "policy": (self.dense, width),
         }
-        keys = jax.random.split(key, (len(sizes), 2))
-
-        def network(key: Array, size: tuple[int, ...]) -> Network:
-            return init(lambda shape: jax.random.uniform(key, shape, minval=-1.0), size)
-
-        return {name: jax.vmap(partial(network, size=size))(keys[place]) for place, (name, size) in enumerate(sizes.items())}
+        return jax.vmap(lambda key: drawn(key, sizes))(jax.random.split(key))
 
     def read(self, parameters: dict[str, Network], seen: Array, least: Array, mover: Array) -> Opinion:
         """The opinion of the mover's network. `to_come` is in seconds: a game that shows the board has a unit of one second."""

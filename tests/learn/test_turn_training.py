@@ -1,0 +1,129 @@
+"""Recipes of games of turns through the one trainer: they learn what is known to be best, and a stop changes nothing."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+from click.testing import CliRunner
+from safetensors.numpy import load_file
+
+import tandem
+from learn import tiny
+from tandem.cell.chessboard import random_board
+from tandem.cli.learn import evaluate_command
+from tandem.errors import CellError, UsageError
+from tandem.learn import trainer
+from tandem.learn.alphazero import config as alphazero
+from tandem.learn.alphazero.recipes import SearchRecipe, YuRecipe
+from tandem.learn.dqn.config import Config as DqnConfig
+from tandem.learn.dqn.recipes import ValueRecipe
+from tandem.learn.recipes import KINDS, RECIPES, changed
+from tandem.learn.runs import RunFolder
+
+THREE = tandem.Cell.model_validate(
+    {
+        "name": "two robots and a human",
+        "operators": {"r": {"kind": "robot"}, "s": {"kind": "robot"}, "h": {"kind": "human"}},
+        "tasks": {
+            "a": {"time": {"r": 2, "s": 3}},
+            "b": {"time": {"h": 4}, "stress": 1},
+            "c": {"time": {"s": 1, "h": 2}, "after": ["a"]},
+            "d": {"together": [{"operators": ["r", "h"], "time": 2}], "after": ["b"]},
+        },
+    }
+)
+"""b, then d, take 6 s at least; who gives c to the human first takes longer."""
+
+BOARD = random_board(4, 4, 2, 3, 3, 5, seed=1).to_cell()
+
+SMALL = {
+    "alphazero": (
+        tandem.load(tiny.CELL),
+        5.0,
+        SearchRecipe(
+            alphazero.Config(alphazero.Search(simulations=12), iterations=14, games=16, kept=3, minibatch=64, minibatches=12, units=16),
+            simulations=12,
+            samples=4,
+        ),
+    ),
+    "yu": (BOARD, 0.0, YuRecipe(alphazero.YuConfig(alphazero.YuSearch(4, 2, temperature=1000.0), outer=1, inner=2, switch=10, dense=8), samples=4)),
+    "dqn": (THREE, 0.0, ValueRecipe(DqnConfig(4800, games=8, kept=1024, minibatch=32, warm_up=10, target_every=20, units=16), samples=4)),
+}
+
+
+@pytest.fixture(scope="module", params=SMALL)
+def whole(request, tmp_path_factory):
+    """A run that nothing stopped: what was asked, its folder, its document."""
+    cell, factor, recipe = SMALL[request.param]
+    folder = tmp_path_factory.mktemp(request.param) / "run"
+    options = {"own_recipe": recipe, "recipe_name": request.param, "stress_factor": factor, "seeds": (3, 4)}
+    return cell, options, folder, trainer.train(cell, folder=folder, **options)
+
+
+def test_what_is_learned_is_held_against_the_exact_front(whole):
+    cell, options, folder, document = whole
+    best = min(10 * makespan + options["stress_factor"] * stress for makespan, stress in document["exact_front"])
+    for seed in document["seeds"]:
+        played = [seed[name] for name in ("greedy", "searched", "best_of_n") if name in seed]
+        for one in played:
+            assert one["gap"] == pytest.approx((10 * one["makespan"] + options["stress_factor"] * one["stress"] - best) / best, abs=1e-6)
+        assert min(one["gap"] for one in played) == 0 or options["recipe_name"] == "yu"
+        assert played[-1]["gap"] <= 0.1
+    rows = RunFolder(folder).rows()
+    assert {"greedy_makespan", "gap", "mean_return_team", "episodes", "steps"} <= rows[0].keys()
+    assert json.loads((folder / "result.json").read_text()) == json.loads(json.dumps(document))
+
+
+def test_a_stop_changes_nothing(whole, tmp_path):
+    """Ctrl-C after the second interval, then --resume: checkpoint, policies and figures are the same to the bit."""
+    cell, options, folder, _ = whole
+
+    def stop(progress):
+        if progress.rows[0]["interval"] == 2:
+            raise KeyboardInterrupt
+
+    assert trainer.train(cell, folder=tmp_path / "stopped", on_progress=stop, **options)["interrupted"]
+    assert not trainer.resume(tmp_path / "stopped")["interrupted"]
+    for name in ("checkpoint.safetensors", "policy-3.safetensors", "policy-4.safetensors"):
+        ours, theirs = load_file(tmp_path / "stopped" / name), load_file(folder / name)
+        assert ours.keys() == theirs.keys()
+        assert all(ours[key].tobytes() == theirs[key].tobytes() for key in ours)
+    assert RunFolder(tmp_path / "stopped").rows() == RunFolder(folder).rows()
+
+
+def test_evaluate_plays_it_beside_rules_and_chance(whole, tmp_path):
+    _, _, folder, document = whole
+    done = CliRunner().invoke(evaluate_command, [str(folder), "--episodes", "4", "--json", "--curves", str(tmp_path / "c.svg")], catch_exceptions=False)
+    told = json.loads(done.stdout)
+    lines = {line["player"]: line for line in told["players"]}
+    assert told["exact_front"] == document["exact_front"]
+    assert {"greedy", "sampled", "random"} <= lines.keys()
+    assert lines["greedy"]["makespan"] == document["seeds"][0]["greedy"]["makespan"]
+    assert lines["greedy"]["faults"] == []
+    assert lines["greedy"]["assignments"]
+    assert "team" in (tmp_path / "c.svg").read_text()
+
+
+def test_the_board_refuses_what_it_cannot_hold(tmp_path):
+    with pytest.raises(CellError, match="chessboard"):
+        trainer.train(THREE, recipe_name="yu2020", folder=tmp_path / "run")
+    with pytest.raises(UsageError, match="knows time only"):
+        trainer.train(BOARD, recipe_name="yu2020", stress_factor=1.0, folder=tmp_path / "run")
+
+
+@pytest.mark.parametrize("name", RECIPES)
+def test_a_recipe_comes_back_from_what_a_run_writes_down(name):
+    recipe = RECIPES[name]
+    assert KINDS[recipe.algorithm].from_dict(json.loads(json.dumps(recipe.to_dict()))) == recipe
+
+
+def test_settings_of_a_recipe_are_changed_by_name_and_faults_come_all_at_once():
+    recipe = changed(RECIPES["alphazero"], ["waiting=false", "config.search.simulations=64", "config.search.kind=puct", "config.search.depth=3"])
+    assert isinstance(recipe, SearchRecipe)
+    assert recipe == replace(
+        RECIPES["alphazero"], waiting=False, config=replace(recipe.config, search=alphazero.Search("puct", simulations=64, depth=3))
+    )
+    with pytest.raises(UsageError, match=r"(?s)--set x=3: .*has no such setting.*--set waiting=3: must be like true"):
+        changed(RECIPES["alphazero"], ["x=3", "waiting=3"])
