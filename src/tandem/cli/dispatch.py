@@ -131,6 +131,7 @@ def _run(ctx: click.Context, cell: Cell, journal: Journal, given: dict[str, Any]
     from tandem.dispatch.shift import Shift
     from tandem.dispatch.situation import Situation
 
+    sys.setswitchinterval(0.001)  # a decider that is late and still computes leaves the processor to the rule sooner
     _same_as_kept(ctx, journal, given)
     floor = None if given["people"] is None else _floor(cell, given)
     shift = Shift.open(cell, journal, _settings(given), given["start"])
