@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import warnings
+
+import gymnasium
 import numpy as np
 import pytest
+from gymnasium.utils.env_checker import check_env
 from tests.envs.conftest import THESIS, cell_of
 
+import tandem.envs  # noqa: F401, makes the environments known to Gymnasium
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.envs.finite import reaching_states, sure_states, value_iteration
@@ -141,3 +146,43 @@ def test_too_many_parts_and_numbers_that_are_none_are_refused():
         repair(ONE, unmount_share=0)
     with pytest.raises(UsageError, match="0 or more"):
         Slips(wrong_part=-1)
+
+
+def test_gymnasiums_own_checker_is_green():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(gymnasium.make("tandem/Repair-v0", cell=TWO, p=0.3, render_mode="ansi").unwrapped)
+
+
+def test_following_the_exact_policy_in_gymnasium_costs_its_value_on_average():
+    env = gymnasium.make("tandem/Repair-v0", cell=TWO, p=0.2).unwrapped
+    exact = value_iteration(env.process)
+    returns, slipped = [], 0
+    for seed in range(400):
+        env.reset(seed=seed)
+        total, over = 0.0, False
+        while not over:
+            _, reward, over, truncated, info = env.step(int(exact.policy[env.state]))
+            total, slipped = total + reward, slipped + info["deviated"]
+            assert not truncated
+        returns.append(-total)
+    assert abs(np.mean(returns) - exact.values[0]) < 4 * np.std(returns) / len(returns) ** 0.5
+    assert slipped > 0
+
+
+def test_an_illegal_operation_changes_nothing_costs_the_longest_time_and_is_refused_when_strict():
+    env = gymnasium.make("tandem/Repair-v0", cell=TWO, p=0.0, render_mode="ansi").unwrapped
+    env.reset(seed=0)
+    seen, reward, done, truncated, info = env.step(1)
+    assert (reward, done, truncated, env.state) == (-10.0, False, False, 0)
+    assert env.render() == "base absent, lid absent"
+    assert info["illegal"]
+    assert info["action_mask"].tolist() == seen["action_mask"].tolist() == [1, 0, 0, 0]
+    strict = gymnasium.make("tandem/Repair-v0", cell=TWO, strict=True).unwrapped
+    strict.reset(seed=0)
+    with pytest.raises(UsageError, match="mount lid is not possible now; legal are 0"):
+        strict.step(1)
+    wrong = env.world.numbers[RIGHT, WRONG]
+    assert env.reset(options={"state": wrong})[0]["observation"].tolist() == [1, 0, 0, 1]
+    with pytest.raises(UsageError, match="has the states 0 to"):
+        env.reset(options={"state": 99})

@@ -22,7 +22,11 @@ PARALLEL = {
 }
 """Name -> the PettingZoo face, `module:class`."""
 
-SINGLE = {"tandem/Thesis-v0": "tandem.envs.thesis.single:ThesisEnv", "tandem/RobotBesideHuman-v0": "tandem.envs.events.single:RobotBesideHuman"}
+SINGLE = {
+    "tandem/Thesis-v0": "tandem.envs.thesis.single:ThesisEnv",
+    "tandem/RobotBesideHuman-v0": "tandem.envs.events.single:RobotBesideHuman",
+    "tandem/Repair-v0": "tandem.envs.repair.single:RepairEnv",
+}
 """Gymnasium id -> the single-agent face, `module:class`."""
 
 
