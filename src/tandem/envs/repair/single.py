@@ -24,8 +24,8 @@ class RepairEnv(gymnasium.Env[Any, Any]):
 
     Action: `i` mounts part `i`, `T + i` takes it off. Observation: `[2 T]` float32, which parts sit rightly, then which sit wrongly; and the
     mask, 1 = legal. An illegal action changes nothing and costs the longest time there is; `strict=True` raises UsageError instead.
-    `terminated` when all parts sit rightly, `truncated` after `limit` operations. `info`, besides the mask: `time` (seconds so far), `asked`, `deviated` and
-    `illegal` of the last step, `is_success`.
+    `terminated` when all parts sit rightly, `truncated` after `limit` operations. `info`, besides the mask: `time` (seconds so far),
+    `asked`, `deviated` and `illegal` of the last step, `is_success`.
 
     Args:
       cell: or the path of its file. p: how often the human slips. slips, unmount_share: see `repair`.
