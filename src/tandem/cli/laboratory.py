@@ -10,7 +10,7 @@ import click
 
 from tandem.cli.learn import needs_learn_extra
 from tandem.errors import UsageError
-from tandem.experiments.systems import SYSTEMS, system
+from tandem.experiments.systems import SYSTEMS, Experiment, System, system
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
 CASE = click.Path(dir_okay=False, path_type=Path)
@@ -65,12 +65,21 @@ def reproduce_command(
         raise UsageError(f"--case: {name} is run on its own cells; only `tandem reproduce cells` takes case studies.")
     if not stored:
         needs_learn_extra()
-    experiment, folder = chosen.load(), output or Path("tandem-out") / name
+    experiment, folder = _load(chosen), output or Path("tandem-out") / name
     further: dict[str, Any] = {"cases": cases} if chosen.takes_cases else {}
     document = experiment.stored() if stored else experiment.reproduce(folder, quick=quick, seeds=seeds, tell=_tell, **further)
     for file in experiment.draw_figures(document, folder):
         _tell(f"wrote {file}")
     click.echo(json.dumps(document, ensure_ascii=False) if as_json else experiment.table(document))
+
+
+def _load(chosen: System) -> Experiment:
+    """The system's module. Some need the packages for learning even to show a stored result."""
+    try:
+        return chosen.load()
+    except ImportError:
+        needs_learn_extra()
+        raise
 
 
 def _compare(folder: Path, *, quick: bool, stored: bool, seeds: int | None, as_json: bool) -> None:
