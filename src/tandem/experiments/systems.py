@@ -112,6 +112,7 @@ class System:
 SYSTEMS: dict[str, System] = {
     "thesis": System("Kinat 2023: two independent PPO agents", "tandem.experiments.thesis"),
     "yu2020": System("Yu, Huang, Chang 2020: the chessboard and AlphaGo-Zero-style search", "tandem.experiments.yu2020"),
+    "yu2021": System("Yu, Huang, Chang 2021: a deep Q-network for each agent, more than two agents", "tandem.experiments.yu2021"),
     "antonelli2021": System("Antonelli et al. 2021: Q-learning with disassembly", "tandem.experiments.antonelli2021"),
     "alessio2022": System("Alessio et al. 2022: PPO against an adversary on a grid", "tandem.experiments.alessio2022"),
     "zhang2022": System("Zhang et al. 2022: two actors that share a critic, cooperation and collaboration", "tandem.experiments.zhang2022"),

@@ -80,8 +80,9 @@ class CellGame:
         unit = mean * time_weight
         stress = (arrays.way_load * arrays.human).sum(1) / names.per_stress * stress_weight / unit
         told = ahead(arrays.way_task, arrays.way_uses, seconds / mean, stress, arrays.needs, arrays.human)
-        numbers = [np.float32(number) for number in (unit, names.per_second, names.per_stress, time_weight, stress_weight)]
-        return cls(arrays, told, *numbers, agents=names.operators, waiting=waiting)
+        unit, per_second, per_stress = np.float32(unit), np.float32(names.per_second), np.float32(names.per_stress)
+        weights = np.float32(time_weight), np.float32(stress_weight)
+        return cls(arrays, told, unit, per_second, per_stress, weights[0], weights[1], names.operators, waiting)
 
     @property
     def moves(self) -> int:

@@ -238,8 +238,8 @@ def _episodes(cell: Cell, rewards: Rewards, choose: Choose, episodes: int, pace:
 
 
 def _reached(episode: Episode, per_second: int) -> Reached:
-    done = (episode.ticks / per_second, episode.stress) if episode.done else (None, None)
-    return Reached(*done, episode.illegal, -float(sum(episode.returns)), episode.schedule)
+    makespan, stress = (episode.ticks / per_second, episode.stress) if episode.done else (None, None)
+    return Reached(makespan, stress, episode.illegal, -float(sum(episode.returns)), episode.schedule)
 
 
 def _mean(values: Sequence[float]) -> tuple[float | None, float | None]:

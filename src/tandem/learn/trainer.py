@@ -189,8 +189,8 @@ def _interval(training: Training) -> list[Row]:
     from tandem.learn.documents import gap
 
     learners, report = training.algorithm.advance(training.learners)
-    finite = np.asarray(report.finite).reshape(len(training.order.seeds), -1).all(1)
-    if not finite.all():
+    finite = [bool(np.all(own)) for own in np.asarray(report.finite)]
+    if not all(finite):
         seeds = [seed for seed, fine in zip(training.order.seeds, finite, strict=True) if not fine]
         raise NotFiniteError(
             f"the numbers of seed {', '.join(map(str, seeds))} are no longer finite; training stopped. The last good checkpoint, after interval "

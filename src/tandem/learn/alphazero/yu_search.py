@@ -80,14 +80,9 @@ def _one(key: Array, judge: Judge, parameters: Parameters, game: Game, state: St
 
 def _root(judge: Judge, parameters: Parameters, game: Game, state: State, config: YuSearch) -> Tree:
     nodes = config.simulations + 1
-    tree = Tree(
-        jax.tree.map(lambda leaf: jnp.zeros((nodes, *leaf.shape), leaf.dtype), state),
-        jnp.zeros(nodes),
-        jnp.zeros((nodes, game.moves), bool),
-        *(jnp.zeros((nodes, game.moves)) for _ in range(3)),
-        jnp.zeros((nodes, game.moves), jnp.int32),
-        jnp.zeros((nodes, game.moves)),
-    )
+    states = jax.tree.map(lambda leaf: jnp.zeros((nodes, *leaf.shape), leaf.dtype), state)
+    edges = jnp.zeros((nodes, game.moves))
+    tree = Tree(states, jnp.zeros(nodes), edges > 0, edges, edges, edges, edges.astype(jnp.int32), edges)
     return _added(tree, 0, state, jnp.ones((), bool), judge, parameters, game)
 
 
@@ -105,7 +100,7 @@ def _added(tree: Tree, node: Any, state: State, really: Array, judge: Judge, par
 
 def _simulated(tree: Tree, number: Array, me: Array, judge: Judge, parameters: Parameters, game: Game, config: YuSearch) -> Tree:
     """One simulation: down by the formula, at most one new node, and up again."""
-    nodes, moves, on_path = [], [], []
+    nodes, moves, on_path = list[Array](), list[Array](), list[Array]()
     node, on = jnp.zeros((), jnp.int32), jnp.any(tree.legal[0])
     for _ in range(config.depth):
         move = _chosen(tree, node, config)

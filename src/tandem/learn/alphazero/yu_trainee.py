@@ -140,7 +140,7 @@ def drawing(recipe: YuRecipe) -> YuSearch:
 def _in_words_of(cell: Cell, schedule: Schedule) -> Schedule:
     """The board's robot and human under the names that the cell has for them."""
     names = {ROBOT: cell.robots[0], HUMAN: cell.humans[0]}
-    return Schedule(replace(row, operators=tuple(names[who] for who in row.operators)) for row in schedule)
+    return Schedule(tuple(replace(row, operators=tuple(names[who] for who in row.operators)) for row in schedule))
 
 
 def _reached(seconds: Any) -> Reached:

@@ -111,7 +111,7 @@ def _played(key: Array, learner: Learner, game: Game, me: Array, config: YuConfi
             place = positions.written[me] % config.kept
             new = (game.observe(state), game.legal(state), found.policy, found.to_come)
             kept = jax.tree.map(lambda all_, one: all_.at[me, place].set(one), tuple(positions[:4]), new)
-            return found.move, Positions(*kept, positions.written.at[me].add(1))
+            return found.move, Positions(kept[0], kept[1], kept[2], kept[3], positions.written.at[me].add(1))
 
         def theirs(state: State, positions: Positions) -> tuple[Array, Positions]:
             return liked(judge, learner.parameters, game, state).astype(jnp.int32), positions

@@ -99,8 +99,8 @@ def start(key: Array, game: Game, config: Config) -> Learner:
     wide = jax.tree.map(lambda leaf: jnp.broadcast_to(leaf[:, None], (games, agents, *leaf.shape[1:])), states)
     empty = Open(wide, jnp.zeros((games, agents), jnp.int32), jnp.zeros((games, agents)), jnp.zeros((games, agents), bool))
     zero = jnp.zeros((), jnp.int32)
-    nothing = jnp.zeros(2), jnp.zeros(games)
-    learner = Learner(parameters, parameters, _optimiser(config).init(parameters), None, states, empty, nothing[1], nothing[0], key, *[zero] * 4)
+    moments, memory = _optimiser(config).init(parameters), Turns(states, zero, zero, zero, states, zero)  # its form is known only below
+    learner = Learner(parameters, parameters, moments, memory, states, empty, jnp.zeros(games), jnp.zeros(2), key, zero, zero, zero, zero)
     shape = jax.eval_shape(partial(_moved, game=game, config=config), key, learner)[1]
     memory = jax.tree.map(lambda leaf: jnp.zeros((config.kept // games, *leaf.shape), leaf.dtype), shape)
     return learner._replace(memory=memory)
