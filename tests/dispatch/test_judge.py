@@ -68,7 +68,7 @@ def test_pairs_say_more_than_means(documents: list[dict[str, Any]]) -> None:
 
 def test_the_same_seed_gives_the_same_document() -> None:
     def timeless(seed: int) -> str:
-        found = judge(THESIS, Trial(("fixed", "spt"), ("random:0.5",), 400, seed))
+        found = judge(THESIS, Trial(("fixed", "spt"), ("random:0.5",), 12, seed))
         for one in found[0]["policies"]:
             del one["latency_ms"]
         return json.dumps({**found[0], "seed": 0})
@@ -82,7 +82,7 @@ def test_who_gets_fewer_episodes_is_compared_over_these() -> None:
 
 
 def test_scattered_times_have_no_exact_optimum() -> None:
-    (document,) = judge(THESIS, Trial(("fixed",), ("compliant",), 400, 0, chance=Chance(spread="lognormal", cv=0.3)))
+    (document,) = judge(THESIS, Trial(("fixed",), ("compliant",), 12, 0, chance=Chance(spread="lognormal", cv=0.3)))
     assert document["optimum"] is None
     assert row(document, "fixed")["makespan"]["p5"] < row(document, "fixed")["makespan"]["p95"]
 
@@ -124,7 +124,7 @@ def test_pictures_are_drawn_of_one_and_of_several(documents: list[dict[str, Any]
 
 def test_the_command_prints_one_document_or_a_list(tmp_path: Path, capsys: Capture) -> None:
     chart, file = tmp_path / "chart.svg", tmp_path / "found.json"
-    asked = ["simulate", CELL, "--policy", "fixed,spt", "--episodes", "400", "--json", "-q"]
+    asked = ["simulate", CELL, "--policy", "fixed,spt", "--episodes", "10", "--json", "-q"]
     assert run([*asked, "--people", "random:0.5", "--chart", str(chart), "-o", str(file)]) == 0
     printed = json.loads(capsys.readouterr().out)
     assert printed["people"] == "random:0.5"

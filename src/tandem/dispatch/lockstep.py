@@ -6,22 +6,21 @@ episodes meet a few hundred situations.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from functools import lru_cache
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from tandem.dispatch.observed import Observer
 from tandem.dispatch.policy import Decision, Policy
-from tandem.world import episode
-from tandem.world import state as world
+from tandem.dispatch.ticking import by_hand, compiled, rows
 from tandem.world.arrays import NEVER, Arrays, Names
 from tandem.world.episode import Shift
-from tandem.world.fate import Draw, Fate, away_until, fates, next_absence
-from tandem.world.people import Person, crew
+from tandem.world.fate import Draw, Fate, fates
+from tandem.world.people import Person
 
+FEW = 12
+"""So many episodes are played in NumPy, one after the other: quicker than compiling."""
 LIMIT = 1_000
 """Steps after which an episode counts as not finished."""
 
@@ -67,7 +66,9 @@ class Stage:
 
     def play(self, policy: Policy, count: int | None = None) -> Outcome:
         """Plays all episodes under the decider, or the first `count` of them: the others stand still, so that nothing is compiled anew."""
-        return _Play(self, policy, len(self.people.pace) if count is None else min(count, len(self.people.pace))).run()
+        count = len(self.people.pace) if count is None else min(count, len(self.people.pace))
+        stage = self if count > FEW else replace(self, fates=rows(self.fates, count), people=rows(self.people, count))
+        return _Play(stage, policy, count).run()
 
 
 @dataclass
@@ -79,8 +80,8 @@ class _Play:
     latency_ms: list[float] = field(default_factory=list)
 
     def run(self) -> Outcome:
-        begin, tick = compiled()
         stage, names = self.stage, self.stage.names
+        begin, tick, end = compiled() if len(stage.people.pace) > FEW else by_hand()
         episodes, operators = len(stage.people.pace), len(names.operators)
         shift, over, off = begin(stage.arrays, stage.people)
         asked = np.full((episodes, operators), -1, np.int32)
@@ -100,7 +101,7 @@ class _Play:
                 until[number] = NEVER if decision.look_again is None else max(names.ticks(decision.look_again), int(seen.clock[number]) + 1)
                 changes[number] += _announce(names, decision, asked[number], seen.open[number])
             shift, over, off = tick(stage.arrays, stage.fates, stage.people, shift, ways, until)
-        return self._outcome(shift, changes)
+        return self._outcome(end(stage.arrays, shift), changes)
 
     def _decision(self, seen: _Seen, number: int) -> Decision:
         key = seen.keys[number].tobytes()
@@ -125,19 +126,10 @@ class _Play:
             return min(mine, key=lambda way: len(names.ways[way][1].operators), default=-1)
         return -1
 
-    def _outcome(self, shift: Shift, changes: Any) -> Outcome:
-        import jax
-
-        stage, mine = self.stage, slice(self.count)
-        stress = jax.vmap(world.stress, in_axes=(None, 0))(stage.arrays, shift.state)
-        makespan = jax.vmap(world.makespan)(shift.state)
-        return Outcome(
-            makespan=np.asarray(makespan, float)[mine] / stage.names.per_second,
-            stress=np.asarray(stress, float)[mine] / stage.names.per_stress,
-            changes=changes[mine],
-            done=np.asarray(jax.vmap(world.is_done)(shift.state))[mine],
-            latency_ms=np.array(self.latency_ms),
-        )
+    def _outcome(self, told: tuple[Any, Any, Any], changes: Any) -> Outcome:
+        names, mine = self.stage.names, slice(self.count)
+        makespan, stress, done = (np.asarray(part)[mine] for part in told)
+        return Outcome(makespan / names.per_second, stress / names.per_stress, changes[mine], done, np.array(self.latency_ms))
 
 
 @dataclass(frozen=True)
@@ -184,41 +176,3 @@ def _announce(names: Names, decision: Decision, asked: Any, still_open: Any) -> 
         changes += asked[operator] not in (-1, number) and bool(still_open[asked[operator]])
         asked[operator] = number
     return changes
-
-
-@lru_cache(maxsize=1)
-def compiled() -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """`begin(arrays, people)` and `tick(arrays, fates, people, shifts, ways, until)`, over a leading axis of episodes.
-
-    Each gives the shifts, `[E]` whether they are over, and `[E, M]` which tasks must come off.
-    """
-    import jax
-    import jax.numpy as jnp
-
-    def told(arrays: Arrays, shift: Shift) -> tuple[Shift, Any, Any]:
-        off = world.to_undo(arrays, shift.state) if arrays.undo.shape[0] else jnp.zeros(0, bool)
-        return shift, episode.is_over(arrays, shift), off
-
-    def begin(arrays: Arrays, person: Person) -> tuple[Shift, Any, Any]:
-        return told(arrays, episode.begin(arrays, crew(arrays, person)))
-
-    def tick(arrays: Arrays, fate: Fate, person: Person, shift: Shift, way: Any, until: Any) -> tuple[Shift, Any, Any]:
-        mine = episode.decide(arrays, fate, crew(arrays, person), shift, way)
-        later = _later(arrays, fate, shift, until)
-        ours = shift.turn >= 0
-        return told(arrays, jax.tree.map(lambda one, other: jnp.where(ours, one, other), mine, later))
-
-    over_episodes = jax.vmap(tick, in_axes=(None, 0, 0, 0, 0, 0))
-    return jax.jit(jax.vmap(begin, in_axes=(None, 0))), jax.jit(over_episodes)
-
-
-def _later(arrays: Arrays, fate: Fate, shift: Shift, until: Any) -> Shift:
-    """Time runs on to the next event, or to the moment at which the decider wants to look again."""
-    import jax.numpy as jnp
-
-    clock = shift.state.clock
-    state = world.advance(arrays, shift.state, jnp.minimum(until, next_absence(fate, clock)) if fate.away_from.shape[0] else until)
-    if fate.away_from.shape[0]:
-        state = state._replace(away_until=away_until(fate, state.clock))
-    mask = world.legal(arrays, state)
-    return shift._replace(state=state, mask=mask, turn=world.turn(arrays, mask), events=shift.events + 1)
