@@ -240,7 +240,8 @@ class Moves(Numbers):
         mine = thing[task]
         if mine is None or not places[mine]:
             return True
-        taken = sum(self.who[way].bit_count() for way, _ in position.running if thing[self.task[way]] == mine)
+        at_work = (way for way, _ in position.running if way < 2 * self.count)  # what comes after are absences, which take no place
+        taken = sum(self.who[way].bit_count() for way in at_work if thing[self.task[way]] == mine)
         return taken + count <= places[mine]
 
     def _change(self, position: Position, way: int) -> int:
