@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple, Self
 
-import pytest
-
-jax = pytest.importorskip("jax", reason="learning needs the extra tandem[learn]")
-
+import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
 from tandem.cell.generators import layered
 from tandem.learn.adversarial import Against, ByChance, Draws, Envious, Frozen, OneOf, Seated, against, alternately, hostile, reduced
