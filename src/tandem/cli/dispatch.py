@@ -15,6 +15,7 @@ from typing import IO, TYPE_CHECKING, Any
 import click
 
 from tandem.cli.planning import FORMAT, Weights
+from tandem.cli.simulate import Prior
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
@@ -65,6 +66,7 @@ class Moment(click.ParamType):  # type: ignore[type-arg]  # older releases of cl
 @click.option(
     "--change-penalty", type=click.FloatRange(0.0), default=0.0, show_default=True, help="Seconds to gain before an announced task is changed."
 )
+@click.option("--prior", type=Prior(), help="What is believed of a human's pace before anything was seen: factors with weights, 0.6:1,1:3,2:1.")
 @click.option("--learned", help="A trained policy: a file, or the folder of a run.")
 @click.option(
     "--taking-apart",
@@ -161,7 +163,12 @@ def _settings(given: dict[str, Any]) -> Settings:
 
     time_weight, stress_weight = given["weights"]
     options = Options(
-        budget_ms=given["budget"], seed=given["seed"], frozen_s=given["frozen"], change_penalty=given["change_penalty"], learned=given["learned"]
+        budget_ms=given["budget"],
+        seed=given["seed"],
+        frozen_s=given["frozen"],
+        change_penalty=given["change_penalty"],
+        learned=given["learned"],
+        **({} if given["prior"] is None else {"prior": given["prior"]}),
     )
     return Settings(given["policy"], Objective(time_weight, stress_weight, given["max_stress"]), options, given["taking_apart"])
 
@@ -182,6 +189,7 @@ def _same_as_kept(ctx: click.Context, journal: Journal, given: dict[str, Any]) -
         "frozen": kept.options.frozen_s,
         "change_penalty": kept.options.change_penalty,
         "learned": kept.options.learned,
+        "prior": dict(kept.options.prior),
         "taking_apart": kept.taking_apart,
     }
     stated = [key for key in there if ctx.get_parameter_source(key) is click.core.ParameterSource.COMMANDLINE]
