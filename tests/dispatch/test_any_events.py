@@ -35,7 +35,7 @@ def reports(draw: st.DrawFn, cell: Cell) -> list[str]:
     return lines
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(st.data(), cells(max_tasks=5))
 def test_no_report_makes_the_impossible_true(data: st.DataObject, cell: Cell) -> None:
     with Journal() as journal:
