@@ -33,7 +33,7 @@ RANDOM_GAMES = 100
 PUBLISHED = "not public"
 """Their tables are not; the abstract says that it was compared with Nash-Q, dynamic programming and single-agent DQN."""
 
-DECISIONS, QUICK_DECISIONS = 24_000, 960
+DECISIONS, QUICK_DECISIONS = 16_000, 960
 
 
 @dataclass(frozen=True)

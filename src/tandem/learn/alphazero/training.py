@@ -102,7 +102,7 @@ def _learn(key: Array, learner: Learner, config: Config) -> tuple[Parameters, An
     """Minibatches drawn evenly from the decisions that are kept."""
     network, rule = judge(config), _optimiser(config)
     rate = config.learning_rate * (1 - 0.9 * learner.rounds / config.iterations)
-    everything = jax.tree.map(lambda leaf: leaf.reshape(-1, *leaf.shape[2:]), learner.experience)
+    everything = jax.tree.map(lambda leaf: leaf.reshape(leaf.shape[0] * leaf.shape[1], *leaf.shape[2:]), learner.experience)
     counted = jnp.cumsum(everything.valid)
 
     def minibatch(carry: tuple[Parameters, Any], key: Array) -> tuple[tuple[Parameters, Any], tuple[Array, Array, Array]]:
@@ -122,4 +122,4 @@ def _optimiser(config: Config) -> optax.GradientTransformation:
 
 
 def _flat(experience: Experience) -> Experience:
-    return jax.tree.map(lambda leaf: leaf.reshape(-1, *leaf.shape[2:]), experience)
+    return jax.tree.map(lambda leaf: leaf.reshape(leaf.shape[0] * leaf.shape[1], *leaf.shape[2:]), experience)

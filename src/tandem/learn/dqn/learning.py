@@ -192,14 +192,14 @@ def _rows(opened: Open, states: State, me: Array, move: Array, cost: Array, afte
     wide = lambda leaf: jnp.broadcast_to(leaf[:, None], (games, agents, *leaf.shape[1:]))  # noqa: E731
     agent = jnp.broadcast_to(jnp.arange(agents, dtype=me.dtype)[None], (games, agents))
     ends = Turns(opened.state, agent, opened.move, opened.cost, jax.tree.map(wide, after), opened.waiting & over[:, None])
-    flat = jax.tree.map(lambda leaf: leaf.reshape(-1, *leaf.shape[2:]), ends)
+    flat = jax.tree.map(lambda leaf: leaf.reshape(leaf.shape[0] * leaf.shape[1], *leaf.shape[2:]), ends)
     rows = jax.tree.map(lambda first, second: jnp.concatenate([first, second]), back, flat)
     return rows, opened._replace(waiting=opened.waiting & ~over[:, None])
 
 
 def _learned(key: Array, learner: Learner, game: Game, config: Config) -> tuple[Learner, Array]:
     """One step of every network on decisions of its own agent (all decisions, for the one that decides for all)."""
-    flat = jax.tree.map(lambda leaf: leaf.reshape(-1, *leaf.shape[2:]), learner.memory)
+    flat = jax.tree.map(lambda leaf: leaf.reshape(leaf.shape[0] * leaf.shape[1], *leaf.shape[2:]), learner.memory)
     number = networks(game, config).agents
     rate = config.learning_rate * (1 - 0.9 * jnp.minimum(learner.rounds / rounds_of(config), 1.0))
 
@@ -210,7 +210,7 @@ def _learned(key: Array, learner: Learner, game: Game, config: Config) -> tuple[
         return jax.tree.map(lambda leaf: leaf[rows], flat), jnp.broadcast_to(counted[-1] > 0, rows.shape)
 
     batches, counts = jax.vmap(drawn)(jax.random.split(key, number), jnp.arange(number))
-    together = jax.tree.map(lambda leaf: leaf.reshape(-1, *leaf.shape[2:]), batches)
+    together = jax.tree.map(lambda leaf: leaf.reshape(leaf.shape[0] * leaf.shape[1], *leaf.shape[2:]), batches)
     off, gradient = jax.value_and_grad(loss)(learner.parameters, learner.target, together, counts.reshape(-1), game, config)
     change, moments = _optimiser(config).update(gradient, learner.optimiser)
     parameters = jax.tree.map(lambda old, by: old - rate * by, learner.parameters, change)
