@@ -16,7 +16,7 @@ import csv
 import json
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -33,9 +33,10 @@ from tandem.world.fate import Chance
 
 ROOT = Path(__file__).resolve().parents[1]
 PEOPLE = (
-    "compliant", "random:0.5", "random:1", "pace:0.6", "pace:2",
-    "utility:stress=1", "forgetful:0.1", "refusing:0.2", "adversarial",
+    "compliant", "random:0.1", "random:0.5", "random:1", "pace:0.6", "pace:2", "utility:stress=1", "adversarial", "refusing:0.2", "forgetful:0.1",
 )  # fmt: skip
+ELSEWHERE = ("compliant", "random:0.5", "pace:0.6", "pace:2", "adversarial", "forgetful:0.1")
+"""On the other cells."""
 CERTAIN = ("compliant", "pace:0.6", "pace:2", "utility:stress=1", "adversarial")
 """Beside whom every episode is the same."""
 SCATTER = Chance(spread="lognormal", cv=0.3)
@@ -55,27 +56,27 @@ def cells(case: Path | None) -> Iterator[tuple[str, Cell, int]]:
         yield f"layered-{9 + seed % 4}-{seed}", layered(9 + seed % 4, seed=seed), 100
     if case is not None:
         yield case.stem, load(case), 100
-    yield "desk", desk().to_cell(), 6
+    yield "desk", desk().to_cell(), 3
 
 
-def fewer(episodes: int, certain: bool, scatter: bool, tasks: int) -> dict[str, int]:
-    """How many episodes the slow deciders get."""
-    if certain:
-        return dict.fromkeys(POLICIES, 2)
-    slow = max(6, episodes // 10)
-    if not scatter:
-        return {"replan": slow, "replan-robust": max(slow, episodes // 2)}
-    return dict.fromkeys(("replan", "replan-robust"), slow) | (dict.fromkeys(("expected", "minimax"), slow) if tasks > 8 else {})
+def fewer(people: str, episodes: int, small: bool) -> dict[str, int]:
+    """How many episodes the deciders get, where it is less than all: what re-plans is slow, and so is what meets no situation twice."""
+    if people in CERTAIN:
+        return dict.fromkeys((*POLICIES, "learned"), 2)
+    slow = max(3, episodes // 10)
+    if people == SCATTERED or (people.startswith("forgetful") and not small):
+        return dict.fromkeys((*POLICIES, "learned"), min(slow, 12)) if not small else {"replan": slow, "replan-robust": slow}
+    return {"replan": slow, "replan-robust": max(slow, episodes // 2)}
 
 
-def rows_of(name: str, cell: Cell, episodes: int, options: Options, tell: Any) -> Iterator[tuple[Any, ...]]:
+def rows_of(name: str, cell: Cell, episodes: int, options: Options, tell: Callable[[str], None]) -> Iterator[tuple[Any, ...]]:
     """One row per people and decider."""
     small = len(cell.tasks) <= MOST_TASKS
     policies = tuple(one for one in POLICIES if small or one not in ("expected", "minimax"))
     if options.learned is not None and name == "thesis":
         policies = (*policies, "learned")
-    for people in (*PEOPLE, SCATTERED):
-        certain, scatter = people in CERTAIN, people == SCATTERED
+    for people in (*(PEOPLE if name == "thesis" else ELSEWHERE), SCATTERED):
+        scatter = people == SCATTERED
         trial = Trial(
             policies,
             ("compliant",) if scatter else (people,),
@@ -83,7 +84,7 @@ def rows_of(name: str, cell: Cell, episodes: int, options: Options, tell: Any) -
             0,
             chance=SCATTER if scatter else Chance(),
             options=options,
-            fewer=fewer(episodes, certain, scatter, len(cell.tasks)),
+            fewer=fewer(people, episodes, name == "thesis"),
         )
         (document,) = judge(cell, trial, tell)
         for row in document["policies"]:
@@ -152,7 +153,7 @@ def main() -> int:
     for name, cell, episodes in cells(options.case):
         if (options.only and name not in options.only) or any(row[0] == name for row in rows):
             continue
-        episodes = max(2, episodes // 10) if options.quick else episodes
+        episodes = max(3, episodes // 10) if options.quick else episodes
         settings = replace(Options(), budget_ms=options.budget, learned=options.learned)
         rows += [["" if one is None else str(one) for one in row] for row in rows_of(name, cell, episodes, settings, lambda _: None)]
         print(f"{name}: {time.perf_counter() - began:.0f} s", file=sys.stderr, flush=True)

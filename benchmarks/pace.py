@@ -17,11 +17,12 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from random import Random
 
 from tandem.cell.files import load
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
-from tandem.dispatch.adaptive import bayes_adaptive
+from tandem.dispatch.adaptive import bayes_adaptive, belief_values
 from tandem.dispatch.exact import expected
 from tandem.dispatch.judge import Trial, judge
 from tandem.dispatch.policy import Options
@@ -38,32 +39,48 @@ POLICIES = ("replan", "replan-robust", "fixed")
 COLUMNS = ("cell", "digest", "tasks", "pace", "in_prior", "policy", "makespan", "optimum", "loss", "p50_ms", "p99_ms")
 
 
-def rows_of(name: str, cell: Cell, budget_ms: float) -> Iterator[tuple[object, ...]]:
+def rows_of(name: str, cell: Cell, budget_ms: float, prior: dict[float, float]) -> Iterator[tuple[object, ...]]:
     """One row per pace and policy."""
-    paces = tuple(sorted({*PRIOR, *TOLD, *BETWEEN}))
-    trial = Trial(POLICIES, tuple(f"pace:{pace:g}" for pace in paces), 2, 0, options=Options(prior=PRIOR, budget_ms=budget_ms))
+    paces = tuple(sorted({*prior, *TOLD, *BETWEEN}))
+    trial = Trial(POLICIES, tuple(f"pace:{pace:g}" for pace in paces), 2, 0, options=Options(prior=prior, budget_ms=budget_ms))
     for pace, document in zip(paces, judge(cell, trial), strict=True):
         for row in document["policies"]:
             loss = row["makespan"]["mean"] / document["optimum"] - 1
             latency = row["latency_ms"]
             yield (
-                name, cell.digest, len(cell.tasks), pace, int(pace in PRIOR), row["policy"], row["makespan"]["mean"], document["optimum"],
+                name, cell.digest, len(cell.tasks), pace, int(pace in prior), row["policy"], row["makespan"]["mean"], document["optimum"],
                 round(loss, 5), latency["p50"], latency["p99"],
             )  # fmt: skip
 
 
-def bayes(cell: Cell) -> dict[str, float]:
+def bayes(cell: Cell, prior: dict[float, float]) -> dict[str, float]:
     """Mean makespans under the prior: knowing the pace, and the exact best without being told it."""
     return {
-        "knowing the pace": sum(share * expected(cell, pace=dict.fromkeys(cell.humans, pace)) for pace, share in PRIOR.items()),
-        "Bayes-adaptive, acting at events": bayes_adaptive(cell, PRIOR),
-        "Bayes-adaptive, looking in between": bayes_adaptive(cell, PRIOR, watches=True),
+        "knowing the pace": sum(share * expected(cell, pace=dict.fromkeys(cell.humans, pace)) for pace, share in prior.items()),
+        "Bayes-adaptive, acting at events": bayes_adaptive(cell, prior),
+        "Bayes-adaptive, looking in between": bayes_adaptive(cell, prior, watches=True),
     }
+
+
+def exact_losses(cell: Cell, prior: dict[float, float]) -> list[float]:
+    """Per pace of the prior, in its order, what the exact Bayes-adaptive policy (looking in between) loses against who knows the pace; shares."""
+    found = belief_values(cell, prior, watches=True)
+    found.value(found.root())
+    return [round(found.played(number) / values.value(values.moves.root()) - 1, 4) for number, values in enumerate(found.under)]
+
+
+def over_priors(cell: Cell, count: int) -> list[list[float]]:
+    """The different losses at `TOLD` of the exact Bayes-adaptive policies for so many random priors on these paces (Gamma(0.4) weights, seed 0)."""
+    draws = Random(0)
+    drawn = ({pace: draws.gammavariate(0.4, 1.0) + 1e-6 for pace in TOLD} for _ in range(count))
+    return sorted({tuple(exact_losses(cell, prior)) for prior in drawn}, key=max)
 
 
 def show(rows: list[dict[str, str]]) -> None:
     """The tables."""
     for title, mine in (("thesis", [row for row in rows if row["cell"] == "thesis"]), ("random", [row for row in rows if row["cell"] != "thesis"])):
+        if not mine:
+            continue
         cells = len({row["cell"] for row in mine})
         print(f"\n{title}: {cells} cell{'s' * (cells != 1)}, loss against the optimum that knows the pace, mean (worst)")
         paces = sorted({float(row["pace"]) for row in mine})
@@ -75,12 +92,20 @@ def show(rows: list[dict[str, str]]) -> None:
             print(f"{policy:<16}{cellwise}{sum(told) / len(told):>28.2%}")
 
 
+def _prior(text: str) -> dict[float, float]:
+    pairs = [part.split(":") for part in text.split(",")]
+    total = sum(float(weight) for _, weight in pairs)
+    return {float(pace): float(weight) / total for pace, weight in pairs}
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cells", type=int, default=10)
     parser.add_argument("--first", type=int, default=0, help="seed of the first random cell")
     parser.add_argument("--tasks", type=int, default=9)
     parser.add_argument("--budget", type=float, default=50.0, help="milliseconds per decision")
+    parser.add_argument("--prior", type=_prior, default=PRIOR, help="factors with weights, such as 0.6:1,1:1,2:1; the deciders' own when absent")
+    parser.add_argument("--exact", action="store_true", help="also what the exact Bayes-adaptive policy loses on each random cell")
     parser.add_argument("-o", "--output", type=Path)
     parser.add_argument("--show", type=Path, help="only print the tables of an earlier run")
     options = parser.parse_args()
@@ -95,17 +120,24 @@ def main() -> int:
         ("thesis", thesis),
         *((f"layered-{seed}", layered(options.tasks, seed=seed)) for seed in range(options.first, options.first + options.cells)),
     ]:
-        rows += rows_of(name, cell, options.budget)
+        rows += rows_of(name, cell, options.budget, options.prior)
         print(f"{name}: {time.perf_counter() - began:.0f} s", file=sys.stderr, flush=True)
-    values = bayes(thesis)
-    played = {policy: sum(PRIOR[row[3]] * row[6] for row in rows if row[0] == "thesis" and row[5] == policy and row[4]) for policy in POLICIES}
+    values = bayes(thesis, options.prior)
+    played = {
+        policy: sum(options.prior[row[3]] * row[6] for row in rows if row[0] == "thesis" and row[5] == policy and row[4]) for policy in POLICIES
+    }
     played = {policy: round(mean, 4) for policy, mean in played.items()}
     found = {
-        "prior": PRIOR,
+        "prior": options.prior,
         "exact": values,
         "played": played,
         "above_bayes_adaptive": played["replan-robust"] / values["Bayes-adaptive, looking in between"] - 1,
+        "losses_over_100_priors": over_priors(thesis, 100),
     }
+    if options.exact:
+        losses = [exact_losses(layered(options.tasks, seed=seed), options.prior) for seed in range(options.first, options.first + options.cells)]
+        means = [round(sum(column) / len(losses), 4) for column in zip(*losses, strict=True)]
+        found["bayes_adaptive_losses_on_random_cells"] = dict(zip(options.prior, means, strict=True))
     as_text = [dict(zip(COLUMNS, map(str, row), strict=True)) for row in rows]
     show(as_text)
     print(json.dumps(found, indent=1))

@@ -73,6 +73,14 @@ def test_not_knowing_the_pace_costs_and_looking_in_between_helps() -> None:
     assert waiting == pytest.approx(26.02)
 
 
+def test_the_policy_behind_the_value_takes_what_it_promises() -> None:
+    """Carried out under each hypothesis, weighed by the prior; and nobody who knows the pace is slower."""
+    found = belief_values(THESIS, PRIOR, watches=True)
+    played = [found.played(number) for number in range(len(PRIOR))]
+    assert sum(share * cost for share, cost in zip(PRIOR.values(), played, strict=True)) == pytest.approx(found.value(found.root()))
+    assert all(cost >= expected(THESIS, pace={"human": pace}) - 1e-9 for pace, cost in zip(PRIOR, played, strict=True))
+
+
 def test_a_prior_that_is_sure_leaves_nothing_to_learn() -> None:
     assert bayes_adaptive(THESIS, {1.5: 1.0, 3.0: 0.0}) == pytest.approx(expected(THESIS, pace={"human": 1.5}))
     found = belief_values(THESIS, {1.0: 1.0})

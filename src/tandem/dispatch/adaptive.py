@@ -125,6 +125,21 @@ class BeliefValues:
             groups.setdefault((ticks, after.done), []).append((number, after))  # type: ignore[arg-type]
         return [(ticks, tuple(group)) for (ticks, _), group in groups.items()]
 
+    def played(self, truth: int) -> float:
+        """The cost when the best policy for the prior is carried out beside compliant humans, and hypothesis number `truth` is true."""
+        belief, cost, model = self.root(), 0.0, self.under[0]
+        while not self.moves.is_over(belief[0][1]):
+            for turn, human in enumerate(model.humans):
+                here = belief[0][1]
+                legal = [] if self.moves.busy(here) >> human & 1 else self.moves.legal(here, 1 << human)
+                if legal and (way := min(self.wishes(belief, turn, legal), key=lambda wish: wish[1])[0]) is not None:
+                    belief, cost = self.begun(belief, way), cost + model.weights[1] * self.moves.units[way]
+            for way in min(self.robot_choices(belief), key=lambda choice: choice[1])[0]:
+                belief, cost = self.begun(belief, way), cost + model.weights[1] * self.moves.units[way]
+            ticks, belief = next((ticks, after) for ticks, after in self.sights(belief) if any(number == truth for number, _ in after))
+            cost += model.weights[0] * (ticks or 0)
+        return cost
+
     @property
     def moves(self) -> Moves:
         """Of the first hypothesis: what is legal is the same under all."""
