@@ -29,7 +29,7 @@ LOOKING: dict[str, Search | YuSearch] = {
     "as described": YuSearch(),
 }
 """Recipe -> the search with which it plays: theirs with 30 simulations and the most visited move, ours with 32."""
-DRAWN: dict[str, Search | YuSearch] = {"ours": Search(simulations=32, gumbel_scale=1.0), "as described": YuSearch(temperature=1.0)}
+DRAWN: dict[str, Search | YuSearch] = {"ours": Search(simulations=16, gumbel_scale=3.0), "as described": YuSearch(temperature=1.0)}
 """Recipe -> the search of which several games are drawn and the best counts."""
 
 
