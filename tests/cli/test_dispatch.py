@@ -163,3 +163,17 @@ def test_killed_ten_times_nothing_is_lost_or_doubled(tmp_path: Path) -> None:
         assert row["kills"] >= 3
         assert row["wrong"] == []
         assert row["replay_is_the_same"]
+
+
+def test_the_result_that_is_committed_is_the_one_that_the_manual_tells() -> None:
+    rows = json.loads(Path("benchmarks/results/kill.json").read_text())["rows"]
+    assert [(row["kills"], row["wrong"], row["replay_is_the_same"]) for row in rows] == [(100, [], True)] * 2
+    page = Path("docs/dispatch.md").read_text()
+    starting, unanswered, again = (sum(row[key] for row in rows) for key in ("while_starting", "with_an_unanswered_event", "sent_again_and_known"))
+    for words in (
+        f"{rows[0]['events']} events with kills",
+        f"{starting} kills",
+        f"{unanswered} while an event",
+        f"{again} events were in the journal",
+    ):
+        assert words in page
