@@ -21,7 +21,7 @@ from tandem.envs.thesis.world import HUMAN, ROBOT, reset
 from tandem.errors import CellError
 from tandem.experiments import alessio2022, alessio_cells, alessio_grid
 from tandem.experiments.alessio_cells import HOSTILE, as_state, nominal_robot, play, times, trade
-from tandem.experiments.alessio_grid import ADVERSARIAL, DESCRIBED, PLAIN, TRAININGS
+from tandem.experiments.alessio_grid import ADVERSARIAL, DESCRIBED, PLAIN
 from tandem.experiments.significance import interval, larger, rank_sum
 from tandem.experiments.thesis_runs import thesis_cell
 from tandem.plan.methods import plan
@@ -69,7 +69,7 @@ def test_adversarial_training_beats_plain_training_against_the_adversary(long):
     """At least 10 seeds each; the difference is significant, and the p-value is that of the records."""
     grid = long["grids"][0]
     assert (grid["grid"], long["quick"], len(long["seeds"]) >= 10) == ("crossing", False, True)
-    by_name = {name: [record for record in grid["records"] if record["training"] == name] for name in TRAININGS}
+    by_name = {name: [record for record in grid["records"] if record["training"] == name] for name in alessio2022.GRIDS["crossing"]}
     assert {len(own) for own in by_name.values()} == {len(long["seeds"])}
     rates = [[record["success"]["adversary"] for record in by_name[name]] for name in (ADVERSARIAL, PLAIN)]
     assert larger(*rates) == pytest.approx(grid["tests"][0]["p"])

@@ -55,7 +55,9 @@ TRAININGS: dict[str, Training] = {
     "as described, plain: random human": Training("random", sees="published", lawful=False),
     "as described, adversarial, share 10 %": Training("adversary", sees="published", lawful=False),
 }
-"""Name -> training; all of them are run. "As described" sees the published channels and punishes impossible moves; the rest is our recipe."""
+"""Name -> training. A new one is a line here; `alessio2022.GRIDS` says which are run.
+
+"As described" sees the published channels and punishes impossible moves; the rest is our recipe."""
 
 PLAIN, ADVERSARIAL = "plain: random human", "adversarial, share 10 %"
 DESCRIBED = ("as described, plain: random human", "as described, adversarial, share 10 %")
