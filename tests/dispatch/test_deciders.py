@@ -7,11 +7,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from tests.dispatch.stations import THESIS, station
 
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
-from tandem.dispatch.best_response import as_modelled, complies, optimum
+from tandem.dispatch import best_response
+from tandem.dispatch.best_response import as_modelled, complies
+from tandem.dispatch.exact import expected
 from tandem.dispatch.lockstep import Outcome, Stage
 from tandem.dispatch.policy import POLICIES, SECONDS, Decision, Objective, Options, policy
 from tandem.dispatch.repair import repair_values, repairing
@@ -39,9 +43,7 @@ def play(cell: Cell, name: Any, people: str, episodes: int = EPISODES, chance: C
 
 
 def best(cell: Cell, people: str) -> float:
-    names = Names.of(cell)
-    they = crowd(people, names, names.arrays()).draw(np.random.default_rng(0), 1)
-    found = optimum(cell, SECONDS, type(they)(*(part[0] for part in they)))
+    found = best_response.optimum(cell, SECONDS, crowd_of(cell, people))
     assert found is not None
     return found
 
@@ -54,6 +56,29 @@ def test_no_decider_beats_the_exact_best_response(people: str) -> None:
         found = play(THESIS, name, people)
         assert found.done.all(), name
         assert found.makespan.mean() >= least - 3.5 * found.makespan.std(ddof=1) / EPISODES**0.5 - 1e-9, name
+
+
+@settings(max_examples=6)
+@given(seed=st.integers(0, 10_000), humans=st.integers(1, 2), people=st.sampled_from(["compliant", "pace:1.5", "random:0.6", "adversarial"]))
+def test_no_decider_is_quicker_than_the_proven_optimum_of_any_cell(seed: int, humans: int, people: str) -> None:
+    """Whoever works there, at their pace: the plan that knows all is a bound for every episode."""
+    cell = layered(5, humans, seed=seed)
+    pace = 1.5 if people == "pace:1.5" else 1.0
+    least = expected(cell, pace=dict.fromkeys(cell.humans, pace))
+    for name in ("fixed", "balanced", "replan-robust", "minimax"):
+        found = play(cell, name, people, 3)
+        assert found.done.all(), name
+        assert (found.makespan >= least - 1e-6).all(), name
+    if people in ("compliant", "pace:1.5"):
+        told = best_response.optimum(cell, SECONDS, crowd_of(cell, people))
+        assert told == pytest.approx(least)
+
+
+def crowd_of(cell: Cell, people: str) -> Any:
+    """The one person of that description."""
+    names = Names.of(cell)
+    they = crowd(people, names, names.arrays()).draw(np.random.default_rng(0), 1)
+    return type(they)(*(part[0] for part in they))
 
 
 @pytest.mark.parametrize("name", DECIDERS)
@@ -196,21 +221,15 @@ def test_large_cells_are_planned_in_time_and_refused_by_exact_tables() -> None:
 
 
 def test_people_who_change_or_err_have_no_exact_best_response() -> None:
-    names = Names.of(THESIS)
-
-    def one(spec: str) -> Any:
-        people = crowd(spec, names, names.arrays()).draw(np.random.default_rng(0), 1)
-        return type(people)(*(part[0] for part in people))
-
     for spec in ("learning:0.2", "tiring:weak", "forgetful:0.1", "refusing:0.2"):
-        assert as_modelled(one(spec)) is None
-        assert optimum(THESIS, SECONDS, one(spec)) is None
+        assert as_modelled(crowd_of(THESIS, spec)) is None
+        assert best_response.optimum(THESIS, SECONDS, crowd_of(THESIS, spec)) is None
     for spec in ("compliant", "pace:2"):
-        human = as_modelled(one(spec))
+        human = as_modelled(crowd_of(THESIS, spec))
         assert human is not None
         assert complies(human)
     for spec in ("random:0.1", "postponing:0.2", "prefers:3"):
-        human = as_modelled(one(spec))
+        human = as_modelled(crowd_of(THESIS, spec))
         assert human is not None
         assert not complies(human)
 
