@@ -35,11 +35,6 @@ def greedy(parameters: Parameters, world: World, config: Config, limit: int) -> 
     return _play(parameters, world, config, limit, jax.random.key(0), None, 1)
 
 
-def greedy_many(key: Array, parameters: Parameters, world: World, config: Config, limit: int, episodes: int) -> Played:
-    """So many episodes with most probable actions, for worlds in which chance has a hand."""
-    return _play(parameters, world, config, limit, key, None, episodes)
-
-
 def sampled(key: Array, parameters: Parameters, world: World, config: Config, limit: int, episodes: int) -> Played:
     """So many episodes with actions drawn from the actors."""
     reset_key, draw_key = jax.random.split(key)

@@ -100,7 +100,7 @@ class BesidePeople:
 
     def step(self, state: Beside, action: Array) -> tuple[Beside, Outcome]:
         way = jnp.where(action[0] == self.actions - 1, -1, action[0])
-        shift = self._to_a_turn(state.fate, episode.step(self.arrays, state.fate, state.people, state.shift, way))
+        shift = self._to_a_turn(state.fate, episode.decide(self.arrays, state.fate, state.people, state.shift, way))
         over, lost = episode.is_over(self.arrays, shift), UNFINISHED * sight.scale(self.arrays) * self.weights[0]
         cost = self.cost(shift) - self.cost(state.shift) + jnp.where(over & ~is_done(shift), lost, 0.0)
         return Beside(shift, state.fate, state.people), Outcome(-cost[None].astype(jnp.float32), over, jnp.zeros(1, jnp.int32))

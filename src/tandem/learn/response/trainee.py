@@ -2,30 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from tandem.cell.model import plain
 from tandem.learn import ppo
 from tandem.learn.algorithms import Row
 from tandem.learn.config import Config
-from tandem.learn.play import Played, greedy, greedy_many, sampled
+from tandem.learn.networks import Network, forward
 from tandem.learn.policy import Policy
-from tandem.learn.ppo_training import best_of, of_seed, share
-from tandem.learn.response.beside import BesidePeople, is_done
+from tandem.learn.ppo_training import of_seed, share
+from tandem.learn.response import sight
+from tandem.learn.response.beside import BesidePeople
 from tandem.learn.response.recipes import ResponseRecipe
 from tandem.learn.trainer import Order
-from tandem.world import state
-from tandem.world.arrays import Names
+from tandem.world import episode
+from tandem.world.arrays import Array, Arrays, Names
 from tandem.world.crowd import crowd
+from tandem.world.episode import Shift
+from tandem.world.fate import fate
+from tandem.world.people import Person, compliant, crew, stacked
 
 BEST_OF, PEOPLE = 64, 256
-LONGEST_PLAY = 2000
+INTERVAL = 8
+"""Updates between two rows of figures, at the most; a stage holds a whole number of intervals."""
+STEP = -10.0
+"""What a second costs where a unit of stress costs the stress factor, as in the thesis's rewards."""
 
 
 class Trainee:
@@ -40,7 +48,9 @@ class Trainee:
         arrays, weights = self.names.arrays(), (1.0, order.stress_factor / -STEP)
         self.crowd = crowd(order.recipe.people, self.names, arrays, part="train")
         self.world = BesidePeople.of(self.crowd, weights=weights, seed=order.seeds[0])
-        self.obedient = BesidePeople.of(crowd("compliant", self.names, arrays), weights=weights)
+        drawn = self.crowd.draw(np.random.default_rng(order.seeds[0]), PEOPLE)
+        obedient = stacked([compliant(arrays)] * (1 + BEST_OF))
+        self.company = Person(*(np.concatenate(parts) for parts in zip(obedient, drawn, strict=True)))
 
     @property
     def config(self) -> Config:
@@ -56,31 +66,34 @@ class Trainee:
         return jax.jit(jax.vmap(partial(ppo.start, config=self.config), (0, None)))(keys, self.world)
 
     def advance(self, learners: ppo.Learner) -> tuple[ppo.Learner, ppo.Report]:
-        return jax.block_until_ready(_advance(learners, self.world, self.config))
+        return jax.block_until_ready(_advance(learners, self.world, self.config, self._interval))
+
+    @property
+    def _interval(self) -> int:
+        config = self.config
+        return math.gcd(INTERVAL, *(math.ceil((stage.steps or 0) / (config.environments * config.horizon)) for stage in config.stages))
 
     def share(self, learners: ppo.Learner) -> float:
         return share(learners, self.config)
 
     def rows(self, learners: ppo.Learner, report: ppo.Report) -> list[Row]:
         """`greedy_*`: beside somebody who does all that is asked; `people_*`: means beside people of the crowd."""
-        obedient, people = jax.device_get(_played(learners.parameters, self.obedient, self.world, self.config))
         rows = []
-        for place in range(len(self.order.seeds)):
-            one, many, said = of_seed((obedient, people, report), place)
+        for place, played in enumerate(self._played(learners)):
+            said = of_seed(report, place)
             row: Row = {"stage": int(said.stage[-1]) + 1, "episodes": int(learners.episodes[place]), "steps": int(said.steps[-1])}
-            row |= {"entropy": round(float(np.mean(said.entropy)), 5), **self._beside_people(many)}
-            rows.append(row | {f"greedy_{name}": value for name, value in self._reached(one, 0).items()})
+            row |= {"entropy": round(float(np.mean(said.entropy)), 5), **self._beside_people(played)}
+            rows.append(row | {f"greedy_{name}": value for name, value in self._reached(played, 0).items()})
         return rows
 
     def play(self, learners: ppo.Learner) -> list[Row]:
         """`greedy` and `best_of_n` beside somebody who does all that is asked, means beside people of the crowd."""
-        obedient, people = jax.device_get(_played(learners.parameters, self.obedient, self.world, self.config))
-        drawn = jax.device_get(_sampled(jax.random.key(self.order.seeds[0]), learners.parameters, self.obedient, self.config))
         rows = []
-        for place in range(len(self.order.seeds)):
-            one, many, draws = of_seed((obedient, people, drawn), place)
-            best = {"n": BEST_OF, **self._reached(draws, best_of(draws))}
-            rows.append({"steps": int(learners.steps[place]), "greedy": self._reached(one, 0), "best_of_n": best, **self._beside_people(many)})
+        for place, played in enumerate(self._played(learners)):
+            drawn = [self._reached(played, number) for number in range(1, 1 + BEST_OF)]
+            best = min(drawn, key=self._cost)
+            row = {"greedy": self._reached(played, 0), "best_of_n": {"n": BEST_OF, **best}, **self._beside_people(played)}
+            rows.append({"steps": int(learners.steps[place]), **row})
         return rows
 
     def save_policy(self, learners: ppo.Learner, place: int, path: Path) -> None:
@@ -98,25 +111,35 @@ class Trainee:
         }
         Policy(self.world.agents, actor, config.activation, config.masked, config.share_actor, notes).save(path)
 
+    def _played(self, learners: ppo.Learner) -> list[Played]:
+        """Per seed: one episode beside somebody obedient, `BEST_OF` with drawn actions, and one beside each of `PEOPLE` people."""
+        found = jax.device_get(_episodes(learners.parameters["actor"], self.world, self.company, self.config))
+        return [of_seed(found, place) for place in range(len(self.order.seeds))]
+
     def _reached(self, played: Played, place: int) -> Row:
         """Makespan in seconds and stress of an episode; None when it did not come to its end."""
-        shift = jax.tree.map(lambda leaf: leaf[place], played.state.shift)
-        makespan = stress = None
-        if bool(is_done(shift)):
-            makespan = plain(self.names.seconds(int(state.makespan(shift.state))))
-            stress = plain(round(self.names.stress(int(state.stress(self.names.arrays(), shift.state))), 6))
-        return {"makespan": makespan, "stress": stress, "illegal": 0}
+        if not played.done[place]:
+            return {"makespan": None, "stress": None, "illegal": 0}
+        stress = round(self.names.stress(int(played.stress[place])), 6)
+        return {"makespan": plain(self.names.seconds(int(played.makespan[place]))), "stress": plain(stress), "illegal": 0}
+
+    def _cost(self, row: Row) -> float:
+        return float("inf") if row["makespan"] is None else -STEP * row["makespan"] + self.order.stress_factor * row["stress"]
 
     def _beside_people(self, played: Played) -> Row:
         """Means over the episodes that came to their end, and which share did."""
-        ended = [place for place in range(PEOPLE) if played.done[place]]
-        reached = [row for row in (self._reached(played, place) for place in ended) if row["makespan"] is not None]
-        mean = {f"people_{name}": round(float(np.mean([row[name] for row in reached])), 4) if reached else None for name in ("makespan", "stress")}
-        return {**mean, "people_finished": len(reached) / PEOPLE}
+        rows = [self._reached(played, place) for place in range(1 + BEST_OF, 1 + BEST_OF + PEOPLE)]
+        ended = [row for row in rows if row["makespan"] is not None]
+        mean = {f"people_{name}": round(float(np.mean([row[name] for row in ended])), 4) if ended else None for name in ("makespan", "stress")}
+        return {**mean, "people_finished": len(ended) / PEOPLE}
 
 
-STEP = -10.0
-"""What a second costs where a unit of stress costs the stress factor, as in the thesis's rewards."""
+class Played(NamedTuple):
+    """What came of episodes: makespan `[E]` int32 ticks, stress `[E]` int32 units, done `[E]` bool."""
+
+    makespan: Array
+    stress: Array
+    done: Array
 
 
 def players(path: Path, cell: Any, order: Order, *, seed: int, episodes: int) -> Any:
@@ -132,24 +155,32 @@ def players(path: Path, cell: Any, order: Order, *, seed: int, episodes: int) ->
 # --- Compiled, for all seeds ---
 
 
-@partial(jax.jit, static_argnames="config")
-def _advance(learners: ppo.Learner, world: BesidePeople, config: Config) -> tuple[ppo.Learner, ppo.Report]:
-    return jax.lax.map(partial(ppo.advance, world=world, config=config, updates=INTERVAL), learners)
-
-
-INTERVAL = 8
-"""Updates between two rows of figures."""
+@partial(jax.jit, static_argnames=("config", "updates"))
+def _advance(learners: ppo.Learner, world: BesidePeople, config: Config, updates: int) -> tuple[ppo.Learner, ppo.Report]:
+    return jax.lax.map(partial(ppo.advance, world=world, config=config, updates=updates), learners)
 
 
 @partial(jax.jit, static_argnames="config")
-def _played(parameters: ppo.Parameters, obedient: BesidePeople, world: BesidePeople, config: Config) -> Sequence[Played]:
-    def one(parameters: ppo.Parameters) -> Sequence[Played]:
-        sure = greedy(parameters, obedient, config, LONGEST_PLAY)
-        return sure, greedy_many(jax.random.key(0), parameters, world, config, LONGEST_PLAY, PEOPLE)
+def _episodes(actors: Network, world: BesidePeople, company: Person, config: Config) -> Played:
+    """`[S, E]`: the episodes of `Trainee._played`. Noise of Gumbel's distribution turns the most probable action into a drawn one."""
+    number = company.pace.shape[0]
+    drawn = (jnp.arange(number) > 0) & (jnp.arange(number) <= BEST_OF)
+    keys, draw_key = jax.random.split(jax.random.key(0), number), jax.random.key(1)
+    uniform = jax.random.uniform(draw_key, (number, world.draw.numbers))
 
-    return jax.lax.map(one, parameters)
+    def of_actor(actor: Network) -> Played:
+        alone = jax.tree.map(lambda leaf: leaf[0], actor)
 
+        def one(person: Person, uniform: Array, key: Array, drawn: Array) -> Played:
+            def decide(arrays: Arrays, shift: Shift) -> Array:
+                logits = forward(jnp, alone, sight.observe(arrays, shift.state, shift.mask, shift.turn), config.activation)
+                logits = logits + drawn * jax.random.gumbel(jax.random.fold_in(key, shift.decisions), logits.shape)
+                action = jnp.argmax(jnp.where(sight.choices(arrays, shift.state, shift.mask, shift.turn), logits, -jnp.inf))
+                return jnp.where(action == world.actions - 1, -1, action)
 
-@partial(jax.jit, static_argnames="config")
-def _sampled(key: jax.Array, parameters: ppo.Parameters, world: BesidePeople, config: Config) -> Played:
-    return jax.lax.map(lambda one: sampled(key, one, world, config, LONGEST_PLAY, BEST_OF), parameters)
+            played = episode.play(world.arrays, fate(world.draw, world.arrays, uniform), crew(world.arrays, person), decide)
+            return Played(played.makespan, played.stress, played.done)
+
+        return jax.vmap(one)(company, uniform, keys, drawn)
+
+    return jax.lax.map(of_actor, actors)
