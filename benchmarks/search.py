@@ -94,7 +94,8 @@ def main() -> None:
     parser.add_argument("--batches", type=int, nargs="+", default=[1, 64, 256])
     given = parser.parse_args()
     device = jax.devices()[0]
-    print(f"{desk().name}; {SIMULATIONS} simulations; {len(os.sched_getaffinity(0))} cores, load {os.getloadavg()[0]:.1f}; {device.platform}; ", end="")
+    print(f"{desk().name}; {SIMULATIONS} simulations; {len(os.sched_getaffinity(0))} cores, load {os.getloadavg()[0]:.1f}; ", end="")
+    print(f"{device.platform}; ", end="")
     print(f"JAX {jax.__version__}, NumPy {np.__version__}, Python {platform.python_version()}")
     print(f"{'':34}{'games':>6}{'sims/s':>12}{'per CPU s':>12}{'x plain':>9}")
     theirs, ours = untrained(YuConfig(), desk(), seed=0), untrained(Config(), desk(), seed=0)

@@ -13,3 +13,12 @@ jax = pytest.importorskip("jax", reason="learning needs the extra tandem[learn]"
 def _no_rank_promotion() -> Iterator[None]:
     with jax.numpy_rank_promotion("raise"):
         yield
+
+
+@pytest.fixture(scope="module")
+def quickly_compiled() -> Iterator[None]:
+    """Compiles without most optimisations: what is compiled for a test runs for milliseconds."""
+    before = jax.config.jax_disable_most_optimizations
+    jax.config.update("jax_disable_most_optimizations", True)
+    yield
+    jax.config.update("jax_disable_most_optimizations", before)

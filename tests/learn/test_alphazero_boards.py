@@ -14,6 +14,8 @@ from tandem.errors import UsageError
 from tandem.learn.alphazero import boards
 from tandem.learn.alphazero.config import Config, Wander, YuConfig, YuSearch
 
+pytestmark = pytest.mark.usefixtures("quickly_compiled")
+
 SIZE = (4, 5, 3, 3, 3, 6)
 TRAINING = [random_board(*SIZE, seed=seed) for seed in range(10, 14)]
 TEST = [random_board(*SIZE, seed=seed) for seed in range(3)]
@@ -51,18 +53,17 @@ def test_games_are_legal_and_never_better_than_the_optimum(theirs):
         assert game.makespan == took[0]
 
 
-def test_our_network_plays_boards_of_any_size_and_trouble_costs_time():
+def test_trouble_costs_time():
     untrained = boards.untrained(Config(units=8), TRAINING[0], seed=0)
-    other = random_board(3, 4, 2, 3, 2, 5, seed=0)
-    calm = boards.play(untrained, [*TEST, other], samples=4, looking=Wander(0.0))
-    assert calm.shape == (4, 4)
+    calm = boards.play(untrained, TEST, samples=4, looking=Wander(0.0))
+    assert calm.shape == (3, 4)
     assert (calm == calm[:, :1]).all()
     numbers = np.random.default_rng(0).random((3, 4, 3, 4, 5))
     chance = chessboard.Chance(robot_fails=0.5, repair_s=20, human_errs=0.5)
     fates = [[chessboard.fate(chessboard.layout(board), chance, numbers[row, sample]) for sample in range(4)] for row, board in enumerate(TEST)]
     stacked = jax.tree.map(lambda *leaves: np.stack(leaves).reshape(3, 4, 4, 5), *[fate for row in fates for fate in row])
     troubled = boards.play(untrained, TEST, samples=4, looking=Wander(0.0), fates=stacked)
-    assert troubled.mean() > calm[:3].mean() + 5
+    assert troubled.mean() > calm.mean() + 5
 
 
 def test_boards_of_different_sizes_are_not_trained_on_together():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
 from learn.plain_yu import PlainGame, PlainSearch
 from tandem.cell.chessboard import random_board
@@ -14,6 +15,8 @@ from tandem.learn.alphazero.yu_network import YuNetworks
 from tandem.learn.alphazero.yu_search import yu_search
 from tandem.learn.board_games import BoardGame
 from tandem.learn.game import many
+
+pytestmark = pytest.mark.usefixtures("quickly_compiled")
 
 LOOK = YuSearch(simulations=20, depth=3, exploration=30.0)
 

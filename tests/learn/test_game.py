@@ -16,6 +16,8 @@ from tandem.learn.cell_games import CellGame, reached
 from tandem.learn.features import MOVE_FEATURES, WHOLE_FEATURES, ahead
 from tandem.learn.game import many, stacked
 
+pytestmark = pytest.mark.usefixtures("quickly_compiled")
+
 SMALL = {"height": 3, "width": 4, "human": 2, "joint": 3, "robot": 2, "max_time": 5}
 
 
@@ -105,7 +107,7 @@ def test_three_operators_and_a_joint_task_take_turns(random_play):
         }
     )
     game = jax.tree.map(jnp.asarray, CellGame.of(cell))
-    states, told = played = random_play(game, 64, 0)
+    _, told = played = random_play(game, 64, 0)
     check_game(game, played)
     assert set(np.unique(told[3])) == {-1, 0, 1, 2}
     best = tandem.plan(cell, minimize="makespan").points[0][0]

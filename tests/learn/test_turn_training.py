@@ -22,6 +22,8 @@ from tandem.learn.dqn.recipes import ValueRecipe
 from tandem.learn.recipes import KINDS, RECIPES, changed
 from tandem.learn.runs import RunFolder
 
+pytestmark = pytest.mark.usefixtures("quickly_compiled")
+
 THREE = tandem.Cell.model_validate(
     {
         "name": "two robots and a human",
@@ -63,7 +65,7 @@ def whole(request, tmp_path_factory):
 
 
 def test_what_is_learned_is_held_against_the_exact_front(whole):
-    cell, options, folder, document = whole
+    _, options, folder, document = whole
     best = min(10 * makespan + options["stress_factor"] * stress for makespan, stress in document["exact_front"])
     for seed in document["seeds"]:
         played = [seed[name] for name in ("greedy", "searched", "best_of_n") if name in seed]
@@ -95,7 +97,8 @@ def test_a_stop_changes_nothing(whole, tmp_path):
 
 def test_evaluate_plays_it_beside_rules_and_chance(whole, tmp_path):
     _, _, folder, document = whole
-    done = CliRunner().invoke(evaluate_command, [str(folder), "--episodes", "4", "--json", "--curves", str(tmp_path / "c.svg")], catch_exceptions=False)
+    asked = [str(folder), "--episodes", "4", "--json", "--curves", str(tmp_path / "c.svg")]
+    done = CliRunner().invoke(evaluate_command, asked, catch_exceptions=False)
     told = json.loads(done.stdout)
     lines = {line["player"]: line for line in told["players"]}
     assert told["exact_front"] == document["exact_front"]

@@ -24,8 +24,8 @@ class Way(NamedTuple):
 class Trap:
     """Agent 0 goes left (move 0) or right (move 1), then agent 1 chooses, then it is over; both pay the same.
 
-    Left costs 1 and then 5 or 6; right costs 2 and then 1 or 9. Least: right, then move 0, 3 in all. Who looks one step ahead goes left; who thinks that
-    agent 1 is an adversary goes left, too. Move 2 would cost nothing, and is never legal.
+    Left costs 1 and then 5 or 6; right costs 2 and then 1 or 9. Least: right, then move 0, 3 in all. Who looks one step ahead goes left; who thinks
+    that agent 1 is an adversary goes left, too. Move 2 would cost nothing, and is never legal.
     """
 
     unit: Any

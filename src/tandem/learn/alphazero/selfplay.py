@@ -77,7 +77,7 @@ def selfplay(key: Array, judge: Judge, parameters: Parameters, games: Game, conf
     def move(states: State, key: Array) -> tuple[State, tuple[Experience, Array, Array]]:
         over = _are_over(games, states)
         found = find(key, judge, parameters, games, states, config)
-        seen, legal, mover, least = jax.vmap(_shown)(games, states)
+        seen, legal, mover, least = jax.vmap(shown)(games, states)
         after, cost = jax.vmap(lambda game, state, move: game.step(state, move))(games, states, found.move)
         experience = Experience(seen, legal, mover, least, found.policy, found.to_come, ~over)
         return after, (experience, cost / games.unit, jnp.where(over, 0, found.move + 1))
@@ -119,5 +119,6 @@ def _while_on(move: Callable[[State, Array], tuple[State, Any]], games: Game) ->
     return one
 
 
-def _shown(game: Game, state: State) -> tuple[Any, Array, Array, Array]:
+def shown(game: Game, state: State) -> tuple[Any, Array, Array, Array]:
+    """What an experience says of a state before the search: `seen`, `legal`, `mover`, `least`."""
     return game.observe(state), game.legal(state), game.to_play(state), game.least(state) / game.unit

@@ -14,7 +14,7 @@ import optax
 
 from tandem.learn.alphazero.config import Config
 from tandem.learn.alphazero.network import Judge, Parameters, Scorer
-from tandem.learn.alphazero.selfplay import Experience, selfplay
+from tandem.learn.alphazero.selfplay import Experience, selfplay, shown
 from tandem.learn.game import Game
 from tandem.learn.networks import masked_log_softmax
 
@@ -57,11 +57,8 @@ def start(key: Array, games: Game, config: Config) -> Learner:
     network_key, key = jax.random.split(key)
     one = jax.tree.map(lambda leaf: leaf[0], games)
     parameters = judge(config).start(network_key, one)
-    drawn = jax.tree.map(lambda leaf: jnp.broadcast_to(leaf[0], (config.games, *leaf.shape[1:])), games)
-    shape = jax.eval_shape(lambda: _flat(selfplay(key, judge(config), parameters, drawn, config.search)[0]))
-    empty = jax.tree.map(lambda leaf: jnp.zeros((config.kept, *leaf.shape), leaf.dtype), shape)
     zero = jnp.zeros((), jnp.int32)
-    return Learner(parameters, _optimiser(config).init(parameters), empty, key, zero, zero, zero)
+    return Learner(parameters, _optimiser(config).init(parameters), _nothing(one, config), key, zero, zero, zero)
 
 
 def advance(learner: Learner, games: Game, config: Config) -> tuple[Learner, Report]:
@@ -123,3 +120,12 @@ def _optimiser(config: Config) -> optax.GradientTransformation:
 
 def _flat(experience: Experience) -> Experience:
     return jax.tree.map(lambda leaf: leaf.reshape(leaf.shape[0] * leaf.shape[1], *leaf.shape[2:]), experience)
+
+
+def _nothing(game: Game, config: Config) -> Experience:
+    """Room for the experience of the rounds that are kept, `[kept, L x B, ...]`."""
+    rows = (config.kept, game.longest * config.games)
+    seen, legal, mover, least = jax.tree.map(
+        lambda leaf: jnp.zeros((*rows, *leaf.shape), leaf.dtype), jax.eval_shape(lambda: shown(game, game.reset()))
+    )
+    return Experience(seen, legal, mover, least, jnp.zeros((*rows, game.moves)), jnp.zeros(rows), jnp.zeros(rows, bool))
