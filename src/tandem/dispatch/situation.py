@@ -320,13 +320,14 @@ def _room(situation: Situation, task: str, way: Mode) -> Iterator[str]:
 
 def _stress_limits(situation: Situation, task: str, way: Mode) -> Iterator[str]:
     limits = {who: limit for who in way.operators if (limit := situation.cell.operators[who].stress_limit) is not None}
-    if not limits or task in situation.wrong or any(work.task == task and work.outcome == "taken apart" for work in situation.past):
-        return  # doing something anew is not held up
-    load = situation.load
+    if not limits or task in situation.wrong:
+        return  # what has to come off does so, and what mistakes bring on top does not count
+    stands = {name: at.operators for place in (situation.wrong, situation.done, situation.running) for name, at in place.items()}
+    loads = [mode(situation.cell, name, operators).stress for name, operators in stands.items()]
     left = [other for other in situation.open if other != task and other not in situation.wrong]
     for who, limit in limits.items():
         ahead = sum(situation.facts.must[other].get(who, 0.0) for other in left)
-        total = exact(load.get(who, 0.0) + way.stress.get(who, 0.0) + ahead)
+        total = exact(sum(load.get(who, 0.0) for load in loads) + way.stress.get(who, 0.0) + ahead)
         if total > limit:
             yield f"{who!r} would come to {total:g} of stress with what is left, the limit is {limit:g}"
 
