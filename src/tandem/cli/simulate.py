@@ -170,7 +170,7 @@ def _show(document: dict[str, Any]) -> None:
     from rich.table import Table
 
     table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
-    heads = ("policy", "makespan", "p95", "stress", "regret", "prox.", "chg.", "p50/p99 ms", "above first")
+    heads = ("policy", "makespan, s", "p95", "stress", "regret", "p50/p99 ms", "above first")
     for place, head in enumerate(heads):
         table.add_column(head, justify="right" if place else "left", no_wrap=True)
     for row in document["policies"]:
@@ -182,8 +182,6 @@ def _show(document: dict[str, Any]) -> None:
             f"{time['p95']:.4g}",
             _with_half(stress),
             "-" if row["regret"] is None else f"{100 * row['regret_share']:.1f} %",
-            "-" if row["proximity"] is None else f"{row['proximity']:.3f}",
-            f"{row['changes']:.2g}",
             "/".join("-" if one is None else f"{one:.1f}" for one in latency),
             "" if difference is None else _with_half(difference),
         )
