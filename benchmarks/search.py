@@ -73,14 +73,14 @@ def batched(trained: Trained, looking: Looking, batch: int) -> Callable[[], int]
     first = jax.tree.map(lambda leaf: np.repeat(np.asarray(leaf)[None], batch, 0), chessboard.reset(game.layout))
 
     @jax.jit
-    def decided(key: Any, states: Any) -> Any:
+    def decided(key: Any, games: BoardGame, states: Any) -> Any:
         found = find(key, trained.judge, trained.parameters, games, states, looking)
         return jax.vmap(chessboard.step)(games.layout, states, found.move)
 
     def play() -> int:
         states = first
         for number in range(decisions):
-            states = decided(jax.random.key(number), states)
+            states = decided(jax.random.key(number), games, states)
         jax.block_until_ready(states)
         return decisions * batch * looking.simulations
 
