@@ -39,6 +39,16 @@ def test_a_short_run_fills_every_player_and_says_that_it_is_one(short):
     assert "81 states, 71 of them with a part that sits wrongly" in text
 
 
+def test_what_was_found_before_is_not_computed_again_unless_something_else_is_asked(tmp_path):
+    calls = []
+
+    def ask(**asked):
+        return antonelli2021._kept(tmp_path / "records" / "x.json", asked, lambda: calls.append(asked) or [len(calls)])
+
+    assert [ask(seeds=1), ask(seeds=1), ask(seeds=2)] == [[1], [1], [2]]
+    assert calls == [{"seeds": 1}, {"seeds": 2}]
+
+
 def test_planner_and_value_iteration_agree_on_a_human_who_makes_no_mistakes(short):
     found = short[1]["cells"]["flanges"]
     assert found["planned_one_at_a_time"] == found["exact"][0]["expected_s"] == 76

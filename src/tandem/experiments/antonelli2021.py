@@ -76,6 +76,8 @@ def runs_on(cell: Cell) -> Repair:
 def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, tell: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
     """Trains, solves and returns the document, which is also written to `folder/antonelli2021.json`.
 
+    What was found for a cell or a p is kept in `folder/records`; a run that was stopped goes on from there.
+
     Args:
       quick: 2 seeds, a twentieth of our budgets, three values of p.
       seeds: 10 when absent.
@@ -92,15 +94,34 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
         "settings": {"as described": asdict(DESCRIBED), "ours": asdict(ours), "precise": asdict(precise), "patience": PATIENCE},
         "cells": {},
     }
+    records = folder / "records"
+    asked = {"chances": chances, "seeds": count, "settings": document["settings"]}
     for name, cell in cells().items():
         tell(f"{name}: {count} seeds at p = {', '.join(f'{p:g}' for p in chances)}")
-        document["cells"][name] = on_cell(cell, chances, range(count), ours)
-    tell(f"precision: {precise.steps:,} rounds")
-    document["precision"] = precision(own_cell(), {0.1: PRECISE_AT[0.1]} if quick else PRECISE_AT, precise)
+        make = partial(on_cell, cell, chances, range(count), ours)
+        document["cells"][name] = _kept(records / f"{name}.json", {**asked, "cell": cell.digest}, make)
+    document["precision"] = []
+    for p, horizon in ({0.1: PRECISE_AT[0.1]} if quick else PRECISE_AT).items():
+        tell(f"precision at p = {p:g}: {precise.steps:,} rounds")
+        make_rows = partial(precision, own_cell(), {p: horizon}, precise)
+        document["precision"] += _kept(records / f"precision-{p:g}.json", {**asked, "horizon": horizon}, make_rows)
     document["speed"] = speed(thesis_cell())
     folder.mkdir(parents=True, exist_ok=True)
     store(folder / STORED, json.dumps(document, separators=(",", ":")) + "\n")
     return document
+
+
+def _kept(file: Path, asked: Mapping[str, Any], make: Callable[[], Any]) -> Any:
+    """What was found when the same was asked before; made and written down else."""
+    question = json.loads(json.dumps(asked))
+    if file.exists():
+        record = json.loads(file.read_text(encoding="utf-8"))
+        if record["asked"] == question:
+            return record["found"]
+    file.parent.mkdir(parents=True, exist_ok=True)
+    found = make()
+    store(file, json.dumps({"asked": question, "found": found}, separators=(",", ":")) + "\n")
+    return found
 
 
 def stored() -> dict[str, Any]:
