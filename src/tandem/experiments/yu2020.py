@@ -94,7 +94,7 @@ def _compiled_quickly() -> Iterator[None]:
     """A quick run spends nearly all of its time compiling: here without most optimisations, which changes nothing but speed."""
     import jax
 
-    before = jax.config.jax_disable_most_optimizations  # type: ignore[attr-defined]
+    before = jax.config.values["jax_disable_most_optimizations"]
     jax.config.update("jax_disable_most_optimizations", True)
     try:
         yield
