@@ -61,10 +61,7 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
         "published": "qualitative only: the wrong terminal state that the human pursues is blocked, the right one is reached",
         "formulations": kept.get("formulations", lambda: alessio_grid.formulations(40 if quick else RANDOM_GRIDS)),
         "coverage": kept.get("coverage", lambda: _coverage(number, quick)),
-        "cells": [
-            kept.get(f"cell {name}", partial(alessio_cells.compare, cell, name, seeds=number, quick=quick))
-            for name, cell in list(alessio_cells.cells().items())[: 1 if quick else None]
-        ],
+        "cells": [_of_cell(cell, name, number, quick, kept) for name, cell in list(alessio_cells.cells().items())[: 1 if quick else None]],
         "price": kept.get("price", lambda: alessio_cells.prices(9 if quick else PRICED_CELLS)),
     }
     document["grids"] = [_of_grid(name, list(_trained(name, trainings, number, quick, kept)), kept) for name, trainings in plan.items()]
@@ -185,6 +182,11 @@ def _of_grid(name: str, records: Sequence[Mapping[str, Any]], kept: _Kept) -> di
         "tests": [comparison(records, adversarial, plain, "adversary") for plain, adversarial in pairs if {plain, adversarial} <= there],
         "records": list(records),
     }
+
+
+def _of_cell(cell: Cell, name: str, number: int, quick: bool, kept: _Kept) -> dict[str, Any]:
+    learned = kept.get(f"cell {name}", partial(alessio_cells.compare, cell, name, seeds=number, quick=quick))
+    return {**learned, "untrained": kept.get(f"untrained {name}", partial(alessio_cells.untrained, cell, seeds=number))}
 
 
 def _coverage(number: int, quick: bool) -> list[dict[str, Any]]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from math import inf
 from typing import Any
 
@@ -22,9 +23,9 @@ from tandem.dispatch.moves import Moves, Position
 from tandem.envs.thesis import decisions
 from tandem.envs.thesis.observations import observe_normalised
 from tandem.envs.thesis.station import station, whole_ticks
-from tandem.envs.thesis.world import HUMAN, ROBOT, State, Station
+from tandem.envs.thesis.world import HUMAN, ROBOT, State, Station, reset
 from tandem.experiments.thesis_runs import thesis_cell
-from tandem.learn.networks import Network, forward
+from tandem.learn.networks import Network, forward, init
 from tandem.learn.recipes import TANDEM, Recipe, longer
 
 HOSTILE = Human(spoils=True)
@@ -232,6 +233,16 @@ def compare(cell: Cell, name: str, *, seeds: int, quick: bool = False) -> dict[s
         "optimiser": times(cell, nominal_robot(cell)),
         **learned,
     }
+
+
+def untrained(cell: Cell, *, seeds: int) -> list[tuple[float, float]]:
+    """(nominal, guaranteed) seconds of robots whose networks know nothing: what comes of itself, one a seed."""
+    tasks, hidden = len(cell.tasks), TANDEM.config.hidden
+    data = station(cell, per_second=whole_ticks(cell))
+    inputs = observe_normalised(data, reset(data)).shape[1]
+    draws = (partial(np.random.default_rng(seed).uniform, -1.0, 1.0) for seed in range(seeds))
+    actors = (init(draw, (inputs, *hidden, tasks + 1)) for draw in draws)
+    return [times(cell, learned_robot(cell, actor)) for actor in actors]
 
 
 def _diligent(cell: Cell) -> Values:

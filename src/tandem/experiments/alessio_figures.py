@@ -105,6 +105,7 @@ def price(cells: Sequence[Mapping[str, Any]]) -> Figure:
 
 def _price(ax: Axes, row: Mapping[str, Any]) -> None:
     for kind, colour, mark, label in (
+        ("untrained", FAINT_INK, "x", "untrained"),
         ("plain", ROBOT_COLOURS[0], "o", "learned without adversary"),
         ("adversarial", HUMAN_COLOURS[2], "^", "learned against adversary"),
     ):

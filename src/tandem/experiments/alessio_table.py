@@ -75,13 +75,14 @@ def _cell_lines(document: Document) -> list[str]:
     lines = [
         "Cells: seconds when the human helps most (nominal) / when it does the worst that is legal (guaranteed).",
         "",
-        "| cell | least nominal | least guaranteed | both at once? | optimiser's robot | learned without an adversary | with an adversary |",
-        "|---|---|---|---|---|---|---|",
+        "| cell | least nominal | least guaranteed | both at once? | optimiser's robot | untrained networks | learned without an adversary "
+        "| with an adversary |",
+        "|---|---|---|---|---|---|---|---|",
     ]
     for row in document["cells"]:
         guaranteed, last = row["trade"][0][0], row["trade"][-1]
         both = "yes" if len(row["trade"]) == 1 else f"no: {last[1]:g} s costs a guarantee of {last[0]:g} s instead of {guaranteed:g} s"
-        learned = [_learned(row[kind], last[1], guaranteed) for kind in ("plain", "adversarial")]
+        learned = [_learned(row[kind], last[1], guaranteed) for kind in ("untrained", "plain", "adversarial")]
         robot = f"{row['optimiser'][0]:g} / {row['optimiser'][1]:g}"
         lines.append("| " + " | ".join([row["cell"], f"{last[1]:g}", f"{guaranteed:g}", both, robot, *learned]) + " |")
     price = document["price"]
