@@ -133,6 +133,24 @@ def test_random_grids_repeat_for_their_seed_and_let_both_reach_every_terminal_st
                 assert min(far[drawn.squares("R")[0]], far[drawn.squares("H")[0]]) > 0
 
 
+def test_random_play_that_may_try_impossible_moves_ends_before_it_arrives_anywhere():
+    """Why nothing is learned as described: two moves that are none end a game, and of five actions most are impossible. Masks double its length."""
+    data, generator = grid(layout("crossing")), np.random.default_rng(0)
+    moves, arrived = {}, {}
+    for lawful in (True, False):
+        ends = []
+        for _ in range(300):
+            state = reset(data)
+            while not is_over(data, state):
+                action = generator.choice(np.flatnonzero(legal(data, state)[state.turn])) if lawful else generator.integers(5)
+                state, *_ = step(data, PAID, state, np.array([action, action]))
+            ends.append(state)
+        moves[lawful], arrived[lawful] = np.mean([state.clock for state in ends]), sum(int(state.reached) > 0 for state in ends)
+    assert 2.5 < moves[False] < 3.7
+    assert moves[True] > 1.8 * moves[False]
+    assert arrived[False] < arrived[True]
+
+
 def test_a_random_human_takes_every_legal_action_equally_often():
     mask = np.array([True, False, True, True, False])
     chosen = [int(wanders(mask, np.float64(moment))) for moment in (np.arange(300) + 0.5) / 300]
