@@ -1,0 +1,82 @@
+"""Yu, Huang and Chang 2021: the instances are the desk with more agents, and what is stored says what it holds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+import tandem
+from tandem.cell.chessboard import desk
+from tandem.experiments import yu2021
+from tandem.experiments.systems import SYSTEMS
+
+jax = pytest.importorskip("jax", reason="learning needs the extra tandem[learn]")
+
+
+def test_with_one_robot_and_one_human_the_instance_is_the_lower_desk():
+    cell = yu2021.Instance(3, 1, 1).cell()
+    whole = desk().to_cell()
+    assert list(cell.tasks) == [name for name in whole.tasks if name in cell.tasks] == ["A1", "A2", "A3", "A4", "A5", "A6", "B1", "B2", "B3", "B4"]
+    for name, task in cell.tasks.items():
+        assert sorted(task.time.values()) == sorted(whole.tasks[name].time.values())
+        assert task.after == whole.tasks[name].after
+
+
+def test_more_agents_are_never_slower_and_each_can_do_what_one_could():
+    two, four = (tandem.plan(yu2021.Instance(3, robots, humans).cell(), minimize="makespan").points[0][0] for robots, humans in ((1, 1), (2, 2)))
+    assert four < two
+    cell = yu2021.Instance(4, 2, 2).cell()
+    assert set(cell.tasks["A1"].time) == {"robot 1", "robot 2"}
+    assert set(cell.tasks["C1"].time) == set(cell.operators)
+
+
+def test_the_recipes_differ_in_what_their_names_say():
+    known = {name: recipe.config for name, recipe in yu2021.recipes(1000).items()}
+    assert {name: (config.agents, config.double) for name, config in known.items()} == {
+        "as described": ("each", False),
+        "one network for all": ("one", False),
+        "ours": ("each", True),
+    }
+    assert {config.decisions for config in known.values()} == {1000}
+
+
+@pytest.fixture
+def quickly_compiled() -> Iterator[None]:
+    before = jax.config.values["jax_disable_most_optimizations"]
+    jax.config.update("jax_disable_most_optimizations", True)
+    yield
+    jax.config.update("jax_disable_most_optimizations", before)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("quickly_compiled")
+def test_a_short_run_of_the_same_code(tmp_path, monkeypatch):
+    monkeypatch.setattr(yu2021, "recipes", lambda decisions, all_=yu2021.recipes: {"ours": all_(decisions)["ours"]})
+    document = yu2021.reproduce(tmp_path, quick=True)
+    check(document)
+    assert "| published |" in yu2021.table(document)
+    assert all(file.exists() for file in yu2021.draw_figures(document, tmp_path))
+    assert yu2021.reproduce(tmp_path, quick=True)["rows"] == document["rows"], "kept runs are not made again"
+
+
+def check(document):
+    """What holds for every document."""
+    for row in document["rows"]:
+        assert row["exact"] >= row["bound"] - 1e-9
+        assert row["exact"] <= row["rule"]["makespan"]
+        assert row["exact"] <= row["random"]["best"] <= row["random"]["mean"]
+        for learned in row["learned"].values():
+            assert len(learned["greedy"]) == len(document["seeds"])
+            assert all(row["exact"] <= value for value in [*learned["greedy"], *learned["best_of_n"]] if value is not None)
+
+
+def test_the_stored_run_is_consistent_and_its_table_can_be_printed():
+    document = yu2021.stored()
+    assert not document["quick"]
+    check(document)
+    assert [row["instance"] for row in document["rows"]] == [instance.name for instance in yu2021.INSTANCES]
+    assert document["command"] == "tandem reproduce yu2021"
+    table = yu2021.table(document)
+    assert table.count("not public") == len(document["rows"])
+    assert "yu2021" in SYSTEMS
