@@ -1,0 +1,1 @@
+"""Deep Q-learning by agents that take turns, any number of them."""
