@@ -207,7 +207,9 @@ def test_what_was_paid_and_the_best_of_the_rest_never_fall_below_the_optimum_and
     optimum = min(t + d for t, d in exact_front(small).points)
     game, draw, lowest = Game(small), np.random.default_rng(seed), []
     while True:
-        lowest.append(game.seconds + game.difficulty + best_of_rest(small, game.names, game.state.assembly, game.state.happened, 1, 1))
+        left = best_of_rest(small, game.names, game.state.assembly, game.state.happened, 1, 1)
+        assert left is not None
+        lowest.append(game.seconds + game.difficulty + left)
         if is_done(game.state):
             break
         game.play(game.pairs[draw.integers(len(game.pairs))])
@@ -264,7 +266,7 @@ def test_a_missing_tool_comes_back(small: Cell) -> None:
     assert game.state.happened.kind == Kind.TOOL_MISSING
     assert game.state.happened.back_at.tolist() == [21_000, 0]
     assert game.state.assembly.clock == 21_000, "nobody can do anything before"
-    assert best_of_rest(small, game.names, game.state.assembly, game.state.happened, 1, 1) > 0
+    assert (best_of_rest(small, game.names, game.state.assembly, game.state.happened, 1, 1) or 0) > 0
     game.at_random(0)
     assert min(game.state.assembly.start_at[[0, 3]]) == 21_000
     assert best_of_rest(small, game.names, game.state.assembly, game.state.happened, 1, 1) == 0

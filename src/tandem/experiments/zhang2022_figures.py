@@ -42,7 +42,7 @@ def front(document: Document) -> Figure:
     ax.plot([t for t, _ in points], [d for _, d in points], "o", color=FAINT_INK, ms=4)
     for factor, (t, d) in document["matching"].items():
         ax.plot([t], [d], "o", ms=17, mfc="none", mec=FAINT_INK, mew=1.4)
-        ax.annotate(f"matches factor {factor}", (t, d), (8, -16), textcoords="offset points", fontsize=8.5, color=FAINT_INK)
+        ax.annotate(f"matches factor {factor}", (t, d), (-11, -14), textcoords="offset points", ha="right", fontsize=8.5, color=FAINT_INK)
     for place, arm in enumerate(dict.fromkeys(row["arm"] for row in document["records"])):
         own = [row["greedy"] for row in document["records"] if row["arm"] == arm]
         x, y = [one["makespan"] for one in own], [one["difficulty"] for one in own]

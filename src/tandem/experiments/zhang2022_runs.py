@@ -251,13 +251,16 @@ def random_player(cell: Cell, factors: Sequence[float], size: Size) -> list[dict
 
 
 def losses(cell: Cell, changed: Played, factor: float, number: int) -> list[float]:
-    """Of the first so many episodes in which something changed: what the rest cost above the re-planned optimum of it, as a share."""
+    """Of the first so many episodes in which something changed: what the rest cost above the re-planned optimum of it, as a share.
+
+    Rests whose optimum was not proven in time are left out.
+    """
     names, found = duo(cell)[1], []
     for place in [place for place, kind in enumerate(changed.state.happened.kind) if kind > 0][:number]:
         state, before, paid = _part((changed.changed, changed.before, changed.paid), place)
         optimum = best_of_rest(cell, names, state.assembly, state.happened, 1.0, factor)
         rest = float(paid.seconds - before.seconds) + factor * float(paid.difficulty.sum() - before.difficulty.sum())
-        if optimum > 0:
+        if optimum:
             found.append(round(rest / optimum - 1, 5))
     return found
 

@@ -15,7 +15,7 @@ from tandem.cell.model import Cell
 from tandem.envs.duo.change import Happened
 from tandem.envs.duo.setting import difficulty_of
 from tandem.plan.methods import plan
-from tandem.plan.result import Front
+from tandem.plan.result import Front, Status
 from tandem.plan.rules import RULES
 from tandem.world.arrays import Names
 from tandem.world.state import State as Assembly
@@ -58,12 +58,17 @@ def best_rule(cell: Cell, time: float, difficulty: float) -> tuple[str, tuple[fl
 
 def best_of_rest(
     cell: Cell, names: Names, assembly: Assembly, happened: Happened, time: float, difficulty: float, *, time_limit: float = 30.0
-) -> float:
-    """The least cost of all that is still to come: seconds until the end, and the difficulty of what has not begun."""
+) -> float | None:
+    """The least cost of all that is still to come: seconds until the end, and the difficulty of what has not begun.
+
+    None when it could not be proven within the limit, seconds.
+    """
     left, before = rest(cell, names, assembly, happened)
     if left is None:
         return 0.0
     best = plan(as_stress(left), minimize="weighted", weights=(time, difficulty), time_limit=time_limit, seed=0, workers=1)[0]
+    if best.status != Status.OPTIMAL:
+        return None
     return time * (best.makespan - before) + difficulty * best.stress
 
 
