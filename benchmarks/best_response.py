@@ -74,14 +74,15 @@ def rows_of(name: str, cell: Cell, seeds: int, episodes: int, other_episodes: in
     arrays = names.arrays()
     groups = population(str(PEOPLE), names)["held_out"]
     made = {title: policies(cell, people, seeds) for title, people in TRAINED.items()}
+    deciders = {title: [decider(one) for one in trained] for title, (trained, _, _) in made.items()}  # one each: what is compiled is kept by it
     others = {title: policy(title, cell, SECONDS, Options()) for title in OTHERS}
     draw = Draw.of(names, arrays)
     for group in groups:
         people = crowd(group.spec, names, arrays).draw(np.random.default_rng(0), episodes)
         best = optimum(cell, SECONDS, Person(*(part[0] for part in people)))
         print(f"{name}: beside {group.spec}, optimum {best}", file=sys.stderr)
-        for title, (trained, cpu_s, decision_ms) in made.items():
-            found = [episode.play_many(jax.random.key(0), draw, arrays, people, decider(one)) for one in trained]
+        for title, (_, cpu_s, decision_ms) in made.items():
+            found = [episode.play_many(jax.random.key(0), draw, arrays, people, decide) for decide in deciders[title]]
             assert all(bool(np.all(played.done)) for played in found)
             means = [float(np.mean(played.makespan)) / names.per_second for played in found]
             yield {
@@ -95,7 +96,7 @@ def rows_of(name: str, cell: Cell, seeds: int, episodes: int, other_episodes: in
             }
         stage = Stage.of(names, arrays, draw, people, 0)
         for title, one in others.items():
-            outcome = stage.first(episodes if title == "longest-tail" else other_episodes).play(one)
+            outcome = stage.play(one, episodes if title == "longest-tail" else other_episodes)
             yield {
                 "cell": name, "person": group.spec, "decider": title, "optimum": best, "makespans": [float(outcome.makespan.mean())],
                 "cpu_s": 0.0, "decision_ms": float(np.median(outcome.latency_ms)),

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.strategies import cells
 
 from tandem.cell.model import Cell
 from tandem.dispatch.after import after
@@ -15,7 +16,6 @@ from tandem.dispatch.objections import objections, remarks
 from tandem.dispatch.situation import Situation, legal, mode
 from tandem.world import state as world
 from tandem.world.arrays import NEVER, Arrays, Names
-from tests.strategies import cells
 
 
 @settings(max_examples=60)

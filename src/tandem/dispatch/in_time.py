@@ -24,6 +24,7 @@ Instead = Literal["", "late", "failed"]
 FOR_THE_DECIDER = 0.75
 """Share of the budget after which the rule answers; the rest is for the rule and the journal."""
 
+
 @dataclass(frozen=True)
 class Answered:
     """A decision, and why the rule gave it and not the decider: it was "late", or it "failed" (`fault` says how); "" when the decider gave it."""
