@@ -102,7 +102,7 @@ def run_ours(seeds: Sequence[int], factors: Sequence[float] = FACTORS, recipe: R
     keys = [jax.random.split(jax.random.key(seed)) for _, seed in wanted]
     updates = sum(math.ceil((stage.steps or 0) / (config.environments * config.horizon)) for stage in config.stages)
     train = jax.jit(jax.vmap(partial(ppo.train, config=config, updates=updates)))
-    learners, histories = jax.block_until_ready(train(jnp.stack([pair[0] for pair in keys]), together))  # type: ignore[no-untyped-call]
+    learners, histories = jax.block_until_ready(train(jnp.stack([pair[0] for pair in keys]), together))
     cpu_s = (time.process_time() - began) / len(wanted)
     records = []
     for place, (factor, seed) in enumerate(wanted):

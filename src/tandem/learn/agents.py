@@ -28,8 +28,11 @@ class PPO:
     """
 
     def __init__(self, cell: Cell | None = None, *, recipe_name: str = "tandem", stress_factor: float = 0.0, seed: int = 0) -> None:
+        chosen = recipe(recipe_name)
+        if not isinstance(chosen, Recipe):
+            raise UsageError(f"recipe {recipe_name!r}: trains no PPO agents of the thesis's station; use `tandem.learn.trainer.train`.")
         self.cell = cell
-        self.recipe: Recipe = recipe(recipe_name)
+        self.recipe = chosen
         self.recipe_name = recipe_name
         self.stress_factor = stress_factor
         self.seed = seed

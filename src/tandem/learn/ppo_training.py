@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,9 @@ from tandem.envs.thesis.station import whole_ticks
 from tandem.learn import play, ppo
 from tandem.learn.algorithms import Row
 from tandem.learn.config import Config
+from tandem.learn.play import Played
 from tandem.learn.policy import Policy
+from tandem.learn.recipes import Recipe
 from tandem.learn.stations import StationWorld
 from tandem.learn.trainer import Order
 
@@ -29,13 +30,13 @@ class Trainee:
     """PPO on an order whose recipe is a `recipes.Recipe`. Raises CellError when the thesis's station cannot hold the cell."""
 
     def __init__(self, order: Order) -> None:
-        self.order = order
-        self.world = StationWorld.of(order.cell, order.recipe, stress_factor=order.stress_factor)
+        assert isinstance(order.recipe, Recipe)
+        self.order, self.recipe = order, order.recipe
+        self.world = StationWorld.of(order.cell, self.recipe, stress_factor=order.stress_factor)
 
     @property
     def config(self) -> Config:
-        config: Config = self.order.recipe.config
-        return config
+        return self.recipe.config
 
     @property
     def paid(self) -> dict[str, Any]:
@@ -79,13 +80,13 @@ class Trainee:
             "recipe": order.name,
             "stress_factor": order.stress_factor,
             "seed": order.seeds[place],
-            "pace": order.recipe.pace,
-            "sees": order.recipe.sees,
-            "rewards": order.recipe.rewards,
+            "pace": self.recipe.pace,
+            "sees": self.recipe.sees,
+            "rewards": self.recipe.rewards,
         }
         Policy(self.world.agents, actor, config.activation, config.masked, config.share_actor, notes).save(path)
 
-    def _row(self, learners: ppo.Learner, place: int, report: ppo.Report, played: play.Played) -> Row:
+    def _row(self, learners: ppo.Learner, place: int, report: ppo.Report, played: Played) -> Row:
         ended = np.asarray(report.episodes)
         last = int(np.flatnonzero(ended)[-1]) if ended.any() else len(ended) - 1
         weights = ended / max(ended.sum(), 1)
@@ -99,7 +100,7 @@ class Trainee:
             row[f"entropy_{agent}"] = round(float(np.mean(np.asarray(report.entropy)[:, name])), 5)
         return row | {f"greedy_{name}": value for name, value in self._reached(played, 0).items()}
 
-    def _reached(self, played: play.Played, place: int) -> Row:
+    def _reached(self, played: Played, place: int) -> Row:
         """Makespan in seconds and stress of an episode, None when it did not come to its end; and how many rules were broken."""
         makespan = stress = None
         if played.done[place]:
@@ -123,12 +124,12 @@ def share(learners: ppo.Learner, config: Config) -> float:
     return min(done)
 
 
-def best_of(played: play.Played) -> int:
+def best_of(played: Played) -> int:
     """Which of the episodes that ended has the largest sum of returns; 0 when none ended."""
     return int(np.argmax(np.where(played.done, np.asarray(played.returns).sum(-1), -np.inf)))
 
 
-def of_seed(tree: Any, place: int) -> Sequence[Any]:
+def of_seed(tree: Any, place: int) -> Any:
     """One seed's part of results that have a leading axis of seeds."""
     return jax.tree.map(lambda leaf: leaf[place], tree)
 
@@ -144,11 +145,11 @@ def _advance(learners: ppo.Learner, world: StationWorld, config: Config, updates
 
 
 @partial(jax.jit, static_argnames="config")
-def _greedy(parameters: ppo.Parameters, world: StationWorld, config: Config) -> play.Played:
+def _greedy(parameters: ppo.Parameters, world: StationWorld, config: Config) -> Played:
     return jax.lax.map(lambda one: play.greedy(one, world, config, config.episode_limit or LONGEST_PLAY), parameters)
 
 
 @partial(jax.jit, static_argnames="config")
-def _sampled(key: jax.Array, parameters: ppo.Parameters, world: StationWorld, config: Config) -> play.Played:
+def _sampled(key: jax.Array, parameters: ppo.Parameters, world: StationWorld, config: Config) -> Played:
     limit = config.episode_limit or LONGEST_PLAY
     return jax.lax.map(lambda one: play.sampled(key, one, world, config, limit, BEST_OF), parameters)

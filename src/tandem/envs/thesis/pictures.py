@@ -51,5 +51,5 @@ def rgb_gantt(cell: Cell, schedule: Schedule, now: float, stress: float) -> NDAr
     canvas = FigureCanvasAgg(figure)
     total = sum(max(task.time.values(), default=0.0) for task in cell.tasks.values())
     plot_gantt(cell, schedule, figure.subplots(), critical=False, until=max(now, total / 2), title=f"{now:g} s, stress {stress:g}", legend=False)
-    canvas.draw()  # type: ignore[no-untyped-call]
-    return np.asarray(canvas.buffer_rgba())[..., :3].copy()  # type: ignore[no-untyped-call]
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[..., :3].copy()
