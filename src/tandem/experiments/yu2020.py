@@ -78,7 +78,7 @@ def _document(records: Path, quick: bool, seeds: Sequence[int], tell: Callable[[
         runs.kept(records / f"{recipe.replace(' ', '-')}_untrained.json", partial(runs.untrained_record, recipe, 0, boards, sizes))
         for recipe in runs.LOOKING
     ]
-    document["records"] = [*untrained, *(json.loads(file.read_text(encoding="utf-8")) for file in files)]
+    document["records"] = [*untrained, *((json.loads(file.read_text(encoding="utf-8")) if quick else runs.thorough(file)) for file in files)]
     document["decisions"] = runs.decisions(records)
     document["troubles"] = games.troubled(test[:many], few, runs.learned_deciders(records, boards[:many], few), seed=1, tell=tell)
     document["films"] = runs.films(records)

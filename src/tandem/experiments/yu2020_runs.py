@@ -29,6 +29,8 @@ LOOKING: dict[str, Search | YuSearch] = {
     "as described": YuSearch(),
 }
 """Recipe -> the search with which it plays: theirs with 30 simulations and the most visited move, ours with 32."""
+THOROUGH = Search(simulations=512, gumbel_scale=0.0)
+"""Ours, with time to think: on the desk only."""
 DRAWN: dict[str, Search | YuSearch] = {"ours": Search(simulations=16, gumbel_scale=3.0), "as described": YuSearch(temperature=1.0)}
 """Recipe -> the search of which several games are drawn and the best counts."""
 
@@ -126,6 +128,19 @@ def played(trained: Any, on: Sequence[Board], recipe: str, sizes: Sizes) -> dict
     if sizes.samples and len(on) == 1:
         took[f"best of {sizes.samples}"] = play(trained, on, looking=DRAWN[recipe], samples=sizes.samples).min(1).tolist()
     return took
+
+
+def thorough(record: Path) -> dict[str, Any]:
+    """The record with what our network plays on the desk when it searches thoroughly; kept beside it."""
+    from tandem.learn.alphazero.boards import play
+    from tandem.learn.alphazero.trained import Trained
+
+    whole: dict[str, Any] = json.loads(record.read_text(encoding="utf-8"))
+    if whole["recipe"] == "ours" and whole["desk"]:
+        network = Trained.load(weights_of(record))
+        seconds = kept(record.with_name(f"thorough_{record.name}"), lambda: play(network, [desk()], looking=THOROUGH)[:, 0].tolist())
+        whole["desk"][f"search of {THOROUGH.simulations}"] = seconds
+    return whole
 
 
 def untrained_record(recipe: str, seed: int, test: Sequence[Board], sizes: Sizes) -> dict[str, Any]:
