@@ -132,15 +132,18 @@ def played(trained: Any, on: Sequence[Board], recipe: str, sizes: Sizes) -> dict
 
 def thorough(record: Path) -> dict[str, Any]:
     """The record with what our network plays on the desk when it searches thoroughly; kept beside it."""
+    whole: dict[str, Any] = json.loads(record.read_text(encoding="utf-8"))
+    if whole["recipe"] == "ours" and whole["desk"]:
+        seconds = kept(record.with_name(f"thorough_{record.name}"), partial(_thorough_desk, weights_of(record)))
+        whole["desk"][f"search of {THOROUGH.simulations}"] = seconds
+    return whole
+
+
+def _thorough_desk(weights: Path) -> list[int]:
     from tandem.learn.alphazero.boards import play
     from tandem.learn.alphazero.trained import Trained
 
-    whole: dict[str, Any] = json.loads(record.read_text(encoding="utf-8"))
-    if whole["recipe"] == "ours" and whole["desk"]:
-        network = Trained.load(weights_of(record))
-        seconds = kept(record.with_name(f"thorough_{record.name}"), lambda: play(network, [desk()], looking=THOROUGH)[:, 0].tolist())
-        whole["desk"][f"search of {THOROUGH.simulations}"] = seconds
-    return whole
+    return [int(seconds) for seconds in play(Trained.load(weights), [desk()], looking=THOROUGH)[:, 0]]
 
 
 def untrained_record(recipe: str, seed: int, test: Sequence[Board], sizes: Sizes) -> dict[str, Any]:
