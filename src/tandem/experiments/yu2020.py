@@ -79,9 +79,14 @@ def _document(records: Path, quick: bool, seeds: Sequence[int], tell: Callable[[
         for recipe in runs.LOOKING
     ]
     document["records"] = [*untrained, *((json.loads(file.read_text(encoding="utf-8")) if quick else runs.thorough(file)) for file in files)]
-    document["decisions"] = runs.decisions(records)
-    document["troubles"] = games.troubled(test[:many], few, runs.learned_deciders(records, boards[:many], few), seed=1, tell=tell)
-    document["films"] = runs.films(records)
+    # These ask the networks of the first seed only, however many there are.
+    document["decisions"] = runs.kept(records / "decisions.json", partial(runs.decisions, records))
+    document["films"] = runs.kept(records / "films.json", partial(runs.films, records))
+
+    def troubles() -> list[dict[str, Any]]:
+        return games.troubled(test[:many], few, runs.learned_deciders(records, boards[:many], few), seed=1, tell=tell)
+
+    document["troubles"] = runs.kept(records / "troubles.json", troubles)
     return {**document, "summary": summary(document)}
 
 
