@@ -42,14 +42,15 @@ def front(document: Document) -> Figure:
     ax.plot([t for t, _ in points], [d for _, d in points], "o", color=FAINT_INK, ms=4)
     for factor, (t, d) in document["matching"].items():
         ax.plot([t], [d], "o", ms=17, mfc="none", mec=FAINT_INK, mew=1.4)
-        ax.annotate(f"matches factor {factor}", (t, d), (-11, -14), textcoords="offset points", ha="right", fontsize=8.5, color=FAINT_INK)
+        ax.annotate(f"factor {factor}", (t, d), (-11, -14), textcoords="offset points", ha="right", fontsize=8.5, color=FAINT_INK)
     for place, arm in enumerate(dict.fromkeys(row["arm"] for row in document["records"])):
         own = [row["greedy"] for row in document["records"] if row["arm"] == arm]
         x, y = [one["makespan"] for one in own], [one["difficulty"] for one in own]
         ax.plot(x, y, MARKS[place % len(MARKS)], color=COLOURS[place % len(COLOURS)], ms=6, alpha=0.65, mew=0, label=arm)
+    ax.margins(x=0.12)
     ax.set_xlabel("makespan [s]")
     ax.set_ylabel("difficulty")
-    ax.set_title("Greedy joint policies of every seed beside the exact front", loc="left", fontsize=11)
+    ax.set_title("Greedy joint policies of every seed beside the exact front (rings: what a factor asks for)", loc="left", fontsize=11)
     ax.legend(frameon=False, fontsize=9)
     return figure
 
