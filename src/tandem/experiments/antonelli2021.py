@@ -287,12 +287,10 @@ def table(document: Mapping[str, Any]) -> str:
             f"side by side: {found['planned_side_by_side']:g} s.",
             "",
         ]
-    last = "; ".join(
-        f"{row['way']}, p = {row['p']:g}: {row['error_s'][-1]:g} s after {row['updates'][-1]:,} updates" for row in document["precision"]
-    )
     fast, made = document["speed"], document["versions"]
     lines += [
-        f"Largest difference of a learned value from the exact one: {last}.",
+        *_precision_lines(document["precision"]),
+        "",
         f"{fast['updates']:,} updates on the thesis's cell at p = 0 take {fast['wall_s']:g} s, compiled before; "
         f"largest difference {fast['error_s']:g} s.",
         "Expected times of greedy policies, mean over the seeds that finish for certain (how many do); in brackets the share of all states from "
@@ -303,6 +301,16 @@ def table(document: Mapping[str, Any]) -> str:
     if document["quick"]:
         lines.append("This was a quick run: it shows that the code runs, not what the recipes reach.")
     return "\n".join(lines)
+
+
+def _precision_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Per way and p the largest difference of a learned value from the exact one, and after how many updates."""
+    chances = list(dict.fromkeys(row["p"] for row in rows))
+    lines = [f"| largest difference from the exact value | {' | '.join(f'p = {p:g}' for p in chances)} |", "|" + "---|" * (len(chances) + 1)]
+    for way in dict.fromkeys(row["way"] for row in rows):
+        own = [row for row in rows if row["way"] == way]
+        lines.append(f"| {way}, {own[0]['updates'][-1]:,} updates | {' | '.join(format(row['error_s'][-1], '.2g') + ' s' for row in own)} |")
+    return lines
 
 
 def _entry(row: Mapping[str, Any]) -> str:
