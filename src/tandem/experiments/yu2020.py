@@ -64,7 +64,7 @@ def _document(records: Path, quick: bool, seeds: Sequence[int], tell: Callable[[
     tell("proving optima")
     document: dict[str, Any] = {
         "schema_version": 1,
-        "command": "tandem reproduce yu2020" + " --quick" * quick,
+        "command": "tandem reproduce yu2020" + " --quick" * quick + f" --seeds {len(seeds)}" * (len(seeds) != (1 if quick else SEEDS)),
         "quick": quick,
         "seeds": list(seeds),
         "versions": versions(),
