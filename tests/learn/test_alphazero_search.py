@@ -26,7 +26,7 @@ pytestmark = pytest.mark.usefixtures("quickly_compiled")
 
 SURE = {
     "gumbel": Search(simulations=16, gumbel_scale=0.0),
-    "puct": Search("puct", simulations=32, noise=0.0, temperature=0.0),
+    "puct": Search("puct", simulations=64, noise=0.0, temperature=0.0),  # 32 leave both moves with as many visits
 }
 
 

@@ -31,7 +31,7 @@ from tandem.world import episode
 from tandem.world import state as world
 from tandem.world.arrays import Arrays, Names
 from tandem.world.crowd import crowd, person, traits
-from tandem.world.fate import Draw
+from tandem.world.fate import Draw, fates
 from tandem.world.people import crew
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -125,7 +125,7 @@ def test_live_it_decides_as_in_the_world_it_was_trained_in(file: str, spec: str)
 def test_a_situation_and_the_world_hold_the_same() -> None:
     arrays = NAMES.arrays(undo=1.0)
     people = crew(arrays, person(traits("forgetful:0.5+refusing:0.3", NAMES), NAMES, arrays))
-    chance = episode.fates(jax.random.key(2), Draw.of(NAMES, arrays), arrays, 1)
+    chance = fates(jax.random.key(2), Draw.of(NAMES, arrays), arrays, 1)
     fate = type(chance)(*(part[0] for part in chance))
     shift = episode.begin(arrays, people)
     rng = np.random.default_rng(0)

@@ -25,5 +25,6 @@ def plot_training(rows: Sequence[dict[str, Any]], ax: Axes | None = None, *, tit
         return [[row["episodes"] for row in own] for own in chosen], [[row[name] for row in own] for own in chosen]
 
     lines = {f"{agent}: return": line(f"mean_return_{agent}") for agent in agents}
-    lines |= {f"{agent}: critic's value of the first state": line(f"first_value_{agent}") for agent in agents}
+    judged = [agent for agent in agents if f"first_value_{agent}" in rows[0]]  # not every algorithm has a critic
+    lines |= {f"{agent}: critic's value of the first state": line(f"first_value_{agent}") for agent in judged}
     return plot_curves(lines, ax, title=title or f"{len(seeds)} seed{'s' * (len(seeds) > 1)}, mean and 95 % interval")
