@@ -194,6 +194,7 @@ def table(document: Mapping[str, Any]) -> str:
 
 def draw_figures(document: Mapping[str, Any], folder: Path) -> list[Path]:
     """A learning curve for each instance, all recipes, mean and 95 % interval over the seeds."""
+    folder.mkdir(parents=True, exist_ok=True)
     from tandem.draw.curves import plot_curves
     from tandem.draw.figure import blank
     from tandem.draw.saving import save
