@@ -35,18 +35,7 @@ def scale(arrays: Arrays) -> Array:
 
 def pace(arrays: Arrays, state: State) -> Pace:
     """The operators' paces as they have shown. Work in hand that takes longer than it should already counts."""
-    xp = namespace(state.way)
-    unit = scale(arrays)
-    stated, team = _stated(arrays, state), _team(arrays, state)
-    done = mounted(state)
-    worked = xp.where(done, state.end_at - state.start_at, 0)
-    mine = team & done[:, None]
-    seen = xp.sum(xp.where(mine, stated[:, None], 0), axis=0) / unit
-    took = xp.sum(xp.where(mine, worked[:, None], 0), axis=0) / unit
-    factor = (PRIOR + took) / (PRIOR + seen)
-    overdue = _elapsed(arrays, state) / xp.maximum(stated, 1)
-    at_least = xp.max(xp.where(team & ~done[:, None], overdue[:, None], 0.0), axis=0)
-    return Pace(xp.maximum(factor, at_least).astype(xp.float32), seen.astype(xp.float32))
+    return _shown(arrays, state, _work(arrays, state))
 
 
 def observation_size(arrays: Arrays) -> int:
@@ -66,12 +55,12 @@ def observe(arrays: Arrays, state: State, mask: Array, turn: Array) -> Array:
       mask: `[W]` bool, what may begin now. turn: `[]` int, whose turn it is.
     """
     xp = namespace(state.way)
-    unit, shown, team = scale(arrays), pace(arrays, state), _team(arrays, state)
-    done, begun = mounted(state), state.way >= 0
+    unit, work = scale(arrays), _work(arrays, state)
+    shown, team, done, begun = _shown(arrays, state, work), work.team, work.done, state.way >= 0
     in_hand = begun & ~done
-    elapsed = _elapsed(arrays, state) / unit
+    elapsed = work.elapsed / unit
     slowest = xp.max(xp.where(team, shown.factor[None, :], 0.0), axis=1)
-    left = xp.where(in_hand, xp.maximum(0.0, slowest * _stated(arrays, state) / unit - elapsed), 0.0)
+    left = xp.where(in_hand, xp.maximum(0.0, slowest * work.stated / unit - elapsed), 0.0)
     ready = ~begun & ~xp.any(arrays.needs & ~done[None, :], axis=1)
     busy = team & in_hand[:, None]
     tasks = [~begun, ready, in_hand, done, elapsed, left]
@@ -96,30 +85,44 @@ def choices(arrays: Arrays, state: State, mask: Array, turn: Array) -> Array:
     return xp.concatenate([mine, xp.reshape(wait, (1,))])
 
 
-def _in_use(arrays: Arrays, state: State) -> Array:
-    """`[T, W]` bool, the way in which the task is or was done."""
-    xp = namespace(state.way)
-    return state.way[:, None] == xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[None, :]
+class _Work(NamedTuple):
+    """What the tasks' work is.
+
+    stated: `[T]` int32, what work in hand or done should take by the stated times; 0 for what is open.
+    team: `[T, O]` bool, who does or did it.
+    done: `[T]` bool.
+    elapsed: `[T]` int32, ticks since work in hand began; 0 for what is open or done.
+    """
+
+    stated: Array
+    team: Array
+    done: Array
+    elapsed: Array
 
 
-def _stated(arrays: Arrays, state: State) -> Array:
-    """`[T]` int32, what the work in hand or done should take by the stated times; 0 for what is open."""
+def _work(arrays: Arrays, state: State) -> _Work:
     xp = namespace(state.way)
-    ticks = arrays.way_ticks
+    in_use = state.way[:, None] == xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[None, :]
+    done = mounted(state)
+    in_hand = (state.way >= 0) & ~done
+    ticks = arrays.way_ticks[None, :]
     if arrays.undo.shape[0]:
-        comes_off = state.undoing & ~mounted(state)
-        return xp.sum(xp.where(_in_use(arrays, state), xp.where(comes_off[:, None], arrays.undo[None, :], ticks[None, :]), 0), axis=1)
-    return xp.sum(xp.where(_in_use(arrays, state), ticks[None, :], 0), axis=1)
+        ticks = xp.where((state.undoing & ~done)[:, None], arrays.undo[None, :], ticks)
+    return _Work(
+        stated=xp.sum(xp.where(in_use, ticks, 0), axis=1),
+        team=xp.any(in_use[:, :, None] & arrays.way_uses[None, :, :], axis=1),
+        done=done,
+        elapsed=xp.where(in_hand, xp.maximum(0, state.clock - xp.where(in_hand, state.start_at, 0)), 0),
+    )
 
 
-def _team(arrays: Arrays, state: State) -> Array:
-    """`[T, O]` bool, who does or did the task."""
+def _shown(arrays: Arrays, state: State, work: _Work) -> Pace:
     xp = namespace(state.way)
-    return xp.any(_in_use(arrays, state)[:, :, None] & arrays.way_uses[None, :, :], axis=1)
-
-
-def _elapsed(arrays: Arrays, state: State) -> Array:
-    """`[T]` int32, ticks since the work in hand began; 0 for what is open or done."""
-    xp = namespace(state.way)
-    in_hand = (state.way >= 0) & ~mounted(state)
-    return xp.where(in_hand, xp.maximum(0, state.clock - xp.where(in_hand, state.start_at, 0)), 0)
+    unit, mine = scale(arrays), work.team & work.done[:, None]
+    worked = xp.where(work.done, state.end_at - state.start_at, 0)
+    seen = xp.sum(xp.where(mine, work.stated[:, None], 0), axis=0) / unit
+    took = xp.sum(xp.where(mine, worked[:, None], 0), axis=0) / unit
+    overdue = work.elapsed / xp.maximum(work.stated, 1)
+    at_least = xp.max(xp.where(work.team & ~work.done[:, None], overdue[:, None], 0.0), axis=0)
+    factor = (PRIOR + took) / (PRIOR + seen)
+    return Pace(xp.maximum(factor, at_least).astype(xp.float32), seen.astype(xp.float32))
