@@ -6,19 +6,17 @@ from collections.abc import Mapping, Sequence
 from statistics import fmean
 from typing import Any
 
+from tandem.experiments.origin import origin
+
 Document = Mapping[str, Any]
 
 
 def table(document: Document) -> str:
     """Published, as described, our recipe and exact, side by side, as Markdown."""
-    made = document["versions"]
     lines = [
-        f"Made with: `{document['command']}`, seeds {document['seeds'][0]} to {document['seeds'][-1]}, tandem {made['tandem']}, JAX {made['jax']}, "
-        f"Python {made['python']}, {made['machine']}.",
+        *origin(document, f"seeds {document['seeds'][0]} to {document['seeds'][-1]}"),
         f"Published: {document['published']}.",
     ]
-    if document["quick"]:
-        lines.append("This was a quick run: it shows that the code runs, not what the trainings reach.")
     for grid in document["grids"]:
         lines += ["", *_grid_lines(grid)]
     lines += ["", *_formulation_lines(document), "", *_coverage_lines(document["coverage"]), "", *_cell_lines(document)]

@@ -22,6 +22,7 @@ from tandem.cell.storing import store
 from tandem.envs.finite import policy_values, reaching_states, sure_states, value_iteration
 from tandem.envs.repair import Repair, repair
 from tandem.errors import CellError, Fault
+from tandem.experiments.origin import origin
 from tandem.experiments.systems import Features, Played
 from tandem.experiments.thesis_runs import thesis_cell
 from tandem.learn import qlearning
@@ -287,7 +288,7 @@ def table(document: Mapping[str, Any]) -> str:
             f"side by side: {found['planned_side_by_side']:g} s.",
             "",
         ]
-    fast, made = document["speed"], document["versions"]
+    fast = document["speed"]
     lines += [
         *_precision_lines(document["precision"]),
         "",
@@ -295,11 +296,8 @@ def table(document: Mapping[str, Any]) -> str:
         f"largest difference {fast['error_s']:g} s.",
         "Expected times of greedy policies, mean over the seeds that finish for certain (how many do); in brackets the share of all states from "
         "which they get to the goal when the human slips no more.",
-        f"Made with: `{document['command']}`, {len(document['seeds'])} seeds, tandem {made['tandem']}, JAX {made['jax']}, Python {made['python']}, "
-        f"{made['machine']}.",
+        *origin(document, f"{len(document['seeds'])} seeds"),
     ]
-    if document["quick"]:
-        lines.append("This was a quick run: it shows that the code runs, not what the recipes reach.")
     return "\n".join(lines)
 
 

@@ -16,6 +16,7 @@ from tandem.envs.thesis.rewards import reward_set
 from tandem.envs.thesis.station import station, whole_ticks
 from tandem.envs.thesis.world import State, Station
 from tandem.errors import CellError, Fault
+from tandem.experiments.origin import origin
 from tandem.experiments.systems import Features, Played
 from tandem.experiments.thesis_runs import FACTORS, OURS, PUBLISHED, VARIANTS, run_all, run_ours, run_thesis, thesis_cell
 from tandem.learn.recipes import TANDEM, longer
@@ -168,15 +169,12 @@ def table(document: Mapping[str, Any]) -> str:
         ]  # fmt: skip
         lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
     exact = ", ".join(_show(point) for point in document["exact_front"])
-    made = document["versions"]
     lines += [
         "",
         f"Exact front: {exact}. Pairs are makespan in seconds / stress. Shares with their 95 % interval (Wilson), means with the half width "
         "of theirs.",
-        f"Made with: `{document['command']}`, tandem {made['tandem']}, JAX {made['jax']}, Python {made['python']}, {made['machine']}.",
+        *origin(document),
     ]
-    if document["quick"]:
-        lines.append("This was a quick run: it shows that the code runs, not what the recipes reach.")
     return "\n".join(lines)
 
 

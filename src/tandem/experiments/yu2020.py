@@ -18,6 +18,7 @@ from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault
 from tandem.experiments import yu2020_games as games
 from tandem.experiments import yu2020_runs as runs
+from tandem.experiments.origin import origin
 from tandem.experiments.systems import Features, Played
 from tandem.experiments.thesis import mean
 from tandem.learn.runs import versions
@@ -153,7 +154,7 @@ def summary(document: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 def table(document: Mapping[str, Any]) -> str:
     """Published, as described, ours and exact, as Markdown."""
-    number, made = len(document["exact"]["test"]["seeds"]), document["versions"]
+    number = len(document["exact"]["test"]["seeds"])
     first, last = document["exact"]["test"]["seeds"][0], document["exact"]["test"]["seeds"][-1]
     lines = [
         f"{number} random boards (seeds {first} to {last}, trained on by nobody) and the desk. Gap: mean over the boards to the proven optimum with "
@@ -187,10 +188,8 @@ def table(document: Mapping[str, Any]) -> str:
             for name, chance in games.TROUBLES.items()
         )
         + ". The same ones for every decider.",
-        f"Made with: `{document['command']}`, tandem {made['tandem']}, JAX {made['jax']}, Python {made['python']}, {made['machine']}.",
+        *origin(document),
     ]
-    if document["quick"]:
-        lines.append("This was a quick run: it shows that the code runs, not what the recipes reach.")
     return "\n".join(lines)
 
 

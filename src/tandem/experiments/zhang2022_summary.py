@@ -7,6 +7,7 @@ from typing import Any
 
 from tandem.cell.model import Cell
 from tandem.envs.duo.display import episode, lines, shown
+from tandem.experiments.origin import origin
 
 WITHIN = 0.05
 """What counts as near the matching point."""
@@ -85,13 +86,10 @@ def _change(numbers: Sequence[float]) -> Any:
 
 def table(document: Mapping[str, Any]) -> str:
     """Published, as described, ours and exact, an arm a line; then what the human is shown. Markdown."""
-    made = document["versions"]
     text = [
-        f"Made with: `{document['command']}`, seeds {document['seeds'][0]} to {document['seeds'][-1]}, tandem {made['tandem']}, JAX {made['jax']}, "
-        f"Python {made['python']}, {made['machine']}.",
+        *origin(document, f"seeds {document['seeds'][0]} to {document['seeds'][-1]}"),
         "Published: not public (cell, numbers and results). The cell is alternator-like, an ASSUMPTION. Cost = seconds + factor x difficulty. "
         "Means over seeds with the half width of their 95 % interval; a loss is held against the re-planned optimum of what was left.",
-        *(["This was a quick run: it shows that the code runs, not what the recipes reach."] if document["quick"] else []),
         "",
         _line(*HEAD),
         "|" + "---|" * len(HEAD),
