@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from time import sleep
 from typing import Any
 
 import numpy as np
@@ -14,13 +15,14 @@ from tests.dispatch.stations import THESIS, station
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.dispatch import best_response
+from tandem.dispatch.auto import Auto
 from tandem.dispatch.best_response import as_modelled, complies
 from tandem.dispatch.exact import expected
 from tandem.dispatch.lockstep import Outcome, Stage
 from tandem.dispatch.policy import POLICIES, SECONDS, Decision, Objective, Options, policy
 from tandem.dispatch.repair import repair_values, repairing
 from tandem.dispatch.situation import Running, Situation, Work, legal
-from tandem.errors import UsageError
+from tandem.errors import NothingFoundError, UsageError
 from tandem.world.arrays import Names
 from tandem.world.crowd import crowd
 from tandem.world.fate import OFF, Chance, Draw
@@ -178,9 +180,37 @@ def test_what_was_announced_within_the_frozen_horizon_stays() -> None:
     assert frozen.announced["human"] == dear.announced["human"] == "2"
 
 
-def test_the_chain_answers_when_there_is_no_time_at_all() -> None:
-    decision = policy("auto", THESIS, SECONDS, Options(budget_ms=0.001)).decide(Situation.of(THESIS))
+class Late:
+    """Takes longer than there is time, and fails then."""
+
+    name = "late"
+
+    def decide(self, situation: Situation) -> Decision:
+        sleep(0.01)
+        raise NothingFoundError("it took too long")
+
+
+class Unasked:
+    """Must not be asked."""
+
+    name = "unasked"
+
+    def decide(self, situation: Situation) -> Decision:
+        raise AssertionError("asked although the time was over")
+
+
+def test_the_chain_answers_by_its_rule_when_the_time_is_over() -> None:
+    rule = policy("longest-tail", THESIS)
+    decision = Auto((Late(), Unasked()), rule, budget_ms=5.0).decide(Situation.of(THESIS))
     assert decision.by == "auto: longest-tail"
+    assert "late could not decide" in decision.why
+    assert decision.asks or decision.starts
+
+
+@pytest.mark.parametrize("budget_ms", [0.001, 1.0, 50.0])
+def test_the_chain_always_answers(budget_ms: float) -> None:
+    decision = policy("auto", THESIS, SECONDS, Options(budget_ms=budget_ms)).decide(Situation.of(THESIS))
+    assert decision.by.startswith("auto: ")
     assert decision.asks or decision.starts
 
 
