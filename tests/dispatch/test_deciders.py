@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from tests.dispatch.stations import THESIS, station
 
@@ -61,6 +61,7 @@ def test_no_decider_beats_the_exact_best_response(people: str) -> None:
 
 
 @settings(max_examples=6)
+@example(seed=2000, humans=2, people="random:0.6")  # nobody could decide when it was time to look again, and the judge's clock stood still for ever
 @given(seed=st.integers(0, 10_000), humans=st.integers(1, 2), people=st.sampled_from(["compliant", "pace:1.5", "random:0.6", "adversarial"]))
 def test_no_decider_is_quicker_than_the_proven_optimum_of_any_cell(seed: int, humans: int, people: str) -> None:
     """Whoever works there, at their pace: the plan that knows all is a bound for every episode."""

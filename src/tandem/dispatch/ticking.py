@@ -10,7 +10,7 @@ import numpy as np
 
 from tandem.world import episode
 from tandem.world import state as world
-from tandem.world.arrays import Arrays, namespace
+from tandem.world.arrays import NEVER, Arrays, namespace
 from tandem.world.episode import Shift
 from tandem.world.fate import Fate, away_until, next_absence
 from tandem.world.people import Person, crew
@@ -76,8 +76,9 @@ def begun(arrays: Arrays, person: Person) -> tuple[Shift, Any, Any]:
 
 
 def later(arrays: Arrays, fate: Fate, shift: Shift, until: Any) -> Shift:
-    """Time runs on to the next event, or to the moment at which the decider wants to look again."""
+    """Time runs on to the next event, or to the moment at which the decider wants to look again; one that has passed is none."""
     xp, clock = namespace(shift.mask), shift.state.clock
+    until = xp.where(until > clock, until, NEVER)
     state = world.advance(arrays, shift.state, xp.minimum(until, next_absence(fate, clock)) if fate.away_from.shape[0] else until)
     if fate.away_from.shape[0]:
         state = state._replace(away_until=away_until(fate, state.clock))
