@@ -140,19 +140,12 @@ class Policy(Protocol):
         ...
 
 
-class Maker(Protocol):
-    """Makes a decider for a cell; may take seconds, which are spent before the shift begins."""
-
-    def __call__(self, cell: Cell, objective: Objective, options: Options) -> Policy:
-        """Raises CellError when the decider cannot hold the cell."""
-        ...
-
-
 @dataclass(frozen=True)
 class Entry:
     """A line of the table: what the decider does, and where its maker stands (`module:function`, loaded when it is asked for).
 
-    `argument` is handed to the maker first when it is given: one maker then makes several deciders.
+    A maker takes a cell, an `Objective` and `Options`, may take seconds, which are spent before the shift begins, and raises CellError for a cell
+    that the decider cannot hold. `argument` is handed to it first when it is given: one maker then makes several deciders.
     """
 
     what: str

@@ -45,11 +45,6 @@ def thesis_cell() -> Cell:
         return load(file)
 
 
-def recipe_of(variant: str) -> Recipe:
-    """`tandem`, or one of `VARIANTS`."""
-    return TANDEM if variant == OURS else VARIANTS[variant]
-
-
 def run_all(folder: Path, variants: Sequence[str], seeds: Iterable[int], factors: Sequence[int] = FACTORS) -> Iterator[Path]:
     """Every run of the thesis's recipe that has no record in `folder` yet, seed by seed; yields each record's file."""
     folder.mkdir(parents=True, exist_ok=True)
