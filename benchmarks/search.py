@@ -53,7 +53,7 @@ def best_of(play: Callable[[], int], seconds: float) -> tuple[float, float]:
 def plain(trained: Trained, config: YuSearch) -> Callable[[], int]:
     """Plain Python: some decisions from the start of the game on."""
     game = PlainGame(desk())
-    search = PlainSearch(game, trained.parameters, (110.0, 90.0), config.simulations, config.depth, config.exploration)
+    search = PlainSearch(game, trained.parameters, (110.0, 90.0), config)
     decisions = 3
 
     def play() -> int:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from tandem.cell.chessboard import Board, Who
+from tandem.learn.alphazero.config import YuSearch
 
 ROBOT, HUMAN = 0, 1
 
@@ -104,8 +105,8 @@ def outputs(parameters: Any, agent: int, board: Any) -> tuple[Any, float]:
 class PlainSearch:
     """Their search for one agent, from one position."""
 
-    def __init__(self, game: PlainGame, parameters: Any, norms: tuple[float, float], simulations: int, depth: int, c: float) -> None:
-        self.game, self.parameters, self.norms, self.simulations, self.depth, self.c = game, parameters, norms, simulations, depth, c
+    def __init__(self, game: PlainGame, parameters: Any, norms: tuple[float, float], config: YuSearch) -> None:
+        self.game, self.parameters, self.norms, self.config = game, parameters, norms, config
 
     def visits(self, play: Play) -> tuple[dict[int, int], dict[int, float]]:
         """How often each column was looked at, and the least that was found under it."""
@@ -116,7 +117,7 @@ class PlainSearch:
         self.next: dict[tuple[Play, int], tuple[Play, int]] = {}
         self.value: dict[Play, float] = {}
         self.add(play)
-        for _ in range(self.simulations):
+        for _ in range(self.config.simulations):
             self.simulate(play)
         return self.number[play], self.least[play]
 
@@ -128,12 +129,14 @@ class PlainSearch:
 
     def simulate(self, root: Play) -> None:
         path, play = [], root
-        for _ in range(self.depth):
+        for _ in range(self.config.depth):
             number, least, total = self.number[play], self.least[play], sum(self.number[play].values())
             if not number:
                 break
-            explored = {column: self.c * float(self.prior[play][column]) * math.sqrt(total) / (1 + number[column]) for column in number}
-            column = min(sorted(number), key=lambda column: least[column] - explored[column])
+            c = self.config.exploration
+            explored = {column: c * float(self.prior[play][column]) * math.sqrt(total) / (1 + number[column]) for column in number}
+            first = {column: self.config.unvisited == "first" and not number[column] for column in number}
+            column = min(sorted(number), key=lambda column: -math.inf if first[column] else least[column] - explored[column])
             new = (play, column) not in self.next
             if new:
                 self.next[play, column] = self.mine(play, column)

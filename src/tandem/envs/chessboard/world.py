@@ -102,8 +102,9 @@ def levels(layout: Layout, state: State) -> Array:
 def bottom(layout: Layout, state: State) -> Array:
     """`[h, w]` bool, `levels == 1` without falling row by row: a piece comes to lie in the bottom row when nothing at all is below its span."""
     xp = namespace(state.on)
-    below = xp.cumsum(state.on, axis=0) > state.on
-    return state.on & ~xp.any(layout.joined & below[:, None, :], axis=2)
+    rows = xp.arange(state.on.shape[0])
+    lowest = xp.min(xp.where(state.on, rows[:, None], rows.shape[0]), axis=0)
+    return state.on & ~xp.any(layout.joined & (lowest[None] < rows[:, None])[:, None, :], axis=2)
 
 
 def eligible(layout: Layout, state: State) -> Array:
@@ -167,9 +168,19 @@ def observe(layout: Layout, state: State) -> Array:
     time = xp.where(xp.any(state.doing, axis=0), left, layout.time)
     code = xp.where(state.doing[ROBOT], BY_ROBOT, xp.where(state.doing[HUMAN], BY_HUMAN, xp.where(starts, layout.who, NO_START)))
     packed = (time * 2**9 + layout.width) * 2**3 + code - CLEARED  # one number a piece, so that one pass over the rows lets all three fall
-    lies = levels(layout, state)[None] == xp.arange(1, state.on.shape[0] + 1)[:, None, None]
-    seen = xp.max(xp.where(lies, packed[None], 0), axis=1)
+    seen = _fallen(packed, levels(layout, state))
     return xp.stack([seen // 2**12, seen % 2**3 + CLEARED, seen // 2**3 % 2**9], axis=-1).astype(xp.float32)
+
+
+def _fallen(cells: Array, levels: Array) -> Array:
+    """`[h, w]`, every cell moved down its column to its level, 1 is the bottom row; 0 where nothing lies, and what has level 0 is gone."""
+    xp = namespace(cells)
+    rows, columns = xp.where(levels > 0, levels - 1, cells.shape[0]), xp.arange(cells.shape[1])[None]
+    ground = xp.zeros((cells.shape[0] + 1, cells.shape[1]), cells.dtype)
+    if hasattr(ground, "at"):
+        return ground.at[rows, columns].set(cells)[:-1]
+    ground[rows, columns] = cells
+    return ground[:-1]
 
 
 def namespace(array: Array) -> Any:

@@ -64,6 +64,8 @@ class YuSearch:
       exploration: the constant c.
       temperature: tau; a move is drawn with N^(1/tau), so that 1000 draws almost evenly from what was looked at. 0 takes the most visited.
       quirk: Q leaves out the time of the move itself.
+      unvisited: a move that was not looked at yet comes "first", or counts Q = "zero": then, where an untrained network expects negative costs, the
+        first move is looked at and no other.
     """
 
     simulations: int = 30
@@ -71,6 +73,7 @@ class YuSearch:
     exploration: float = 100.0
     temperature: float = 0.0
     quirk: bool = True
+    unvisited: Literal["first", "zero"] = "first"
 
     def __post_init__(self) -> None:
         if faults := list(self.faults()):
@@ -84,6 +87,8 @@ class YuSearch:
         for name in ("exploration", "temperature"):
             if not getattr(self, name) >= 0:
                 yield f"{name} {getattr(self, name)}: must be 0 or more."
+        if self.unvisited not in ("first", "zero"):
+            yield f"unvisited {self.unvisited!r}: choose first or zero."
 
 
 @dataclass(frozen=True)

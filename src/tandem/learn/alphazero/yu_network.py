@@ -9,6 +9,7 @@ ASSUMPTION: pooling drops an odd last row or column ("valid"), and weights start
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -48,18 +49,33 @@ class YuNetworks:
         return jax.vmap(lambda key: drawn(key, sizes))(jax.random.split(key))
 
     def read(self, parameters: dict[str, Network], seen: Array, least: Array, mover: Array) -> Opinion:
-        """The opinion of the mover's network. `to_come` is in seconds: a game that shows the board has a unit of one second."""
-        logits, value = jax.vmap(self.outputs, (0, None))(parameters, seen)
-        mine = jnp.maximum(mover, 0)
-        return Opinion(logits[mine], value[mine] * jnp.asarray(self.value_norm)[mine])
+        """The opinion of the mover's network. `to_come` is in seconds: a game that shows the board has a unit of one second.
+
+        Layer by layer both agents' weights are multiplied at once and the mover's half is taken: over many games that have different movers this is
+        quicker than to look up each game's weights, or to run both networks to their end.
+        """
+        robots = mover <= 0
+
+        def layer(name: str, inputs: Array) -> Array:
+            both = {part: jnp.concatenate([array[0], array[1]], -1) for part, array in parameters[name]["0"].items()}
+            of_both = forward(jnp, {"0": both}, inputs, "relu")
+            half = of_both.shape[-1] // 2
+            return jnp.where(robots, of_both[..., :half], of_both[..., half:])
+
+        logits, value = self._flow(layer, seen)
+        return Opinion(logits, value * jnp.where(robots, *self.value_norm))
 
     def outputs(self, parameters: dict[str, Network], board: Array) -> tuple[Array, Array]:
         """`[w]` logits and `[]` value, in units of `value_norm`, of one agent's network."""
+        return self._flow(lambda name, inputs: forward(jnp, parameters[name], inputs, "relu"), board)
+
+    def _flow(self, layer: Callable[[str, Array], Array], board: Array) -> tuple[Array, Array]:
+        """From the board to logits and value; `layer` multiplies by the layer of a name."""
         flow = board
         for name in ("first", "second"):
-            flow = _pooled(jax.nn.relu(forward(jnp, parameters[name], _patches(flow), "relu")))
-        flow = jax.nn.relu(forward(jnp, parameters["dense"], flow.reshape(-1), "relu"))
-        return forward(jnp, parameters["policy"], flow, "relu"), forward(jnp, parameters["value"], flow, "relu")[0]
+            flow = _pooled(jax.nn.relu(layer(name, _patches(flow))))
+        flow = jax.nn.relu(layer("dense", flow.reshape(-1)))
+        return layer("policy", flow), layer("value", flow)[0]
 
 
 def _patches(image: Array) -> Array:
