@@ -30,8 +30,10 @@ from tandem.cell.storing import store
 from tandem.dispatch.best_response import optimum
 from tandem.dispatch.learned import learned
 from tandem.dispatch.lockstep import Stage
-from tandem.dispatch.policy import SECONDS, Options, policy
+from tandem.dispatch.objective import SECONDS
+from tandem.dispatch.policy import Options
 from tandem.dispatch.situation import Situation
+from tandem.dispatch.table import policy
 from tandem.learn.policy import Policy
 from tandem.learn.recipes import RESPONSE
 from tandem.learn.response.decider import decider

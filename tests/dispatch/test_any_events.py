@@ -13,9 +13,10 @@ from tests.strategies import cells
 from tandem.cell.model import Cell
 from tandem.dispatch.events import KINDS
 from tandem.dispatch.journal import Journal
+from tandem.dispatch.legal import legal
 from tandem.dispatch.replay import replay
 from tandem.dispatch.shift import Settings, Shift
-from tandem.dispatch.situation import Situation, legal
+from tandem.dispatch.situation import Situation
 
 
 @st.composite

@@ -17,11 +17,15 @@ from tandem.cell.model import Cell
 from tandem.dispatch import best_response
 from tandem.dispatch.auto import Auto
 from tandem.dispatch.best_response import as_modelled, complies
+from tandem.dispatch.by_value import repairing
 from tandem.dispatch.exact import expected
+from tandem.dispatch.legal import legal
 from tandem.dispatch.lockstep import Outcome, Stage
-from tandem.dispatch.policy import POLICIES, SECONDS, Decision, Objective, Options, policy
-from tandem.dispatch.repair import repair_values, repairing
-from tandem.dispatch.situation import Running, Situation, Work, legal
+from tandem.dispatch.objective import SECONDS, Objective
+from tandem.dispatch.policy import Decision, Options
+from tandem.dispatch.repair import repair_values
+from tandem.dispatch.situation import Running, Situation, Work
+from tandem.dispatch.table import POLICIES, policy
 from tandem.errors import NothingFoundError, UsageError
 from tandem.world.arrays import Names
 from tandem.world.crowd import crowd

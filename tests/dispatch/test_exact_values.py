@@ -12,7 +12,7 @@ from tandem.cell.model import Cell
 from tandem.dispatch.adaptive import bayes_adaptive, belief_values
 from tandem.dispatch.exact import Human, expected, minimax, values
 from tandem.dispatch.moves import Moves, Position
-from tandem.dispatch.policy import Objective
+from tandem.dispatch.objective import Objective
 from tandem.dispatch.repair import repair_values
 from tandem.dispatch.search import Search
 from tandem.errors import CellError, NothingFoundError

@@ -12,8 +12,9 @@ from tandem.cell.model import Cell
 from tandem.dispatch.after import after, ordered, revoked
 from tandem.dispatch.documents import Told, stuck
 from tandem.dispatch.events import Event, read_event
+from tandem.dispatch.legal import legal, next_change
 from tandem.dispatch.objections import objections, remarks
-from tandem.dispatch.situation import Order, Situation, legal, next_change
+from tandem.dispatch.situation import Order, Situation
 
 COBOT, ANNA, BOTH = ("cobot",), ("anna",), ("cobot", "anna")
 

@@ -12,8 +12,9 @@ from tests.strategies import cells
 from tandem.cell.model import Cell
 from tandem.dispatch.after import after
 from tandem.dispatch.events import Event
+from tandem.dispatch.legal import legal
 from tandem.dispatch.objections import objections, remarks
-from tandem.dispatch.situation import Situation, legal, mode
+from tandem.dispatch.situation import Situation, mode
 from tandem.world import state as world
 from tandem.world.arrays import NEVER, Arrays, Names
 

@@ -15,8 +15,9 @@ import pytest
 import tandem
 from tandem.dispatch.learned import Learned, learned, state_of
 from tandem.dispatch.lockstep import Stage
+from tandem.dispatch.objective import SECONDS
 from tandem.dispatch.observed import Observer
-from tandem.dispatch.policy import SECONDS, Options
+from tandem.dispatch.policy import Options
 from tandem.dispatch.seen import Models
 from tandem.dispatch.situation import Situation
 from tandem.errors import UsageError

@@ -158,7 +158,8 @@ def _run(ctx: click.Context, cell: Cell, journal: Journal, given: dict[str, Any]
 
 
 def _settings(given: dict[str, Any]) -> Settings:
-    from tandem.dispatch.policy import Objective, Options
+    from tandem.dispatch.objective import Objective
+    from tandem.dispatch.policy import Options
     from tandem.dispatch.shift import Settings
 
     time_weight, stress_weight = given["weights"]

@@ -134,7 +134,8 @@ def needs_jax() -> None:
 
 def _trial(policies: tuple[str, ...], people: tuple[str, ...], given: dict[str, Any]) -> Any:
     from tandem.dispatch.judge import Trial
-    from tandem.dispatch.policy import Objective, Options
+    from tandem.dispatch.objective import Objective
+    from tandem.dispatch.policy import Options
     from tandem.world.fate import Chance
 
     prior = {} if given["prior"] is None else {"prior": given["prior"]}
@@ -200,7 +201,7 @@ def _with_half(measure: dict[str, Any]) -> str:
 @click.option("--json", "as_json", is_flag=True, help="Print them as one document.")
 def policies_command(as_json: bool) -> None:
     """List the policies: who can decide live."""
-    from tandem.dispatch.policy import POLICIES
+    from tandem.dispatch.table import POLICIES
 
     if as_json:
         click.echo(json.dumps({"schema_version": 1, "policies": [{"name": name, "what": entry.what} for name, entry in POLICIES.items()]}))

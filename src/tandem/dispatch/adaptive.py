@@ -14,7 +14,7 @@ from math import inf
 from tandem.cell.model import Cell
 from tandem.dispatch.exact import COMPLIANT, MOST_POSITIONS, Human, Values, may_wait, values
 from tandem.dispatch.moves import Moves, Position
-from tandem.dispatch.policy import SECONDS, Objective
+from tandem.dispatch.objective import SECONDS, Objective
 from tandem.errors import NothingFoundError
 
 Belief = tuple[tuple[int, Position], ...]

@@ -7,7 +7,8 @@ from dataclasses import replace
 from typing import Protocol
 
 from tandem.dispatch.events import Event
-from tandem.dispatch.situation import Order, Outcome, Running, Situation, Work, exact, seconds
+from tandem.dispatch.legal import seconds
+from tandem.dispatch.situation import Order, Outcome, Running, Situation, Work, exact
 
 
 def after(situation: Situation, event: Event) -> Situation:

@@ -8,9 +8,11 @@ from time import perf_counter
 
 from tandem.cell.model import Cell
 from tandem.dispatch.by_rule import by_rule
-from tandem.dispatch.policy import Decision, Objective, Options, Policy
+from tandem.dispatch.objective import Objective
+from tandem.dispatch.policy import Decision, Options, Policy
 from tandem.dispatch.replan import robust
 from tandem.dispatch.situation import Situation
+from tandem.dispatch.table import POLICIES
 from tandem.errors import TandemError
 
 RULE = "longest-tail"
@@ -24,8 +26,6 @@ def auto(cell: Cell, objective: Objective, options: Options) -> Auto:
     rule = by_rule(RULE, cell, objective, options)
     chain: list[Policy] = []
     if options.learned is not None:
-        from tandem.dispatch.policy import POLICIES
-
         chain.append(POLICIES["learned"](cell, objective, options))
     chain.append(robust(cell, objective, replace(options, budget_ms=options.budget_ms * SHARE)))
     return Auto(tuple(chain), rule, options.budget_ms)

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from tandem.cell.model import Cell
+from tandem.dispatch.by_value import MOST_TASKS
 from tandem.dispatch.exact import SLIGHTLY, Human, values
 from tandem.dispatch.moves import Moves
-from tandem.dispatch.policy import Objective
+from tandem.dispatch.objective import Objective
 from tandem.dispatch.rest import rest, solve
-from tandem.dispatch.tables import MOST_TASKS
 from tandem.errors import CellError, NothingFoundError
 from tandem.world.people import Person
 

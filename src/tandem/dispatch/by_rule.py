@@ -8,7 +8,8 @@ from time import perf_counter
 
 from tandem.cell.model import Cell
 from tandem.dispatch.moves import Moves, Position
-from tandem.dispatch.policy import Decision, Objective, Options
+from tandem.dispatch.objective import Objective
+from tandem.dispatch.policy import Decision, Options
 from tandem.dispatch.reply import phrase, reply
 from tandem.dispatch.rest import rest
 from tandem.dispatch.seen import Models, position

@@ -13,8 +13,9 @@ from tandem.dispatch.after import ordered, revoked
 from tandem.dispatch.events import Event
 from tandem.dispatch.in_time import Answered
 from tandem.dispatch.journal import Entry
+from tandem.dispatch.legal import hindrances, is_ready, legal, next_change
 from tandem.dispatch.policy import Decision
-from tandem.dispatch.situation import Situation, hindrances, is_ready, legal, next_change
+from tandem.dispatch.situation import Situation
 
 SCHEMA_VERSION = 1
 """Of events, answers and decisions."""

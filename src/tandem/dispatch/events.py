@@ -1,7 +1,7 @@
 """What the floor reports: events as JSON lines, read strictly.
 
 One line, one event: `{"event": "started", "at": 12.5, "task": "4", "operator": "cobot", "id": "cobot-17"}`. What is wrong with a line is said in
-sentences, all of it at once. Whether an event fits where the shift stands is asked in `after.py`.
+sentences, all of it at once. Whether an event fits where the shift stands is asked in `objections.py`.
 """
 
 from __future__ import annotations

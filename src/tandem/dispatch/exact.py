@@ -17,7 +17,7 @@ from math import inf
 
 from tandem.cell.model import Cell
 from tandem.dispatch.moves import Moves, Position
-from tandem.dispatch.policy import SECONDS, Objective
+from tandem.dispatch.objective import SECONDS, Objective
 from tandem.errors import CellError, Fault, NothingFoundError
 
 MOST_POSITIONS = 400_000

@@ -16,8 +16,9 @@ from typing import Literal
 
 from tandem.dispatch.after import after
 from tandem.dispatch.events import Event
+from tandem.dispatch.legal import legal
 from tandem.dispatch.policy import Decision, Policy, Start
-from tandem.dispatch.situation import Situation, legal
+from tandem.dispatch.situation import Situation
 
 Instead = Literal["", "late", "failed"]
 

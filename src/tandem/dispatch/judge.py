@@ -15,7 +15,9 @@ from tandem.cell.model import Cell, plain
 from tandem.cell.names import Known
 from tandem.dispatch.best_response import optimum
 from tandem.dispatch.lockstep import Outcome, Stage
-from tandem.dispatch.policy import POLICIES, SECONDS, Objective, Options, Policy, policy
+from tandem.dispatch.objective import SECONDS, Objective
+from tandem.dispatch.policy import Options, Policy
+from tandem.dispatch.table import POLICIES, policy
 from tandem.errors import UsageError
 from tandem.world.arrays import Names
 from tandem.world.crowd import Crowd, crowd

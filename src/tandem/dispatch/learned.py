@@ -11,7 +11,8 @@ import numpy as np
 
 from tandem.cell.model import Cell
 from tandem.dispatch.moves import Moves
-from tandem.dispatch.policy import Decision, Objective, Options
+from tandem.dispatch.objective import Objective
+from tandem.dispatch.policy import Decision, Options
 from tandem.dispatch.reply import Ranked, phrase, reply
 from tandem.dispatch.seen import Models, position
 from tandem.dispatch.situation import Situation

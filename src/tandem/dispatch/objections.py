@@ -11,7 +11,8 @@ from dataclasses import replace
 
 from tandem.dispatch.after import task_of
 from tandem.dispatch.events import Event
-from tandem.dispatch.situation import Situation, hindrances, is_ready, mode
+from tandem.dispatch.legal import hindrances, is_ready
+from tandem.dispatch.situation import Situation, mode
 
 
 def objections(situation: Situation, event: Event) -> list[str]:

@@ -13,9 +13,7 @@ from dataclasses import dataclass
 from tandem.cell.model import Cell
 from tandem.dispatch.exact import COMPLIANT, Human, Values, values
 from tandem.dispatch.moves import Moves, Position
-from tandem.dispatch.policy import SECONDS, Objective
-from tandem.dispatch.seen import Models
-from tandem.dispatch.tables import Table
+from tandem.dispatch.objective import SECONDS, Objective
 from tandem.errors import NothingFoundError
 
 SETTLED = 1e-9
@@ -79,10 +77,3 @@ def repair_values(cell: Cell, forgets: float, human: Human = COMPLIANT, objectiv
     """The value function of a small cell whose humans err; raises as `exact.values`."""
     plain = values(cell, human, objective)
     return RepairValues(Moves.of(cell, taking_apart=taking_apart), human, plain.weights, plain.most, {}, forgets)
-
-
-def repairing(cell: Cell, forgets: float, *, taking_apart: float = 1.0) -> Table:
-    """The optimal decider beside a compliant human who errs, as value iteration has it. For small cells."""
-    found = repair_values(cell, forgets, taking_apart=taking_apart)
-    found.prepare(found.moves.root())
-    return Table("repairing", Models(cell), found, SECONDS, 1.0)

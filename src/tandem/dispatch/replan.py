@@ -18,8 +18,9 @@ from time import perf_counter
 from tandem.cell.model import Cell
 from tandem.dispatch.by_rule import ByRule
 from tandem.dispatch.moves import Moves, Position
+from tandem.dispatch.objective import Objective
 from tandem.dispatch.pace import Pace, estimates
-from tandem.dispatch.policy import Decision, Objective, Options
+from tandem.dispatch.policy import Decision, Options
 from tandem.dispatch.reply import phrase, reply
 from tandem.dispatch.rest import Plan, rest, solve
 from tandem.dispatch.search import OutOfTimeError, Search

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from time import perf_counter
 
+from tandem.dispatch.legal import legal
 from tandem.dispatch.moves import Moves, Position
 from tandem.dispatch.policy import Alternative, Decision
 from tandem.dispatch.seen import if_all_return
-from tandem.dispatch.situation import Situation, legal
+from tandem.dispatch.situation import Situation
 
 Ranked = Sequence[tuple[tuple[int, ...], float | None]]
 """Choices (sets of ways that could begin now), best first, each with the cost of the whole assembly that it is reckoned to come to."""

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 
 from tandem.cell.model import Cell
 from tandem.dispatch.moves import Moves, Position
-from tandem.dispatch.policy import Objective, Start
+from tandem.dispatch.objective import Objective
+from tandem.dispatch.policy import Start
 from tandem.dispatch.situation import Running, Situation
 
 AWAY_S = 60.0

@@ -18,8 +18,10 @@ from tandem.dispatch.events import LONGEST_LINE, Event, EventError, read_event, 
 from tandem.dispatch.in_time import Answered, InTime
 from tandem.dispatch.journal import Entry, Journal, JournalError
 from tandem.dispatch.objections import objections, remarks
-from tandem.dispatch.policy import Objective, Options, policy
+from tandem.dispatch.objective import Objective
+from tandem.dispatch.policy import Options
 from tandem.dispatch.situation import TAKING_APART, Situation
+from tandem.dispatch.table import policy
 
 RULE = "longest-tail"
 """The rule that answers when the decider cannot."""

@@ -9,7 +9,9 @@ from time import perf_counter
 from tandem.cell.model import Cell
 from tandem.dispatch.exact import Human, Values, values
 from tandem.dispatch.moves import Moves, Position
-from tandem.dispatch.policy import Decision, Objective, Options
+from tandem.dispatch.objective import SECONDS, Objective
+from tandem.dispatch.policy import Decision, Options
+from tandem.dispatch.repair import repair_values
 from tandem.dispatch.reply import phrase, reply
 from tandem.dispatch.seen import Models, cost_so_far, position
 from tandem.dispatch.situation import Situation
@@ -39,6 +41,13 @@ def minimax(cell: Cell, objective: Objective, options: Options) -> Table:
 def beside(name: str, cell: Cell, human: Human, objective: Objective, pace: float = 1.0) -> Table:
     """The exact best response to a known human, as a decider. Raises as `expected` does."""
     return _table(name, cell, human, objective, pace)
+
+
+def repairing(cell: Cell, forgets: float, *, taking_apart: float = 1.0) -> Table:
+    """The optimal decider beside a compliant human who errs, as value iteration has it. For small cells."""
+    found = repair_values(cell, forgets, taking_apart=taking_apart)
+    found.prepare(found.moves.root())
+    return Table("repairing", Models(cell), found, SECONDS, 1.0)
 
 
 def _table(name: str, cell: Cell, human: Human, objective: Objective, pace: float = 1.0) -> Table:
