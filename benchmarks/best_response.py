@@ -27,11 +27,13 @@ from tandem.cell.files import load
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.cell.storing import store
-from tandem.dispatch.best_response import optimum
-from tandem.dispatch.learned import learned
-from tandem.dispatch.lockstep import Stage
-from tandem.dispatch.policy import SECONDS, Options, policy
-from tandem.dispatch.situation import Situation
+from tandem.dispatch.deciders.learned import learned
+from tandem.dispatch.deciders.policy import Options
+from tandem.dispatch.deciders.table import policy
+from tandem.dispatch.judge.best_response import optimum
+from tandem.dispatch.judge.lockstep import Stage
+from tandem.dispatch.situation.model import Situation
+from tandem.dispatch.values.objective import SECONDS
 from tandem.learn.policy import Policy
 from tandem.learn.recipes import RESPONSE
 from tandem.learn.response.decider import decider

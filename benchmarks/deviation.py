@@ -25,9 +25,9 @@ from tandem.cell.chessboard import desk
 from tandem.cell.files import load
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
-from tandem.dispatch.judge import Trial, judge
-from tandem.dispatch.policy import Options
-from tandem.dispatch.tables import MOST_TASKS
+from tandem.dispatch.deciders.by_value import MOST_TASKS
+from tandem.dispatch.deciders.policy import Options
+from tandem.dispatch.judge.trial import Trial, judge
 from tandem.learn.runs import versions
 from tandem.world.fate import Chance
 

@@ -22,10 +22,10 @@ from random import Random
 from tandem.cell.files import load
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
-from tandem.dispatch.adaptive import bayes_adaptive, belief_values
-from tandem.dispatch.exact import expected
-from tandem.dispatch.judge import Trial, judge
-from tandem.dispatch.policy import Options
+from tandem.dispatch.deciders.policy import Options
+from tandem.dispatch.judge.trial import Trial, judge
+from tandem.dispatch.values.adaptive import bayes_adaptive, belief_values
+from tandem.dispatch.values.exact import expected
 from tandem.learn.runs import versions
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -52,7 +52,7 @@ def test_the_face_is_sorted_and_every_name_on_it_is_there() -> None:
         assert getattr(tandem, name) is not None
 
 
-@pytest.mark.parametrize("room", ["cell", "plan", "schedule"])
+@pytest.mark.parametrize("room", ["cell", "dispatch.shift", "plan", "schedule"])
 def test_the_faces_of_the_rooms_hold_what_they_promise(room: str) -> None:
     module = importlib.import_module(f"tandem.{room}")
     names = list(getattr(module, "__all__", ()))

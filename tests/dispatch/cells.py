@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tandem.cell.model import Cell
-from tandem.dispatch.in_time import InTime, plainly
-from tandem.dispatch.policy import Decision
-from tandem.dispatch.situation import Situation
+from tandem.dispatch.deciders.policy import Decision
+from tandem.dispatch.shift.in_time import InTime, plainly
+from tandem.dispatch.situation.model import Situation
 
 GEARBOX = Cell.of(
     {

@@ -11,11 +11,12 @@ from tests.dispatch.cells import in_time
 from tests.strategies import cells
 
 from tandem.cell.model import Cell
-from tandem.dispatch.events import KINDS
 from tandem.dispatch.journal import Journal
-from tandem.dispatch.replay import replay
-from tandem.dispatch.shift import Settings, Shift
-from tandem.dispatch.situation import Situation, legal
+from tandem.dispatch.shift.live import Settings, Shift
+from tandem.dispatch.shift.replay import replay
+from tandem.dispatch.situation.events import KINDS
+from tandem.dispatch.situation.legal import legal
+from tandem.dispatch.situation.model import Situation
 
 
 @st.composite

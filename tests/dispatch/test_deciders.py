@@ -14,14 +14,18 @@ from tests.dispatch.stations import THESIS, station
 
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
-from tandem.dispatch import best_response
-from tandem.dispatch.auto import Auto
-from tandem.dispatch.best_response import as_modelled, complies
-from tandem.dispatch.exact import expected
-from tandem.dispatch.lockstep import Outcome, Stage
-from tandem.dispatch.policy import POLICIES, SECONDS, Decision, Objective, Options, policy
-from tandem.dispatch.repair import repair_values, repairing
-from tandem.dispatch.situation import Running, Situation, Work, legal
+from tandem.dispatch.deciders.auto import Auto
+from tandem.dispatch.deciders.by_value import repairing
+from tandem.dispatch.deciders.policy import Decision, Options
+from tandem.dispatch.deciders.table import POLICIES, policy
+from tandem.dispatch.judge import best_response
+from tandem.dispatch.judge.best_response import as_modelled, complies
+from tandem.dispatch.judge.lockstep import Outcome, Stage
+from tandem.dispatch.situation.legal import legal
+from tandem.dispatch.situation.model import Running, Situation, Work
+from tandem.dispatch.values.exact import expected
+from tandem.dispatch.values.objective import SECONDS, Objective
+from tandem.dispatch.values.repair import repair_values
 from tandem.errors import NothingFoundError, UsageError
 from tandem.world.arrays import Names
 from tandem.world.crowd import crowd

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.dispatch.cells import GEARBOX, line
 
-from tandem.dispatch.documents import event_of
-from tandem.dispatch.events import KINDS, LONGEST_LINE, Event, EventError, read_event, start_of
+from tandem.dispatch.shift.documents import event_of
+from tandem.dispatch.situation.events import KINDS, LONGEST_LINE, Event, EventError, read_event, start_of
 
 WRONG = {
     "garbage": ("garbage", "this is not JSON"),

@@ -9,12 +9,12 @@ from tests.dispatch.stations import THESIS, station
 
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
-from tandem.dispatch.adaptive import bayes_adaptive, belief_values
-from tandem.dispatch.exact import Human, expected, minimax, values
-from tandem.dispatch.moves import Moves, Position
-from tandem.dispatch.policy import Objective
-from tandem.dispatch.repair import repair_values
-from tandem.dispatch.search import Search
+from tandem.dispatch.values.adaptive import bayes_adaptive, belief_values
+from tandem.dispatch.values.exact import Human, expected, minimax, values
+from tandem.dispatch.values.moves import Moves, Position
+from tandem.dispatch.values.objective import Objective
+from tandem.dispatch.values.repair import repair_values
+from tandem.dispatch.values.search import Search
 from tandem.errors import CellError, NothingFoundError
 from tandem.plan.exhaustive import solve
 from tandem.plan.question import Question

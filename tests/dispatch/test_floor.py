@@ -11,13 +11,13 @@ from tests.dispatch.cells import in_time
 
 from tandem.cell.files import load
 from tandem.cell.model import Cell
-from tandem.dispatch.documents import Document, summary
-from tandem.dispatch.floor import Floor
 from tandem.dispatch.journal import Journal
-from tandem.dispatch.replay import replay
-from tandem.dispatch.schema import SHIPPED, decision_schema, event_schema, schema_text
-from tandem.dispatch.shift import Settings, Shift
-from tandem.dispatch.situation import Situation
+from tandem.dispatch.shift.documents import Document, summary
+from tandem.dispatch.shift.floor import Floor
+from tandem.dispatch.shift.live import Settings, Shift
+from tandem.dispatch.shift.replay import replay
+from tandem.dispatch.shift.schema import SHIPPED, decision_schema, event_schema, schema_text
+from tandem.dispatch.situation.model import Situation
 from tandem.errors import UsageError
 from tandem.world.fate import Chance
 

@@ -12,8 +12,8 @@ import pytest
 from tests.dispatch.stations import THESIS
 
 from tandem.cli.root import run
-from tandem.dispatch.judge import Trial, judge, split_people
-from tandem.dispatch.policy import POLICIES
+from tandem.dispatch.deciders.table import POLICIES
+from tandem.dispatch.judge.trial import Trial, judge, split_people
 from tandem.draw.judged import judged_figure, plot_regret
 from tandem.errors import UsageError
 from tandem.world.fate import Chance

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.dispatch.stations import THESIS
 
-from tandem.dispatch.pace import estimate
-from tandem.dispatch.situation import Running, Situation, Work
+from tandem.dispatch.situation.model import Running, Situation, Work
+from tandem.dispatch.situation.pace import estimate
 
 PRIOR = {0.6: 0.2, 1.0: 0.2, 1.5: 0.2, 2.0: 0.2, 3.0: 0.2}
 START = Situation.of(THESIS)

@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 from tests.dispatch.cells import GEARBOX, Plain, Saying, in_time, line
 
+from tandem.dispatch.deciders.policy import Decision
 from tandem.dispatch.journal import Journal, JournalError
-from tandem.dispatch.policy import Decision
-from tandem.dispatch.replay import replay
-from tandem.dispatch.shift import Settings, Shift
-from tandem.dispatch.situation import Situation
+from tandem.dispatch.shift.live import Settings, Shift
+from tandem.dispatch.shift.replay import replay
+from tandem.dispatch.situation.model import Situation
 
 STARTED, DONE = line("started", 0, task="base", operator="cobot", id="a"), line("done", 4.5, task="base", id="b")
 

@@ -9,11 +9,12 @@ import pytest
 from tests.dispatch.cells import GEARBOX, line
 
 from tandem.cell.model import Cell
-from tandem.dispatch.after import after, ordered, revoked
-from tandem.dispatch.documents import Told, stuck
-from tandem.dispatch.events import Event, read_event
-from tandem.dispatch.objections import objections, remarks
-from tandem.dispatch.situation import Order, Situation, legal, next_change
+from tandem.dispatch.shift.documents import Told, stuck
+from tandem.dispatch.situation.after import after, ordered, revoked
+from tandem.dispatch.situation.events import Event, read_event
+from tandem.dispatch.situation.legal import legal, next_change
+from tandem.dispatch.situation.model import Order, Situation
+from tandem.dispatch.situation.objections import objections, remarks
 
 COBOT, ANNA, BOTH = ("cobot",), ("anna",), ("cobot", "anna")
 

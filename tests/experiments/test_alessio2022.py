@@ -12,7 +12,7 @@ pytest.importorskip("jax", reason="learning needs the extra tandem[learn]")
 
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
-from tandem.dispatch.exact import minimax, values
+from tandem.dispatch.values.exact import minimax, values
 from tandem.envs.grid import exact, layout, robots
 from tandem.envs.thesis import decisions
 from tandem.envs.thesis.rewards import reward_set

@@ -13,12 +13,13 @@ import numpy as np
 import pytest
 
 import tandem
-from tandem.dispatch.learned import Learned, learned, state_of
-from tandem.dispatch.lockstep import Stage
-from tandem.dispatch.observed import Observer
-from tandem.dispatch.policy import SECONDS, Options
-from tandem.dispatch.seen import Models
-from tandem.dispatch.situation import Situation
+from tandem.dispatch.deciders.learned import Learned, learned, state_of
+from tandem.dispatch.deciders.policy import Options
+from tandem.dispatch.deciders.seen import Models
+from tandem.dispatch.judge.lockstep import Stage
+from tandem.dispatch.judge.observed import Observer
+from tandem.dispatch.situation.model import Situation
+from tandem.dispatch.values.objective import SECONDS
 from tandem.errors import UsageError
 from tandem.learn import config
 from tandem.learn.networks import init

@@ -122,7 +122,7 @@ def schema_command(what: str) -> None:
 
         click.echo(schema_text(), nl=False)
     else:
-        from tandem.dispatch.schema import schema_text as live_schema_text
+        from tandem.dispatch.shift.schema import schema_text as live_schema_text
 
         click.echo(live_schema_text(what), nl=False)
 

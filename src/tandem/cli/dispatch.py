@@ -20,9 +20,9 @@ from tandem.errors import UsageError
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
-    from tandem.dispatch.floor import Floor
     from tandem.dispatch.journal import Journal
-    from tandem.dispatch.shift import Settings, Shift
+    from tandem.dispatch.shift.floor import Floor
+    from tandem.dispatch.shift.live import Settings, Shift
 
 Show = Callable[["Shift", dict[str, Any]], None]
 
@@ -129,9 +129,9 @@ def dispatch_command(ctx: click.Context, /, **given: Any) -> int:
 
 
 def _run(ctx: click.Context, cell: Cell, journal: Journal, given: dict[str, Any], show: Show) -> int:
-    from tandem.dispatch.documents import summary
-    from tandem.dispatch.shift import Shift
-    from tandem.dispatch.situation import Situation
+    from tandem.dispatch.shift.documents import summary
+    from tandem.dispatch.shift.live import Shift
+    from tandem.dispatch.situation.model import Situation
 
     sys.setswitchinterval(0.001)  # a decider that is late and still computes leaves the processor to the rule sooner
     _same_as_kept(ctx, journal, given)
@@ -158,8 +158,9 @@ def _run(ctx: click.Context, cell: Cell, journal: Journal, given: dict[str, Any]
 
 
 def _settings(given: dict[str, Any]) -> Settings:
-    from tandem.dispatch.policy import Objective, Options
-    from tandem.dispatch.shift import Settings
+    from tandem.dispatch.deciders.policy import Options
+    from tandem.dispatch.shift.live import Settings
+    from tandem.dispatch.values.objective import Objective
 
     time_weight, stress_weight = given["weights"]
     options = Options(
@@ -175,7 +176,7 @@ def _settings(given: dict[str, Any]) -> Settings:
 
 def _same_as_kept(ctx: click.Context, journal: Journal, given: dict[str, Any]) -> None:
     """Takes what is not stated from the journal; what is stated must be what the shift was begun with."""
-    from tandem.dispatch.shift import Settings
+    from tandem.dispatch.shift.live import Settings
 
     if journal.is_new:
         return
@@ -200,7 +201,7 @@ def _same_as_kept(ctx: click.Context, journal: Journal, given: dict[str, Any]) -
 
 
 def _floor(cell: Cell, given: dict[str, Any]) -> Floor:
-    from tandem.dispatch.floor import Floor
+    from tandem.dispatch.shift.floor import Floor
     from tandem.world.fate import Chance
 
     chance = Chance(
@@ -240,7 +241,7 @@ def _events(name: str) -> Iterator[IO[bytes]]:
 
 def _lines(file: IO[bytes]) -> Iterator[str]:
     """Lines that are not blank, as text. Of a line that is longer than any event only the beginning is kept."""
-    from tandem.dispatch.events import LONGEST_LINE
+    from tandem.dispatch.situation.events import LONGEST_LINE
 
     most = 4 * LONGEST_LINE + 8
     while line := file.readline(most):
@@ -269,7 +270,7 @@ def _terminated_cleanly() -> Iterator[list[int]]:
 
 
 def _replay(cell: Cell, journal: Journal, as_json: bool) -> int:
-    from tandem.dispatch.replay import replay
+    from tandem.dispatch.shift.replay import replay
 
     found = replay(cell, journal)
     if as_json:

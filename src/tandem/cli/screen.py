@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from tandem.dispatch.pace import estimates
+from tandem.dispatch.situation.pace import estimates
 
 if TYPE_CHECKING:
-    from tandem.dispatch.events import Event
-    from tandem.dispatch.pace import Pace
-    from tandem.dispatch.shift import Shift
-    from tandem.dispatch.situation import Running, Situation
+    from tandem.dispatch.shift.live import Shift
+    from tandem.dispatch.situation.events import Event
+    from tandem.dispatch.situation.model import Running, Situation
+    from tandem.dispatch.situation.pace import Pace
 
 
 class Screen:

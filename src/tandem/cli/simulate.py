@@ -99,7 +99,7 @@ def simulate_command(
     from tandem.cell.files import load
 
     needs_jax()
-    from tandem.dispatch.judge import judge, split_people
+    from tandem.dispatch.judge.trial import judge, split_people
 
     cell = load(cell_file, form)
     if chart is not None and chart.suffix.lower() not in (".svg", ".png", ".pdf"):
@@ -133,8 +133,9 @@ def needs_jax() -> None:
 
 
 def _trial(policies: tuple[str, ...], people: tuple[str, ...], given: dict[str, Any]) -> Any:
-    from tandem.dispatch.judge import Trial
-    from tandem.dispatch.policy import Objective, Options
+    from tandem.dispatch.deciders.policy import Options
+    from tandem.dispatch.judge.trial import Trial
+    from tandem.dispatch.values.objective import Objective
     from tandem.world.fate import Chance
 
     prior = {} if given["prior"] is None else {"prior": given["prior"]}
@@ -200,7 +201,7 @@ def _with_half(measure: dict[str, Any]) -> str:
 @click.option("--json", "as_json", is_flag=True, help="Print them as one document.")
 def policies_command(as_json: bool) -> None:
     """List the policies: who can decide live."""
-    from tandem.dispatch.policy import POLICIES
+    from tandem.dispatch.deciders.table import POLICIES
 
     if as_json:
         click.echo(json.dumps({"schema_version": 1, "policies": [{"name": name, "what": entry.what} for name, entry in POLICIES.items()]}))

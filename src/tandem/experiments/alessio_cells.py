@@ -2,7 +2,7 @@
 
 Source: the abstract of the same group's later paper (Applied Sciences 2026, 16(7), 3244): bounded time under an adversary, slower than optimisers.
 Two numbers are held against each other for every robot: its *nominal* time, when the human does what is best for the team, and its *guaranteed*
-time, when the human does the worst that is legal, waiting while the robot works included. Values by `tandem.dispatch.exact`.
+time, when the human does the worst that is legal, waiting while the robot works included. Values by `tandem.dispatch.values.exact`.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ import numpy as np
 
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
-from tandem.dispatch.exact import COMPLIANT, Human, Values, values
-from tandem.dispatch.moves import Moves, Position
+from tandem.dispatch.values.exact import COMPLIANT, Human, Values, values
+from tandem.dispatch.values.moves import Moves, Position
 from tandem.envs.thesis import decisions
 from tandem.envs.thesis.observations import observe_normalised
 from tandem.envs.thesis.station import station, whole_ticks

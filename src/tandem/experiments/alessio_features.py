@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from tandem.cell.model import Cell
-from tandem.dispatch.exact import minimax
+from tandem.dispatch.values.exact import minimax
 from tandem.envs.grid.layout import layout
 from tandem.envs.thesis.station import station, whole_ticks
 from tandem.experiments import alessio_cells

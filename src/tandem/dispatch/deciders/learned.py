@@ -1,0 +1,150 @@
+"""`learned`: a trained best response to many people (`tandem train CELL --recipe response`), a network in NumPy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from tandem.cell.model import Cell
+from tandem.dispatch.deciders.policy import Decision, Options
+from tandem.dispatch.deciders.reply import Ranked, phrase, reply
+from tandem.dispatch.deciders.seen import Models, position
+from tandem.dispatch.situation.model import Situation
+from tandem.dispatch.values.moves import Moves
+from tandem.dispatch.values.objective import Objective
+from tandem.errors import UsageError
+from tandem.learn.policy import Policy
+from tandem.learn.response.decider import worth
+from tandem.learn.runs import RunFolder
+from tandem.world import state as world
+from tandem.world.arrays import NEVER, Arrays, Names
+from tandem.world.state import State
+
+AWAY_S = 60.0
+"""ASSUMPTION: who is away is taken to be back in so many seconds."""
+
+
+def learned(cell: Cell, objective: Objective, options: Options) -> Learned:
+    """The best response in `options.learned`: a policy's file, or the folder of its run (the first seed then).
+
+    Raises:
+      UsageError: none is named, or it was trained on another cell.
+      CellError: the file is no policy, or the world cannot hold the cell.
+    """
+    if options.learned is None:
+        raise UsageError("learned: name a trained policy with --learned FILE. Train one with: tandem train CELL --recipe response")
+    path = Path(options.learned)
+    if path.is_dir():
+        run = RunFolder(path)
+        if not run.seeds:
+            raise UsageError(f"{path}: holds no trained policy. Train one with: tandem train CELL --recipe response")
+        path = run.policy(run.seeds[0])
+    policy = Policy.load(path)
+    if policy.notes.get("kind") != "response":
+        raise UsageError(f"{path}: is no best response to people. Train one with: tandem train CELL --recipe response")
+    if policy.notes.get("digest") != cell.digest:
+        raise UsageError(f"{path}: was trained on {policy.notes.get('cell') or 'another cell'!r} as it was then; train it anew on this cell.")
+    names = Names.of(cell)
+    return Learned(policy, names, names.arrays(undo=1.0), Models(cell, objective.max_stress))
+
+
+@dataclass(frozen=True)
+class Learned:
+    """A trained best response. Whose turn it is at a moment: the humans first, then the robots, each seeing what those before were asked for."""
+
+    policy: Policy
+    names: Names
+    arrays: Arrays
+    models: Models
+    name: str = "learned"
+
+    def decide(self, situation: Situation) -> Decision:
+        """What the network is most for."""
+        began = perf_counter()
+        moves = self.models.of(situation, 1.0)
+        choice, ranked = self._choose(moves, situation)
+        why = f"{phrase(moves, choice)}: what the trained response is most for."
+        if ranked:
+            why = f"{phrase(moves, choice)}: what the trained response is most for ({ranked[0][1]:.0%} of its belief among {len(ranked)} choices)."
+        costless: Ranked = [(ways, None) for ways, _ in ranked]
+        return reply(self.name, moves, situation, position(moves, situation, {}), choice, costless, began=began, why=why)
+
+    def _choose(self, moves: Moves, situation: Situation) -> tuple[tuple[int, ...], list[tuple[tuple[int, ...], float]]]:
+        """The ways to begin, and the first one's alternatives with the network's belief in each."""
+        arrays, state = self.arrays, state_of(self.names, self.arrays, situation)
+        chosen: list[int] = []
+        ranked: list[tuple[tuple[int, ...], float]] = []
+        for _ in range(len(situation.cell.operators)):
+            mask = world.legal(arrays, state)
+            turn = world.turn(arrays, mask)
+            if turn < 0:
+                break
+            sure = worth(self.policy, arrays, state, mask, turn)
+            way = int(np.argmax(sure))
+            ranked = ranked or self._ranked(moves, state, sure)
+            if way == len(mask):
+                state = world.wait(state, turn)
+                continue
+            chosen.append(self._number(moves, state, way))
+            state = world.assign(arrays, state, way)
+        return tuple(chosen), ranked
+
+    def _ranked(self, moves: Moves, state: State, sure: Any) -> list[tuple[tuple[int, ...], float]]:
+        share = np.exp(sure - sure.max())
+        share = share / share.sum()
+        order = [way for way in np.argsort(-share, kind="stable").tolist() if sure[way] > -np.inf]
+        return [(() if way == len(sure) - 1 else (self._number(moves, state, way),), float(share[way])) for way in order]
+
+    def _number(self, moves: Moves, state: State, way: int) -> int:
+        """The world's way as `moves` counts it; of a task that has to come off, its taking apart."""
+        task, mode = self.names.ways[way]
+        number = moves.flat(task, mode.operators)
+        assert number is not None  # both count the ways of the same cell
+        return number + moves.count if state.way[self.arrays.way_task[way]] >= 0 else number
+
+
+def state_of(names: Names, arrays: Arrays, situation: Situation) -> State:
+    """The situation as the world holds it. The end of work in hand is not known: it lies after the clock, by the stated time or a tick from now."""
+    clock, state = names.ticks(situation.now), world.reset(arrays)
+    free, away = state.free_at.copy(), state.away_until.copy()
+    way, start, end, bad, undoing = (part.copy() for part in (state.way, state.start_at, state.end_at, state.bad_at, state.undoing))
+    for task, work in {**situation.done, **situation.wrong}.items():
+        t = names.tasks.index(task)
+        way[t] = names.way(task, work.operators)
+        start[t], end[t] = names.ticks(work.start + work.rested), names.ticks(work.end)
+        bad[t] = 0 if task in situation.wrong else NEVER
+        for who in work.operators:
+            free[names.operators.index(who)] = max(free[names.operators.index(who)], end[t])
+    for task, running in situation.running.items():
+        t = names.tasks.index(task)
+        way[t], undoing[t] = names.way(task, running.operators), running.undoing
+        start[t], end[t] = names.ticks(running.start + running.rested), max(clock + 1, names.ticks(running.expected_end))
+        for who in running.operators:
+            free[names.operators.index(who)] = end[t]
+    for who in situation.absent | situation.failed:
+        away[names.operators.index(who)] = clock + names.ticks(AWAY_S)
+    refused = [any(situation.is_refused(who, task) for who in mode.operators) for task, mode in names.ways]
+    tools = _tools(names.cell)
+    return state._replace(
+        clock=np.int32(clock),
+        way=way,
+        start_at=start,
+        end_at=end,
+        free_at=free,
+        away_until=away,
+        in_hand=np.array([tools.index(situation.in_hand[who]) if who in situation.in_hand else -1 for who in names.operators], np.int32),
+        load=np.array([round(situation.load.get(who, 0.0) * names.per_stress) for who in names.operators], np.int32),
+        refused=np.array(refused),
+        bad_at=bad,
+        undoing=undoing,
+    )
+
+
+def _tools(cell: Cell) -> list[str]:
+    """In the order in which the world counts them."""
+    named = [*(task.tool for task in cell.tasks.values()), *cell.tools, *(operator.tool for operator in cell.operators.values())]
+    return list(dict.fromkeys(filter(None, named)))

@@ -1,0 +1,108 @@
+"""Who decides live: one protocol, one decision, and what may be set.
+
+A decider looks at a `Situation`, which holds what has been seen and nothing more, and says what begins now. It keeps no memory that
+matters: the same situation gives the same decision (within the same budget), so that a journal can be replayed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
+
+from tandem.errors import UsageError
+
+if TYPE_CHECKING:
+    from tandem.dispatch.situation.model import Situation
+
+Start = tuple[str, tuple[str, ...]]
+"""A task, and the operators who begin it together."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """What may be set of a decider; each decider uses what concerns it.
+
+    Attributes:
+      budget_ms: the most milliseconds that a decision may take.
+      seed: of whatever a decider draws.
+      random: how often, as a share, the model of the human picks any legal task (`expected` plans for it).
+      prior: pace factor -> probability: how slow a human may turn out to be (2 = needs twice the stated time), before anything was seen.
+      frozen_s: what was announced to a human within so many seconds is not changed any more.
+      change_penalty: seconds that a better plan must gain before an announced task is changed.
+      learned: a file or folder with a trained policy, for `learned` and `auto`; None for none.
+    """
+
+    budget_ms: float = 50.0
+    seed: int = 0
+    random: float = 0.0
+    prior: Mapping[float, float] = field(default_factory=lambda: {0.6: 0.1, 0.8: 0.2, 1.0: 0.3, 1.5: 0.2, 2.0: 0.1, 3.0: 0.1})
+    frozen_s: float = 0.0
+    change_penalty: float = 0.0
+    learned: str | None = None
+
+    def __post_init__(self) -> None:
+        if not self.budget_ms > 0:
+            raise UsageError(f"budget {self.budget_ms:g} ms: must be more than 0.")
+        if not 0 <= self.random <= 1:
+            raise UsageError(f"random {self.random:g}: a share lies between 0 and 1.")
+        if not self.prior or any(not (pace > 0 and share >= 0) for pace, share in self.prior.items()) or not sum(self.prior.values()) > 0:
+            raise UsageError(f"prior {dict(self.prior)}: needs pace factors above 0, each with a probability of 0 or more.")
+        if self.frozen_s < 0 or self.change_penalty < 0:
+            raise UsageError(f"frozen {self.frozen_s:g} s, change penalty {self.change_penalty:g} s: neither can be negative.")
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """A choice that was open, and what the decider reckoned it would come to.
+
+    Attributes:
+      starts: what would begin now; empty for waiting.
+      expected_cost: of the whole assembly, in the objective's measure; None when it was not reckoned.
+    """
+
+    starts: tuple[Start, ...]
+    expected_cost: float | None
+
+
+@dataclass(frozen=True)
+class Decision:
+    """What begins now, and why.
+
+    Attributes:
+      starts: tasks that robots begin now, alone or with a human who is asked for it too; empty when all of them wait or are busy.
+      announced: human -> the task that they are asked to do now or next; who is missing is asked to wait.
+      alternatives: the choices that were open, best first, the one taken included.
+      bound: seconds that the remaining work takes at least from now on, whoever does it (times as the decider believes them).
+      why: one sentence for the people beside the robot.
+      by: name of the decider that answered.
+      latency_ms: how long it took; no part of what makes two decisions equal.
+      expected_cost: of the choice taken; None when it was not reckoned. With `bound` it gives the gap.
+      look_again: when (s) the decider wants to be asked again although nothing has happened: a human who has not finished by then is slower
+        than it takes for granted. None: at the next event only.
+      asks: what humans are asked to begin now, with all who are to take part; of `announced` the part that is for now.
+    """
+
+    starts: tuple[Start, ...]
+    announced: Mapping[str, str]
+    alternatives: tuple[Alternative, ...]
+    bound: float
+    why: str
+    by: str
+    latency_ms: float = field(default=0.0, compare=False)
+    expected_cost: float | None = None
+    look_again: float | None = None
+    asks: tuple[Start, ...] = ()
+
+
+class Policy(Protocol):
+    """A decider. Reads the situation, never changes it, and answers always, even when nothing can begin."""
+
+    @property
+    def name(self) -> str:
+        """What tables call it."""
+        ...
+
+    def decide(self, situation: Situation) -> Decision:
+        """What begins now."""
+        ...

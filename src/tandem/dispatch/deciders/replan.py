@@ -1,0 +1,338 @@
+"""Planning the rest anew at each event. Plain: CP-SAT on the stated times, the first plan found. Robust: with each person's estimated pace, and
+of the choices that are as good as each other by the plan, the one that is best on average over what may come.
+
+Ties are many and matter: plans that are equally short for the stated times differ by a quarter when the human is slower than stated. So the
+robust decider does not take a plan but values every choice that is open now: under each pace that is still believed, the least cost of
+the rest after that choice (a hindsight optimum: Littman et al. 1995 call it QMDP), weighed by belief.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import product
+from math import inf
+from time import perf_counter
+
+from tandem.cell.model import Cell
+from tandem.dispatch.deciders.by_rule import ByRule
+from tandem.dispatch.deciders.policy import Decision, Options
+from tandem.dispatch.deciders.reply import phrase, reply
+from tandem.dispatch.deciders.seen import Models, cost_so_far, position
+from tandem.dispatch.situation.model import Situation
+from tandem.dispatch.situation.pace import Pace, estimates
+from tandem.dispatch.values.moves import Moves, Position
+from tandem.dispatch.values.objective import Objective
+from tandem.dispatch.values.rest import Plan, rest, solve
+from tandem.dispatch.values.search import OutOfTimeError, Search
+
+TIE = 1e-6
+"""Costs closer than this are equal."""
+STRETCHED = (0.85, 1.2)
+"""Equally good choices are compared under these further factors on the humans' times. ASSUMPTION."""
+ALL_PACES, ONE_PACE = 0.5, 0.7
+"""Shares of the budget by which the choices must be valued under every belief, or else under the mean pace alone, or else CP-SAT plans."""
+OVERDUE_TICKS = 2
+"""A robot looks again so many ticks after a human could have finished: who finishes just then is heard of first."""
+MOST_SCENARIOS = 7
+"""So many beliefs about several humans' paces are looked at."""
+
+
+def plain(cell: Cell, objective: Objective, options: Options) -> Replan:
+    """Re-planning by the stated times. Raises CellError as `Moves.of` does."""
+    return Replan(_models(cell, objective), objective, options, ByRule("longest-tail", _models(cell, objective), objective, options.seed))
+
+
+def robust(cell: Cell, objective: Objective, options: Options) -> Robust:
+    """Re-planning with estimated paces and ties broken. Raises CellError as `Moves.of` does. Values the first choices before the shift begins."""
+    made = Robust(_models(cell, objective), objective, options, ByRule("longest-tail", _models(cell, objective), objective, options.seed))
+    made.warm_up()
+    return made
+
+
+@dataclass(frozen=True)
+class Replan:
+    """Plans the rest anew at each event, with the stated times; the first plan found is carried out."""
+
+    models: Models
+    objective: Objective
+    options: Options
+    rule: ByRule
+    name: str = "replan"
+
+    def decide(self, situation: Situation) -> Decision:
+        """What begins now in the plan."""
+        began = perf_counter()
+        moves = self.models.of(situation, 1.0)
+        here = position(moves, situation, {})
+        return by_plan(self, moves, situation, here, began, self.options.budget_ms / 1000)
+
+
+def by_plan(policy: Replan | Robust, moves: Moves, situation: Situation, here: Position, began: float, seconds: float) -> Decision:
+    """The decision of the first plan that CP-SAT finds in the time; the rule's where it finds none."""
+    left = rest(moves, here)
+    plan = None if left is None else solve(left, _weights(policy.objective, moves), seconds=max(0.002, seconds * 0.8), seed=policy.options.seed)
+    choice = None if plan is None else starting(moves, here, plan)
+    if plan is None or choice is None:
+        choice = policy.rule.choose(moves, here, situation.now)
+        why = f"{phrase(moves, choice)}: by a rule, because no plan was found in {policy.options.budget_ms:g} ms."
+        return reply(policy.name, moves, situation, here, choice, [(choice, None)], began=began, why=why)
+    cost = cost_so_far(policy.objective, situation) + _cost(policy.objective, moves, plan)
+    end = situation.now + plan.ticks / moves.per_second
+    why = f"{phrase(moves, choice)}: so all is done at {end:.4g} s{' at the earliest' if plan.proven else ', the best plan found'}."
+    return reply(policy.name, moves, situation, here, choice, [(choice, cost)], began=began, why=why, later=next_tasks(moves, here, plan))
+
+
+def starting(moves: Moves, here: Position, plan: Plan) -> tuple[int, ...] | None:
+    """The ways that the plan begins now, taking apart first; None when it would begin nothing although nothing runs."""
+    chosen, legal = [], set(moves.legal(here))
+    for start, way in plan.begins:
+        first = way + moves.count if here.wrong >> moves.task[way] & 1 else way
+        change = max((row[o] for row in moves.changeover for o in range(len(row))), default=0) if moves.swaps else 0
+        if start <= change and first in legal and first in moves.legal(here):
+            here = moves.begin(here, first)
+            chosen.append(first)
+    return tuple(sorted(chosen)) if chosen or here.running else None
+
+
+def next_tasks(moves: Moves, here: Position, plan: Plan) -> dict[str, str]:
+    """Busy human -> the first task that the plan holds for it."""
+    found: dict[str, str] = {}
+    busy = moves.busy(here)
+    for _, way in plan.begins:
+        for o, name in enumerate(moves.instance.operators):
+            if moves.who[way] >> o & 1 and moves.human >> o & 1 and busy >> o & 1 and name not in found:
+                found[name] = moves.named(way)[0]
+    return found
+
+
+@dataclass(frozen=True)
+class Robust:
+    """Values every choice that is open now under each pace that is still believed, and takes the one that is best on average."""
+
+    models: Models
+    objective: Objective
+    options: Options
+    rule: ByRule
+    name: str = "replan-robust"
+    _searches: dict[object, Search] = field(default_factory=dict)
+
+    def warm_up(self) -> None:
+        """Values the first choices, so that the shift's first decision is as quick as the others; a few seconds at the most."""
+        until = perf_counter() + 3.0
+        situation = Situation.of(self.models.cell)
+        with contextlib.suppress(OutOfTimeError):
+            self.ranked(situation, estimates(situation, self.options.prior), until)
+
+    def decide(self, situation: Situation) -> Decision:
+        """What begins now."""
+        began = perf_counter()
+        paces = estimates(situation, self.options.prior)
+        budget = self.options.budget_ms / 1000
+        likely = {name: pace.mean for name, pace in paces.items()}
+        moves = self.models.of(situation, likely)
+        here = position(moves, situation, likely)
+        if not moves.legal(here):
+            return reply(self.name, moves, situation, here, (), [((), None)], began=began, why="nothing can begin before something has ended.")
+        for beliefs, share in ((paces, ALL_PACES), ({name: _as_one(pace) for name, pace in paces.items()}, ONE_PACE)):
+            try:
+                ranked, look = self.ranked(situation, beliefs, began + budget * share)
+                break
+            except OutOfTimeError:
+                continue
+        else:
+            return by_plan(self, moves, situation, here, began, budget - (perf_counter() - began) - 0.003)
+        choice = ranked[0][0]
+        look_again = None if look is None else situation.now + look / moves.per_second
+        return reply(self.name, moves, situation, here, choice, ranked, began=began, why=self._why(moves, ranked, paces), look_again=look_again)
+
+    def ranked(self, situation: Situation, paces: Mapping[str, Pace], until: float) -> tuple[list[tuple[tuple[int, ...], float]], int | None]:
+        """The choices that matter, best first, each with the expected cost of the whole assembly; and the ticks after which a robot that waits in
+        the best one should look again although nothing has happened (None: it need not).
+
+        Raises OutOfTimeError.
+        """
+        beliefs = [(share, *self._under(situation, factor, until)) for factor, share in scenarios(paces)]
+        found = self._values(situation, beliefs, None)
+        if len(found) > 1 and found[1][1] <= found[0][1] + TIE:
+            ties = [choice for choice, cost in found if cost <= found[0][1] + TIE]
+            found = self._untied(situation, paces, found, ties, until)
+        base = cost_so_far(self.objective, situation)
+        return [(choice, base + cost) for choice, cost in found], _look(beliefs, found[0][0]) if found else None
+
+    def _under(self, situation: Situation, factor: tuple[tuple[str, float], ...], until: float) -> tuple[Search, Position]:
+        moves = self.models.of(situation, dict(factor))
+        search = self._searches.get(id(moves))
+        if search is None or search.moves is not moves:
+            if len(self._searches) > 40:
+                self._searches.clear()
+            search = self._searches[id(moves)] = Search(moves, _weights(self.objective, moves))
+        search.within(max(0.0, until - perf_counter()))
+        return search, position(moves, situation, dict(factor))
+
+    def _values(
+        self, situation: Situation, beliefs: Sequence[Belief], among: Iterable[tuple[int, ...]] | None
+    ) -> list[tuple[tuple[int, ...], float]]:
+        """(choice, expected cost still to come), best first; a choice that is surely worse than the best may be missing or stand with a bound."""
+        first = beliefs[0][1].moves
+        choices = list(first.choices(beliefs[0][2]) if among is None else among)
+        choices = self._kept(situation, first, beliefs[0][2], choices)
+        bounds = []
+        for choice in choices:
+            steps = _steps(beliefs, choice)
+            if steps is not None:
+                floor = sum(share * bound for share, _, bound, _, _ in steps)
+                bounds.append((floor + self._penalty(situation, first, beliefs[0][2], choice), choice, steps))
+        bounds.sort(key=lambda row: (row[0], [-way for way in row[1]]))
+        best, found = inf, []
+        for bound, choice, steps in bounds:
+            if bound > best + TIE:
+                break
+            cost = bound
+            for share, search, floor, paid, after in steps:
+                room = inf if best == inf else (best + 2 * TIE - cost) / share + floor - paid
+                cost += share * (paid + search.value(after, room) - floor)
+                if cost > best + TIE:
+                    break
+            best = min(best, cost)
+            found.append((choice, cost))
+        found.sort(key=lambda row: row[1])
+        return found
+
+    def _untied(
+        self,
+        situation: Situation,
+        paces: Mapping[str, Pace],
+        found: list[tuple[tuple[int, ...], float]],
+        ties: list[tuple[int, ...]],
+        until: float,
+    ) -> list[tuple[tuple[int, ...], float]]:
+        """The same list, equally good choices in the order of what they come to when people are somewhat quicker or slower than believed."""
+        extra: dict[tuple[int, ...], float] = dict.fromkeys(ties, 0.0)
+        try:
+            for stretch in STRETCHED:
+                factor = tuple((name, round(pace.mean * stretch, 3)) for name, pace in paces.items())
+                search, there = self._under(situation, factor, until)
+                costs = dict(self._values(situation, [(1.0, search, there)], ties))
+                extra = {choice: cost + costs.get(choice, 1e9) for choice, cost in extra.items()}
+        except OutOfTimeError:
+            pass
+        moves = self.models.of(situation, 1.0)
+        here = position(moves, situation, {})
+        keeps = {choice: self._changes(situation, moves, here, choice) for choice in ties}
+        stress = {choice: sum(moves.units[way] for way in choice) for choice in ties}
+        first = sorted(ties, key=lambda choice: (extra[choice], keeps[choice], stress[choice], -len(choice)))
+        value = dict(found)
+        return [*((choice, value[choice]) for choice in first), *(row for row in found if row[0] not in extra)]
+
+    def _kept(self, situation: Situation, moves: Moves, here: Position, choices: list[tuple[int, ...]]) -> list[tuple[int, ...]]:
+        """Without the choices that change what was announced to a human and is due within the frozen horizon."""
+        if not self.options.frozen_s:
+            return choices
+        legal = {moves.named(way) for way in moves.legal(here)}
+        due = {(human, task) for human, task in situation.announced.items() if (task, (human,)) in legal}
+        kept = [choice for choice in choices if all(any(moves.named(way) == (task, (human,)) for way in choice) for human, task in due)]
+        return kept or choices
+
+    def _penalty(self, situation: Situation, moves: Moves, here: Position, choice: tuple[int, ...]) -> float:
+        changes = self._changes(situation, moves, here, choice) if self.options.change_penalty else 0
+        return self.options.change_penalty * self.objective.time * changes
+
+    def _changes(self, situation: Situation, moves: Moves, here: Position, choice: tuple[int, ...]) -> int:
+        """How many tasks that were announced to idle humans, and could begin now, they are not to begin now."""
+        may, chosen = {moves.named(way) for way in moves.legal(here)}, {moves.named(way) for way in choice}
+        return sum((task, (human,)) in may and (task, (human,)) not in chosen for human, task in situation.announced.items())
+
+    def _why(self, moves: Moves, ranked: Sequence[tuple[tuple[int, ...], float]], paces: Mapping[str, Pace]) -> str:
+        choice, cost = ranked[0]
+        known = ", ".join(f"{name} takes {pace.words}" for name, pace in paces.items() if pace.seen)
+        ground = f"with what is known ({known})" if known else "over the paces that are likely"
+        others = [other for _, other in ranked[1:] if other > cost + TIE]
+        gain = f", {others[0] - cost:.3g} less than the next best" if others else ", as good as any other choice"
+        return f"{phrase(moves, choice)}: expected cost {cost:.4g} {ground}{gain}."
+
+
+def _as_one(pace: Pace) -> Pace:
+    """The pace as if it were surely its mean."""
+    return replace(pace, shares=((round(pace.mean, 3), 1.0),))
+
+
+def scenarios(paces: Mapping[str, Pace]) -> list[tuple[tuple[tuple[str, float], ...], float]]:
+    """Beliefs about all humans together: (human and factor for each, probability); the most likely ones where there are many."""
+    rows = [[(name, factor, share) for factor, share in pace.shares] for name, pace in paces.items()]
+    joint = [(tuple((name, factor) for name, factor, _ in combo), _product(share for _, _, share in combo)) for combo in product(*rows)]
+    joint.sort(key=lambda row: -row[1])
+    kept = joint[:MOST_SCENARIOS]
+    total = sum(share for _, share in kept)
+    return [(factors, share / total) for factors, share in kept]
+
+
+Belief = tuple[float, Search, Position]
+"""(probability, the search under it, where the assembly stands under it)."""
+Step = tuple[float, Search, float, float, Position]
+"""(probability, search, bound, cost until then, position then) of a choice under one belief."""
+
+
+def _steps(beliefs: Sequence[Belief], choice: tuple[int, ...]) -> list[Step] | None:
+    """Where the choice leads under each belief; None when nothing would ever happen.
+
+    Until the next event; when a robot is left idle, until the next event of whichever belief has it soonest, for then it may look again.
+    """
+    begun = [_begun(search.moves, here, choice) for _, search, here in beliefs]
+    ticks = [search.moves.next_event(after) for (_, search, _), (after, _) in zip(beliefs, begun, strict=True)]
+    if any(one is None for one in ticks):
+        return None
+    if _is_robot_idle(beliefs[0][1].moves, begun[0][0]):
+        ticks = [min(one for one in ticks if one is not None)] * len(ticks)
+    steps = []
+    for (share, search, _), (after, units), one in zip(beliefs, begun, ticks, strict=True):
+        paid = search.weights[0] * (one or 0) + search.weights[1] * units
+        then = search.moves.after(after, one or 0)
+        steps.append((share, search, paid + search.floor(then), paid, then))
+    return steps
+
+
+def _look(beliefs: Sequence[Belief], choice: tuple[int, ...]) -> int | None:
+    """Ticks after which a robot that is left idle should look again: a human could have finished by then, or is overdue."""
+    ends = []
+    for _, search, here in beliefs:
+        after, _ = _begun(search.moves, here, choice)
+        ends += [left for way, left in after.running if search.moves.who[way] & search.moves.human]
+        if not _is_robot_idle(search.moves, after):
+            return None
+    return None if not ends else min(ends) + OVERDUE_TICKS
+
+
+def _begun(moves: Moves, here: Position, choice: tuple[int, ...]) -> tuple[Position, int]:
+    """The position when the choice has begun, and its units of stress."""
+    units = 0
+    for way in choice:
+        here, units = moves.begin(here, way), units + moves.units[way]
+    return here, units
+
+
+def _is_robot_idle(moves: Moves, here: Position) -> bool:
+    """A robot is idle though it could begin something."""
+    return any(not moves.who[way] & moves.human for way in moves.legal(here))
+
+
+def _product(shares: Iterable[float]) -> float:
+    result = 1.0
+    for share in shares:
+        result *= share
+    return result
+
+
+def _models(cell: Cell, objective: Objective) -> Models:
+    models = Models(cell, objective.max_stress)
+    models.of(Situation.of(cell), 1.0)
+    return models
+
+
+def _weights(objective: Objective, moves: Moves) -> tuple[float, float]:
+    return objective.time / moves.per_second, objective.stress / moves.instance.per_stress
+
+
+def _cost(objective: Objective, moves: Moves, plan: Plan) -> float:
+    return objective.cost(plan.ticks / moves.per_second, moves.instance.stress(plan.units))

@@ -1,0 +1,74 @@
+"""The table of all deciders: what each does, and where it is made."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+
+from tandem.cell.model import Cell
+from tandem.cell.names import Known
+from tandem.dispatch.deciders.policy import Options, Policy
+from tandem.dispatch.values.objective import SECONDS, Objective
+from tandem.errors import UsageError
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A line of the table: what the decider does, and where its maker stands (`module:function`, loaded when it is asked for).
+
+    A maker takes a cell, an `Objective` and `Options`, may take seconds, which are spent before the shift begins, and raises CellError for a cell
+    that the decider cannot hold. `argument` is handed to it first when it is given: one maker then makes several deciders.
+    """
+
+    what: str
+    where: str
+    argument: str | None = None
+
+    def __call__(self, cell: Cell, objective: Objective, options: Options) -> Policy:
+        module, name = self.where.split(":")
+        maker = getattr(import_module(module), name)
+        policy: Policy = maker(cell, objective, options) if self.argument is None else maker(self.argument, cell, objective, options)
+        return policy
+
+
+def _rule(name: str, what: str) -> Entry:
+    return Entry(what, "tandem.dispatch.deciders.by_rule:by_rule", name)
+
+
+POLICIES: dict[str, Entry] = {
+    "fixed": Entry("the exact plan for the stated times, its order kept whatever happens", "tandem.dispatch.deciders.fixed:fixed"),
+    "random": _rule("random", "tasks in random order"),
+    "spt": _rule("spt", "shortest task first"),
+    "lpt": _rule("lpt", "longest task first"),
+    "longest-tail": _rule("longest-tail", "the task with the longest chain behind it first"),
+    "earliest-completion": _rule("earliest-completion", "whatever can be finished first"),
+    "heft": _rule("heft", "by upward rank over mean times (Topcuoglu et al. 2002)"),
+    "least-stress": _rule("least-stress", "the way with the least stress, then the longest tail"),
+    "balanced": _rule("balanced", "longest tail, work to whom it suits at the price of each operator's time"),
+    "weighted": _rule("weighted", "longest tail, stress weighed against time"),
+    "best-of-n": _rule("best-of-n", "the best of randomised schedules of the rule 'balanced', made anew at each event"),
+    "replan": Entry(
+        "CP-SAT plans the rest anew at each event, with the stated times; the first plan found is taken", "tandem.dispatch.deciders.replan:plain"
+    ),
+    "replan-robust": Entry(
+        "as replan, with each person's estimated pace; of good plans the one that is best on average", "tandem.dispatch.deciders.replan:robust"
+    ),
+    "expected": Entry("exact: the least expected cost beside the human as modelled; small cells", "tandem.dispatch.deciders.by_value:expected"),
+    "minimax": Entry("exact: the least cost that no human can spoil; small cells", "tandem.dispatch.deciders.by_value:minimax"),
+    "learned": Entry("a trained best response to many people, a network in NumPy", "tandem.dispatch.deciders.learned:learned"),
+    "auto": Entry("learned, else planned anew if there is time, else a rule; always answers within the budget", "tandem.dispatch.deciders.auto:auto"),
+}
+"""Name -> decider. A new one is a file and a line here."""
+
+
+def policy(name: str, cell: Cell, objective: Objective = SECONDS, options: Options | None = None) -> Policy:
+    """The decider of this name for the cell.
+
+    Raises:
+      UsageError: there is none of this name.
+      CellError: it cannot hold this cell.
+    """
+    known = Known(POLICIES)
+    if name not in known:
+        raise UsageError(f"there is no policy {name!r}. {known.hint(name)} `tandem policies` lists them.")
+    return POLICIES[name](cell, objective, options or Options())

@@ -1,0 +1,1 @@
+"""How good deciders are: many simulated episodes beside people who deviate, held against the exact optimum."""

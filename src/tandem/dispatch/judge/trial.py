@@ -1,0 +1,196 @@
+"""The judge: deciders beside people, many episodes, the same chances for all of them.
+
+Every decider meets the same episodes (common random numbers), so differences between deciders are known far better than their means.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from tandem.cell.model import Cell, plain
+from tandem.cell.names import Known
+from tandem.dispatch.deciders.policy import Options, Policy
+from tandem.dispatch.deciders.table import POLICIES, policy
+from tandem.dispatch.judge.best_response import optimum
+from tandem.dispatch.judge.lockstep import Outcome, Stage
+from tandem.dispatch.values.objective import SECONDS, Objective
+from tandem.errors import UsageError
+from tandem.world.arrays import Names
+from tandem.world.crowd import Crowd, crowd
+from tandem.world.fate import OFF, Chance, Draw
+from tandem.world.people import Person
+
+MOST_PERSONS = 64
+"""A crowd of more different people gets no exact optimum: it would be one dynamic programme for each."""
+Z = 1.96
+"""Half the width of a 95 % interval in standard errors."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What is to be judged.
+
+    Attributes:
+      policies: names of deciders; the first one is what the others are compared with.
+      people: one or more descriptions, each judged by itself.
+      episodes: per description and decider. `seed`: of chance, and of who is drawn from a crowd.
+      objective, chance, options: see there. Where all people of a description pick at random alike, `expected` is told how often.
+      fewer: decider -> its own, smaller number of episodes, for those who take long; they are compared over these.
+    """
+
+    policies: tuple[str, ...]
+    people: tuple[str, ...] = ("compliant",)
+    episodes: int = 1000
+    seed: int = 0
+    objective: Objective = SECONDS
+    chance: Chance = OFF
+    options: Options = field(default_factory=Options)
+    fewer: dict[str, int] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not self.policies or not self.people:
+            raise UsageError("name at least one policy and one kind of people.")
+        if doubled := {name for name in self.policies if self.policies.count(name) > 1}:
+            raise UsageError(f"policy {', '.join(sorted(doubled))}: named twice. Name each once.")
+        known = Known(POLICIES)
+        if unknown := [name for name in self.policies if name not in known]:
+            faults = " ".join(f"There is no policy {name!r}. {known.hint(name)}" for name in unknown)
+            raise UsageError(f"{faults} `tandem policies` lists them.")
+        if min([self.episodes, *self.fewer.values()]) < 2:
+            raise UsageError(f"episodes {self.episodes}: an interval needs 2 at least.")
+
+
+def judge(cell: Cell, trial: Trial, tell: Callable[[str], None] = lambda _: None) -> list[dict[str, Any]]:
+    """One document for each description of people; see `docs/dispatch.md` for what stands in it.
+
+    Raises:
+      UsageError: an unknown decider or description, or a cell too large for a decider.
+      CellError: a decider cannot hold the cell.
+    """
+    names = Names.of(cell)
+    crowds = [crowd(spec, names, names.arrays()) for spec in trial.people]
+    made: dict[tuple[str, float], Policy] = {}
+    return [_document(cell, names, trial, one, made, tell) for one in crowds]
+
+
+def _document(
+    cell: Cell, names: Names, trial: Trial, people: Crowd, made: dict[tuple[str, float], Policy], tell: Callable[[str], None]
+) -> dict[str, Any]:
+    arrays = names.arrays(undo=trial.chance.undo if people.makes_mistakes else None)
+    draw = Draw.of(names, arrays, trial.chance)
+    persons = people.draw(np.random.default_rng(trial.seed), trial.episodes)
+    best = best_of(cell, trial, persons)
+    stage = Stage.of(names, arrays, draw, persons, trial.seed)
+    told = replace(trial.options, random=float(persons.random[0]) if np.ptp(persons.random) == 0 else trial.options.random)
+    costs: dict[str, Any] = {}
+    rows = []
+    for name in trial.policies:
+        tell(f"{people.spec}: {name}")
+        count = min(trial.episodes, trial.fewer.get(name, trial.episodes))
+        key = (name, told.random if name == "expected" else 0.0)
+        if key not in made:
+            made[key] = policy(name, cell, trial.objective, told)
+        found = stage.play(made[key], count)
+        costs[name] = trial.objective.time * found.makespan + trial.objective.stress * found.stress
+        rows.append(_row(name, found, costs, trial.policies[0], None if best is None else best[:count]))
+    return {
+        "schema_version": 1,
+        "cell": cell.name,
+        "cell_digest": cell.digest,
+        "people": people.spec,
+        "episodes": trial.episodes,
+        "seed": trial.seed,
+        "weights": [plain(trial.objective.time), plain(trial.objective.stress)],
+        "spread": trial.chance.spread,
+        "optimum": None if best is None else _rounded(best.mean()),
+        "compared_with": trial.policies[0],
+        "policies": rows,
+    }
+
+
+def best_of(cell: Cell, trial: Trial, persons: Person) -> Any:
+    """`[E]`, per episode the exact optimum beside its person; None where it cannot be computed."""
+    if trial.chance.spread != "off" or trial.chance.failure_s is not None or trial.chance.absence_s is not None:
+        return None
+    rows = np.concatenate([np.asarray(part, np.float64).reshape(len(persons.pace), -1) for part in persons], axis=1)
+    distinct, which = np.unique(rows, axis=0, return_inverse=True)
+    if len(distinct) > MOST_PERSONS:
+        return None
+    found = []
+    for number in range(len(distinct)):
+        first = int(np.flatnonzero(which == number)[0])
+        found.append(optimum(cell, trial.objective, Person(*(part[first] for part in persons))))
+    return None if any(one is None for one in found) else np.array(found, float)[which]
+
+
+def _row(name: str, found: Outcome, costs: dict[str, Any], compared_with: str, best: Any) -> dict[str, Any]:
+    """What is said of one decider."""
+    cost = costs[name]
+    row: dict[str, Any] = {
+        "policy": name,
+        "episodes": len(cost),
+        "done": _rounded(found.done.mean()),
+        "makespan": _measure(found.makespan),
+        "stress": _measure(found.stress),
+        "changes": _rounded(found.changes.mean()),
+        "latency_ms": {"p50": _quantile(found.latency_ms, 0.5), "p99": _quantile(found.latency_ms, 0.99), "decisions": len(found.latency_ms)},
+        "regret": None,
+        "regret_ci95": None,
+        "regret_share": None,
+        "proximity": None,
+    }
+    if best is not None:
+        mean = best.mean()
+        low, high = _interval(cost - best)
+        row |= {
+            "regret": _rounded((cost - best).mean()),
+            "regret_ci95": [_rounded(low), _rounded(high)],
+            "regret_share": _rounded((cost - best).mean() / mean, 5),
+            "proximity": _rounded(mean / cost.mean(), 5),
+        }
+    if name != compared_with:
+        count = min(len(cost), len(costs[compared_with]))
+        difference = cost[:count] - costs[compared_with][:count]
+        row["difference"] = {"mean": _rounded(difference.mean()), "ci95": [_rounded(edge) for edge in _interval(difference)]}
+    return row
+
+
+def _measure(values: Any) -> dict[str, Any]:
+    quantiles = {f"p{round(100 * share)}": _quantile(values, share) for share in (0.05, 0.25, 0.5, 0.75, 0.95)}
+    return {"mean": _rounded(values.mean()), "ci95": [_rounded(edge) for edge in _interval(values)], **quantiles}
+
+
+def _interval(values: Any) -> tuple[float, float]:
+    """95 % interval of the mean, by the normal approximation."""
+    half = Z * float(np.std(values, ddof=1)) / len(values) ** 0.5
+    return float(values.mean()) - half, float(values.mean()) + half
+
+
+def _quantile(values: Any, share: float) -> float | None:
+    return _rounded(float(np.quantile(values, share))) if len(values) else None
+
+
+def _rounded(value: float, digits: int = 4) -> float:
+    return plain(round(float(value), digits))
+
+
+def split_people(text: Sequence[str]) -> tuple[str, ...]:
+    """Descriptions of people from the command line: several options, or one with commas. A comma within a description stays in it.
+
+    `("compliant,prefers:3,1",)` -> `("compliant", "prefers:3,1")`.
+    """
+    from tandem.world.crowd import KINDS
+
+    kinds = (*KINDS, "population")
+    found: list[str] = []
+    for one in text:
+        for place, part in enumerate(one.split(",")):
+            if place == 0 or part.strip().partition(":")[0].partition("+")[0] in kinds:
+                found.append(part)
+            else:
+                found[-1] += f",{part}"
+    return tuple(part.strip() for part in found)

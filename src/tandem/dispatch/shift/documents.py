@@ -1,0 +1,130 @@
+"""What the floor hears and the journal keeps: decisions as plain values, and back again."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from tandem.dispatch.deciders.policy import Decision
+from tandem.dispatch.journal import Entry
+from tandem.dispatch.shift.in_time import Answered
+from tandem.dispatch.situation.after import ordered, revoked
+from tandem.dispatch.situation.events import Event
+from tandem.dispatch.situation.legal import hindrances, is_ready, legal, next_change
+from tandem.dispatch.situation.model import Situation
+
+SCHEMA_VERSION = 1
+"""Of events, answers and decisions."""
+
+MOST_ALTERNATIVES = 20
+"""So many are told with a decision."""
+
+Document = dict[str, Any]
+
+
+def document(situation: Situation, answered: Answered, number: int) -> Document:
+    """A decision as the floor hears it and as the journal keeps it."""
+    decision = answered.decision
+    now = ordered(situation, decision, number)
+    looks = [time for time in (decision.look_again, next_change(situation)) if time is not None and time > situation.now]
+    made = {
+        "type": "decision",
+        "number": number,
+        "at": situation.now,
+        "starts": [{"task": task, "operators": list(order.operators), "order": order.number} for task, order in now.orders.items()],
+        "announced": dict(now.announced),
+        "asks": [{"task": task, "operators": list(who)} for task, who in decision.asks],
+        "take_apart": [task for task in situation.wrong if task in now.orders or task in now.announced.values()],
+        "revoked": [{"task": task, "operators": list(order.operators), "order": order.number} for task, order in revoked(situation, now).items()],
+        "alternatives": [
+            {"starts": [{"task": task, "operators": list(who)} for task, who in other.starts], "expected_cost": _number(other.expected_cost)}
+            for other in decision.alternatives[:MOST_ALTERNATIVES]
+        ],
+        "expected_cost": _number(decision.expected_cost),
+        "bound": _number(decision.bound),
+        "why": decision.why,
+        "by": decision.by,
+        "instead": answered.instead,
+        "look_again": min(looks, default=None),
+        "over": situation.is_over,
+        "latency_ms": round(decision.latency_ms, 3),
+    }
+    return {**made, **({"fault": answered.fault} if answered.fault else {}), **({"stuck": held} if (held := stuck(situation)) else {})}
+
+
+def over(situation: Situation) -> Answered:
+    """The last decision: there is nothing left to do."""
+    why = f"Everything is done, after {situation.makespan:g} s; the humans have collected {situation.stress:g} of stress."
+    return Answered(Decision((), {}, (), 0.0, why, "shift"))
+
+
+def summary(situation: Situation, entries: Iterable[Entry]) -> Document:
+    """The last line of a shift, or of the part of it that was seen: how it went, and how quickly it was decided upon."""
+    rows = list(entries)
+    decisions = [entry.decision for entry in rows if entry.decision is not None and entry.decision["by"] != "shift"]
+    spent = sorted(decision["latency_ms"] for decision in decisions)
+    return {
+        "type": "summary",
+        "over": situation.is_over,
+        "at": situation.now,
+        "makespan": situation.makespan,
+        "stress": situation.stress,
+        "lines": len(rows) - 1,
+        "events": sum(entry.event is not None for entry in rows),
+        "refused": sum(entry.answer is not None and not entry.answer["accepted"] for entry in rows),
+        "decisions": len(decisions),
+        "late": sum(decision["instead"] == "late" for decision in decisions),
+        "failed": sum(decision["instead"] == "failed" for decision in decisions),
+        "latency_ms": {"p50": _quantile(spent, 0.5), "p99": _quantile(spent, 0.99), "max": max(spent, default=0.0)},
+    }
+
+
+def _quantile(ordered_numbers: list[float], share: float) -> float:
+    """The smallest number that at least this share of them does not exceed; 0 when there are none."""
+    return ordered_numbers[max(0, math.ceil(share * len(ordered_numbers)) - 1)] if ordered_numbers else 0.0
+
+
+def stuck(situation: Situation) -> list[str]:
+    """Why nothing goes on, where nobody is at anything, nothing may begin, and the clock alone will not change that; else an empty list."""
+    if situation.is_over or situation.running or legal(situation) or next_change(situation) is not None:
+        return []
+    idle, reasons = set(situation.idle), dict[str, None]()
+    for task in situation.open:
+        if is_ready(situation, task):
+            for way in situation.facts.ways[task]:
+                away = [f"{who!r} is {'down' if who in situation.failed else 'absent'}" for who in way.operators if who not in idle]
+                held = [*away, *hindrances(situation, task, way)]
+                reasons[f"task {task!r} by {' and '.join(way.operators)}: {'; '.join(held)}."] = None
+    return list(reasons)
+
+
+def digest(situation: Situation) -> str:
+    """Sixteen hexadecimal digits that change when anything in the situation does."""
+    return hashlib.sha256(json.dumps(situation.to_dict(), sort_keys=True).encode()).hexdigest()[:16]
+
+
+@dataclass(frozen=True)
+class Told:
+    """What a document of a decision tells; see `after.Choice`."""
+
+    starts: tuple[tuple[str, tuple[str, ...]], ...]
+    announced: Mapping[str, str]
+
+
+def told(decision: Mapping[str, Any]) -> Told:
+    """The part of the document that becomes part of the situation."""
+    return Told(tuple((row["task"], tuple(row["operators"])) for row in decision["starts"]), decision["announced"])
+
+
+def event_of(data: Mapping[str, Any]) -> Event:
+    """The inverse of `Event.to_dict`."""
+    operators = data.get("operators", [data["operator"]] if "operator" in data else [])
+    return Event(data["event"], data["at"], data.get("task"), tuple(operators), data.get("until"), data.get("id"))
+
+
+def _number(value: float | None) -> float | None:
+    return None if value is None or not math.isfinite(value) else float(value)

@@ -1,0 +1,217 @@
+"""A shift: one assembly under way, told by events and steered by decisions. Journal + situation + decider.
+
+`Shift.take(line)` is all that happens: the line is read, judged and answered; what was taken moves the situation on and is decided upon; before
+anybody hears of it, line, answer and decision are in the journal, in one transaction. All but the wall clock is a pure function of the lines.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field, replace
+from datetime import UTC, datetime
+from typing import Any, Self
+
+from tandem.cell.model import Cell
+from tandem.dispatch.deciders.policy import Options
+from tandem.dispatch.deciders.table import policy
+from tandem.dispatch.journal import Entry, Journal, JournalError
+from tandem.dispatch.shift.documents import SCHEMA_VERSION, Document, digest, document, event_of, over, told
+from tandem.dispatch.shift.in_time import Answered, InTime
+from tandem.dispatch.situation.after import after, ordered
+from tandem.dispatch.situation.events import LONGEST_LINE, Event, EventError, read_event, start_of
+from tandem.dispatch.situation.model import TAKING_APART, Situation
+from tandem.dispatch.situation.objections import objections, remarks
+from tandem.dispatch.values.objective import Objective
+
+RULE = "longest-tail"
+"""The rule that answers when the decider cannot."""
+
+FOR_PLANNING = 0.6
+"""Share of the budget that deciders who plan against the clock are told."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a shift is steered by; stands in its journal.
+
+    Attributes:
+      policy: name of the decider, from `POLICIES`.
+      objective, options: handed to the decider. `options.budget_ms` is for each decision, `options.seed` for whatever it draws.
+      taking_apart: see `TAKING_APART` in `situation/model.py`.
+    """
+
+    policy: str = "auto"
+    objective: Objective = field(default_factory=Objective)
+    options: Options = field(default_factory=Options)
+    taking_apart: float = TAKING_APART
+
+    def to_dict(self) -> Document:
+        """As plain values."""
+        made = asdict(self)
+        made["options"]["prior"] = [[factor, share] for factor, share in self.options.prior.items()]
+        return made
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """The inverse of `to_dict`."""
+        options = Options(**{**data["options"], "prior": dict(data["options"]["prior"])})
+        return cls(data["policy"], Objective(**data["objective"]), options, data["taking_apart"])
+
+    def decider(self, cell: Cell, *, patience: float = 1.0) -> InTime:
+        """The decider, with the rule that stands in for it. May take seconds. With `patience` it is told so many times the budget."""
+        told = replace(self.options, budget_ms=self.options.budget_ms * FOR_PLANNING * patience)
+        made = policy(self.policy, cell, self.objective, told)
+        return InTime(made, policy(RULE, cell, self.objective, told), self.options.budget_ms)
+
+
+class Shift:
+    """A shift under way.
+
+    Attributes:
+      situation: where it stands.
+      number: of the last entry in the journal; -1 before the opening.
+      start: the moment on the wall clock that is 0 s; None while nobody has told one.
+      is_resumed: the journal held it already.
+      decision: the document of the last decision.
+      event: the last one that was taken; None before any.
+      ask: what decides.
+    """
+
+    def __init__(self, journal: Journal, cell: Cell, settings: Settings, start: datetime | None, ask: Callable[[Situation], Answered]) -> None:
+        """Use `Shift.open`."""
+        self.journal, self.cell, self.settings, self.start, self.ask = journal, cell, settings, start, ask
+        self.situation = Situation.of(cell, taking_apart=settings.taking_apart)
+        self.number, self.is_resumed, self.decision = -1, False, Document()
+        self.event: Event | None = None
+
+    @classmethod
+    def open(cls, cell: Cell, journal: Journal, settings: Settings, start: datetime | None = None, *, decider: InTime | None = None) -> Self:
+        """Opens a shift in a new journal and decides for the first time, or goes on where the journal ends.
+
+        Args:
+          settings: of a new shift. Those of a journal that is there must be the same.
+          start: the moment on the wall clock that is 0 s, for events that tell the time; when None, the first event that does is at 0 s.
+          decider: instead of the one that the settings name.
+
+        Raises:
+          JournalError: the journal is of another cell or of other settings, or does not lead where it says.
+          UsageError, CellError: the decider does not exist, or cannot hold the cell.
+        """
+        if not journal.is_new:
+            settings, start = opened_with(journal, cell)
+        decider = decider or settings.decider(cell)
+        shift = cls(journal, cell, settings, start, decider.decide)
+        shift.is_resumed = not journal.is_new
+        if shift.is_resumed:
+            shift._go_on()
+        decider.warm_up(shift.situation)
+        if not shift.is_resumed:
+            shift.begin()
+        return shift
+
+    def take(self, line: str) -> list[Document]:
+        """Takes a line from the floor.
+
+        Returns:
+          the answer; when the event was taken, the decision after it too. Both are in the journal already.
+
+        Raises:
+          JournalError: the journal cannot be written. The line counts as not taken.
+        """
+        answer, event = self._answered(line)
+        decision, moved = None, self.situation
+        if event is not None:
+            moved = after(self.situation, event)
+            decision = self._decided(moved)
+            moved = ordered(moved, told(decision), self.number + 1)
+        plain = None if event is None else event.to_dict()
+        entry = Entry(self.number + 1, _wall_clock(), line[: LONGEST_LINE + 1], plain, answer, decision, digest(moved))
+        self.journal.append(entry, None if event is None else event.id)
+        self._moved(entry, moved)
+        return [answer] if decision is None else [answer, decision]
+
+    def hello(self) -> Document:
+        """What the shift is and where it stands: the first thing that the floor hears."""
+        return {
+            "type": "shift",
+            "schema_version": SCHEMA_VERSION,
+            "cell": self.cell.name,
+            "digest": self.cell.digest,
+            "policy": self.settings.policy,
+            "budget_ms": self.settings.options.budget_ms,
+            "seed": self.settings.options.seed,
+            "start": None if self.start is None else self.start.isoformat(),
+            "resumed": self.is_resumed,
+            "number": self.number,
+            "at": self.situation.now,
+            "done": list(self.situation.done),
+            "running": {task: list(at.operators) for task, at in self.situation.running.items()},
+            "wrong": list(self.situation.wrong),
+            "absent": sorted(self.situation.absent),
+            "failed": sorted(self.situation.failed),
+        }
+
+    def begin(self) -> None:
+        """Decides for the first time and begins the journal. `open` does it where it is due."""
+        decision = self._decided(self.situation)
+        moved = ordered(self.situation, told(decision), 0)
+        opening = Entry(0, _wall_clock(), "", None, None, decision, digest(moved))
+        self.journal.begin(self.cell, self.settings.to_dict(), None if self.start is None else self.start.isoformat(), opening)
+        self._moved(opening, moved)
+
+    def _go_on(self) -> None:
+        for entry in self.journal.entries():
+            moved = self.situation if entry.event is None else after(self.situation, event_of(entry.event))
+            moved = moved if entry.decision is None else ordered(moved, told(entry.decision), entry.number)
+            if digest(moved) != entry.situation or entry.number != self.number + 1:
+                raise JournalError(f"{self.journal.path}: entry {entry.number} does not lead where the journal says. It was changed, or is damaged.")
+            self._moved(entry, moved)
+
+    def _moved(self, entry: Entry, moved: Situation) -> None:
+        self.situation, self.number = moved, entry.number
+        self.decision = self.decision if entry.decision is None else dict(entry.decision)
+        if entry.event is not None:
+            self.start = self.start or start_of(entry.line)
+            self.event = event_of(entry.event)
+
+    def _answered(self, line: str) -> tuple[Document, Event | None]:
+        """The answer to the line, and the event when it is taken."""
+        start = self.start or start_of(line)
+        try:
+            event = read_event(line, self.cell, start)
+            if self.start is None and self.event is not None and start is not None:
+                raise EventError(["the shift counts seconds and has no start on the wall clock; open it with --start to send times."], event.id)
+        except EventError as error:
+            return self._answer(None, error.id, accepted=False, reasons=list(error.reasons)), None
+        if event.id is not None and (known := self.journal.with_id(event.id)) is not None:
+            earlier, content = known
+            if content == event.to_dict():
+                return self._answer(event, event.id, accepted=True, duplicate_of=earlier), None
+            return self._answer(event, event.id, accepted=False, reasons=[f"the id {event.id!r} stands for another event, number {earlier}."]), None
+        if reasons := objections(self.situation, event):
+            return self._answer(event, event.id, accepted=False, reasons=reasons), None
+        return self._answer(event, event.id, accepted=True, remarks=remarks(self.situation, event)), event
+
+    def _answer(self, event: Event | None, id: str | None, **rest: Any) -> Document:
+        known = {"event": None if event is None else event.kind, "id": id}
+        return {"type": "answer", "number": self.number + 1, **{key: value for key, value in known.items() if value is not None}, **rest}
+
+    def _decided(self, situation: Situation) -> Document:
+        answered = over(situation) if situation.is_over else self.ask(situation)
+        return document(situation, answered, self.number + 1)
+
+
+def opened_with(journal: Journal, cell: Cell) -> tuple[Settings, datetime | None]:
+    """The settings and the stated start of the shift in the journal. Raises JournalError when it is of another cell."""
+    about = journal.about()
+    if about["digest"] != cell.digest:
+        name = about["cell"].get("name", "")
+        raise JournalError(
+            f"{journal.path}: the journal is of the cell {name!r} (digest {about['digest']}), this one is {cell.name!r} (digest {cell.digest}). "
+            "Give the cell as it was when the shift began, or name another journal."
+        )
+    return Settings.from_dict(about["settings"]), None if about["start"] is None else datetime.fromisoformat(about["start"])
+
+
+def _wall_clock() -> str:
+    return datetime.now(UTC).isoformat(timespec="milliseconds")

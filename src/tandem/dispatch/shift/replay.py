@@ -1,0 +1,75 @@
+"""A journal taken anew, line by line: does it lead to the same answers, decisions and situations?"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from tandem.cell.model import Cell
+from tandem.dispatch.journal import Entry, Journal, JournalError
+from tandem.dispatch.shift.documents import Document, digest
+from tandem.dispatch.shift.in_time import Instead, InTime
+from tandem.dispatch.shift.live import Shift, opened_with
+
+PATIENCE = 20.0
+"""Deciders that stop at the clock are given so many times the budget in a replay: what they had time for in the shift they have time for now, however
+busy the machine is."""
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """What replaying a journal showed: how many entries, events taken and decisions there are, and each difference in a sentence."""
+
+    entries: int
+    events: int
+    decisions: int
+    differences: tuple[str, ...]
+
+
+def replay(cell: Cell, journal: Journal, *, decider: InTime | None = None) -> Replayed:
+    """Takes every line of the journal anew and compares answers, decisions and situations with what is written there, latencies aside.
+
+    A decision that the rule gave, because the decider was late or failed, is asked of the rule again. What a decider itself left off because its
+    time was over (re-planning falls back on simpler plans) comes out as a difference.
+
+    Raises JournalError, UsageError and CellError as `Shift.open` does.
+    """
+    if journal.is_new:
+        raise JournalError(f"{journal.path}: nothing was written to this journal yet.")
+    settings, start = opened_with(journal, cell)
+    made = decider or settings.decider(cell, patience=PATIENCE)
+    differences: list[str] = []
+    events = decisions = entries = 0
+    with Journal() as fresh:
+        shift = Shift(fresh, cell, settings, start, made.decide)
+        for entry in journal.entries():
+            instead: Instead = "" if entry.decision is None else entry.decision["instead"]
+            shift.ask = partial(made.again, instead=instead)
+            if entry.number == 0:
+                shift.begin()
+                again = [shift.decision]
+            else:
+                again = shift.take(entry.line)
+            differences += _differences(entry, again, digest(shift.situation))
+            entries, events, decisions = entries + 1, events + (entry.event is not None), decisions + (entry.decision is not None)
+    return Replayed(entries, events, decisions, tuple(differences))
+
+
+def _differences(entry: Entry, again: list[Document], situation: str) -> Iterator[str]:
+    then = {made["type"]: made for made in (entry.answer, entry.decision) if made is not None}
+    now = {made["type"]: made for made in again}
+    for kind in ("answer", "decision"):
+        old, new = (_lasting(made.get(kind)) for made in (then, now))
+        for key in [*dict.fromkeys([*old, *new])]:
+            if old.get(key) != new.get(key):
+                yield f"entry {entry.number}: the {kind}'s {key!r} was {json.dumps(old.get(key))}, and is now {json.dumps(new.get(key))}."
+    if situation != entry.situation:
+        yield f"entry {entry.number}: the situation afterwards is another one."
+
+
+def _lasting(made: Mapping[str, Any] | None) -> Document:
+    """Without what is measured."""
+    return {key: value for key, value in (made or {}).items() if key != "latency_ms"}

@@ -1,0 +1,285 @@
+"""What the floor reports: events as JSON lines, read strictly.
+
+One line, one event: `{"event": "started", "at": 12.5, "task": "4", "operator": "cobot", "id": "cobot-17"}`. What is wrong with a line is said in
+sentences, all of it at once. Whether an event fits where the shift stands is asked in `objections.py`.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any, Literal
+
+from tandem.cell.model import Cell
+from tandem.cell.names import Known
+from tandem.errors import TandemError
+
+LONGEST_LINE = 64_000
+"""Characters of a line. An event has about a hundred."""
+LONGEST_SHIFT = 1e7
+"""Seconds; whoever sends the seconds since 1970 is told so."""
+LONGEST_ID = 200
+
+Presence = Literal["no", "may", "must"]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of event: what it says, and which keys it has besides `event`, `at` and `id`."""
+
+    what: str
+    task: Presence = "no"
+    operators: Literal["no", "may", "one", "some"] = "no"
+    until: Presence = "no"
+
+
+KINDS: dict[str, Kind] = {
+    "started": Kind("the operators have begun the task (or, where it is mounted wrongly, taking it apart), changeover included", "must", "some"),
+    "done": Kind("the task has ended well", "must", "may"),
+    "refused": Kind("the operator will not do the task: before `until`, or in the whole shift", "must", "one", "may"),
+    "failed": Kind(
+        "with `task`: the attempt is given up, nothing is mounted; with `operator` alone: this robot is down, its work rests", "may", "may"
+    ),
+    "repaired": Kind("the robot works again and goes on with its task", "no", "one"),
+    "wrong": Kind("the task turned out to be mounted wrongly: it has to be taken apart, then done again", "must"),
+    "undone": Kind("the task has been taken apart and is open again", "must"),
+    "absent": Kind("the human has left; their work rests", "no", "one"),
+    "back": Kind("the human is there again and goes on with their task", "no", "one"),
+    "tick": Kind("time has passed, nothing else"),
+}
+"""Every kind of event by its name."""
+
+
+@dataclass(frozen=True)
+class Event:
+    """One event.
+
+    Attributes:
+      kind: a name from `KINDS`.
+      at: s since the start of the shift.
+      task, operators, until: as its kind has them; `operators` in the cell's order, `until` in s.
+      id: what makes sending it twice harmless; None when it has none.
+    """
+
+    kind: str
+    at: float
+    task: str | None = None
+    operators: tuple[str, ...] = ()
+    until: float | None = None
+    id: str | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """As a line of JSON holds it, times in seconds."""
+        made: dict[str, Any] = {"event": self.kind, "at": self.at}
+        if self.task is not None:
+            made["task"] = self.task
+        if self.operators:
+            made |= {"operator": self.operators[0]} if len(self.operators) == 1 else {"operators": list(self.operators)}
+        return made | {key: value for key, value in (("until", self.until), ("id", self.id)) if value is not None}
+
+
+class EventError(TandemError):
+    """A line that is no event of this cell. Carries every reason, and the `id` that it gave, should that be readable."""
+
+    exit_code = 2
+
+    def __init__(self, reasons: list[str], id: str | None = None):
+        self.reasons, self.id = tuple(reasons), id
+        super().__init__("\n".join(reasons))
+
+
+def read_event(line: str, cell: Cell, start: datetime | None = None) -> Event:
+    """The event that the line holds.
+
+    Args:
+      start: when the shift started, for times written as ISO 8601; when None, the first such time is taken as 0 s (`start_of`).
+
+    Raises:
+      EventError: it holds none, with every reason.
+    """
+    data = _table(line)
+    reading = _Reading(data, cell, start)
+    event = reading.event()
+    if event is None or reading.faults:
+        raise EventError(reading.faults, reading.id())
+    return event
+
+
+def start_of(line: str) -> datetime | None:
+    """The time at which the line says that it happened, when that is written as ISO 8601 with a time zone: what a shift without a start begins at."""
+    try:
+        at = _table(line).get("at")
+        moment = datetime.fromisoformat(at) if isinstance(at, str) else None
+    except (EventError, ValueError):
+        return None
+    return moment if moment is not None and moment.tzinfo is not None else None
+
+
+def _table(line: str) -> dict[str, Any]:
+    if len(line) > LONGEST_LINE:
+        raise EventError([f"the line has more than {LONGEST_LINE} characters. An event is one line like {json.dumps(EXAMPLE)}."])
+    try:
+        data = json.loads(line, object_pairs_hook=_once, parse_constant=_no_number)
+    except EventError:
+        raise
+    except (ValueError, RecursionError) as error:
+        raise EventError([f"this is not JSON ({error}). An event is one line like {json.dumps(EXAMPLE)}."]) from error
+    if not isinstance(data, dict):
+        raise EventError([f"this is {_kind_of(data)}, not an event. An event is one line like {json.dumps(EXAMPLE)}."])
+    return data
+
+
+EXAMPLE = {"event": "done", "at": 12.5, "task": "4"}
+
+
+class _Reading:
+    """Reads one table key by key and collects what is wrong."""
+
+    def __init__(self, data: dict[str, Any], cell: Cell, start: datetime | None) -> None:
+        self.data, self.cell, self.start = data, cell, start
+        self.faults: list[str] = []
+
+    def event(self) -> Event | None:
+        name = self.data.get("event")
+        at, id_ = self.at("at"), self.id(tell=True)
+        if not isinstance(name, str) or name not in KINDS:
+            self.faults.insert(0, _no_kind(self.data))
+            return None
+        kind = KINDS[name]
+        task = self.task(name, kind.task)
+        operators = self.operators(name, kind.operators)
+        until = self.at("until") if "until" in self.data and kind.until != "no" else None
+        if at is not None and until is not None and until <= at:
+            self.faults.append(f"until {until:g} s is not after {at:g} s, when it happened. Leave `until` out to refuse for the whole shift.")
+        if name == "failed" and task is None and not operators and not self.faults:
+            self.faults.append("failed: say which `task` was given up, or which `operator` is down.")
+        self.faults += _unknown_keys(name, kind, self.data)
+        return None if at is None else Event(name, at, task, operators, until, id_)
+
+    def at(self, key: str) -> float | None:
+        """The time under this key, s since the start."""
+        value = self.data.get(key)
+        if value is None:
+            self.faults.append(f"`{key}` is missing: when it happened, in seconds since the start of the shift or as ISO 8601.")
+            return None
+        if isinstance(value, str):
+            return self.moment(key, value)
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            self.faults.append(f"`{key}` is {_shown(value)}; it must be seconds since the start of the shift, or a time as ISO 8601.")
+            return None
+        if not 0 <= value <= LONGEST_SHIFT:
+            hint = " Seconds since 1970 are not meant: write ISO 8601." if value > 1e9 else ""
+            self.faults.append(f"`{key}` is {value:.10g} s; it must lie between 0 and {LONGEST_SHIFT:.0f} s after the start of the shift.{hint}")
+            return None
+        return round(float(value), 6)
+
+    def moment(self, key: str, text: str) -> float | None:
+        try:
+            moment = datetime.fromisoformat(text)
+        except ValueError:
+            self.faults.append(f"`{key}` is {text!r}, which is no time. Write seconds since the start of the shift, or 2026-03-02T06:00:12.5+01:00.")
+            return None
+        if moment.tzinfo is None:
+            self.faults.append(f"`{key}` is {text!r} without a time zone. Add one, such as +01:00 or Z.")
+            return None
+        seconds = (moment - (self.start or moment)).total_seconds()
+        if not 0 <= seconds <= LONGEST_SHIFT:
+            began = (self.start or moment).isoformat()
+            wrong = "before" if seconds < 0 else f"more than {LONGEST_SHIFT:.0f} s after"
+            self.faults.append(f"`{key}` is {text}, {wrong} the start of the shift at {began}. The start is stated with --start when a shift begins.")
+            return None
+        return seconds
+
+    def id(self, tell: bool = False) -> str | None:
+        """The id when there is one that can be used; with `tell` it is a fault when there is one that cannot."""
+        value = self.data.get("id")
+        if value is None:
+            return None
+        if isinstance(value, str | int) and not isinstance(value, bool) and 1 <= len(str(value)) <= LONGEST_ID and str(value).isprintable():
+            return str(value)
+        if tell:
+            self.faults.append(f"`id` is {_shown(value)}; it must be a text of 1 to {LONGEST_ID} printable characters, or a whole number.")
+        return None
+
+    def task(self, name: str, presence: Presence) -> str | None:
+        if presence == "no" or (presence == "may" and "task" not in self.data):
+            return None
+        value = self.data.get("task")
+        if isinstance(value, int) and not isinstance(value, bool):
+            value = str(value)
+        if not isinstance(value, str):
+            self.faults.append(f"{name}: `task` is {'missing' if value is None else _shown(value)}; it must be the name of a task.")
+            return None
+        if value not in self.cell.tasks:
+            self.faults.append(f"the cell has no task {_shown(value)}. {Known(self.cell.tasks).hint(value)}")
+            return None
+        return value
+
+    def operators(self, name: str, presence: Literal["no", "may", "one", "some"]) -> tuple[str, ...]:
+        given = [key for key in ("operator", "operators") if key in self.data]
+        if presence == "no" or (presence == "may" and not given):
+            return ()
+        if len(given) != 1:
+            self.faults.append(f"{name}: give either `operator` or `operators`." if given else f"{name}: `operator` is missing: who it is about.")
+            return ()
+        value = self.data[given[0]]
+        names = value if given[0] == "operators" and isinstance(value, list) else [value]
+        names = [str(who) if isinstance(who, int) and not isinstance(who, bool) else who for who in names]
+        if not names or not all(isinstance(who, str) for who in names):
+            self.faults.append(f"{name}: `{given[0]}` is {_shown(value)}; it must name operators of the cell.")
+            return ()
+        unknown = [who for who in dict.fromkeys(names) if who not in self.cell.operators]
+        self.faults += [f"the cell has no operator {_shown(who)}. {Known(self.cell.operators).hint(who)}" for who in unknown]
+        if len(set(names)) < len(names):
+            self.faults.append(f"{name}: an operator is named twice in {_shown(value)}; once is enough.")
+        if presence == "one" and len(names) > 1:
+            self.faults.append(f"{name}: is about one operator; send an event for each of {', '.join(map(repr, names))}.")
+        return tuple(who for who in self.cell.operators if who in names)
+
+
+def _no_kind(data: dict[str, Any]) -> str:
+    if "event" not in data:
+        return f"`event` is missing: what happened. Known: {', '.join(KINDS)}."
+    value = data["event"]
+    return f"there is no event {_shown(value)}. {Known(KINDS).hint(value if isinstance(value, str) else '')}"
+
+
+def _unknown_keys(name: str, kind: Kind, data: dict[str, Any]) -> Iterator[str]:
+    keys = ["event", "at", "id", *keys_of(kind)]
+    for key in data:
+        if key not in keys:
+            yield f"{name}: has no key {_shown(key)}. It has {', '.join(keys)}."
+
+
+def keys_of(kind: Kind) -> list[str]:
+    """Names of the keys that such an event has of its own."""
+    return [
+        *(["task"] if kind.task != "no" else []),
+        *(["operator"] if kind.operators == "one" else ["operator", "operators"] if kind.operators != "no" else []),
+        *(["until"] if kind.until != "no" else []),
+    ]
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    table = dict(pairs)
+    if len(table) < len(pairs):
+        names = [key for key, _ in pairs]
+        twice = next(key for key in names if names.count(key) > 1)
+        raise EventError([f"the key {_shown(twice)} stands twice."])
+    return table
+
+
+def _no_number(word: str) -> Any:
+    raise ValueError(f"{word} is no number")
+
+
+def _kind_of(value: Any) -> str:
+    return {list: "a list", str: "a text", bool: "a yes or no", int: "a number", float: "a number"}.get(type(value), "nothing")
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."

@@ -1,0 +1,36 @@
+"""What is made small: time and stress, weighed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from tandem.errors import UsageError
+
+
+@dataclass(frozen=True)
+class Objective:
+    """What a decider makes small: `time * makespan + stress * stress`, within a limit of stress.
+
+    Attributes:
+      time, stress: weights, per second and per unit of the cell's stress.
+      max_stress: the most stress of all humans together; None for no limit but the cell's own.
+    """
+
+    time: float = 1.0
+    stress: float = 0.0
+    max_stress: float | None = None
+
+    def __post_init__(self) -> None:
+        if any(not math.isfinite(weight) or weight < 0 for weight in (self.time, self.stress)) or not self.time + self.stress:
+            raise UsageError(f"weights {self.time:g}, {self.stress:g}: both must be 0 or more, and one of them more than 0.")
+        if self.max_stress is not None and not (math.isfinite(self.max_stress) and self.max_stress >= 0):
+            raise UsageError(f"max_stress {self.max_stress}: must be a number, 0 or more.")
+
+    def cost(self, makespan: float, stress: float) -> float:
+        """Seconds and stress as one number."""
+        return self.time * makespan + self.stress * stress
+
+
+SECONDS = Objective()
+"""Time alone."""
