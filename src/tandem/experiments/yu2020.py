@@ -4,8 +4,8 @@ it was described, our recipe, plain rules, and the proven optimum, on random boa
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import nullcontext
 from functools import partial
 from importlib import resources
 from pathlib import Path
@@ -19,6 +19,7 @@ from tandem.errors import CellError, Fault
 from tandem.experiments import yu2020_games as games
 from tandem.experiments import yu2020_runs as runs
 from tandem.experiments.origin import origin
+from tandem.experiments.quick import compiled_quickly
 from tandem.experiments.systems import Features, Played
 from tandem.experiments.thesis import mean
 from tandem.learn.runs import versions
@@ -49,7 +50,7 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
     """
     from tandem.cell.storing import store
 
-    with _compiled_quickly() if quick else nullcontext():
+    with compiled_quickly() if quick else nullcontext():
         document = _document(folder / "records", quick, range(seeds or (1 if quick else SEEDS)), tell)
     folder.mkdir(parents=True, exist_ok=True)
     store(folder / STORED, json.dumps(document, separators=(",", ":")) + "\n")
@@ -93,19 +94,6 @@ def _document(records: Path, quick: bool, seeds: Sequence[int], tell: Callable[[
 
 def _exact_results(test: Sequence[int], first: Sequence[int]) -> dict[str, Any]:
     return {"desk": games.proven_desk(), "first": games.proven(first), "test": games.proven(test)}
-
-
-@contextmanager
-def _compiled_quickly() -> Iterator[None]:
-    """A quick run spends nearly all of its time compiling: here without most optimisations, which changes nothing but speed."""
-    import jax
-
-    before = jax.config.values["jax_disable_most_optimizations"]
-    jax.config.update("jax_disable_most_optimizations", True)
-    try:
-        yield
-    finally:
-        jax.config.update("jax_disable_most_optimizations", before)
 
 
 def stored() -> dict[str, Any]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
@@ -21,8 +22,10 @@ from tandem.cell.chessboard import ROBOT, desk
 from tandem.cell.model import Cell
 from tandem.cell.storing import store
 from tandem.errors import CellError, Fault
+from tandem.experiments.quick import compiled_quickly
 from tandem.experiments.systems import Features, Played
-from tandem.learn.dqn.recipes import DQN, YU_2021, ValueRecipe
+from tandem.learn.alphazero.recipes import ALPHAZERO, SearchRecipe
+from tandem.learn.dqn.recipes import YU_2021, ValueRecipe
 from tandem.learn.runs import RunFolder, versions
 
 STORED = "yu2021.json"
@@ -33,7 +36,8 @@ RANDOM_GAMES = 100
 PUBLISHED = "not public"
 """Their tables are not; the abstract says that it was compared with Nash-Q, dynamic programming and single-agent DQN."""
 
-DECISIONS, QUICK_DECISIONS = 8_000, 960
+GAMES, QUICK_GAMES = 960, 64
+"""Games of a training, the same for all recipes."""
 
 
 @dataclass(frozen=True)
@@ -66,17 +70,20 @@ class Instance:
         return Cell.of({"name": self.name, "operators": operators, "tasks": tasks})
 
 
-INSTANCES = (Instance(4, 2, 1), Instance(4, 2, 2))
+INSTANCES = (Instance(4, 2, 1), Instance(4, 2, 2), Instance(8, 2, 1), Instance(8, 2, 2))
 QUICK_INSTANCES = (Instance(3, 2, 1),)
 
 
-def recipes(decisions: int) -> dict[str, ValueRecipe]:
-    """Name -> recipe, each with that budget."""
-
-    def given(base: ValueRecipe, **changes: Any) -> ValueRecipe:
-        return replace(base, config=replace(base.config, decisions=decisions, **changes))
-
-    return {"as described": given(YU_2021), "one network for all": given(YU_2021, agents="one", horizon="next"), "ours": given(DQN)}
+def recipes(games: int, tasks: int) -> dict[str, ValueRecipe | SearchRecipe]:
+    """Name -> recipe, each with a budget of so many games of a cell with so many tasks."""
+    side_by_side = ALPHAZERO.config.games
+    described = replace(YU_2021, config=replace(YU_2021.config, decisions=games * tasks))
+    ours = replace(ALPHAZERO, config=replace(ALPHAZERO.config, iterations=max(1, games // side_by_side)))
+    return {
+        "as described": described,
+        "one network for all": replace(described, config=replace(described.config, agents="one", horizon="next")),
+        "ours": ours,
+    }
 
 
 def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, tell: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
@@ -85,15 +92,15 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
     The runs are kept in `folder/records`; one that was stopped goes on where it was.
     """
     numbers = range(seeds or (1 if quick else SEEDS))
-    rows = [
-        _row(instance, numbers, folder / "records", QUICK_DECISIONS if quick else DECISIONS, tell)
-        for instance in (QUICK_INSTANCES if quick else INSTANCES)
-    ]
+    instances, games = (QUICK_INSTANCES, QUICK_GAMES) if quick else (INSTANCES, GAMES)
+    with compiled_quickly() if quick else nullcontext():
+        rows = [_row(instance, numbers, folder / "records", games, tell) for instance in instances]
     document = {
         "schema_version": 1,
         "command": "tandem reproduce yu2021" + " --quick" * quick,
         "quick": quick,
         "seeds": list(numbers),
+        "games": games,
         "versions": versions(),
         "published": PUBLISHED,
         "rows": rows,
@@ -103,7 +110,7 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
     return document
 
 
-def _row(instance: Instance, seeds: Sequence[int], records: Path, decisions: int, tell: Callable[[str], None]) -> dict[str, Any]:
+def _row(instance: Instance, seeds: Sequence[int], records: Path, games: int, tell: Callable[[str], None]) -> dict[str, Any]:
     """One instance: its optimum, the players that learn nothing, and every recipe over the seeds."""
     from tandem.plan.methods import plan
     from tandem.plan.rules import RULES
@@ -117,7 +124,7 @@ def _row(instance: Instance, seeds: Sequence[int], records: Path, decisions: int
     chance = _random(cell)
     tell(f"{instance.name}: {len(cell.tasks)} tasks, optimum {exact.makespan:g} s ({exact.status})")
     learned = {}
-    for name, recipe in recipes(decisions).items():
+    for name, recipe in recipes(games, len(cell.tasks)).items():
         began = time.process_time()
         result, curve = _trained(cell, recipe, seeds, records / f"{instance.name} {name}".replace(", ", "-").replace(" ", "-"))
         learned[name] = {
@@ -141,7 +148,7 @@ def _row(instance: Instance, seeds: Sequence[int], records: Path, decisions: int
     }
 
 
-def _trained(cell: Cell, recipe: ValueRecipe, seeds: Sequence[int], folder: Path) -> tuple[dict[str, Any], list[Any]]:
+def _trained(cell: Cell, recipe: ValueRecipe | SearchRecipe, seeds: Sequence[int], folder: Path) -> tuple[dict[str, Any], list[Any]]:
     """The result of the run in the folder, made or gone on with when it is not there; and each seed's (decisions, greedy seconds)."""
     from tandem.learn import trainer
 
@@ -175,10 +182,12 @@ def stored() -> dict[str, Any]:
 
 def table(document: Mapping[str, Any]) -> str:
     """Published, as described, one network for all, ours and exact, seconds; means over seeds, in brackets the best of several drawn games."""
-    names = list(document["rows"][0]["learned"])
+    drawn = document["rows"][0]["learned"]
+    names = list(drawn)
     lines = [
-        f"Seconds of the greedy policies, mean over {len(document['seeds'])} seed(s); in brackets the mean of the best of "
-        f"{document['rows'][0]['learned'][names[0]]['n']} games with a twentieth of the moves drawn. `{document['command']}`.",
+        f"Seconds of the greedy policies, mean over {len(document['seeds'])} seed(s) of {document['games']} games each; in brackets the mean of "
+        f"the best of {drawn['as described']['n']} games with a twentieth of the moves drawn (ours: of {drawn['ours']['n']} games with a search). "
+        f"`{document['command']}`.",
         "",
         f"| instance | tasks | agents | published | random | best rule | {' | '.join(names)} | exact |",
         "|" + "---|" * (7 + len(names)),

@@ -116,10 +116,12 @@ class Config:
       value_weight: of the value's loss.
       gradient_limit: largest norm of the gradient.
       trust: see `selfplay`.
+      imitated: share of each minibatch that comes from the cheapest games so far, with the moves that were made in them (self-imitation, Oh et al.
+        2018). What was found by luck is kept, so that the search may draw boldly: `search.gumbel_scale`.
       units: of the network's layers.
     """
 
-    search: Search = field(default_factory=Search)
+    search: Search = field(default_factory=lambda: Search(gumbel_scale=3.0))
     iterations: int = 60
     games: int = 64
     kept: int = 4
@@ -129,6 +131,7 @@ class Config:
     value_weight: float = 0.25
     gradient_limit: float = 1.0
     trust: float = 1.0
+    imitated: float = 0.25
     units: int = 64
 
     def __post_init__(self) -> None:
@@ -145,6 +148,8 @@ class Config:
                 yield f"{name} {getattr(self, name)}: must be more than 0."
         if not 0 <= self.trust <= 1:
             yield f"trust {self.trust}: must lie between 0 and 1."
+        if not 0 <= self.imitated < 1:
+            yield f"imitated {self.imitated}: a share from 0 to less than 1."
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, as a run keeps them."""

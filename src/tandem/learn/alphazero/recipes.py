@@ -57,7 +57,7 @@ class YuRecipe:
         return cls(**{**data, "config": YuConfig.from_dict(data["config"])})
 
 
-ALPHAZERO = SearchRecipe(Config(search=Search(simulations=16), iterations=30, games=32, minibatch=256, minibatches=16))
+ALPHAZERO = SearchRecipe(Config(search=Search(simulations=16, gumbel_scale=3.0), iterations=30, games=32, minibatch=256, minibatches=16))
 """Ours: Gumbel search of 16 simulations, 32 games at a time. It is told what a cell is by features, so that it plays cells it was not trained on."""
 
 YU_2020 = YuRecipe(YuConfig())

@@ -14,7 +14,7 @@ import optax
 
 from tandem.learn.alphazero.config import Config
 from tandem.learn.alphazero.network import Judge, Parameters, Scorer
-from tandem.learn.alphazero.selfplay import Experience, selfplay, shown
+from tandem.learn.alphazero.selfplay import Experience, Played, selfplay, shown
 from tandem.learn.game import Game
 from tandem.learn.networks import masked_log_softmax
 
@@ -25,12 +25,15 @@ class Learner(NamedTuple):
     """A training under way: all that is needed to go on.
 
     experience: of the last rounds, `[kept, L x B, ...]`; the newest is at `rounds % kept`.
+    best: of the cheapest game so far on each game that is played, `[P, L, ...]`; its policy names the moves that were made. best_cost: `[P]`.
     rounds, games, moves: `[]` int32, done so far.
     """
 
     parameters: Parameters
     optimiser: Any
     experience: Experience
+    best: Experience
+    best_cost: Array
     key: Array
     rounds: Array
     games: Array
@@ -57,8 +60,9 @@ def start(key: Array, games: Game, config: Config) -> Learner:
     network_key, key = jax.random.split(key)
     one = jax.tree.map(lambda leaf: leaf[0], games)
     parameters = judge(config).start(network_key, one)
-    zero = jnp.zeros((), jnp.int32)
-    return Learner(parameters, _optimiser(config).init(parameters), _nothing(one, config), key, zero, zero, zero)
+    zero, pool = jnp.zeros((), jnp.int32), games.unit.shape[0]
+    kept, best = _nothing(one, (config.kept, one.longest * config.games)), _nothing(one, (pool, one.longest))
+    return Learner(parameters, _optimiser(config).init(parameters), kept, best, jnp.full(pool, jnp.inf), key, zero, zero, zero)
 
 
 def advance(learner: Learner, games: Game, config: Config) -> tuple[Learner, Report]:
@@ -70,7 +74,7 @@ def advance(learner: Learner, games: Game, config: Config) -> tuple[Learner, Rep
     fresh, result = selfplay(play_key, judge(config), learner.parameters, drawn, config.search, config.trust)
     slot = learner.rounds % config.kept
     experience = jax.tree.map(lambda all_, new: all_.at[slot].set(new), learner.experience, _flat(fresh))
-    learner = learner._replace(experience=experience)
+    learner = _remembered(learner._replace(experience=experience), fresh, result, chosen)
     parameters, moments, losses = _learn(learn_key, learner, config)
     finite = jnp.all(jnp.asarray([jnp.all(jnp.isfinite(leaf)) for leaf in jax.tree.leaves(parameters)]))
     after = learner._replace(
@@ -99,19 +103,40 @@ def _learn(key: Array, learner: Learner, config: Config) -> tuple[Parameters, An
     """Minibatches drawn evenly from the decisions that are kept."""
     network, rule = judge(config), _optimiser(config)
     rate = config.learning_rate * (1 - 0.9 * learner.rounds / config.iterations)
-    everything = jax.tree.map(lambda leaf: leaf.reshape(leaf.shape[0] * leaf.shape[1], *leaf.shape[2:]), learner.experience)
-    counted = jnp.cumsum(everything.valid)
+    imitated = round(config.imitated * config.minibatch)
+    sources = [(_flat(learner.experience), config.minibatch - imitated), (_flat(learner.best), imitated)]
 
     def minibatch(carry: tuple[Parameters, Any], key: Array) -> tuple[tuple[Parameters, Any], tuple[Array, Array, Array]]:
         parameters, moments = carry
-        drawn = jnp.searchsorted(counted, jax.random.randint(key, (config.minibatch,), 1, counted[-1] + 1))
-        batch = jax.tree.map(lambda leaf: leaf[drawn], everything)
+        parts = [_drawn(key, source, number) for key, (source, number) in zip(jax.random.split(key), sources, strict=True)]
+        batch = jax.tree.map(lambda *rows: jnp.concatenate(rows), *parts)
         gradient, losses = jax.grad(loss, 1, has_aux=True)(network, parameters, batch, config.value_weight)
         change, moments = rule.update(gradient, moments)
         return (jax.tree.map(lambda old, by: old - rate * by, parameters, change), moments), losses
 
     (parameters, moments), losses = jax.lax.scan(minibatch, (learner.parameters, learner.optimiser), jax.random.split(key, config.minibatches))
     return parameters, moments, jax.tree.map(jnp.mean, losses)
+
+
+def _drawn(key: Array, rows: Experience, number: int) -> Experience:
+    """So many of the valid rows, evenly drawn."""
+    counted = jnp.cumsum(rows.valid)
+    drawn = jnp.searchsorted(counted, jax.random.randint(key, (number,), 1, counted[-1] + 1))
+    return jax.tree.map(lambda leaf: leaf[drawn], rows)
+
+
+def _remembered(learner: Learner, fresh: Experience, result: Played, chosen: Array) -> Learner:
+    """The learner with the cheapest games of the round, played on the games `chosen` `[B]`, where they are cheaper than those before."""
+    cost = jnp.where(chosen[None] == jnp.arange(learner.best_cost.shape[0])[:, None], result.cost[None], jnp.inf)
+    cheapest, cost = jnp.argmin(cost, 1), jnp.min(cost, 1)
+    named = fresh._replace(policy=jax.nn.one_hot(result.moves, fresh.policy.shape[-1]))
+    better = cost < learner.best_cost
+
+    def newer(old: Array, new: Array) -> Array:
+        won = jnp.swapaxes(new[:, cheapest], 0, 1)
+        return jnp.where(better.reshape(-1, *[1] * (old.ndim - 1)), won, old)
+
+    return learner._replace(best=jax.tree.map(newer, learner.best, named), best_cost=jnp.minimum(learner.best_cost, cost))
 
 
 def _optimiser(config: Config) -> optax.GradientTransformation:
@@ -122,9 +147,8 @@ def _flat(experience: Experience) -> Experience:
     return jax.tree.map(lambda leaf: leaf.reshape(leaf.shape[0] * leaf.shape[1], *leaf.shape[2:]), experience)
 
 
-def _nothing(game: Game, config: Config) -> Experience:
-    """Room for the experience of the rounds that are kept, `[kept, L x B, ...]`."""
-    rows = (config.kept, game.longest * config.games)
+def _nothing(game: Game, rows: tuple[int, int]) -> Experience:
+    """Room for so much experience."""
     seen, legal, mover, least = jax.tree.map(
         lambda leaf: jnp.zeros((*rows, *leaf.shape), leaf.dtype), jax.eval_shape(lambda: shown(game, game.reset()))
     )
