@@ -9,7 +9,7 @@ import pytest
 from tandem.cell.chessboard import random_board
 from tandem.envs import chessboard
 from tandem.envs.chessboard.optimal import optimum
-from tandem.envs.chessboard.play import follow, play
+from tandem.envs.chessboard.play import play
 from tandem.errors import UsageError
 from tandem.learn.alphazero import boards
 from tandem.learn.alphazero.config import Config, Wander, YuConfig, YuSearch
@@ -49,7 +49,7 @@ def test_games_are_legal_and_never_better_than_the_optimum(theirs):
     seconds = boards.play(trained, TEST, looking=YuSearch(6, 2))
     for board, took in zip(TEST, seconds, strict=True):
         assert took[0] >= optimum(board).makespan
-        game = play(board, follow(boards.columns(trained, board, looking=YuSearch(6, 2))))
+        game = play(board, boards.decider(trained, board, looking=YuSearch(6, 2)))
         assert game.makespan == took[0]
 
 

@@ -15,6 +15,9 @@ import numpy as np
 
 from tandem.cell.chessboard import Board, desk
 from tandem.cell.model import Cell
+from tandem.envs.chessboard.chance import Chance, fate
+from tandem.envs.chessboard.layout import layout
+from tandem.envs.chessboard.play import play as play_one
 from tandem.errors import CellError, Fault
 from tandem.experiments import yu2020_games as games
 from tandem.experiments import yu2020_runs as runs
@@ -25,7 +28,7 @@ from tandem.experiments.thesis import mean
 from tandem.learn.runs import versions
 
 STORED = "yu2020.json"
-SEEDS = 3
+SEEDS = 5
 RANDOM_GAMES, DESK_GAMES = 100, 2000
 TROUBLED_BOARDS, TROUBLED_GAMES = 10, 5
 QUICK_BOARDS, QUICK_TROUBLED_BOARDS = 10, 5
@@ -46,7 +49,7 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
 
     Args:
       quick: ten boards, one seed, trainings of seconds.
-      seeds: trainings of each recipe; 3 when absent.
+      seeds: trainings of each recipe; 5 when absent.
     """
     from tandem.cell.storing import store
 
@@ -78,15 +81,15 @@ def _document(records: Path, quick: bool, seeds: Sequence[int], tell: Callable[[
     files = list(runs.run_all(records, seeds, boards, sizes, tell))
     untrained = [
         runs.kept(records / f"{recipe.replace(' ', '-')}_untrained.json", partial(runs.untrained_record, recipe, 0, boards, sizes))
-        for recipe in runs.LOOKING
+        for recipe in runs.RECIPES
     ]
-    document["records"] = [*untrained, *((json.loads(file.read_text(encoding="utf-8")) if quick else runs.thorough(file)) for file in files)]
+    document["records"] = [*untrained, *(json.loads(file.read_text(encoding="utf-8")) for file in files)]
     # These ask the networks of the first seed only, however many there are.
-    document["decisions"] = runs.kept(records / "decisions.json", partial(runs.decisions, records))
-    document["films"] = runs.kept(records / "films.json", partial(runs.films, records))
+    document["decisions"] = runs.kept(records / "decisions.json", partial(runs.decisions, records, sizes))
+    document["films"] = runs.kept(records / "films.json", partial(runs.films, records, sizes))
 
     def troubles() -> list[dict[str, Any]]:
-        return games.troubled(test[:many], few, runs.learned_deciders(records, boards[:many], few), seed=1, tell=tell)
+        return games.troubled(test[:many], few, runs.learned_deciders(records, boards[:many], few, sizes), seed=1, tell=tell)
 
     document["troubles"] = runs.kept(records / "troubles.json", troubles)
     return {**document, "summary": summary(document)}
@@ -129,7 +132,7 @@ def summary(document: Mapping[str, Any]) -> list[dict[str, Any]]:
 
     for one in document["plain"]:
         rows.append(row(one["player"], None, [one["boards"]], [one["desk"]]))
-    for recipe in runs.LOOKING:
+    for recipe in runs.RECIPES:
         for place in ("nothing", "boards", "desk"):
             own = [record for record in document["records"] if (record["recipe"], record["trained_on"]) == (recipe, place)]
             for kind in runs.kinds(own):
@@ -137,6 +140,20 @@ def summary(document: Mapping[str, Any]) -> list[dict[str, Any]]:
                 rows.append(row(f"{recipe}, {kind}", place, boards, [record["desk"][kind][0] for record in own if kind in (record["desk"] or {})]))
     rows.append(row("exact, no waiting", None, [exact["no_waiting"]["makespans"]], [document["exact"]["desk"]["no_waiting"]["makespan"]]))
     rows.append(row("exact, with waiting", None, [exact["waiting"]["makespans"]], [document["exact"]["desk"]["waiting"]["makespan"]]))
+    return rows
+
+
+def changes(document: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Their recipe on the desk as it is and with one thing changed: seconds of its search at the end, a number a seed; and over the second half of
+    the training, where it may still go up and down, the mean and the least."""
+    rows = []
+    for recipe in ("as described", *runs.CHANGES):
+        own = [record for record in document["records"] if (record["recipe"], record["trained_on"]) == (recipe, "desk")]
+        late = [point["searched"] for record in own for point in record["curve"][len(record["curve"]) // 2 :]]
+        if own:
+            rows.append(
+                {"recipe": recipe, "at_the_end": [record["desk"]["search"][0] for record in own], "mean": float(np.mean(late)), "least": min(late)}
+            )
     return rows
 
 
@@ -161,6 +178,14 @@ def table(document: Mapping[str, Any]) -> str:
             f"{document['decisions'][row['player']]:.2g}" if row["player"] in document["decisions"] else "–",
         ]  # fmt: skip
         lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
+    lines += [
+        "",
+        "| their recipe on the desk, one thing changed | at the end, a seed each | mean of the second half | least in it |",
+        "|" + "---|" * 4,
+    ]
+    for row in changes(document):
+        ends = " ".join(f"{seconds:g}" for seconds in row["at_the_end"])
+        lines.append(f"| {row['recipe']} | {ends} | {row['mean']:.1f} s | {row['least']:g} s |")
     lines += ["", "| troubles | decider | seconds, calm | seconds, troubled | lost | lost |", "|" + "---|" * 6]
     for row in document["troubles"]:
         each = [rough - calm for calm, rough in zip(row["calm"], row["rough"], strict=True)]
@@ -179,6 +204,15 @@ def table(document: Mapping[str, Any]) -> str:
         *origin(document),
     ]
     return "\n".join(lines)
+
+
+def _budgets(document: Mapping[str, Any]) -> str:
+    told = []
+    for recipe in runs.RECIPES:
+        own = [record for record in document["records"] if record["recipe"] == recipe and record["curve"]]
+        spent, games = [record["cpu_s"] for record in own], {record["curve"][-1]["games"] for record in own}
+        told.append(f"{recipe}: {' or '.join(map(str, sorted(games)))} games, {np.mean(spent):.0f} CPU s")
+    return f"A training, on average: {'; '.join(told)}."
 
 
 def draw_figures(document: Mapping[str, Any], folder: Path) -> list[Path]:
@@ -212,6 +246,16 @@ def _carry(trained_on: Cell, played_on: Cell, seed: int) -> Played:
     return Played(float(play(trained, [board], seed=seed)[0, 0]), (decide_ms(trained, board),))
 
 
+def _beside_one_who_errs(cell: Cell, seed: int) -> Played:
+    """A game in which the human does half of its pieces wrong, so that they are still there and somebody has to do them again."""
+    from tandem.learn.alphazero.boards import decider
+
+    board, laid = Board.of(cell), layout(Board.of(cell))
+    happens = fate(laid, Chance(robot_fails=0.0, human_errs=0.5), np.random.default_rng(seed).random((3, *laid.time.shape)))
+    game = play_one(board, decider(_train(cell, seed), board, seed=seed), fate=happens)
+    return Played(float(game.makespan), deviations=len(game.moves) - len(board.pieces))
+
+
 def _cost(cell: Cell) -> float:
     from tandem.envs.chessboard.optimal import optimum
 
@@ -234,7 +278,7 @@ def _trains() -> Callable[..., Any]:
     return train
 
 
-FEATURES = Features(trains=_trains, agents=_agents, cost=_cost, play=_play, carry=_carry, exact=_exact)
+FEATURES = Features(trains=_trains, agents=_agents, cost=_cost, play=_play, carry=_carry, deviate=_beside_one_who_errs, exact=_exact)
 
 
 def _gap(took: Any, optimum: Iterable[float]) -> dict[str, float | None]:

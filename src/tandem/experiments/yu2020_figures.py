@@ -14,7 +14,7 @@ from tandem.draw.figure import blank
 from tandem.draw.style import FAINT_INK, RULE
 from tandem.envs.chessboard.pictures import film
 from tandem.envs.chessboard.play import follow, play
-from tandem.experiments.yu2020_runs import LOOKING
+from tandem.experiments.yu2020_runs import RECIPES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -75,23 +75,22 @@ def troubles(document: Document) -> Figure:
 
 
 def curves(document: Document) -> Figure:
-    """What the network alone takes, over games of self-play; mean over seeds. Left random boards that it does not train on, right the desk."""
-    figure = blank(11.0, 4.2)
+    """What each recipe takes over its games of self-play, by the network alone and with its search: mean over seeds, and its 95 % interval. Left
+    random boards that it does not train on, right the desk."""
+    figure = blank(11.0, 4.6)
     figure.clear()
-    rules = {row["player"]: row for row in document["plain"]}
+    rules, exact = {row["player"]: row for row in document["plain"]}, document["exact"]["desk"]["no_waiting"]["makespan"]
     for ax, place in zip(figure.subplots(1, 2), ("boards", "desk"), strict=True):
-        lines = {}
-        for recipe in LOOKING:
+        lines: dict[str, tuple[list[list[float]], list[list[float]]]] = {}
+        for recipe in RECIPES:
             own = [
                 record["curve"] for record in document["records"] if (record["recipe"], record["trained_on"]) == (recipe, place) and record["curve"]
             ]
             if own:
-                lines[recipe] = _line(own)
-        levels = (
-            {"longest tail": rules["longest-tail"]["desk"], "optimum": document["exact"]["desk"]["no_waiting"]["makespan"]} if place == "desk" else {}
-        )
+                lines |= {f"{recipe}, {player}": _line(own, seen) for player, seen in (("network", "held"), ("search", "searched"))}
+        levels = {"longest tail": rules["longest-tail"]["desk"], "optimum": exact} if place == "desk" else {}
         title = "on the desk" if place == "desk" else "on boards it does not train on"
-        plot_curves(lines, ax, xlabel="games of self-play", ylabel="seconds, network alone", title=title, levels=levels)
+        plot_curves(lines, ax, xlabel="games of self-play", ylabel="seconds", title=title, levels=levels)
     return figure
 
 
@@ -100,9 +99,9 @@ def _named(row: Mapping[str, Any]) -> str:
     return f"{row['player']}{trained}"
 
 
-def _line(curves: Sequence[Sequence[Mapping[str, Any]]]) -> tuple[list[list[float]], list[list[float]]]:
-    """Games and held-out makespan, a list a seed."""
-    return [[point["games"] for point in curve] for curve in curves], [[point["held"] for point in curve] for curve in curves]
+def _line(curves: Sequence[Sequence[Mapping[str, Any]]], seen: str) -> tuple[list[list[float]], list[list[float]]]:
+    """Games and makespan, a list a seed."""
+    return [[point["games"] for point in curve] for curve in curves], [[point[seen] for point in curve] for curve in curves]
 
 
 def _bars(ax: Axes, names: Sequence[str], values: Sequence[float], halves: Sequence[float], unit: str) -> None:

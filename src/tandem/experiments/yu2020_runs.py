@@ -24,15 +24,16 @@ from tandem.envs.chessboard.players import PLAYERS
 from tandem.experiments.yu2020_games import HELD, TRAINING, Decider, Tell, boards
 from tandem.learn.alphazero.config import Config, Search, YuConfig, YuSearch
 
-LOOKING: dict[str, Search | YuSearch] = {
-    "ours": Search(simulations=32, gumbel_scale=0.0),
-    "as described": YuSearch(),
-}
-"""Recipe -> the search with which it plays: theirs with 30 simulations and the most visited move, ours with 32."""
-THOROUGH = Search(simulations=512, gumbel_scale=0.0)
-"""Ours, with time to think: on the desk only."""
+RECIPES = ("ours", "as described")
 DRAWN: dict[str, Search | YuSearch] = {"ours": Search(simulations=16, gumbel_scale=3.0), "as described": YuSearch(temperature=1.0)}
 """Recipe -> the search of which several games are drawn and the best counts."""
+CHANGES: dict[str, dict[str, Any]] = {
+    "unvisited moves count 0": {"unvisited": "zero"},
+    "own time counts": {"quirk": False},
+    "temperature 1": {"temperature": 1.0},
+    "c is 10": {"exploration": 10.0},
+}
+"""What is changed in their recipe, one thing at a time -> its search. Trained on the desk only."""
 
 
 @dataclass(frozen=True)
@@ -43,28 +44,31 @@ class Sizes:
       ours, described: how the two recipes train.
       training: boards that are trained on, of `TRAINING`.
       held: boards that learning curves are read on, of `HELD`.
-      every: recipe -> rounds (ours) or games (theirs) from one point of the curve to the next.
+      simulations: of the searches that play, ours and theirs.
+      every: rounds of ours, and games of theirs, from one point of the curve to the next.
       samples: games on the desk of which the best counts; 0 to leave that out.
-      trainings: recipe, and what it is trained on: "boards", random ones, or "desk".
+      trainings: recipe (of `RECIPES`, or a change of `CHANGES`), and what it is trained on: "boards", random ones, or "desk".
     """
 
     ours: Config
     described: YuConfig
     training: int
     held: int
-    every: dict[str, int]
+    simulations: tuple[int, int]
+    every: tuple[int, int]
     samples: int
     trainings: tuple[tuple[str, str], ...]
 
 
-EVERYTHING = (("ours", "boards"), ("ours", "desk"), ("as described", "boards"), ("as described", "desk"))
-LONG = Sizes(Config(iterations=16), YuConfig(), len(TRAINING), len(HELD), {"ours": 2, "as described": 20}, 16, EVERYTHING)
+EVERYTHING = (("ours", "boards"), ("ours", "desk"), ("as described", "boards"), ("as described", "desk"), *((change, "desk") for change in CHANGES))
+LONG = Sizes(Config(iterations=24), YuConfig(), len(TRAINING), len(HELD), (32, 30), (2, 20), 16, EVERYTHING)
 QUICK = Sizes(
     replace(Config(), search=Search(simulations=8, considered=4), iterations=2, games=16, minibatch=128, minibatches=4),
     replace(YuConfig(), outer=1, inner=1, switch=1, search=YuSearch(simulations=6, temperature=1000.0)),
     16,
     10,
-    {"ours": 1, "as described": 2},
+    (8, 8),
+    (2, 2),
     0,
     (("ours", "boards"), ("as described", "desk")),
 )
@@ -96,6 +100,19 @@ def weights_of(record: Path) -> Path:
     return record.with_suffix(".safetensors")
 
 
+def config_of(recipe: str, sizes: Sizes) -> Config | YuConfig:
+    """How a recipe, or theirs with a change, is trained."""
+    return sizes.ours if recipe == "ours" else replace(sizes.described, search=replace(sizes.described.search, **CHANGES.get(recipe, {})))
+
+
+def looking_of(recipe: str, sizes: Sizes) -> Search | YuSearch:
+    """The search with which it plays: theirs with the most visited move."""
+    ours, theirs = sizes.simulations
+    if recipe == "ours":
+        return Search(simulations=ours, gumbel_scale=0.0)
+    return YuSearch(**{**CHANGES.get(recipe, {}), "simulations": theirs, "temperature": 0.0})
+
+
 def run(recipe: str, place: str, seed: int, test: Sequence[Board], sizes: Sizes, weights: Path, tell: Tell) -> dict[str, Any]:
     """The record of one training, and of what it plays on the test boards and the desk.
 
@@ -104,12 +121,12 @@ def run(recipe: str, place: str, seed: int, test: Sequence[Board], sizes: Sizes,
     """
     from tandem.learn.alphazero.boards import train
 
-    config = sizes.ours if recipe == "ours" else sizes.described
+    config, looking, every = config_of(recipe, sizes), looking_of(recipe, sizes), sizes.every[recipe != "ours"]
     on_desk = place == "desk"
     pool = [desk()] if on_desk else boards(TRAINING[: sizes.training])
     held = [desk()] if on_desk else boards(HELD[: sizes.held])
     began = time.process_time()
-    trained, curve = train(pool, config, seed=seed, held=held, every=sizes.every[recipe])
+    trained, curve = train(pool, config, seed=seed, held=held, looking=looking, every=every)
     cpu_s = time.process_time() - began
     trained.save(weights)
     record: dict[str, Any] = {"recipe": recipe, "trained_on": place, "seed": seed, "cpu_s": round(cpu_s, 1), "curve": curve}
@@ -124,33 +141,17 @@ def played(trained: Any, on: Sequence[Board], recipe: str, sizes: Sizes) -> dict
     """Makespans on these boards: of the network alone, of the search, and on a single board of the best of several searched games."""
     from tandem.learn.alphazero.boards import play
 
-    took = {"network": play(trained, on)[:, 0].tolist(), "search": play(trained, on, looking=LOOKING[recipe])[:, 0].tolist()}
-    if sizes.samples and len(on) == 1:
+    took = {"network": play(trained, on)[:, 0].tolist(), "search": play(trained, on, looking=looking_of(recipe, sizes))[:, 0].tolist()}
+    if sizes.samples and len(on) == 1 and recipe in DRAWN:
         took[f"best of {sizes.samples}"] = play(trained, on, looking=DRAWN[recipe], samples=sizes.samples).min(1).tolist()
     return took
-
-
-def thorough(record: Path) -> dict[str, Any]:
-    """The record with what our network plays on the desk when it searches thoroughly; kept beside it."""
-    whole: dict[str, Any] = json.loads(record.read_text(encoding="utf-8"))
-    if whole["recipe"] == "ours" and whole["desk"]:
-        seconds = kept(record.with_name(f"thorough_{record.name}"), partial(_thorough_desk, weights_of(record)))
-        whole["desk"][f"search of {THOROUGH.simulations}"] = seconds
-    return whole
-
-
-def _thorough_desk(weights: Path) -> list[int]:
-    from tandem.learn.alphazero.boards import play
-    from tandem.learn.alphazero.trained import Trained
-
-    return [int(seconds) for seconds in play(Trained.load(weights), [desk()], looking=THOROUGH)[:, 0]]
 
 
 def untrained_record(recipe: str, seed: int, test: Sequence[Board], sizes: Sizes) -> dict[str, Any]:
     """What the recipe plays before it has learned anything, where it will be played afterwards."""
     from tandem.learn.alphazero.boards import untrained
 
-    config = sizes.ours if recipe == "ours" else sizes.described
+    config = config_of(recipe, sizes)
     record: dict[str, Any] = {"recipe": recipe, "trained_on": "nothing", "seed": seed, "cpu_s": 0.0, "curve": [], "desk": None, "boards": None}
     if recipe == "ours" or (recipe, "desk") in sizes.trainings:
         record["desk"] = played(untrained(config, desk(), seed=seed), [desk()], recipe, sizes)
@@ -174,17 +175,17 @@ def loaded(folder: Path, recipe: str, *places: str) -> tuple[Any, str] | None:
     return None
 
 
-def decisions(folder: Path) -> dict[str, float]:
+def decisions(folder: Path, sizes: Sizes) -> dict[str, float]:
     """Player -> milliseconds of one decision on the desk, one game at a time, on this machine.
 
     Of the exact player for the whole game, which it proves at its first decision."""
     from tandem.learn.alphazero.boards import decide_ms
 
     found = {}
-    for recipe, looking in LOOKING.items():
+    for recipe in RECIPES:
         if (network := loaded(folder, recipe, "desk", "boards")) is not None:
             found[f"{recipe}, network"] = decide_ms(network[0], desk())
-            found[f"{recipe}, search"] = decide_ms(network[0], desk(), looking=looking)
+            found[f"{recipe}, search"] = decide_ms(network[0], desk(), looking=looking_of(recipe, sizes))
     for name, choose in (("longest-tail", by_rule(PLAYERS["longest-tail"])), ("exact, no waiting", replanning(desk()))):
         began = time.perf_counter()
         game = play_one(desk(), choose)
@@ -193,25 +194,27 @@ def decisions(folder: Path) -> dict[str, float]:
     return {name: float(f"{spent:.3g}") for name, spent in found.items()}
 
 
-def learned_deciders(folder: Path, on: Sequence[Board], games: int) -> dict[str, Decider]:
+def learned_deciders(folder: Path, on: Sequence[Board], games: int, sizes: Sizes) -> dict[str, Decider]:
     """Decider -> from fates to its makespans on these boards. All were trained on random boards without trouble."""
     from tandem.learn.alphazero.boards import play
 
     found: dict[str, Decider] = {}
     for recipe, kind in (("as described", "search"), ("ours", "network"), ("ours", "search")):
         if (network := loaded(folder, recipe, "boards")) is not None:
-            found[f"{recipe}, {kind}"] = _decider(play, network[0], on, games, LOOKING[recipe] if kind == "search" else None)
+            found[f"{recipe}, {kind}"] = _decider(play, network[0], on, games, looking_of(recipe, sizes) if kind == "search" else None)
     return found
 
 
-def films(folder: Path) -> dict[str, list[int]]:
+def films(folder: Path, sizes: Sizes) -> dict[str, list[int]]:
     """Who plays the desk -> the columns that it plays: both recipes' searches, trained there if they were, and the optimum."""
-    from tandem.learn.alphazero.boards import columns
+    from tandem.learn.alphazero.boards import decider
 
     found = {"exact, no waiting": list(optimum(desk()).columns)}
-    for recipe, looking in LOOKING.items():
+    for recipe in RECIPES:
         if (network := loaded(folder, recipe, "desk", "boards")) is not None:
-            found[f"{recipe}, search, trained on {network[1]}"] = columns(network[0], desk(), looking=looking)
+            found[f"{recipe}, search, trained on {network[1]}"] = [
+                move.column for move in play_one(desk(), decider(network[0], desk(), looking=looking_of(recipe, sizes))).moves
+            ]
     return found
 
 

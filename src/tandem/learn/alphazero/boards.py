@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from tandem.cell.chessboard import Board
 from tandem.envs import chessboard
-from tandem.envs.chessboard import Fate
+from tandem.envs.chessboard import Fate, Layout
+from tandem.envs.chessboard.play import play as play_one
 from tandem.errors import UsageError
 from tandem.learn.alphazero import training, yu_training
 from tandem.learn.alphazero.config import Config, YuConfig
@@ -28,8 +29,8 @@ from tandem.learn.game import stacked
 Array = Any
 Anyhow = Config | YuConfig
 
-TOGETHER = 128
-"""Games that are played side by side at most: more of them do not fit into the processor's caches."""
+TOGETHER = (1, 16, 128)
+"""How many games are played side by side: one compiled function for each number. More of them do not fit into the processor's caches."""
 
 Point = dict[str, float]
 
@@ -40,6 +41,7 @@ def train(
     *,
     seed: int,
     held: Sequence[Board] = (),
+    looking: Looking | None = None,
     every: int = 10,
     tell: Callable[[Point], None] = lambda _: None,
 ) -> tuple[Trained, list[Point]]:
@@ -48,12 +50,12 @@ def train(
     Args:
       boards: all of one height, width and number of pieces.
       config: `Config` for our network, which then plays boards of any size; `YuConfig` for the authors' networks, on boards of this size.
-      held: boards that the network alone plays from time to time; nothing is learned from them.
+      held: boards that the network plays from time to time, alone and, where `looking` names one, with a search; nothing is learned from them.
       every: rounds (of `Config`) or games (of `YuConfig`) between the points of the curve.
       tell: called with each new point.
 
-    A point has `games`, `cpu_s`, `mean_cost` (seconds, of the games of the self-play since the last one) and, with boards held out, `held` (mean
-    seconds). The same seed gives the same network on the same machine.
+    A point has `games`, `cpu_s`, `mean_cost` (seconds, of the games of the self-play since the last one) and, with boards held out, `held` and
+    `searched` (mean seconds). The same seed gives the same network on the same machine.
 
     Raises:
       UsageError: the boards are not of one size.
@@ -71,6 +73,8 @@ def train(
             point = {"games": int(learner.games), "cpu_s": round(time.process_time() - began, 1), "mean_cost": round(float(np.mean(costs)), 3)}
             if held:
                 point["held"] = round(float(np.mean(play(_trained(learner, config, seed), held))), 3)
+            if held and looking is not None:
+                point["searched"] = round(float(np.mean(play(_trained(learner, config, seed), held, looking=looking))), 3)
             curve.append(point)
             costs.clear()
             tell(point)
@@ -98,39 +102,49 @@ def play(
         places = [place for place, board in enumerate(boards) if _size(board) == size]
         rows = [(place, sample) for place in places for sample in range(samples)]
         games = {place: BoardGame.of(boards[place], sees=_sees(trained.judge)) for place in places}
-        for number, start in enumerate(range(0, len(rows), TOGETHER)):
-            chunk = rows[start : start + TOGETHER]
-            filled = chunk + chunk[:1] * (min(TOGETHER, len(rows)) - len(chunk))  # all chunks are of one size: compiled once
-            fate = None if fates is None else jax.tree.map(lambda leaf, filled=filled: np.stack([leaf[row] for row in filled]), fates)
+        together = min(number for number in TOGETHER if number >= min(len(rows), TOGETHER[-1]))
+        for number, start in enumerate(range(0, len(rows), together)):
+            chunk = rows[start : start + together]
+            filled = chunk + chunk[:1] * (together - len(chunk))
+            happens = jax.tree.map(
+                lambda *leaves: np.stack(leaves), *(_happens(games[place].layout, fates, (place, sample)) for place, sample in filled)
+            )
             key = jax.random.fold_in(jax.random.key(seed), number)
-            seconds = _played(key, trained.judge, trained.parameters, stacked([games[place] for place, _ in filled]), fate, looking)
+            seconds = _played(key, trained.judge, trained.parameters, stacked([games[place] for place, _ in filled]), happens, looking)
             for row, clock in zip(chunk, np.asarray(seconds), strict=False):
                 found[row] = clock
     return found
 
 
-def columns(trained: Trained, board: Board, *, looking: Looking | None = None, seed: int = 0) -> list[int]:
-    """The columns of one game, from 0: `chessboard.play.follow` plays them again, with pictures and a schedule."""
-    game = BoardGame.of(board, sees=_sees(trained.judge))
-    state, chosen, key = chessboard.reset(game.layout), list[int](), jax.random.key(seed)
-    while not chessboard.is_over(state):
+def decider(trained: Trained, board: Board, *, looking: Looking | None = None, seed: int = 0) -> Callable[[Any, Any], int]:
+    """Layout, state -> column: one game at a time, as `chessboard.play.play` wants it. What draws draws anew at each decision."""
+    games, key = stacked([BoardGame.of(board, sees=_sees(trained.judge))]), jax.random.key(seed)
+
+    def choose(_: Any, state: Any) -> int:
+        nonlocal key
         move_key, key = jax.random.split(key)
-        chosen.append(int(_decided(move_key, trained.judge, trained.parameters, stacked([game]), _wide(state), looking)[0]))
-        state = chessboard.step(game.layout, state, np.int32(chosen[-1]))
-    return chosen
+        return int(_decided(move_key, trained.judge, trained.parameters, games, jax.tree.map(lambda leaf: np.asarray(leaf)[None], state), looking)[0])
+
+    return choose
 
 
 def decide_ms(trained: Trained, board: Board, *, looking: Looking | None = None) -> float:
     """Median milliseconds of a decision in one game on the board, compiling left out."""
-    game = BoardGame.of(board, sees=_sees(trained.judge))
-    one, state, key, spent = stacked([game]), chessboard.reset(game.layout), jax.random.key(0), list[float]()
-    _decided(key, trained.judge, trained.parameters, one, _wide(state), looking).block_until_ready()
-    while not chessboard.is_over(state):
+    choose, spent = decider(trained, board, looking=looking), list[float]()
+
+    def timed(laid: Any, state: Any) -> int:
         began = time.perf_counter()
-        move = int(_decided(key, trained.judge, trained.parameters, one, _wide(state), looking)[0])
+        column = choose(laid, state)
         spent.append(time.perf_counter() - began)
-        state = chessboard.step(game.layout, state, np.int32(move))
+        return column
+
+    play_one(board, timed)
     return 1000 * float(np.median(spent))
+
+
+def _happens(layout: Layout, fates: Fate | None, row: tuple[int, int]) -> Fate:
+    """What goes wrong in that game."""
+    return Fate(layout.time * 0, layout.time * 0) if fates is None else Fate(*(part[row] for part in fates))
 
 
 def _pool(boards: Sequence[Board], config: Anyhow) -> BoardGame:
@@ -146,10 +160,6 @@ def _size(board: Board) -> tuple[int, int, int]:
 
 def _sees(judge: Judge) -> Any:
     return "board" if isinstance(judge, YuNetworks) else "features"
-
-
-def _wide(state: Any) -> Any:
-    return jax.tree.map(lambda leaf: np.asarray(leaf)[None], state)
 
 
 def _trained(learner: Any, config: Anyhow, seed: int) -> Trained:
@@ -179,9 +189,9 @@ def _decided(key: Array, judge: Judge, parameters: Any, games: BoardGame, states
 
 
 @partial(jax.jit, static_argnames=("judge", "looking"))
-def _played(key: Array, judge: Judge, parameters: Any, games: BoardGame, fates: Fate | None, looking: Looking | None) -> Array:
+def _played(key: Array, judge: Judge, parameters: Any, games: BoardGame, fates: Fate, looking: Looking | None) -> Array:
     """`[B]` int32 seconds."""
-    step = jax.vmap(chessboard.step, (0, 0, 0, None if fates is None else 0))
+    step = jax.vmap(chessboard.step)
 
     def goes_on(carry: tuple[Any, Array]) -> Array:
         return ~jnp.all(jax.vmap(chessboard.is_over)(carry[0]))

@@ -13,6 +13,7 @@ import numpy as np
 
 from tandem.cell.chessboard import HUMAN, ROBOT, Board
 from tandem.cell.model import Cell, plain
+from tandem.envs.chessboard.play import play as play_one
 from tandem.errors import UsageError
 from tandem.learn.algorithms import Row
 from tandem.learn.alphazero import boards, yu_training
@@ -100,9 +101,6 @@ def players(path: Path, cell: Cell, order: Order, *, seed: int, episodes: int) -
     Raises:
       CellError: the board cannot hold the cell. UsageError: it makes a board of another size than the one that was learned on.
     """
-    from tandem.envs.chessboard.play import follow
-    from tandem.envs.chessboard.play import play as replay
-
     recipe = order.recipe
     assert isinstance(recipe, YuRecipe)
     trained, board = Trained.load(path), Board.of(cell)
@@ -114,7 +112,7 @@ def players(path: Path, cell: Cell, order: Order, *, seed: int, episodes: int) -
         )
 
     def game(looking: Looking | None) -> Reached:
-        done = replay(board, follow(boards.columns(trained, board, looking=looking, seed=seed)))
+        done = play_one(board, boards.decider(trained, board, looking=looking, seed=seed))
         return replace(_reached(done.makespan), schedule=_in_words_of(cell, done.schedule))
 
     games = min(episodes, MOST_SEARCHED)
