@@ -61,7 +61,7 @@ class Sizes:
 
 
 EVERYTHING = (("ours", "boards"), ("ours", "desk"), ("as described", "boards"), ("as described", "desk"), *((change, "desk") for change in CHANGES))
-LONG = Sizes(Config(iterations=24), YuConfig(), len(TRAINING), len(HELD), (32, 30), (2, 20), 16, EVERYTHING)
+LONG = Sizes(Config(iterations=16), YuConfig(), len(TRAINING), len(HELD), (32, 30), (2, 20), 16, EVERYTHING)
 QUICK = Sizes(
     replace(Config(), search=Search(simulations=8, considered=4), iterations=2, games=16, minibatch=128, minibatches=4),
     replace(YuConfig(), outer=1, inner=1, switch=1, search=YuSearch(simulations=6, temperature=1000.0)),
