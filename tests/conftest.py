@@ -12,10 +12,13 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
+from tandem.cli.compiled import keep_compiled
+
 if "PYTEST_XDIST_WORKER" not in os.environ and "JAX_COMPILATION_CACHE_DIR" not in os.environ:
     # What one test, worker or command has compiled the others need not: JAX and every command read these variables.
     compiled = tempfile.mkdtemp(prefix="tandem-compiled-")
-    os.environ |= {"JAX_COMPILATION_CACHE_DIR": compiled, "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0.2"}
+    os.environ["JAX_COMPILATION_CACHE_DIR"] = compiled
+    keep_compiled()
     atexit.register(shutil.rmtree, compiled, ignore_errors=True)
 
 settings.register_profile("tandem", deadline=None)  # a busy machine is no fault of the code

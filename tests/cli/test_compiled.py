@@ -44,6 +44,17 @@ def test_a_second_process_finds_what_the_first_one_compiled(tmp_path):
     assert "Persistent compilation cache hit for 'jit__lambda" not in first.stderr
 
 
+def test_what_a_killed_command_left_half_written_is_dropped(tmp_path):
+    folder = Path(asked(COMPILE, XDG_CACHE_HOME=str(tmp_path)).stdout.splitlines()[0])
+    (whole,) = folder.glob("jit__lambda*-cache")
+    half = whole.with_name("jit_half-cache")
+    half.write_bytes(whole.read_bytes()[:100])
+    again = asked(COMPILE, XDG_CACHE_HOME=str(tmp_path))
+    assert not half.exists()
+    assert whole.exists()
+    assert "Error" not in again.stderr
+
+
 def test_what_the_user_has_set_stays(tmp_path):
     assert asked(ASK, JAX_COMPILATION_CACHE_DIR=str(tmp_path / "own")).stdout.strip() == str(tmp_path / "own")
 

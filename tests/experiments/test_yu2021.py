@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -14,7 +13,7 @@ from tandem.experiments.systems import SYSTEMS
 
 STORED = Path(yu2021.__file__).parent / "results" / yu2021.STORED
 
-jax = pytest.importorskip("jax", reason="learning needs the extra tandem[learn]")
+pytest.importorskip("jax", reason="learning needs the extra tandem[learn]")
 
 
 def test_with_one_robot_and_one_human_the_instance_is_the_lower_desk():
@@ -34,28 +33,17 @@ def test_more_agents_are_never_slower_and_each_can_do_what_one_could():
     assert set(cell.tasks["C1"].time) == set(cell.operators)
 
 
-def test_the_recipes_differ_in_what_their_names_say():
-    known = {name: recipe.config for name, recipe in yu2021.recipes(1000).items()}
-    assert {name: (config.agents, config.double) for name, config in known.items()} == {
-        "as described": ("each", False),
-        "one network for all": ("one", False),
-        "ours": ("each", True),
-    }
-    assert {config.decisions for config in known.values()} == {1000}
-
-
-@pytest.fixture
-def quickly_compiled() -> Iterator[None]:
-    before = jax.config.values["jax_disable_most_optimizations"]
-    jax.config.update("jax_disable_most_optimizations", True)
-    yield
-    jax.config.update("jax_disable_most_optimizations", before)
+def test_the_recipes_differ_in_what_their_names_say_and_have_one_budget():
+    known = yu2021.recipes(960, 24)
+    described, single, ours = (known[name].config for name in ("as described", "one network for all", "ours"))
+    assert (described.agents, single.agents) == ("each", "one")
+    assert described.decisions == single.decisions == 960 * 24
+    assert ours.iterations * ours.games == 960
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("quickly_compiled")
 def test_a_short_run_of_the_same_code(tmp_path, monkeypatch):
-    monkeypatch.setattr(yu2021, "recipes", lambda decisions, all_=yu2021.recipes: {"ours": all_(decisions)["ours"]})
+    monkeypatch.setattr(yu2021, "recipes", lambda *budget, all_=yu2021.recipes: {"ours": all_(*budget)["ours"]})
     document = yu2021.reproduce(tmp_path, quick=True)
     check(document)
     assert "| published |" in yu2021.table(document)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tandem.cli.learn import needs_learn_extra
+from tandem.cli.compiled import needs_jax
 
 if TYPE_CHECKING:
     from tandem.cell.chessboard import Board
@@ -44,7 +44,7 @@ def board_command(cell_file: str, form: str | None, output: tuple[Path, ...], pr
         "pieces": [{"name": p.name, "row": p.row, "first": p.first, "last": p.last, "who": p.who.name.lower(), "time": p.time} for p in board.pieces],
     }
     if proven:
-        needs_learn_extra()
+        needs_jax("the optimum of a board")
         document["optimum"] = {name: _proof(board, waiting) for name, waiting in (("no_waiting", False), ("waiting", True))}
     for file in output:
         from tandem.draw.board import plot_board

@@ -2,13 +2,29 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import platform
 from pathlib import Path
 
+from tandem.errors import TandemError
+
 MOST_BYTES = 2**29
 """What was not used for longest is dropped beyond this."""
+
+
+def needs_jax(purpose: str) -> None:
+    """Makes ready for a command that needs JAX. Raises TandemError, which says what to install, when it is not there.
+
+    Args:
+      purpose: what needs it, as the message begins.
+    """
+    keep_compiled()
+    try:
+        import jax  # noqa: F401
+    except ImportError as error:
+        raise TandemError(f"{purpose} needs JAX, which is not installed. Get it with: pip install 'tandem[learn]'") from error
 
 
 def keep_compiled() -> None:
@@ -17,18 +33,25 @@ def keep_compiled() -> None:
     Nothing is kept, and nothing said, where learning is not installed or the folder cannot be made.
     """
     try:
-        import filelock  # noqa: F401 (JAX needs it to drop what is old)
+        from filelock import FileLock, Timeout
         from platformdirs import user_cache_path
 
         folder = Path(os.environ.get("JAX_COMPILATION_CACHE_DIR") or user_cache_path("tandem") / f"compiled-{_processor()}")
         folder.mkdir(parents=True, exist_ok=True)
+        with contextlib.suppress(Timeout), FileLock(folder / ".lockfile", timeout=1):  # JAX's own lock
+            _mend(folder)
     except (ImportError, OSError, RuntimeError):
-        return
-    if not os.access(folder, os.W_OK):
         return
     os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(folder))
     os.environ.setdefault("JAX_COMPILATION_CACHE_MAX_SIZE", str(MOST_BYTES))
     os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.5")
+
+
+def _mend(folder: Path) -> None:
+    """Drops what a command did not write to its end when it was killed: JAX notes the time of an entry last, and stumbles where that is missing."""
+    for entry in folder.glob("*-cache"):
+        if not entry.with_name(entry.name.removesuffix("-cache") + "-atime").exists():
+            entry.unlink()
 
 
 def _processor() -> str:

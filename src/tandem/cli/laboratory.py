@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from tandem.cli.learn import needs_learn_extra
+from tandem.cli.compiled import needs_jax
 from tandem.errors import UsageError
 from tandem.experiments.systems import SYSTEMS, Experiment, System, system
 
@@ -56,7 +56,7 @@ def reproduce_command(
     if everything == (name is not None):
         raise UsageError(f"give one SYSTEM ({', '.join(SYSTEMS)}), or --all.")
     if name is None:
-        needs_learn_extra()  # what a system can do is found by letting it learn a little
+        needs_jax("training")  # what a system can do is found by letting it learn a little
         if cases:
             raise UsageError("--case: only `tandem reproduce cells` takes case studies.")
         return _compare(output or Path("tandem-out") / "all", quick=quick, stored=stored, seeds=seeds, as_json=as_json)
@@ -64,7 +64,7 @@ def reproduce_command(
     if cases and not chosen.takes_cases:
         raise UsageError(f"--case: {name} is run on its own cells; only `tandem reproduce cells` takes case studies.")
     if not stored:
-        needs_learn_extra()
+        needs_jax("training")
     experiment, folder = _load(chosen), output or Path("tandem-out") / name
     further: dict[str, Any] = {"cases": cases} if chosen.takes_cases else {}
     document = experiment.stored() if stored else experiment.reproduce(folder, quick=quick, seeds=seeds, tell=_tell, **further)
@@ -78,7 +78,7 @@ def _load(chosen: System) -> Experiment:
     try:
         return chosen.load()
     except ImportError:
-        needs_learn_extra()
+        needs_jax("training")
         raise
 
 

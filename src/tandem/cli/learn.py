@@ -11,21 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tandem.errors import TandemError, UsageError
+from tandem.cli.compiled import keep_compiled, needs_jax
+from tandem.errors import UsageError
 
 if TYPE_CHECKING:
     from tandem.learn.trainer import Progress
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
 PICTURE = click.Path(dir_okay=False, path_type=Path)
-
-
-def needs_learn_extra() -> None:
-    """Raises TandemError, which says what to install, when the packages for learning are not there."""
-    try:
-        import jax  # noqa: F401
-    except ImportError as error:
-        raise TandemError("training needs JAX, which is not installed. Get it with: pip install 'tandem[learn]'") from error
 
 
 @click.command("train")
@@ -74,7 +67,7 @@ def train_command(
 
     Ctrl-C saves; the exit code is then 130 and --resume goes on to the same end.
     """
-    needs_learn_extra()
+    needs_jax("training")
     from tandem.cell.files import load
     from tandem.learn import trainer
     from tandem.learn.recipes import changed, recipe
@@ -189,6 +182,8 @@ def evaluate_command(
     """
     from tandem.cell.files import load
     from tandem.draw.saving import save
+
+    keep_compiled()
     from tandem.learn.evaluate import evaluate
 
     found = evaluate(run, load(cell_file) if cell_file else None, seed=seed, episodes=episodes, front_limit=front_limit)

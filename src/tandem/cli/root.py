@@ -13,7 +13,6 @@ from typing import Any
 import click
 
 import tandem as package
-from tandem.cli.compiled import keep_compiled
 from tandem.errors import CellError, InfeasibleError, TandemError
 
 VERBS: dict[str, tuple[str, str]] = {
@@ -78,7 +77,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # a task name must not stop a terminal that cannot print it
-    keep_compiled()
     code = run(arguments)
     with contextlib.suppress(OSError):
         sys.stdout.flush()

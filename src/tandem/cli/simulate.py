@@ -8,8 +8,9 @@ from typing import Any
 
 import click
 
+from tandem.cli.compiled import needs_jax
 from tandem.cli.planning import FORMAT, Weights
-from tandem.errors import TandemError, UsageError
+from tandem.errors import UsageError
 
 PICTURE = click.Path(dir_okay=False, path_type=Path)
 
@@ -98,7 +99,7 @@ def simulate_command(
     """
     from tandem.cell.files import load
 
-    needs_jax()
+    needs_jax("simulating many episodes")
     from tandem.dispatch.judge.trial import judge, split_people
 
     cell = load(cell_file, form)
@@ -122,14 +123,6 @@ def simulate_command(
     else:
         for one in documents:
             _show(one)
-
-
-def needs_jax() -> None:
-    """Raises TandemError, which says what to install, when JAX is not there."""
-    try:
-        import jax  # noqa: F401
-    except ImportError as error:
-        raise TandemError("simulating many episodes needs JAX, which is not installed. Get it with: pip install 'tandem[learn]'") from error
 
 
 def _trial(policies: tuple[str, ...], people: tuple[str, ...], given: dict[str, Any]) -> Any:

@@ -182,12 +182,11 @@ def stored() -> dict[str, Any]:
 
 def table(document: Mapping[str, Any]) -> str:
     """Published, as described, one network for all, ours and exact, seconds; means over seeds, in brackets the best of several drawn games."""
-    drawn = document["rows"][0]["learned"]
-    names = list(drawn)
+    drawn = {name: learned["n"] for name, learned in document["rows"][0]["learned"].items()}
+    names, seeds = list(drawn), len(document["seeds"])
     lines = [
-        f"Seconds of the greedy policies, mean over {len(document['seeds'])} seed(s) of {document['games']} games each; in brackets the mean of "
-        f"the best of {drawn['as described']['n']} games with a twentieth of the moves drawn (ours: of {drawn['ours']['n']} games with a search). "
-        f"`{document['command']}`.",
+        f"Seconds of the greedy policies, mean over {seeds} training{'s' * (seeds > 1)} of {document['games']} games each; in brackets the mean of "
+        f"the best of several games that are drawn ({', '.join(f'{name}: {number}' for name, number in drawn.items())}). `{document['command']}`.",
         "",
         f"| instance | tasks | agents | published | random | best rule | {' | '.join(names)} | exact |",
         "|" + "---|" * (7 + len(names)),

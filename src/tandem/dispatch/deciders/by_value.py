@@ -38,29 +38,28 @@ def minimax(cell: Cell, objective: Objective, options: Options) -> Table:
     return _table("minimax", cell, Human(spoils=True), objective)
 
 
-def beside(name: str, cell: Cell, human: Human, objective: Objective, pace: float = 1.0) -> Table:
-    """The exact best response to a known human, as a decider. Raises as `expected` does."""
-    return _table(name, cell, human, objective, pace)
-
-
 def repairing(cell: Cell, forgets: float, *, taking_apart: float = 1.0) -> Table:
     """The optimal decider beside a compliant human who errs, as value iteration has it. For small cells."""
     found = repair_values(cell, forgets, taking_apart=taking_apart)
     found.prepare(found.moves.root())
-    return Table("repairing", Models(cell), found, SECONDS, 1.0)
+    return Table("repairing", Models(cell), found, SECONDS)
 
 
-def _table(name: str, cell: Cell, human: Human, objective: Objective, pace: float = 1.0) -> Table:
+def _table(name: str, cell: Cell, human: Human, objective: Objective) -> Table:
     if len(cell.tasks) > MOST_TASKS:
         raise UsageError(f"{name}: exact values are for cells of at most {MOST_TASKS} tasks, this one has {len(cell.tasks)}; take replan-robust.")
-    found = values(cell, human, objective, pace=dict.fromkeys(cell.humans, pace))
+    found = values(cell, human, objective)
     if not objective.stress:
         found.weights = (found.weights[0], TIES / found.moves.instance.per_stress)
     try:
         found.value(found.moves.root())
     except NothingFoundError as error:
         raise UsageError(f"{name}: {error}") from error
-    return Table(name, Models(cell), found, objective, pace)
+    return Table(name, Models(cell), found, objective)
+
+
+STATED = 1.0
+"""Everybody needs the stated times: a table knows no other."""
 
 
 @dataclass
@@ -71,14 +70,13 @@ class Table:
     models: Models
     values: Values
     objective: Objective
-    pace: float
     _by_moves: dict[int, Values] = field(default_factory=dict)
 
     def decide(self, situation: Situation) -> Decision:
         """What is best now by the table. Positions that it has not met, because a time was not as stated, are valued when they come."""
         began = perf_counter()
-        moves = self.models.of(situation, self.pace)
-        here = position(moves, situation, dict.fromkeys(situation.cell.humans, self.pace))
+        moves = self.models.of(situation, STATED)
+        here = position(moves, situation, dict.fromkeys(situation.cell.humans, STATED))
         found = self.values if moves.ways == self.values.moves.ways else self._with(moves)
         found.prepare(here)
         choice, ranked = best(found, here)
