@@ -212,7 +212,7 @@ def test(arguments: Sequence[str]) -> int:
     if arguments:
         return call(PYTHON, "-m", "pytest", *arguments)
     failed = look()
-    ended = call(PYTHON, "-m", "pytest", "-q", "-n", "auto", "--durations", "10")
+    ended = call(PYTHON, "-m", "pytest", "-q", "-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder", "--durations", "25")
     if failed:
         print(f"failed before the tests: {', '.join(failed)} (see above)", flush=True)
     return ended or (1 if failed else 0)
