@@ -144,10 +144,10 @@ def summary(document: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def changes(document: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Their recipe on the desk as it is and with one thing changed: seconds of its search at the end, a number a seed; and over the second half of
+    """Both recipes on the desk as they are and with one thing changed: seconds of its search at the end, a number a seed; and over the second half of
     the training, where it may still go up and down, the mean and the least."""
     rows = []
-    for recipe in ("as described", *runs.CHANGES):
+    for recipe in (*runs.OURS, "as described", *runs.CHANGES):
         own = [record for record in document["records"] if (record["recipe"], record["trained_on"]) == (recipe, "desk")]
         late = [point["searched"] for record in own for point in record["curve"][len(record["curve"]) // 2 :]]
         if own:
@@ -180,7 +180,9 @@ def table(document: Mapping[str, Any]) -> str:
         lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
     lines += [
         "",
-        "| their recipe on the desk, one thing changed | at the end, a seed each | mean of the second half | least in it |",
+        _budgets(document),
+        "",
+        "| on the desk, one thing changed | at the end, a seed each | mean of the second half | least in it |",
         "|" + "---|" * 4,
     ]
     for row in changes(document):
@@ -207,6 +209,7 @@ def table(document: Mapping[str, Any]) -> str:
 
 
 def _budgets(document: Mapping[str, Any]) -> str:
+    """How long each recipe was trained."""
     told = []
     for recipe in runs.RECIPES:
         own = [record for record in document["records"] if record["recipe"] == recipe and record["curve"]]

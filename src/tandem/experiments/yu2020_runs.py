@@ -25,6 +25,9 @@ from tandem.experiments.yu2020_games import HELD, TRAINING, Decider, Tell, board
 from tandem.learn.alphazero.config import Config, Search, YuConfig, YuSearch
 
 RECIPES = ("ours", "as described")
+NOT_IMITATED = "ours, nothing imitated"
+"""Our recipe without the cheapest games in what it learns from. Trained on the desk only."""
+OURS = ("ours", NOT_IMITATED)
 DRAWN: dict[str, Search | YuSearch] = {"ours": Search(simulations=16, gumbel_scale=3.0), "as described": YuSearch(temperature=1.0)}
 """Recipe -> the search of which several games are drawn and the best counts."""
 CHANGES: dict[str, dict[str, Any]] = {
@@ -47,7 +50,7 @@ class Sizes:
       simulations: of the searches that play, ours and theirs.
       every: rounds of ours, and games of theirs, from one point of the curve to the next.
       samples: games on the desk of which the best counts; 0 to leave that out.
-      trainings: recipe (of `RECIPES`, or a change of `CHANGES`), and what it is trained on: "boards", random ones, or "desk".
+      trainings: recipe (of `RECIPES`, or with a change), and what it is trained on: "boards", random ones, or "desk".
     """
 
     ours: Config
@@ -60,7 +63,13 @@ class Sizes:
     trainings: tuple[tuple[str, str], ...]
 
 
-EVERYTHING = (("ours", "boards"), ("ours", "desk"), ("as described", "boards"), ("as described", "desk"), *((change, "desk") for change in CHANGES))
+EVERYTHING = (
+    ("ours", "boards"),
+    ("ours", "desk"),
+    ("as described", "boards"),
+    ("as described", "desk"),
+    *((change, "desk") for change in (NOT_IMITATED, *CHANGES)),
+)
 LONG = Sizes(Config(iterations=16), YuConfig(), len(TRAINING), len(HELD), (32, 30), (2, 20), 16, EVERYTHING)
 QUICK = Sizes(
     replace(Config(), search=Search(simulations=8, considered=4), iterations=2, games=16, minibatch=128, minibatches=4),
@@ -101,14 +110,16 @@ def weights_of(record: Path) -> Path:
 
 
 def config_of(recipe: str, sizes: Sizes) -> Config | YuConfig:
-    """How a recipe, or theirs with a change, is trained."""
-    return sizes.ours if recipe == "ours" else replace(sizes.described, search=replace(sizes.described.search, **CHANGES.get(recipe, {})))
+    """How a recipe, or one with a change, is trained."""
+    if recipe in OURS:
+        return replace(sizes.ours, imitated=0.0) if recipe == NOT_IMITATED else sizes.ours
+    return replace(sizes.described, search=replace(sizes.described.search, **CHANGES.get(recipe, {})))
 
 
 def looking_of(recipe: str, sizes: Sizes) -> Search | YuSearch:
     """The search with which it plays: theirs with the most visited move."""
     ours, theirs = sizes.simulations
-    if recipe == "ours":
+    if recipe in OURS:
         return Search(simulations=ours, gumbel_scale=0.0)
     return YuSearch(**{**CHANGES.get(recipe, {}), "simulations": theirs, "temperature": 0.0})
 
@@ -121,7 +132,7 @@ def run(recipe: str, place: str, seed: int, test: Sequence[Board], sizes: Sizes,
     """
     from tandem.learn.alphazero.boards import train
 
-    config, looking, every = config_of(recipe, sizes), looking_of(recipe, sizes), sizes.every[recipe != "ours"]
+    config, looking, every = config_of(recipe, sizes), looking_of(recipe, sizes), sizes.every[recipe not in OURS]
     on_desk = place == "desk"
     pool = [desk()] if on_desk else boards(TRAINING[: sizes.training])
     held = [desk()] if on_desk else boards(HELD[: sizes.held])
