@@ -125,8 +125,8 @@ def test_a_recipe_comes_back_from_what_a_run_writes_down(name):
 def test_settings_of_a_recipe_are_changed_by_name_and_faults_come_all_at_once():
     recipe = changed(RECIPES["alphazero"], ["waiting=false", "config.search.simulations=64", "config.search.kind=puct", "config.search.depth=3"])
     assert isinstance(recipe, SearchRecipe)
-    assert recipe == replace(
-        RECIPES["alphazero"], waiting=False, config=replace(recipe.config, search=alphazero.Search("puct", simulations=64, depth=3))
-    )
+    plain = RECIPES["alphazero"]
+    search = replace(plain.config.search, kind="puct", simulations=64, depth=3)
+    assert recipe == replace(plain, waiting=False, config=replace(plain.config, search=search))
     with pytest.raises(UsageError, match=r"(?s)--set x=3: .*has no such setting.*--set waiting=3: must be like true"):
         changed(RECIPES["alphazero"], ["x=3", "waiting=3"])
