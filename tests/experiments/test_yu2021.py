@@ -43,9 +43,24 @@ def test_the_recipes_differ_in_what_their_names_say_and_have_one_budget():
 
 @pytest.mark.slow
 def test_a_short_run_of_the_same_code(tmp_path, monkeypatch):
+    from tandem.learn import trainer
+
     monkeypatch.setattr(yu2021, "recipes", lambda *budget, all_=yu2021.recipes: {"ours": all_(*budget)["ours"]})
+
+    def stopped(*order, train=trainer.train, **more):
+        def stop(_):
+            raise KeyboardInterrupt
+
+        return train(*order, on_progress=stop, **more)
+
+    with monkeypatch.context() as once:
+        once.setattr(trainer, "train", stopped)
+        with pytest.raises(KeyboardInterrupt):
+            yu2021.reproduce(tmp_path, quick=True)
+    assert not (tmp_path / yu2021.STORED).exists()
     document = yu2021.reproduce(tmp_path, quick=True)
     check(document)
+    assert document["rows"][0]["learned"]["ours"]["curve"][0][-1][0] >= yu2021.QUICK_GAMES, "the training was gone on with to its end"
     assert "| published |" in yu2021.table(document)
     assert all(file.exists() for file in yu2021.draw_figures(document, tmp_path))
     assert yu2021.reproduce(tmp_path, quick=True)["rows"] == document["rows"], "kept runs are not made again"

@@ -18,7 +18,7 @@ def _no_rank_promotion() -> Iterator[None]:
 @pytest.fixture(scope="module")
 def quickly_compiled() -> Iterator[None]:
     """Compiles without most optimisations: what is compiled for a test runs for milliseconds."""
-    before = jax.config.values["jax_disable_most_optimizations"]
-    jax.config.update("jax_disable_most_optimizations", True)
-    yield
-    jax.config.update("jax_disable_most_optimizations", before)
+    from tandem.experiments.quick import compiled_quickly
+
+    with compiled_quickly():
+        yield

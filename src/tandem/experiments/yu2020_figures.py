@@ -65,7 +65,7 @@ def troubles(document: Document) -> Figure:
         ax.barh(deciders, [calm[name] for name in deciders], color=COLOURS[0], label="nothing goes wrong")
         ax.barh(deciders, [own[name] - calm[name] for name in deciders], left=[calm[name] for name in deciders], color=COLOURS[1], label="lost")
         _dressed(ax)
-        ax.set_xlim(0.75 * min(calm.values()), 1.02 * max(own.values()))
+        ax.set_xlim(0, 1.02 * max(own.values()))
         ax.set_title(f"{degree} trouble", loc="left", fontsize=11)
         ax.set_xlabel("seconds, mean")
     figure.axes[-1].set_yticklabels([])

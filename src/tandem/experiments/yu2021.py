@@ -149,7 +149,10 @@ def _row(instance: Instance, seeds: Sequence[int], records: Path, games: int, te
 
 
 def _trained(cell: Cell, recipe: ValueRecipe | SearchRecipe, seeds: Sequence[int], folder: Path) -> tuple[dict[str, Any], list[Any]]:
-    """The result of the run in the folder, made or gone on with when it is not there; and each seed's (decisions, greedy seconds)."""
+    """The result of the run in the folder, made or gone on with when it is not there; and each seed's (decisions, greedy seconds).
+
+    Raises KeyboardInterrupt when the training was stopped: what it has saved is gone on with the next time.
+    """
     from tandem.learn import trainer
 
     run = RunFolder(folder)
@@ -159,6 +162,8 @@ def _trained(cell: Cell, recipe: ValueRecipe | SearchRecipe, seeds: Sequence[int
         result = trainer.resume(folder)
     else:
         result = run.result()
+    if result["interrupted"]:
+        raise KeyboardInterrupt
     rows = run.rows()
     return result, [[[row["steps"], row["greedy_makespan"]] for row in rows if row["seed"] == seed] for seed in seeds]
 
@@ -242,7 +247,9 @@ def _small(cell: Cell, stress_factor: float = 0.0) -> tuple[Any, Any]:
     recipe = replace(YU_2021, samples=1, config=replace(YU_2021.config, decisions=480, games=8, kept=256, minibatch=16, warm_up=5, units=8))
     with TemporaryDirectory() as scratch:
         folder = Path(scratch) / "run"
-        trainer.train(cell, recipe_name="yu2021", own_recipe=recipe, seeds=(0,), folder=folder, front_limit=1.0, stress_factor=stress_factor)
+        order: dict[str, Any] = {"own_recipe": recipe, "seeds": (0,), "front_limit": 1.0, "stress_factor": stress_factor}
+        if trainer.train(cell, recipe_name="yu2021", folder=folder, **order)["interrupted"]:
+            raise KeyboardInterrupt
         trained = Trained.load(RunFolder(folder).policy(0))
     return game_of(cell, stress_factor, waiting=False), trained
 
