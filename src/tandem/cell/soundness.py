@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from tandem.cell.clock import a_deadline_can_be_met, breaks_are_apart, exact_planning_can_count_it, numbers_have_few_decimals
 from tandem.cell.cycles import no_task_waits_for_itself
 from tandem.cell.names import Known
+from tandem.cell.slips import slips
 from tandem.errors import Fault
 
 if TYPE_CHECKING:
@@ -116,6 +117,22 @@ def stress_is_put_on_humans(cell: Cell) -> Iterator[Fault]:
             )
 
 
+def stress_of_a_group_is_put_on_its_members(cell: Cell) -> Iterator[Fault]:
+    """A group's stress per human names humans who take part; a number for anybody else would count for nobody."""
+    for name, task in cell.tasks.items():
+        for place, joint in enumerate(task.together):
+            if not isinstance(joint.stress, Mapping):
+                continue
+            for who in joint.stress:
+                known = who in cell.operators and cell.operators[who].kind == "human"
+                if known and who not in joint.operators:
+                    yield Fault(
+                        f"task {name!r}: together: stress is stated for {who!r}, who takes no part. Taking part are "
+                        f"{_listed(joint.operators)}; take {who!r} out of the stress, or into the group.",
+                        ("tasks", name, "together", place, "stress", who),
+                    )
+
+
 def pairs_have_a_common_way(cell: Cell) -> Iterator[Fault]:
     """Two tasks that must be done by the same operators can be done by the same operators."""
     for place, (one, other) in enumerate(cell.same_operator):
@@ -169,6 +186,32 @@ def listed_tools_and_zones_are_not_misspelled(cell: Cell) -> Iterator[Fault]:
         for name in table:
             if name not in used and (meant := strays.nearest(name)) is not None:
                 yield Fault(f"{key[:-1]} {name!r} is listed but never used, while {meant!r} is used but not listed. Spell both alike.", (key, name))
+
+
+def tools_and_zones_are_spelled_alike(cell: Cell) -> Iterator[Fault]:
+    """Tools, and zones, that differ by capitals or one letter are one; listing both says that they are two.
+
+    A name that is listed and used by nobody is left to the rule above.
+    """
+    tools: dict[str, Path] = {}
+    zones: dict[str, Path] = {}
+    for name, task in cell.tasks.items():
+        if task.tool is not None:
+            tools.setdefault(task.tool, ("tasks", name, "tool"))
+        if task.zone is not None:
+            zones.setdefault(task.zone, ("tasks", name, "zone"))
+    for who, operator in cell.operators.items():
+        if operator.tool is not None:
+            tools.setdefault(operator.tool, ("operators", who, "tool"))
+    for kind, used, listed in (("tool", tools, cell.tools), ("zone", zones, cell.zones)):
+        in_order = sorted(used, key=lambda name: name not in listed)  # a listed name is the one that is meant
+        for name, meant in slips(in_order).items():
+            if name not in listed:
+                yield Fault(
+                    f"{kind} {name!r} is spelled almost like {kind} {meant!r}, so that they count as two. Did you mean {meant!r}? "
+                    f"If they are two, list both under `{kind}s`.",
+                    used[name],
+                )
 
 
 def _operators_named(cell: Cell) -> Iterator[tuple[Path, str, str]]:
@@ -227,11 +270,13 @@ RULES: tuple[Callable[[Cell], Iterator[Fault]], ...] = (
     a_group_names_each_operator_once,
     someone_can_do_each_task,
     stress_is_put_on_humans,
+    stress_of_a_group_is_put_on_its_members,
     breaks_are_apart,
     a_deadline_can_be_met,
     pairs_have_a_common_way,
     sets_are_spelled_in_order,
     listed_tools_and_zones_are_not_misspelled,
+    tools_and_zones_are_spelled_alike,
     numbers_have_few_decimals,
     exact_planning_can_count_it,
 )

@@ -245,8 +245,12 @@ def _per_operator(entry: Entry, what: str, who: str, amount: float, place: str, 
 def _joint_stress(entry: Entry, who: tuple[str, ...], human: str, amount: float, place: str, findings: Findings) -> None:
     for way in entry.data.get("together", ()):
         if set(way["operators"]) == set(who):
-            if human:
-                way["stress"] = {**way.get("stress", {}), human: amount}
+            stated = way.get("stress")
+            if stated is not None and isinstance(stated, dict) != bool(human):
+                both = f"task {entry.name!r} has one number for all of {' + '.join(who)} and one for {human or next(iter(stated))!r} alone"
+                findings.fault(f"gives stress a second time: {both}. Keep one of the two.", place)
+            elif human:
+                way["stress"] = {**(stated or {}), human: amount}
             else:
                 way["stress"] = amount
             return

@@ -183,7 +183,7 @@ def _stress_fields(cell: Cell, words: Mapping[str, str], groups: list[tuple[str,
         values = [joint.stress for task in tasks for joint in task.together if set(joint.operators) == set(group)]
         if any(value is not None and not isinstance(value, Mapping) for value in values):
             fields.append(Field(_headed(words["joint stress"], "stress", group, cell), _joint_stress(group, None), "number", 22))
-        for who in _named(cell, values):
+        for who in _members_named(cell, group, values):
             others = " + ".join(_spelled(other) for other in group if other != who)
             header = words["joint stress of"].format(human=_spelled(who), others=others)
             fields.append(Field(header, _joint_stress(group, who), "number", 26))
@@ -212,6 +212,13 @@ def _named(cell: Cell, values: Iterable[Any]) -> list[str]:
     return [who for who in cell.operators if who in named]
 
 
+def _members_named(cell: Cell, group: tuple[str, ...], values: list[Any]) -> list[str]:
+    """The humans of a group who need a column of their own; all of them where a table names nobody, so that its 0 is written down."""
+    if any(isinstance(value, Mapping) and not value for value in values):
+        return [who for who in cell.humans if who in group]
+    return _named(cell, values)
+
+
 def _of(value: Any, who: str) -> float | None:
     return value.get(who) if isinstance(value, Mapping) else None
 
@@ -227,7 +234,9 @@ def _joint_time(group: tuple[str, ...]) -> Callable[[str, Task], Any]:
 def _joint_stress(group: tuple[str, ...], who: str | None) -> Callable[[str, Task], Any]:
     def of(name: str, task: Task) -> float | None:
         stress = next((joint.stress for joint in task.together if set(joint.operators) == set(group)), None)
-        return _of(stress, who) if who else None if isinstance(stress, Mapping) else stress
+        if who is None:
+            return None if isinstance(stress, Mapping) else stress
+        return 0.0 if isinstance(stress, Mapping) and not stress else _of(stress, who)
 
     return of
 
