@@ -17,6 +17,7 @@ from tandem.cell.spreadsheet.words import Meaning, key, meaning
 LAST_HEADER_ROW = 60
 WEIGHTS = {"number": 2.0, "task": 2.0, "label": 2.0, "after": 2.0, "after rows": 2.0, "time": 3.0, "operator": 1.5, "ignore": 0.2}
 TASK_WORDS = {*WEIGHTS, "part", "tool", "zone", "release", "deadline", "same operator", "before", "stress", "difficulty", "spread"}
+TASK_WORDS |= {"outline number", "outline level", "milestone"}
 """What a column of a task sheet can mean."""
 
 
@@ -64,7 +65,7 @@ class Table:
     @property
     def holds_tasks(self) -> bool:
         """There is a name for each task, and a time."""
-        return bool(self.having("number", "task", "label") and self.having("time"))
+        return bool(self.having("number", "task", "label", "outline number") and self.having("time"))
 
 
 Reader = Callable[[str, int], Meaning | None]

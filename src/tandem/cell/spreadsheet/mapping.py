@@ -9,10 +9,13 @@ from tandem.cell.names import Known
 from tandem.cell.spreadsheet.findings import Findings
 from tandem.cell.spreadsheet.grid import Grid, blank
 from tandem.cell.spreadsheet.header import TASK_WORDS, Column, Table
+from tandem.cell.spreadsheet.precedence import MATRIX, listed_headers
 from tandem.cell.spreadsheet.words import Meaning, key, kind_of, meaning
 from tandem.errors import UsageError
 
-ONCE = ("part", "tool", "zone", "release", "deadline", "operator", "same operator", "after", "after rows", "before")
+ONCE = ("part", "tool", "zone", "release", "deadline", "operator", "same operator", "outline number", "outline level", "milestone")
+JOINED = ("after", "after rows", "before", *MATRIX.values())
+"""Lists of tasks: several columns of one kind add to each other."""
 
 
 def settled(table: Table, known: tuple[str, ...], findings: Findings) -> Table:
@@ -122,10 +125,8 @@ def _each_meaning_once(columns: list[Column], findings: Findings) -> list[Column
     found = []
     for column in columns:
         what = column.meaning
-        if what is not None and what.what not in ("number", "task", "label", "ignore"):
+        if what is not None and what.what not in ("number", "task", "label", "ignore", *JOINED):
             same = (what.what,) if what.what in ONCE else (what.what, frozenset(what.who), what.human)
-            if what.what.startswith("after"):
-                same = ("after",)
             if same in first:
                 other = first[same]
                 findings.fault(
@@ -137,6 +138,10 @@ def _each_meaning_once(columns: list[Column], findings: Findings) -> list[Column
             else:
                 first[same] = column
         found.append(column)
+    for kind in ("after", "before"):
+        several = [column for column in found if column.header and column.meaning and column.meaning.what == kind]
+        if len({column.header for column in several}) > 1:
+            findings.note("assumed", f"the columns {listed_headers(several)} are read together, as one list of tasks.", several[0].place)
     return found
 
 

@@ -16,6 +16,8 @@ from tandem.cell.spreadsheet.findings import Findings, Note, listed
 from tandem.cell.spreadsheet.grid import Book, Grid, shown
 from tandem.cell.spreadsheet.header import Column, Table, find_table
 from tandem.cell.spreadsheet.mapping import check_overrides, overrides_from, settled
+from tandem.cell.spreadsheet.outline import with_outline
+from tandem.cell.spreadsheet.precedence import ABOUT_PRECEDENCE, is_about_precedence, listed_headers, with_precedence
 from tandem.cell.spreadsheet.tasks import Tasks, read_tasks, unit_of
 from tandem.cell.spreadsheet.values import decimal_mark
 from tandem.cell.spreadsheet.words import Kind, Meaning, key, kind_of
@@ -119,10 +121,13 @@ def read_book(
     known = tuple(dict.fromkeys([*beside.operators, *kinds]))
     raw = _task_table(book, sheet, known, overrides, findings)
     check_overrides(overrides, raw)
+    raw = with_precedence(with_outline(raw), findings)
     table = settled(raw, tuple(beside.operators), findings)
-    tasks = read_tasks(table, findings)
+    others = _other_sheets(book, table, findings)
+    tasks = read_tasks(table, findings, others)
     document = _document(book, table, tasks, beside, kinds, roles, findings)
     _stress(table, document, findings)
+    _precedence(table, tasks, findings)
     _more_notes(book, table, findings)
     faults = _all_faults(document, findings)
     first_rows = table.grid.rows[table.first_row : table.first_row + PREVIEW_ROWS]
@@ -163,13 +168,32 @@ def _task_table(book: Book, sheet: str | None, known: tuple[str, ...], overrides
         names = [table.grid.name for table in tables]
         places = " and ".join(table.grid.place(table.header_row, 0) for table in tables)
         raise refused(book.path, f"holds several sheets that look like tasks ({places}). Choose one, such as --sheet {names[0]!r}.")
-    used = {tables[0].grid.name, *(grid.name for grid in book.grids if _is_beside(grid))}
+    return tables[0]
+
+
+def _other_sheets(book: Book, table: Table, findings: Findings) -> list[Grid]:
+    """The sheets that may say what comes before what; the rest, apart from those beside the tasks, is noted as not read."""
+    found = []
     for grid in book.grids:
-        if grid.name not in used and grid.rows:
+        if grid.name == table.grid.name or _is_beside(grid) or not grid.rows:
+            continue
+        if grid.hidden and ABOUT_PRECEDENCE.search(key(grid.name)):
+            message = f"sheet {grid.name!r} is hidden and was not read, though by its name it says what comes before what. Show it to have it read."
+            if table.having("after", "after rows", "before"):
+                findings.note("sheet", message, f"{grid.name}!A1")
+            else:
+                findings.fault(message, f"{grid.name}!A1")
+        elif not grid.hidden and is_about_precedence(grid):
+            found.append(grid)
+        else:
             findings.note("sheet", f"sheet {grid.name!r} {'is hidden and ' if grid.hidden else ''}was not read.", f"{grid.name}!A1")
     for name, why in book.passed_over.items():
-        findings.note("sheet", f"sheet {name!r} was not read: {why}.")
-    return tables[0]
+        message = f"sheet {name!r} was not read: {why}."
+        if ABOUT_PRECEDENCE.search(key(name)):
+            findings.fault(f"{message} By its name it says what comes before what.", book.path.name)
+        else:
+            findings.note("sheet", message)
+    return found
 
 
 def _named_sheet(book: Book, sheet: str, known: tuple[str, ...], overrides: Mapping[str, Meaning | None]) -> Table:
@@ -290,6 +314,21 @@ def _stress(table: Table, document: Mapping[str, Any], findings: Findings) -> No
         findings.note("assumed", "no column states the ergonomic stress: it is 0 for every task. A column 'Stress' or 'EAWS points' makes it count.")
     elif columns and bare:
         findings.note("assumed", f"no stress is stated for tasks that a human can do, so it is 0: {listed(bare)}.", columns[0].place)
+
+
+def _precedence(table: Table, tasks: Tasks, findings: Findings) -> None:
+    """Says when every task may begin at once, because nothing in the workbook keeps it waiting."""
+    if tasks.linked:
+        return
+    columns = table.having("after", "after rows", "before")
+    if columns:
+        message = f"{listed_headers(columns)} {'holds' if len(columns) == 1 else 'hold'} no task: nothing comes before anything, every task may begin at once."
+        findings.note("assumed", message, columns[0].place)
+    else:
+        findings.note(
+            "assumed",
+            "no column states what comes before what: every task may begin at once. A column 'Predecessors' or 'Vorgänger' makes it count.",
+        )
 
 
 def _who_can(task: Mapping[str, Any]) -> set[str]:

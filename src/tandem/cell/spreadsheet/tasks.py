@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from tandem.cell.spreadsheet.findings import Findings, listed
-from tandem.cell.spreadsheet.grid import shown
+from tandem.cell.spreadsheet.grid import Grid, shown
 from tandem.cell.spreadsheet.header import Column, Table
-from tandem.cell.spreadsheet.references import References, UnknownTaskError, task_name
+from tandem.cell.spreadsheet.outline import Outline, Row, between_tasks, outline_codes, read_outline
+from tandem.cell.spreadsheet.precedence import Link, matrix_links, sentence, sheet_links
+from tandem.cell.spreadsheet.references import References, UnknownTaskError, task_name, unquoted
 from tandem.cell.spreadsheet.rows import task_rows
 from tandem.cell.spreadsheet.values import cannot
 
@@ -19,11 +22,20 @@ LISTS = ("after", "after rows", "before", "same operator")
 
 @dataclass
 class Entry:
-    """One task under construction: its rows, and its part of the cell document."""
+    """One task under construction.
+
+    Attributes:
+      rows: counted from 0; several where each operator has one.
+      quoted: its name stands in double quotes.
+      data: its part of the cell document.
+      times: column -> seconds, of the times that its rows state; the longest where several do.
+    """
 
     name: str
     rows: list[int]
+    quoted: bool = False
     data: dict[str, Any] = field(default_factory=dict)
+    times: dict[int, float] = field(default_factory=dict)
 
 
 @dataclass
@@ -32,15 +44,17 @@ class Tasks:
 
     Attributes:
       operators: named by the columns or rows, in order of appearance, with the place where each was first named.
+      linked: something says what comes before what.
     """
 
     tasks: dict[str, dict[str, Any]] = field(default_factory=dict)
     same_operator: list[list[str]] = field(default_factory=list)
     operators: dict[str, str] = field(default_factory=dict)
+    linked: bool = False
 
 
-def read_tasks(table: Table, findings: Findings) -> Tasks:
-    """Every task of the table; what is wrong goes to `findings`."""
+def read_tasks(table: Table, findings: Findings, beside: Sequence[Grid] = ()) -> Tasks:
+    """Every task of the table; what is wrong goes to `findings`. Sheets `beside` it may say what comes before what."""
     found = Tasks()
     name, label = _naming(table)
     rows = task_rows(table, findings)
@@ -48,15 +62,34 @@ def read_tasks(table: Table, findings: Findings) -> Tasks:
         findings.fault("has a header but no task below it.", table.grid.place(table.header_row, 0))
     long_form = bool(table.having("operator")) and not any(column.meaning and column.meaning.who for column in table.having("time"))
     entries = _entries(table, rows, name, label, long_form, findings)
-    for entry in entries:
+    outline = _outline(table, entries, long_form, findings)
+    work = [entry for entry in entries if entry.name not in outline]
+    for entry in work:
         _texts(table, entry, label if label is not name else None, findings)
         (_long_times if long_form else _wide_times)(table, entry, found, findings)
         _measures(table, entry, long_form, findings)
         found.tasks[entry.name] = entry.data
         findings.places["tasks", entry.name] = table.grid.place(entry.rows[0], name.index if name else table.columns[0].index)
-    _cannot(table, entries, findings)
-    _lists(table, entries, name is None, found, findings)
+    _cannot(table, work, findings)
+    _lists(table, entries, name is None, outline, found, findings, beside)
     return found
+
+
+def _outline(table: Table, entries: list[Entry], long_form: bool, findings: Findings) -> Outline:
+    """The entries that are summaries or milestones, told by their place and their times; faults in the times are told when they are read."""
+    aside = Findings(mark=findings.mark)
+    zero = set()
+    for entry in entries:
+        for column in table.having("time"):
+            cells = [table.grid.rows[row][column.index] for row in entry.rows]
+            times = [aside.time(table.grid, row, column.index, unit_of(table, column)) for row in entry.rows]
+            if stated := [time for time in times if time is not None]:
+                entry.times[column.index] = max(stated)
+            nobody = long_form and not any(aside.text(table.grid, row, table.having("operator")[0].index) for row in entry.rows)
+            if nobody and all(shown(value)[:1] == "0" for value in cells):
+                zero.add(entry.name)
+    rows = [Row(entry.name, entry.rows[0], entry.quoted, entry.times, entry.name in zero) for entry in entries]
+    return read_outline(table, rows, findings)
 
 
 def _naming(table: Table) -> tuple[Column | None, Column | None]:
@@ -73,7 +106,8 @@ def _entries(table: Table, rows: list[int], name: Column | None, label: Column |
     entries: dict[str, Entry] = {}
     last: Entry | None = None
     for row in rows:
-        text = findings.text(table.grid, row, name.index) if name else ""
+        written = findings.text(table.grid, row, name.index) if name else ""
+        text = unquoted(written)
         said = findings.text(table.grid, row, label.index) if label else ""
         if long_form and last and not text and (name or not said or said == findings.text(table.grid, last.rows[0], label.index if label else None)):
             last.rows.append(row)
@@ -92,7 +126,7 @@ def _entries(table: Table, rows: list[int], name: Column | None, label: Column |
             first, here = (table.grid.place(r, name.index if name else 0) for r in (entries[text].rows[0], row))
             findings.fault(f"task {text!r} stands here a second time, the first is {first}. Give each task a name of its own.", here)
             continue
-        last = entries[text] = Entry(task_name(text), [row])
+        last = entries[text] = Entry(task_name(text), [row], text != written)
     return list(entries.values())
 
 
@@ -278,37 +312,65 @@ def _stress_by_row(table: Table, entry: Entry, column: Column, findings: Finding
 # --- lists of tasks -----------------------------------------------------------------------------------------------------------
 
 
-def _lists(table: Table, entries: list[Entry], counted: bool, found: Tasks, findings: Findings) -> None:
-    labels = {entry.data["label"]: entry.name for entry in entries if "label" in entry.data}
+def _lists(
+    table: Table, entries: list[Entry], counted: bool, outline: Outline, found: Tasks, findings: Findings, beside: Sequence[Grid]
+) -> None:
+    """Everything that links tasks: the lists in the columns, a matrix, sheets of pairs, and who must be done by the same operator."""
+    names = [entry.name for entry in entries]
+    labels = {text: entry.name for entry in entries if (text := _label(table, entry))}
     rows = {entry.name: entry.rows[0] + 1 for entry in entries}
+    codes = outline_codes(table, [Row(entry.name, entry.rows[0], entry.quoted) for entry in entries])
+    known = {**labels, **{code: name for name, code in codes.items()}}
+    links: list[Link] = []
     for column in table.having(*LISTS):
         what = column.meaning.what if column.meaning else ""
-        references = References([entry.name for entry in entries], labels, rows, counted)
+        references = References(names, known, rows, counted)
         references.agree_on_numbers([table.grid.rows[row][column.index] for entry in entries for row in entry.rows], what == "after rows")
         if references.said:
             findings.note("assumed", f"the numbers in {column.header!r} are {references.said}.", column.place)
         for entry in entries:
             for row in entry.rows:
-                _list(table, entry, row, column, what, references, found, findings)
+                links += _list(table, entry, row, column, what, references, found, findings)
+    references = References(names, known, rows, counted)
+    links += matrix_links(table, {entry.name: entry.rows[0] for entry in entries}, references, findings)
+    for grid in beside:
+        if (more := sheet_links(grid, references, findings)) is None:
+            findings.note("sheet", f"sheet {grid.name!r} was not read.", f"{grid.name}!A1")
+        else:
+            links += more
+    found.linked = bool(links)
+    for link in between_tasks(links, outline, findings):
+        after = found.tasks[link.later].setdefault("after", [])
+        if link.first not in after:
+            findings.places["tasks", link.later, "after", len(after)] = link.place
+            findings.places.setdefault(("tasks", link.later, "after"), link.place)
+            after.append(link.first)
 
 
-def _list(table: Table, entry: Entry, row: int, column: Column, what: str, references: References, found: Tasks, findings: Findings) -> None:
+def _label(table: Table, entry: Entry) -> str:
+    """How a task may be called besides its name; a summary has no place in the cell for it, but lists refer to it all the same."""
+    if "label" in entry.data:
+        return str(entry.data["label"])
+    columns = table.having("task", "label")
+    return shown(table.grid.rows[entry.rows[0]][columns[0].index]) if columns else ""
+
+
+def _list(
+    table: Table, entry: Entry, row: int, column: Column, what: str, references: References, found: Tasks, findings: Findings
+) -> Iterator[Link]:
     if not findings.sound(table.grid, row, column.index):
         return
     place = table.grid.place(row, column.index)
     try:
         names = references.read(table.grid.rows[row][column.index])
     except UnknownTaskError as error:
-        findings.fault(f"{str(error).rstrip('.?')}{'?' if str(error).endswith('?') else '.'}", place)
+        findings.fault(sentence(error), place)
         return
     for name in names:
-        if what == "same operator":
+        if what != "same operator":
+            yield Link(entry.name, name, place) if what == "before" else Link(name, entry.name, place)
+        elif entry.name in found.tasks and name in found.tasks:
             findings.places["same_operator", len(found.same_operator)] = place
             found.same_operator.append([entry.name, name])
-            continue
-        later, first = (name, entry.name) if what == "before" else (entry.name, name)
-        after = found.tasks[later].setdefault("after", [])
-        if first not in after:
-            findings.places["tasks", later, "after", len(after)] = place
-            findings.places.setdefault(("tasks", later, "after"), place)
-            after.append(first)
+        elif entry.name in found.tasks:
+            findings.fault(f"holds {name!r}, which is a summary or a milestone and nobody's work. Name the tasks below it.", place)

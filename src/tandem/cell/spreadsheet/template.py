@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 from tandem.cell.model import Cell, Task, plain
 from tandem.cell.spreadsheet.form import CHECKS, EXAMPLE, HEADERS, HELP, SHEETS, Language
 from tandem.cell.spreadsheet.reading import read_book
+from tandem.cell.spreadsheet.references import unquoted
+from tandem.cell.spreadsheet.rows import is_total
 from tandem.cell.spreadsheet.words import meaning
 from tandem.cell.spreadsheet.workbook import book_of
 from tandem.cell.storing import store
@@ -80,7 +82,7 @@ def _differences(path: tuple[str, ...], before: Any, after: Any) -> Iterable[str
             yield from _differences((*path, str(key)), before.get(key), after.get(key))
         if list(before) != list(after) and set(before) == set(after) and path in (("operators",), ("tasks",)):
             yield f"{'.'.join(path)}: the order {', '.join(before)} becomes {', '.join(after)}."
-    elif before != after:
+    elif before != after and not (before in (None, {}) and after in (None, {})):  # a table that names nobody says the same as none
         yield f"{'.'.join(path)}: {before!r} becomes {after!r}." if after is not None else f"{'.'.join(path)}: {before!r} has no place in the sheet."
 
 
@@ -149,7 +151,8 @@ def _fields(cell: Cell, lang: Language, every: bool) -> list[Field]:
     def any_task(has: Callable[[Task], Any]) -> bool:
         return any(has(task) for task in tasks)
 
-    fields = [Field(words["name"], lambda name, task: name, "name", 10)]
+    above = {name[: dot.start()] for name in cell.tasks for dot in re.finditer(r"\.", name)}
+    fields = [Field(words["name"], lambda name, task: _spelled(name) if _looks_like_no_task(name, above) else name, "name", 10)]
     if every or any_task(lambda t: t.label):
         fields.append(Field(words["label"], lambda name, task: task.label, "", 34))
     if any_task(lambda t: t.part):
@@ -254,8 +257,14 @@ def _spelled(name: str) -> str:
     return f'"{name}"'
 
 
+def _looks_like_no_task(name: str, above: set[str]) -> bool:
+    """A name that an import would take for a total, for the number of a group of tasks, or for a name in quotes."""
+    return is_total(name) or name.rstrip(".") in above or unquoted(name) != name
+
+
 def _list(names: Iterable[str]) -> str | None:
-    return "; ".join(names) or None
+    listed = list(names)
+    return "; ".join(_spelled(name) if len(listed) > 1 and ";" in name else name for name in listed) or None
 
 
 # --- the other sheets ---------------------------------------------------------------------------------------------------------
@@ -300,10 +309,11 @@ def _things(book: Workbook, cell: Cell, lang: Language, every: bool) -> None:
 def _sets_and_name(book: Workbook, cell: Cell, lang: Language) -> None:
     words = HEADERS[lang]
     if cell.stress_of_set is not None:
+        no_task = next((word for word in ("-", "none", "keine", "n/a", "k.a.") if word not in cell.tasks), None)
         sheet = book.create_sheet(SHEETS[lang]["sets"])
         _header(sheet, [words["sets"], words["stress"]], [40, 12])
         for row, (names, stress) in enumerate(cell.stress_of_set.items(), 2):
-            _put(sheet, row, 1, _list(names.split(",")) if names else "-")
+            _put(sheet, row, 1, _list(names.split(",")) if names else no_task)
             _put(sheet, row, 2, stress)
     sheet = book.create_sheet(SHEETS[lang]["cell"])
     _put(sheet, 1, 1, words["cell name"])
