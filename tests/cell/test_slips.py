@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-
 import pytest
 
 from tandem.cell.slips import a_slip_apart, slips

@@ -59,10 +59,13 @@ def test_the_template_checks_what_is_typed(tmp_path: Path) -> None:
 
 
 ODD_NAMES = (
-    *("Anna", "time lord", "b+c", "UR-5", "stress", "Werker 1", "Bens Hand", "and", "with", "Team", "beide", "Zeit [s]", "human / robot", "1", "-", "Σ"),
-    *("Maschinenzeit", "Vorgänger", "x", "no", "robot", "REBA", "100 %", "Summe", "together", "s", "alle", "A & B", "time per piece"),
+    *("Anna", "time lord", "b+c", "UR-5", "stress", "Werker 1", "Bens Hand", "and", "with", "Team", "beide", "Zeit [s]", "human / robot", "1", "-"),
+    *("Maschinenzeit", "Vorgänger", "x", "no", "robot", "REBA", "100 %", "Summe", "together", "s", "alle", "A & B", "time per piece", "Σ"),
 )
-ODD_TASKS = ("=A1", "010", "10", "1.1", "1", "1.2", "a; b", "1-3", "2FS", "Summe", "total", "x", "-", "3 + 4", "Task", "Vorgang 2", "Ü", "none", "TRUE", "1e3")
+ODD_TASKS = (
+    *("=A1", "010", "10", "1.1", "1", "1.2", "a; b", "1-3", "2FS", "Summe", "total", "x", "-", "3 + 4", "Task", "Vorgang 2", "Ü", "none", "TRUE"),
+    *("1e3", "Milestone 1", "von", "Predecessors", "Fügen A/B", "2.1.1", "2"),
+)
 
 
 @st.composite
@@ -116,11 +119,10 @@ def spelled_out(cell: Cell) -> Any:
 @settings(max_examples=150, deadline=None, phases=[Phase.explicit, Phase.reuse, Phase.generate])
 @given(st.one_of(cells(max_tasks=6), dressed()), st.sampled_from(("en", "de")))
 def test_export_and_import_give_the_same_cell(cell: Cell, lang: str) -> None:
-    """Run long with `--hypothesis-profile=long`."""
+    """Also in German, and under names that look like totals, groups, lists or joint ways."""
     content = to_workbook(cell, lang=lang)  # type: ignore[arg-type]
     back = read_book(book_of(Path("x.xlsx"), content)).cell()
     assert spelled_out(back) == spelled_out(cell)
-    assert lost(cell, content) or back.digest == cell.digest
 
 
 def test_names_that_look_like_something_else_survive() -> None:

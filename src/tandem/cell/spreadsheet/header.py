@@ -10,14 +10,14 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
-from tandem.cell.spreadsheet.grid import Grid, blank, shown, tidy
+from tandem.cell.spreadsheet.grid import Grid, blank, letters, shown, tidy
 from tandem.cell.spreadsheet.values import UnreadableError, cannot, number, unit_named
 from tandem.cell.spreadsheet.words import Meaning, key, meaning
 
 LAST_HEADER_ROW = 60
 WEIGHTS = {"number": 2.0, "task": 2.0, "label": 2.0, "after": 2.0, "after rows": 2.0, "time": 3.0, "operator": 1.5, "ignore": 0.2}
 TASK_WORDS = {*WEIGHTS, "part", "tool", "zone", "release", "deadline", "same operator", "before", "stress", "difficulty", "spread"}
-TASK_WORDS |= {"outline number", "outline level", "milestone"}
+TASK_WORDS |= {"outline number", "outline level", "milestone", "quantity"}
 """What a column of a task sheet can mean."""
 
 
@@ -38,6 +38,11 @@ class Column:
     place: str
     meaning: Meaning | None
     why: str = ""
+
+    @property
+    def letter(self) -> str:
+        """What the column is called in the sheet: C."""
+        return letters(self.index)
 
 
 @dataclass(frozen=True)
@@ -90,6 +95,8 @@ def find_table(grid: Grid, known: tuple[str, ...] = (), overrides: Mapping[str, 
         if text and key(text) in by_key:
             return by_key[key(text)]
         found = meaning(text, known) if text else None
+        if found is not None and found.what == "capacity":  # "Anzahl" is how many there are of a tool, and how many pieces a task has
+            return replace(found, what="quantity")
         return found if found is None or found.what in TASK_WORDS else None
 
     return best_table(grid, read)

@@ -13,7 +13,7 @@ from tandem.cell.spreadsheet.precedence import MATRIX, listed_headers
 from tandem.cell.spreadsheet.words import Meaning, key, kind_of, meaning
 from tandem.errors import UsageError
 
-ONCE = ("part", "tool", "zone", "release", "deadline", "operator", "same operator", "outline number", "outline level", "milestone")
+ONCE = ("part", "tool", "zone", "release", "deadline", "operator", "same operator", "outline number", "outline level", "milestone", "quantity")
 JOINED = ("after", "after rows", "before", *MATRIX.values())
 """Lists of tasks: several columns of one kind add to each other."""
 

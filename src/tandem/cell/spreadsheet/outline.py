@@ -101,7 +101,9 @@ def branches(table: Table, rows: Sequence[Row]) -> tuple[dict[str, tuple[str, ..
 
 
 def _is_code_column(table: Table) -> bool:
-    return any(key(column.header) in ("wbs", "psp", "psp code", "wbs code", "outline number", "gliederungsnummer") for column in table.having("number"))
+    return any(
+        key(column.header) in ("wbs", "psp", "psp code", "wbs code", "outline number", "gliederungsnummer") for column in table.having("number")
+    )
 
 
 def _stated_levels(table: Table, rows: Sequence[Row]) -> list[int] | None:
@@ -160,8 +162,8 @@ def read_outline(table: Table, rows: Sequence[Row], findings: Findings) -> Outli
         _note_summary(table, by_name[name], [by_name[end] for end in ends], certain, findings)
     for row in rows:
         if row.name in points:
-            findings.note("row", f"row {row.row + 1} ({row.name!r}) is a milestone: it takes no time, what comes after it comes after its predecessors.",
-                          table.grid.place(row.row, 0))  # fmt: skip
+            message = f"row {row.row + 1} ({row.name!r}) is a milestone and takes no time: what comes after it comes after its predecessors."
+            findings.note("row", message, table.grid.place(row.row, 0))
     return Outline(parts, points)
 
 
@@ -180,11 +182,11 @@ def _note_summary(table: Table, row: Row, ends: Sequence[Row], certain: bool, fi
     names = listed((end.name for end in ends), 12)
     odd = next(_own_times(row, ends, certain), None)
     if odd is not None:
-        column, own, parts = odd
+        index, own, parts = odd
         findings.fault(
             f"task {row.name!r} stands above {names} like their sum, but takes {own:g} s where they add up to {parts:g} s. If it is their "
-            f"summary, clear its time or let it be the sum; if it is work of its own, write its name in double quotes: \"{row.name}\".",
-            table.grid.place(row.row, column),
+            f'summary, clear its time or let it be the sum; if it is work of its own, write its name in double quotes: "{row.name}".',
+            table.grid.place(row.row, index),
         )
         return
     sums = "its time is the sum of those below it" if row.times else "it stands for those below it"

@@ -124,15 +124,13 @@ def _with_unnamed(table: Table, references: References, rows: list[int], finding
         strange = [row for row in filled if not _names_tasks(references, table.grid.rows[row][column.index])]
         if filled and not strange:
             columns[place] = replace(column, meaning=left.meaning)
-            name = column.place.rpartition("!")[2].rstrip("0123456789")
-            message = f"column {name}, which has no header, holds tasks and is read with the column on its left"
+            message = f"column {column.letter}, which has no header, holds tasks and is read with the column on its left"
             findings.note("assumed", f"{message}, {left.header!r}." if left.header else f"{message}.", column.place)
         elif len(strange) * 2 < len(filled):
             value = shown(table.grid.rows[strange[0]][column.index])
-            letter = column.place.rpartition("!")[2].rstrip("0123456789")
             findings.fault(
                 f"holds {value!r}, which is no task, in a column without a header that otherwise holds tasks. Mend it, or write a header "
-                f'above the column (--map "{letter}=ignore" leaves it out).',
+                f'above the column (--map "{column.letter}=ignore" leaves it out).',
                 table.grid.place(strange[0], column.index),
             )
     return replace(table, columns=tuple(columns))
@@ -259,7 +257,9 @@ def _only_end_to_start(grid: Grid, row: int, by_side: dict[Side, list[int]], fin
     for column in by_side.get("kind", ()):
         value = shown(grid.rows[row][column])
         if key(value) not in END_TO_START:
-            findings.fault(f"holds {value!r}: Tandem knows only links from end to start (FS, EA). Leave out the link, or write it so.", grid.place(row, column))
+            findings.fault(
+                f"holds {value!r}: Tandem knows only links from end to start (FS, EA). Leave out the link, or write it so.", grid.place(row, column)
+            )
     for column in by_side.get("lag", ()):
         value = shown(grid.rows[row][column])
         if value and not re.fullmatch(r"[-–—]|[+-]?0+([.,]0+)?\s*[^\W\d]*\.?", value):
@@ -336,7 +336,8 @@ def _bare_pairs(grid: Grid, references: References, findings: Findings) -> list[
     """Pairs without a header that says which comes first: in two columns, or both in one cell, as in "1;2" or "1 -> 2"."""
     if not ABOUT_PRECEDENCE.search(key(grid.name)):
         return None
-    arrows, pairs = set[bool](), []
+    arrows: set[bool] = set()
+    pairs: list[tuple[str, str, str]] = []
     for row in range(len(grid.rows)):
         values = [value for _, value in grid.filled(row)]
         columns = [column for column, _ in grid.filled(row)]
@@ -375,7 +376,9 @@ def _pair(values: Sequence[Value], references: References) -> tuple[str, str] | 
 
 
 def _note_read(grid: Grid, links: Sequence[Link], findings: Findings) -> None:
-    findings.note("assumed", f"sheet {grid.name!r} is read as what comes before what: {len(links)} {'pair' if len(links) == 1 else 'pairs'}.", f"{grid.name}!A1")
+    findings.note(
+        "assumed", f"sheet {grid.name!r} is read as what comes before what: {len(links)} {'pair' if len(links) == 1 else 'pairs'}.", f"{grid.name}!A1"
+    )
 
 
 # --- which comes first --------------------------------------------------------------------------------------------------------
@@ -405,4 +408,4 @@ def _directed(
 
 def listed_headers(columns: Iterable[Column]) -> str:
     """The headers of columns in quotes, or their letters."""
-    return listed(repr(column.header) if column.header else column.place.rpartition("!")[2].rstrip("0123456789") for column in columns)
+    return listed(repr(column.header) if column.header else column.letter for column in columns)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -10,8 +9,9 @@ from typing import Any
 from tandem.cell.spreadsheet.findings import Findings, listed
 from tandem.cell.spreadsheet.grid import Grid, shown
 from tandem.cell.spreadsheet.header import Column, Table
+from tandem.cell.spreadsheet.joint import WhoError, people_in, ways
 from tandem.cell.spreadsheet.outline import Outline, Row, between_tasks, outline_codes, read_outline
-from tandem.cell.spreadsheet.precedence import Link, matrix_links, sentence, sheet_links
+from tandem.cell.spreadsheet.precedence import Link, listed_headers, matrix_links, sentence, sheet_links
 from tandem.cell.spreadsheet.references import References, UnknownTaskError, task_name, unquoted
 from tandem.cell.spreadsheet.rows import task_rows
 from tandem.cell.spreadsheet.values import cannot
@@ -45,17 +45,24 @@ class Tasks:
     Attributes:
       operators: named by the columns or rows, in order of appearance, with the place where each was first named.
       linked: something says what comes before what.
+      people: everybody whom this table or other sheets name.
     """
 
     tasks: dict[str, dict[str, Any]] = field(default_factory=dict)
     same_operator: list[list[str]] = field(default_factory=list)
     operators: dict[str, str] = field(default_factory=dict)
     linked: bool = False
+    people: list[str] = field(default_factory=list)
 
 
-def read_tasks(table: Table, findings: Findings, beside: Sequence[Grid] = ()) -> Tasks:
-    """Every task of the table; what is wrong goes to `findings`. Sheets `beside` it may say what comes before what."""
-    found = Tasks()
+def read_tasks(table: Table, findings: Findings, beside: Sequence[Grid] = (), known: Sequence[str] = ()) -> Tasks:
+    """Every task of the table; what is wrong goes to `findings`.
+
+    Args:
+      beside: sheets that may say what comes before what.
+      known: operators that other sheets name.
+    """
+    found = Tasks(people=people_in(table, known))
     name, label = _naming(table)
     rows = task_rows(table, findings)
     if not rows:
@@ -67,9 +74,10 @@ def read_tasks(table: Table, findings: Findings, beside: Sequence[Grid] = ()) ->
     for entry in work:
         _texts(table, entry, label if label is not name else None, findings)
         (_long_times if long_form else _wide_times)(table, entry, found, findings)
-        _measures(table, entry, long_form, findings)
+        _measures(table, entry, long_form, found.people, findings)
         found.tasks[entry.name] = entry.data
         findings.places["tasks", entry.name] = table.grid.place(entry.rows[0], name.index if name else table.columns[0].index)
+    _pieces(table, findings)
     _cannot(table, work, findings)
     _lists(table, entries, name is None, outline, found, findings, beside)
     return found
@@ -82,7 +90,7 @@ def _outline(table: Table, entries: list[Entry], long_form: bool, findings: Find
     for entry in entries:
         for column in table.having("time"):
             cells = [table.grid.rows[row][column.index] for row in entry.rows]
-            times = [aside.time(table.grid, row, column.index, unit_of(table, column)) for row in entry.rows]
+            times = [_time(table, row, column, aside) for row in entry.rows]
             if stated := [time for time in times if time is not None]:
                 entry.times[column.index] = max(stated)
             nobody = long_form and not any(aside.text(table.grid, row, table.having("operator")[0].index) for row in entry.rows)
@@ -151,6 +159,35 @@ def unit_of(table: Table, column: Column) -> str:
     return (column.meaning.unit if column.meaning else None) or table.unit or "s"
 
 
+def _time(table: Table, row: int, column: Column, findings: Findings, *, zero: bool = False) -> float | None:
+    """Seconds in a column of times, those of all pieces together; None for "cannot" and for faults."""
+    time = findings.time(table.grid, row, column.index, unit_of(table, column), zero=zero)
+    if time is None or not column.meaning or not column.meaning.per_piece or not (quantities := table.having("quantity")):
+        return time
+    pieces = findings.amount(table.grid, row, quantities[0].index, "a number of pieces")
+    if not pieces:
+        place = table.grid.place(row, quantities[0].index)
+        findings.fault(f"does not say how many pieces there are, though {column.header!r} is the time of one. Write a number of 1 or more.", place)
+        return None
+    return round(time * pieces, 3)
+
+
+def _pieces(table: Table, findings: Findings) -> None:
+    """Says what became of times per piece and of numbers of pieces."""
+    each = [column for column in table.having("time") if column.meaning and column.meaning.per_piece]
+    quantities = table.having("quantity")
+    if each and quantities:
+        findings.note("assumed", f"the times per piece in {listed_headers(each)} are multiplied by {quantities[0].header!r}.", each[0].place)
+    elif each:
+        message = f"{listed_headers(each)}: a time per piece, and no column such as 'Quantity' says how many pieces: one for each task."
+        findings.note("assumed", message, each[0].place)
+    elif quantities:
+        name = quantities[0].header
+        findings.note(
+            "column", f"column {name!r} was not read: the times are those of the whole task, as no header says 'per piece'.", quantities[0].place
+        )
+
+
 # --- one column for each operator ---------------------------------------------------------------------------------------------
 
 
@@ -162,7 +199,7 @@ def _wide_times(table: Table, entry: Entry, found: Tasks, findings: Findings) ->
             continue
         for name in who:
             found.operators.setdefault(name, column.place)
-        time = findings.time(table.grid, row, column.index, unit_of(table, column))
+        time = _time(table, row, column, findings)
         if time is not None:
             _way(entry, who, time, table.grid.place(row, column.index), findings)
     _stand_in(table, entry, found, findings)
@@ -221,12 +258,12 @@ def _long_times(table: Table, entry: Entry, found: Tasks, findings: Findings) ->
     for row in entry.rows:
         place = table.grid.place(row, who_column.index)
         text = findings.text(table.grid, row, who_column.index)
-        time = findings.time(table.grid, row, time_column.index, unit_of(table, time_column))
+        time = _time(table, row, time_column, findings)
         if not text:
             if time is not None:
                 findings.fault(f"is empty: nobody is named for the time of task {entry.name!r}.", place)
             continue
-        for who in _alternatives(text, place, findings):
+        for who in _alternatives(text, place, found.people, findings):
             for name in who:
                 found.operators.setdefault(name, place)
             if time is not None:
@@ -234,25 +271,24 @@ def _long_times(table: Table, entry: Entry, found: Tasks, findings: Findings) ->
     _stand_in(table, entry, found, findings)
 
 
-def _alternatives(text: str, place: str, findings: Findings) -> list[tuple[str, ...]]:
-    """ "anna / ben" is one or the other, "anna + ben" both at once; "anna, ben" may be either, and is refused."""
-    if re.search(r"[,;]", text):
-        findings.fault(f"holds {text!r}: write 'A / B' when one of them does it, 'A + B' when both do it together.", place)
+def _alternatives(text: str, place: str, people: Sequence[str], findings: Findings) -> list[tuple[str, ...]]:
+    try:
+        return ways(text, people)
+    except WhoError as error:
+        findings.fault(f"{error}.", place)
         return []
-    choices = [part for part in re.split(r"\s*[/|]\s*|\s+(?:oder|or)\s+", text) if part]
-    return [tuple(name for name in re.split(r"\s*[+&]\s*|\s+(?:und|and)\s+", choice) if name) for choice in choices]
 
 
 # --- stress and the other measures --------------------------------------------------------------------------------------------
 
 
-def _measures(table: Table, entry: Entry, long_form: bool, findings: Findings) -> None:
+def _measures(table: Table, entry: Entry, long_form: bool, people: Sequence[str], findings: Findings) -> None:
     for column in table.having("stress", "difficulty", "spread"):
         if column.meaning is None:
             continue
         what, who, human = column.meaning.what, column.meaning.who, column.meaning.human
         if long_form and not who and what == "stress" and len(entry.rows) > 1:
-            _stress_by_row(table, entry, column, findings)
+            _stress_by_row(table, entry, column, people, findings)
             continue
         amount = findings.amount(table.grid, entry.rows[0], column.index, f"a number for {what}")
         if amount is None:
@@ -291,7 +327,7 @@ def _joint_stress(entry: Entry, who: tuple[str, ...], human: str, amount: float,
     findings.fault(f"gives stress of {' + '.join(who)}, who have no time for task {entry.name!r} together. Add the time, or clear the cell.", place)
 
 
-def _stress_by_row(table: Table, entry: Entry, column: Column, findings: Findings) -> None:
+def _stress_by_row(table: Table, entry: Entry, column: Column, people: Sequence[str], findings: Findings) -> None:
     """One number for all rows, or one for each: those of the joint rows go to the joint ways."""
     who_column = table.having("operator")[0]
     by_row = {row: amount for row in entry.rows if (amount := findings.amount(table.grid, row, column.index, "a number for stress")) is not None}
@@ -302,7 +338,7 @@ def _stress_by_row(table: Table, entry: Entry, column: Column, findings: Finding
         entry.data["stress"] = next(iter(by_row.values()))
         return
     for row, amount in by_row.items():
-        for who in _alternatives(findings.text(table.grid, row, who_column.index), table.grid.place(row, who_column.index), Findings()):
+        for who in _alternatives(findings.text(table.grid, row, who_column.index), table.grid.place(row, who_column.index), people, Findings()):
             if len(who) > 1:
                 _joint_stress(entry, who, "", amount, table.grid.place(row, column.index), findings)
             elif amount:
@@ -312,9 +348,7 @@ def _stress_by_row(table: Table, entry: Entry, column: Column, findings: Finding
 # --- lists of tasks -----------------------------------------------------------------------------------------------------------
 
 
-def _lists(
-    table: Table, entries: list[Entry], counted: bool, outline: Outline, found: Tasks, findings: Findings, beside: Sequence[Grid]
-) -> None:
+def _lists(table: Table, entries: list[Entry], counted: bool, outline: Outline, found: Tasks, findings: Findings, beside: Sequence[Grid]) -> None:
     """Everything that links tasks: the lists in the columns, a matrix, sheets of pairs, and who must be done by the same operator."""
     names = [entry.name for entry in entries]
     labels = {text: entry.name for entry in entries if (text := _label(table, entry))}
