@@ -108,7 +108,7 @@ def spelled_out(cell: Cell) -> Any:
     """All that a cell says, however it says it: a stress of 0 and none, a table and a number that are alike."""
     data = {**cell.to_dict(), "same_operator": sorted(map(tuple, cell.same_operator))}
     for name, task in data["tasks"].items():
-        task["ways"] = [(set(mode.operators), mode.time, dict(mode.stress)) for mode in cell.modes(name)]
+        task["ways"] = sorted((sorted(mode.operators), mode.time, sorted(mode.stress.items())) for mode in cell.modes(name))
         for what in ("time", "together", "stress"):
             task.pop(what, None)
         if not task.get("spread"):

@@ -161,8 +161,10 @@ def _score(grid: Grid, table: Table, row: int) -> float:
             continue
         found.add((what.what, (what.who, what.human)))
         score += WEIGHTS.get(what.what, 1.0) - (0.0 if what.sure else 1.0) + (0.25 if what.unit else 0.0)
-    numbers = sum(1 for _, value in grid.filled(row) if isinstance(value, int | float) and not isinstance(value, bool))
-    return score - numbers
+    naming = next((table.having(what)[0].index for what in ("number", "task", "label", "outline number") if table.having(what)), None)
+    tasks = {shown(grid.rows[below][naming]) for below in range(table.first_row, len(grid.rows))} if naming is not None else set()
+    numbers = [shown(value) for _, value in grid.filled(row) if isinstance(value, int | float) and not isinstance(value, bool)]
+    return score - sum(1 for text in numbers if text not in tasks)  # a matrix of precedence is headed by the tasks themselves
 
 
 def _with_context(grid: Grid, table: Table) -> Table:

@@ -22,7 +22,7 @@ BOTH = r"\s*[+&]\s*|\s+(?:und|and|mit|with)\s+"
 
 
 class WhoError(ValueError):
-    """Why it is not clear who does it; the end of a sentence that begins with the place."""
+    """Why it is not clear who does it; the end of a sentence that begins with what was said."""
 
 
 def ways(text: str, people: Sequence[str]) -> list[tuple[str, ...]]:
@@ -41,7 +41,7 @@ def ways(text: str, people: Sequence[str]) -> list[tuple[str, ...]]:
     if said:
         return [_group(text, rest, said, people)]
     if re.search(r"[,;]", text):
-        raise WhoError(f"holds {text!r}: write 'A / B' when one of them does it, 'A + B' when both do it together")
+        raise WhoError("may be either or both: write 'A / B' when one of them does it, 'A + B' when both do it together")
     choices = [part for part in re.split(EITHER, text) if part]
     return [tuple(name for name in re.split(BOTH, choice) if name) if key(choice) not in named else (choice,) for choice in choices]
 
@@ -56,7 +56,7 @@ def _group(text: str, rest: str, said: set[str], people: Sequence[str]) -> tuple
         return (text,)
     those = f"The sheets name {_and(people)}" if people else "The sheets name nobody"
     example = " + ".join((*people, "A", "B")[:2])
-    raise WhoError(f"holds {text!r}, which does not say who takes part. {those}: write all who do it together, such as '{example}'")
+    raise WhoError(f"does not say who takes part. {those}: write all who do it together, such as '{example}'")
 
 
 def _without_joint_words(text: str) -> tuple[str, set[str]]:
@@ -102,8 +102,8 @@ def _with_group(column: Column, people: Sequence[str], findings: Findings) -> Co
     either = [part for part in re.split(EITHER, name) if part]
     if len(what.who) == 1 and len(either) > 1 and key(name) not in named and all(key(part) in named or kind_of(part) for part in either):
         findings.fault(
-            f"{column.header!r} may be the time of either or of both together. Write {' + '.join(map(repr, either))} with a plus when they do it "
-            "together, or give each a column of their own.",
+            f"{column.header!r} may be the time of either or of both. Write '{' + '.join(either)}' into the header when they do it together, or give "
+            "each a column of its own.",
             column.place,
         )
         return replace(column, meaning=None, why="it may be a time of either or of both")
@@ -112,5 +112,5 @@ def _with_group(column: Column, people: Sequence[str], findings: Findings) -> Co
     try:
         return replace(column, meaning=replace(what, who=ways(name, people)[0]))
     except WhoError as error:
-        findings.fault(f"{column.header!r}: {str(error).removeprefix('holds ')}.", column.place)
+        findings.fault(f"{column.header!r} {error}.", column.place)
         return replace(column, meaning=None, why="it does not say who takes part")

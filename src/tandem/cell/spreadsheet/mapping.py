@@ -74,7 +74,7 @@ def _with_known_names(columns: list[Column], known: tuple[str, ...]) -> list[Col
     for column in columns:
         if column.meaning and column.meaning.who:
             names = tuple(spelled.get(key(name), name) for name in column.meaning.who)
-            human = spelled.get(key(column.meaning.human), column.meaning.human)
+            human = column.meaning.human and spelled.get(key(column.meaning.human), column.meaning.human)
             anybody = column.meaning.what != "time" and len(names) == 1 and key(names[0]) not in spelled and kind_of(names[0]) == "human"
             column = replace(column, meaning=replace(column.meaning, who=() if anybody else names, human=human))
         settled_columns.append(column)

@@ -18,6 +18,8 @@ from tandem.cell.spreadsheet.words import key
 
 CODE = re.compile(r"[^\W_]+(\.[^\W_]+)*\.?")
 """The number of an outline: 1, 1.2, A.3.1."""
+LEADING = re.compile(r"(\d+(?:\.\d+)*)\.?\s")
+"""The number of an outline before the words of a name: "1.2 Drive screws"."""
 MILESTONE = re.compile(r"\b(milestone|meilenstein)")
 MOST_LINKS = 200_000
 """Links between the parts of summaries; more are no plan that anybody made."""
@@ -82,10 +84,10 @@ def _lists_use(table: Table, codes: Column) -> bool:
 
 
 def outline_codes(table: Table, rows: Sequence[Row]) -> dict[str, str]:
-    """Name -> the number that the outline gives it: its own, or that of a column beside it."""
+    """Name -> the number that the outline gives it: its own, the one that it begins with, or that of a column beside it."""
     columns = table.having("outline number")
     if not columns:
-        return {row.name: row.name for row in rows}
+        return {row.name: found[1] if (found := LEADING.match(row.name)) else row.name for row in rows}
     return {row.name: code for row in rows if (code := shown(table.grid.rows[row.row][columns[0].index]))}
 
 

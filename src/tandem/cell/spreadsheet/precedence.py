@@ -16,7 +16,7 @@ from tandem.cell.spreadsheet.findings import Findings, listed
 from tandem.cell.spreadsheet.grid import Grid, Value, blank, shown
 from tandem.cell.spreadsheet.header import Column, Table
 from tandem.cell.spreadsheet.references import References, UnknownTaskError, unquoted
-from tandem.cell.spreadsheet.words import MEANS, Meaning, key
+from tandem.cell.spreadsheet.words import MEANS, Meaning, key, meaning
 
 Side = Literal["first", "later", "task", "predecessors", "successors", "kind", "lag"]
 
@@ -102,31 +102,39 @@ def _with_matrix(table: Table, references: References, rows: list[int], findings
             headed[column.index] = name
     if len(headed) < 2 or not any(is_mark(values[row][index]) for index in headed for row in rows):
         return table
-    columns = [replace(column, meaning=_of_matrix(column)) if column.index in headed else column for column in table.columns]
+    columns = [replace(column, meaning=_of_matrix(table, column)) if column.index in headed else column for column in table.columns]
     ends = [column.place.rpartition("!")[2] for column in columns if column.index in headed]
     findings.note("assumed", f"columns {ends[0]} to {ends[-1]} are read as a matrix of what comes before what.", columns[min(headed)].place)
     return replace(table, columns=tuple(columns))
 
 
-def _of_matrix(column: Column) -> Meaning:
-    said = column.meaning.what if column.meaning else ""
-    return Meaning(MATRIX.get(said, MATRIX[""]))
+def _of_matrix(table: Table, column: Column) -> Meaning:
+    """By the words above the task in the column's header, or above those left of it."""
+    said = column.meaning.what if column.meaning else None
+    above = table.grid.rows[table.header_row - 1][: column.index + 1] if table.header_row else ()
+    words = meaning(next((shown(value) for value in reversed(above) if not blank(value)), ""))
+    return Meaning(MATRIX.get(said or "-") or MATRIX.get(words.what if words else "-") or MATRIX[""])
 
 
 def _with_unnamed(table: Table, references: References, rows: list[int], findings: Findings) -> Table:
     """Columns without a header behind a list of tasks belong to it when they hold tasks."""
     columns = list(table.columns)
+    left: Column | None = None
     for place, column in enumerate(columns):
-        left = columns[place - 1] if place else None
-        if column.header or column.meaning or not left or not left.meaning or left.meaning.what not in ("after", "after rows", "before"):
+        if column.header or column.meaning or left is None:
+            left = column if column.meaning and column.meaning.what in ("after", "after rows", "before") else None
             continue
         filled = [row for row in rows if not blank(table.grid.rows[row][column.index])]
         strange = [row for row in filled if not _names_tasks(references, table.grid.rows[row][column.index])]
-        if filled and not strange:
+        if not filled:
+            continue
+        if not strange:
             columns[place] = replace(column, meaning=left.meaning)
-            message = f"column {column.letter}, which has no header, holds tasks and is read with the column on its left"
-            findings.note("assumed", f"{message}, {left.header!r}." if left.header else f"{message}.", column.place)
-        elif len(strange) * 2 < len(filled):
+            message = f"column {column.letter}, which has no header, holds tasks and is read together with {left.header!r} left of it."
+            findings.note("assumed", message, column.place)
+        else:
+            left = None
+        if 0 < len(strange) * 2 < len(filled):
             value = shown(table.grid.rows[strange[0]][column.index])
             findings.fault(
                 f"holds {value!r}, which is no task, in a column without a header that otherwise holds tasks. Mend it, or write a header "
@@ -159,7 +167,8 @@ def matrix_links(table: Table, rows: dict[str, int], references: References, fin
     ]
     words = "predecessor mark" if said == {MATRIX["after"]} else "successor mark" if said == {MATRIX["before"]} else ""
     rows_first = {"predecessor mark": False, "successor mark": True}.get(words)
-    return _directed(marks, rows_first, list(references.names), "the task of the row", "that of the column", columns[0].place, findings)
+    remedy = "Write 'Predecessors' above the columns if their tasks come first, 'Successors' if those of the rows do."
+    return _directed(marks, rows_first, list(references.names), "the task of the row", "that of the column", columns[0].place, remedy, findings)
 
 
 # --- sheets of their own ------------------------------------------------------------------------------------------------------
@@ -321,7 +330,8 @@ def _links_of_matrix(
             findings.fault(f"holds {shown(value)!r}, which is no task.", grid.place(header, column))
     rows_first = _said_in_corner(shown(grid.rows[header][naming]))
     place = grid.place(header, naming)
-    links = _directed(marks, rows_first, list(references.names), "the task of the row", "that of the column", place, findings)
+    remedy = "Write 'from / to' into the corner if the tasks of the rows come first, 'to / from' if those of the columns do."
+    links = _directed(marks, rows_first, list(references.names), "the task of the row", "that of the column", place, remedy, findings)
     _note_read(grid, links, findings)
     return links
 
@@ -353,7 +363,9 @@ def _bare_pairs(grid: Grid, references: References, findings: Findings) -> list[
         pairs.append((*pair, grid.place(row, columns[0])))
     if not pairs:
         return None if any(not grid.is_blank(row) for row in range(1, len(grid.rows))) else _empty(grid, findings)
-    links = _directed(pairs, arrows.pop() if len(arrows) == 1 else None, list(references.names), "the first", "the second", pairs[0][2], findings)
+    first_leads = arrows.pop() if len(arrows) == 1 else None
+    remedy = "Write 'from' and 'to' above two columns of tasks."
+    links = _directed(pairs, first_leads, list(references.names), "the first", "the second", pairs[0][2], remedy, findings)
     _note_read(grid, links, findings)
     return links
 
@@ -385,7 +397,14 @@ def _note_read(grid: Grid, links: Sequence[Link], findings: Findings) -> None:
 
 
 def _directed(
-    pairs: Iterable[tuple[str, str, str]], first_leads: bool | None, names: list[str], one: str, other: str, place: str, findings: Findings
+    pairs: Iterable[tuple[str, str, str]],
+    first_leads: bool | None,
+    names: list[str],
+    one: str,
+    other: str,
+    place: str,
+    remedy: str,
+    findings: Findings,
 ) -> list[Link]:
     """Links out of pairs `(a, b, place)`. Words decide which comes first (`first_leads`), else the order of the list, else nobody."""
     found = list(pairs)
@@ -393,11 +412,8 @@ def _directed(
         order = {name: at for at, name in enumerate(names)}
         ways = {order[a] < order[b] for a, b, _ in found if a != b}
         if len(ways) > 1:
-            findings.fault(
-                f"nothing says which of two linked tasks comes first, {one} or {other}, and the order of the list does not tell. "
-                f"{WAYS_OUT}. Above or beside a matrix write 'from / to' into the corner.",
-                place,
-            )
+            message = f"nothing says which of two linked tasks comes first, {one} or {other}, and the order of the list does not tell."
+            findings.fault(f"{message} {remedy}", place)
             return []
         if ways:
             first_leads = ways.pop()

@@ -302,7 +302,7 @@ def _kinds(operators: dict[str, dict[str, Any]], kinds: dict[str, Kind], finding
         if is_machine(name):
             findings.fault(
                 f"operator {name!r} is a machine by its name. One that works on its own, such as a press or an oven, is no operator of a cell: leave "
-                f'its column out with --map "HEADER=ignore". If it is a robot, say --robot {_quoted(name)}.',
+                f'it out (--map "HEADER=ignore" leaves out a column). If it is a robot, say --robot {_quoted(name)}.',
                 findings.places.get(("operators", name), ""),
             )
             continue

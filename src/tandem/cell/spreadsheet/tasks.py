@@ -44,7 +44,7 @@ class Tasks:
 
     Attributes:
       operators: named by the columns or rows, in order of appearance, with the place where each was first named.
-      linked: something says what comes before what.
+      linked: something says what comes before what, or fails to.
       people: everybody whom this table or other sheets name.
     """
 
@@ -222,7 +222,7 @@ def _stand_in(table: Table, entry: Entry, found: Tasks, findings: Findings) -> N
     if entry.data.get("time") or entry.data.get("together"):
         return
     faulty = {fault.place for fault in findings.faults}
-    if any(table.grid.place(row, column.index) in faulty for row in entry.rows for column in table.having("time", "operator")):
+    if any(table.grid.place(row, column.index) in faulty for row in entry.rows for column in table.having("time", "operator", "quantity")):
         who = next(iter(found.operators), "human")
         found.operators.setdefault(who, "")
         entry.data["time"] = {who: 1.0}
@@ -275,7 +275,7 @@ def _alternatives(text: str, place: str, people: Sequence[str], findings: Findin
     try:
         return ways(text, people)
     except WhoError as error:
-        findings.fault(f"{error}.", place)
+        findings.fault(f"holds {text!r}, which {error}.", place)
         return []
 
 
@@ -356,6 +356,7 @@ def _lists(table: Table, entries: list[Entry], counted: bool, outline: Outline, 
     codes = outline_codes(table, [Row(entry.name, entry.rows[0], entry.quoted) for entry in entries])
     known = {**labels, **{code: name for name, code in codes.items()}}
     links: list[Link] = []
+    already = len(findings.faults)
     for column in table.having(*LISTS):
         what = column.meaning.what if column.meaning else ""
         references = References(names, known, rows, counted)
@@ -372,7 +373,7 @@ def _lists(table: Table, entries: list[Entry], counted: bool, outline: Outline, 
             findings.note("sheet", f"sheet {grid.name!r} was not read.", f"{grid.name}!A1")
         else:
             links += more
-    found.linked = bool(links)
+    found.linked = bool(links) or len(findings.faults) > already
     for link in between_tasks(links, outline, findings):
         after = found.tasks[link.later].setdefault("after", [])
         if link.first not in after:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, Task, plain
 from tandem.cell.spreadsheet.form import CHECKS, EXAMPLE, HEADERS, HELP, SHEETS, Language
+from tandem.cell.spreadsheet.outline import LEADING
 from tandem.cell.spreadsheet.reading import read_book
 from tandem.cell.spreadsheet.references import unquoted
 from tandem.cell.spreadsheet.rows import is_total
@@ -151,8 +152,9 @@ def _fields(cell: Cell, lang: Language, every: bool) -> list[Field]:
     def any_task(has: Callable[[Task], Any]) -> bool:
         return any(has(task) for task in tasks)
 
-    above = {name[: dot.start()] for name in cell.tasks for dot in re.finditer(r"\.", name)}
-    fields = [Field(words["name"], lambda name, task: _spelled(name) if _looks_like_no_task(name, above) else name, "name", 10)]
+    codes = {name: found[1] if (found := LEADING.match(name)) else name for name in cell.tasks}
+    above = {code[: dot.start()] for code in codes.values() for dot in re.finditer(r"\.", code)}
+    fields = [Field(words["name"], lambda name, task: _spelled(name) if _looks_like_no_task(name, codes[name], above) else name, "name", 10)]
     if every or any_task(lambda t: t.label):
         fields.append(Field(words["label"], lambda name, task: task.label, "", 34))
     if any_task(lambda t: t.part):
@@ -247,8 +249,8 @@ def _joint_stress(group: tuple[str, ...], who: str | None) -> Callable[[str, Tas
 def _headed(pattern: str, what: str, who: tuple[str, ...], cell: Cell) -> str:
     """The header in plain words, or with the names in quotes where plain words would be misread."""
     simple = pattern.format(who=" + ".join(who))
-    found = meaning(simple, tuple(cell.operators))
-    if found is not None and found.what == what and found.who == who and not found.human:
+    readings = [meaning(simple, known) for known in (tuple(cell.operators), ())]  # the sheets beside the tasks know no operators
+    if all(found is not None and (found.what, found.who, found.human, found.per_piece) == (what, who, "", False) for found in readings):
         return simple
     return pattern.format(who=" + ".join(map(_spelled, who)))
 
@@ -257,9 +259,9 @@ def _spelled(name: str) -> str:
     return f'"{name}"'
 
 
-def _looks_like_no_task(name: str, above: set[str]) -> bool:
+def _looks_like_no_task(name: str, code: str, above: set[str]) -> bool:
     """A name that an import would take for a total, for the number of a group of tasks, or for a name in quotes."""
-    return is_total(name) or name.rstrip(".") in above or unquoted(name) != name
+    return is_total(name) or code.rstrip(".") in above or unquoted(name) != name
 
 
 def _list(names: Iterable[str]) -> str | None:

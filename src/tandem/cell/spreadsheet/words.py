@@ -31,6 +31,9 @@ KINDS: dict[str, Kind] = {word: kind for kind, words in VOCABULARY["kinds"].item
 MACHINES = frozenset(VOCABULARY["machines"])
 """Words for what works on its own and is neither a human nor a robot of the cell."""
 
+APPLIANCES = MACHINES | frozenset(VOCABULARY["appliances"])
+"""The same with words that are as likely a tool's name, so that they count only beside a word for time."""
+
 JOINT = frozenset(VOCABULARY["joint"])
 """Words that say that several do it together, and not who."""
 
@@ -124,7 +127,7 @@ def is_kind_word(name: str) -> bool:
 
 def is_machine(name: str) -> bool:
     """The name is that of a machine, such as "Maschine 2", and not of a human or a robot."""
-    return kind_of(name) is None and any(word in MACHINES for word in _words(name))
+    return kind_of(name) is None and any(word in APPLIANCES for word in _words(name))
 
 
 def split_unit(text: str) -> tuple[str, str | None]:
@@ -227,7 +230,7 @@ def _compound(word: str) -> str | None:
     """The operator in a German compound: "roboterzeit", "maschinenzeit"."""
     if not (found := re.fullmatch(r"(..+)(zeit|dauer)", word)):
         return None
-    return next((found[1].removesuffix(link) for link in ("n", "en", "s", "") if found[1].removesuffix(link) in KINDS.keys() | MACHINES), None)
+    return next((found[1].removesuffix(link) for link in ("n", "en", "s", "") if found[1].removesuffix(link) in KINDS.keys() | APPLIANCES), None)
 
 
 def _measure(word: str) -> str | None:
