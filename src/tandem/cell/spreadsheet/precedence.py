@@ -32,7 +32,7 @@ SIDE_OF: dict[str, Side] = {word: side for side, words in SIDES.items() for word
 MATRIX: dict[str, str] = {"after": "predecessor mark", "before": "successor mark", "": "link mark"}
 """What the columns of a matrix mean, by what stands above them: nothing says which of the two tasks comes first in the last."""
 
-ABOUT_PRECEDENCE = re.compile(r"preced|vorrang|vorgaeng|predecess|success|nachfolg|abhaengig|dependen|anordnungsbez|reihenfolgebez")
+ABOUT_PRECEDENCE = re.compile(r"preced|vorrang|vorgaenger|predecess|successor|nachfolg|abhaengig|dependen|anordnungsbez|reihenfolgebez")
 """Names of sheets that hold what comes before what."""
 
 NEUTRAL = re.compile(r"(sheet|tabelle|blatt|table) ?\d*|links?|kanten|edges|arcs|pairs|paare|graph|relations|beziehungen|netz(plan|werk)?|network")
@@ -248,8 +248,10 @@ def _pairs_below_a_header(grid: Grid, references: References, findings: Findings
     if not ABOUT_PRECEDENCE.search(key(grid.name)):
         if not rows or not all(_names_tasks(numbers, grid.rows[row][column]) for row in rows for column in (*early, *late, *tasks)):
             return None
-        if not NEUTRAL.fullmatch(key(grid.name)) and not any(_turned(shown(grid.rows[header][column])) for column in (*early, *late)):
-            findings.note("sheet", f"{NOT_READ.format(name=grid.name)}", grid.place(header, 0))
+        if not NEUTRAL.fullmatch(key(grid.name)) and not any(
+            ABOUT_PRECEDENCE.search(key(shown(grid.rows[header][column]))) for column in (*early, *late)
+        ):
+            findings.note("sheet", NOT_READ.format(name=grid.name), grid.place(header, 0))
             return []
     links = []
     for row in rows:

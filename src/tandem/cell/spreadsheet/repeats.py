@@ -18,14 +18,17 @@ def once_a_column(faults: Iterable[Fault], headers: Mapping[tuple[str, str], str
     Args:
       headers: sheet and column letters -> what stands above the column.
     """
-    groups: dict[tuple[str, ...], list[Fault]] = {}
-    for place, fault in enumerate(faults):
+    groups: dict[tuple[str, ...], list[tuple[int, Fault]]] = {}
+    for number, fault in enumerate(faults):
         at = PLACE.fullmatch(fault.place)
-        groups.setdefault((at["sheet"], at["letter"], _kind(fault.message)) if at else (str(place),), []).append(fault)
-    told: list[Fault] = []
+        groups.setdefault((at["sheet"], at["letter"], _kind(fault.message)) if at else (str(number),), []).append((number, fault))
+    told: list[tuple[int, Fault]] = []
     for key, alike in groups.items():
-        told += alike if len(alike) < FEWEST else [_as_one(alike, key[1], headers.get((key[0], key[1]), ""))]
-    return tuple(told)
+        if len(alike) >= FEWEST:
+            header = headers.get((key[0], key[1]), "")
+            alike = [(alike[0][0], _as_one([fault for _, fault in alike], key[1], header))]
+        told += alike
+    return tuple(fault for _, fault in sorted(told, key=lambda entry: entry[0]))
 
 
 def _as_one(alike: Sequence[Fault], letter: str, header: str) -> Fault:
