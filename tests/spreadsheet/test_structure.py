@@ -8,6 +8,7 @@ from typing import Any
 
 import openpyxl
 import pytest
+from openpyxl.styles import Alignment
 from tests.spreadsheet import books
 
 from tandem.cell.spreadsheet import import_cell, read_workbook
@@ -329,6 +330,16 @@ def test_lists_that_use_the_outline_make_its_numbers_the_names(tmp_path: Path) -
 def test_indents_tell_summaries_when_their_times_are_sums(tmp_path: Path) -> None:
     rows = [[*EN, "After"], ["Housing", 22, 50], ["   Bearing", 10, 20], ["   Screws", 12, 30, "Bearing"], ["Test", 5, None, "Housing"]]
     assert after(draft(tmp_path, rows)) == {"Bearing": (), "Screws": ("Bearing",), "Test": ("Bearing", "Screws")}
+
+
+def test_cells_that_are_indented_tell_summaries_too(tmp_path: Path) -> None:
+    rows = [[*EN, "After"], ["Housing", 22, 50], ["Bearing", 10, 20], ["Screws", 12, 30, "Bearing"], ["Test", 5, None, "Housing"]]
+    path = workbook(tmp_path, {"Tasks": rows})
+    book = openpyxl.load_workbook(path)
+    for cell in ("A3", "A4"):
+        book["Tasks"][cell].alignment = Alignment(indent=1)
+    book.save(path)
+    assert after(read_workbook(path)) == {"Bearing": (), "Screws": ("Bearing",), "Test": ("Bearing", "Screws")}
 
 
 def test_numbers_before_the_words_of_a_name_are_an_outline(tmp_path: Path) -> None:

@@ -27,6 +27,7 @@ class Grid:
       odd: `(row, column)` of cells without a usable value -> what they hold, as the end of a sentence and the way out.
       hidden: the sheet itself is hidden.
       hidden_rows, hidden_columns: counted from 0.
+      indents: `(row, column)` -> how far the cell is indented by its format, where it is.
     """
 
     name: str
@@ -36,6 +37,7 @@ class Grid:
     hidden: bool = False
     hidden_rows: frozenset[int] = frozenset()
     hidden_columns: frozenset[int] = frozenset()
+    indents: Mapping[tuple[int, int], int] = field(default_factory=dict)
 
     @property
     def width(self) -> int:

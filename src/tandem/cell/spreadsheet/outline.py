@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from tandem.cell.spreadsheet.findings import Findings, listed
-from tandem.cell.spreadsheet.grid import Value, blank, shown
+from tandem.cell.spreadsheet.grid import Grid, blank, shown
 from tandem.cell.spreadsheet.header import Column, Table
 from tandem.cell.spreadsheet.precedence import Link, is_mark
 from tandem.cell.spreadsheet.words import key
@@ -117,13 +117,17 @@ def _stated_levels(table: Table, rows: Sequence[Row]) -> list[int] | None:
 
 
 def _indents(table: Table, rows: Sequence[Row]) -> list[int] | None:
-    """Blanks before the names or descriptions, if they differ and the first row has the fewest."""
+    """Blanks before the names or descriptions, or the indents of their cells, if they differ and the first row has the least."""
     for column in table.having("task", "label", "number"):
-        values: list[Value] = [table.grid.rows[row.row][column.index] for row in rows]
-        found = [len(value) - len(value.lstrip()) if isinstance(value, str) else 0 for value in values]
-        if len(set(found)) > 1 and found and found[0] == min(found):
+        found = [_indent(table.grid, row.row, column.index) for row in rows]
+        if len(set(found)) > 1 and found[0] == min(found):
             return found
     return None
+
+
+def _indent(grid: Grid, row: int, column: int) -> int:
+    value = grid.rows[row][column]
+    return grid.indents.get((row, column), 0) + (len(value) - len(value.lstrip()) if isinstance(value, str) else 0)
 
 
 def _by_level(rows: Sequence[Row], levels: Sequence[int]) -> dict[str, tuple[str, ...]]:
