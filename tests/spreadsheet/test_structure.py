@@ -405,6 +405,28 @@ def test_a_milestone_passes_on_what_comes_before_it(rows: Rows, tmp_path: Path) 
     assert "row 3 ('2') is a milestone" in said(found)
 
 
+def test_milestones_in_a_row_pass_on_together(tmp_path: Path) -> None:
+    rows = [["ID", "Duration", "Predecessors", "Resource Names"], [1, 9, None, "Worker"], [2, 8, None, "Robot"], [3, 0, "1;2"], [4, 0, "3"]]
+    assert after(draft(tmp_path, [*rows, [5, 4, "4", "Worker"], [6, 4, "3;5", "Worker"]])) == {
+        "1": (),
+        "2": (),
+        "5": ("1", "2"),
+        "6": ("5", "1", "2"),
+    }
+
+
+@pytest.mark.parametrize("lists", [("4", "3"), (None, "4")], ids=["two", "itself"])
+def test_milestones_in_a_circle_are_refused(lists: tuple[str | None, str], tmp_path: Path) -> None:
+    rows = [["ID", "Duration", "Predecessors", "Resource Names"], [1, 9, None, "Worker"], [3, 0, lists[0]], [4, 0, lists[1]]]
+    assert "after itself" in refusal(draft(tmp_path, rows))
+
+
+def test_links_between_large_summaries_are_bounded(tmp_path: Path) -> None:
+    rows: list[list[Any]] = [["WBS", "Human [s]", "After"], ["1", None], *[[f"1.{i}", 1] for i in range(600)], ["2", None, "1"]]
+    message = refusal(draft(tmp_path, [*rows, *[[f"2.{i}", 1] for i in range(600)]]))
+    assert "makes more than 200,000 links between the parts of summaries" in message
+
+
 def test_a_task_called_after_a_total_is_no_total(tmp_path: Path) -> None:
     found = draft(tmp_path, [["Nr.", "Bezeichnung", "Zeit Mensch [s]"], [1, "a", 9], [2, "Summe", 4], [3, "b", 2], [4, "Summe", 15]])
     assert list(found.cell().tasks) == ["1", "2", "3"]

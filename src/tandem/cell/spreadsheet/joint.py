@@ -38,7 +38,7 @@ def ways(text: str, people: Sequence[str]) -> list[tuple[str, ...]]:
     if (alone := named.get(key(text))) is not None:
         return [(alone,)]
     rest, said = _without_joint_words(text)
-    if said:
+    if said and not all(key(part) in named for part in re.split(rf"{EITHER}|{BOTH}", text)):
         return [_group(text, rest, said, people)]
     if re.search(r"[,;]", text):
         raise WhoError("may be either or both: write 'A / B' when one of them does it, 'A + B' when both do it together")
@@ -107,7 +107,7 @@ def _with_group(column: Column, people: Sequence[str], findings: Findings) -> Co
             column.place,
         )
         return replace(column, meaning=None, why="it may be a time of either or of both")
-    if key(name) in named or not _without_joint_words(name)[1]:
+    if all(key(one) in named for one in what.who) or key(name) in named or not _without_joint_words(name)[1]:
         return column
     try:
         return replace(column, meaning=replace(what, who=ways(name, people)[0]))

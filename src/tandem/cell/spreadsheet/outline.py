@@ -7,7 +7,7 @@ no time and passes on what comes before it.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from tandem.cell.spreadsheet.findings import Findings, listed
@@ -21,8 +21,10 @@ CODE = re.compile(r"[^\W_]+(\.[^\W_]+)*\.?")
 LEADING = re.compile(r"(\d+(?:\.\d+)*)\.?\s")
 """The number of an outline before the words of a name: "1.2 Drive screws"."""
 MILESTONE = re.compile(r"\b(milestone|meilenstein)")
+MOST_LEVELS = 50
+"""Levels of an outline; more are no outline that anybody made."""
 MOST_LINKS = 200_000
-"""Links between the parts of summaries; more are no plan that anybody made."""
+TOO_MANY = f"makes more than {MOST_LINKS:,} links between the parts of summaries or beside milestones. Link single tasks instead."
 
 
 @dataclass(frozen=True)
@@ -113,14 +115,14 @@ def _stated_levels(table: Table, rows: Sequence[Row]) -> list[int] | None:
     if not columns:
         return None
     texts = [shown(table.grid.rows[row.row][columns[0].index]) for row in rows]
-    return [int(text) for text in texts] if all(text.isdecimal() and len(text) < 4 for text in texts) else None
+    return [int(text) for text in texts] if all(text.isdecimal() and len(text) < 3 for text in texts) else None
 
 
 def _indents(table: Table, rows: Sequence[Row]) -> list[int] | None:
     """Blanks before the names or descriptions, or the indents of their cells, if they differ and the first row has the least."""
     for column in table.having("task", "label", "number"):
         found = [_indent(table.grid, row.row, column.index) for row in rows]
-        if len(set(found)) > 1 and found[0] == min(found):
+        if 1 < len(set(found)) <= MOST_LEVELS and found[0] == min(found):
             return found
     return None
 
@@ -140,7 +142,8 @@ def _by_level(rows: Sequence[Row], levels: Sequence[int]) -> dict[str, tuple[str
 
 
 def _by_code(rows: Sequence[Row], codes: Mapping[str, str]) -> dict[str, tuple[str, ...]]:
-    plain = {row.name: code.rstrip(".") for row in rows if CODE.fullmatch(code := codes.get(row.name, ""))}
+    shallow = {name: code for name, code in codes.items() if code.count(".") < MOST_LEVELS and CODE.fullmatch(code)}
+    plain = {row.name: shallow[row.name].rstrip(".") for row in rows if row.name in shallow}
     by_code = {code: name for name, code in plain.items()}
     found: dict[str, list[str]] = {}
     for row in rows:
@@ -228,20 +231,38 @@ def between_tasks(links: Iterable[Link], outline: Outline, findings: Findings) -
             findings.fault(f"puts {link.later!r} after {link.first!r}, though one is a part of the other. Name the parts.", link.place)
             continue
         if len(found) + len(firsts) * len(laters) > MOST_LINKS:
-            findings.fault(f"makes more than {MOST_LINKS:,} links between the parts of summaries. Link single tasks instead.", link.place)
+            findings.fault(TOO_MANY, link.place)
             return []
         for first in firsts:
             for later in laters:
                 found.setdefault((first, later), Link(first, later, link.place))
-    return _without_points(found, outline.points)
+    return _without_points(list(found.values()), outline.points, findings)
 
 
-def _without_points(found: dict[tuple[str, str], Link], points: frozenset[str]) -> list[Link]:
+def _without_points(links: Sequence[Link], points: Collection[str], findings: Findings) -> list[Link]:
+    """The links that are left when each milestone hands what comes before it to what comes after it."""
+    before: dict[str, dict[str, Link]] = {}
+    after: dict[str, dict[str, Link]] = {}
+    for link in links:
+        before.setdefault(link.later, {})[link.first] = link
+        after.setdefault(link.first, {})[link.later] = link
+    count = len(links)
     for point in points:
-        before = [link for (_, later), link in found.items() if later == point]
-        after = [link for (first, _), link in found.items() if first == point]
-        for one in before:
-            for other in after:
-                found.setdefault((one.first, other.later), Link(one.first, other.later, other.place))
-        found = {ends: link for ends, link in found.items() if point not in ends}
-    return list(found.values())
+        firsts, laters = before.pop(point, {}), after.pop(point, {})
+        if (itself := firsts.pop(point, None)) is not None:
+            laters.pop(point, None)
+            findings.fault(f"puts milestone {point!r} after itself. Take one of the links out.", itself.place)
+        count += len(firsts) * len(laters)
+        if count > MOST_LINKS:
+            findings.fault(TOO_MANY, next(iter(laters.values())).place)
+            return []
+        for first in firsts:
+            after[first].pop(point, None)
+            for later, link in laters.items():
+                before[later].pop(point, None)
+                joined = Link(first, later, link.place)
+                before[later].setdefault(first, joined)
+                after[first].setdefault(later, joined)
+        for later in laters:
+            before.get(later, {}).pop(point, None)
+    return [link for later in before for link in before[later].values() if not {link.first, link.later} & set(points)]
