@@ -66,7 +66,8 @@ def _is_called_a_total(table: Table, row: int, before: list[int]) -> bool:
     first, value = next(((column, value) for column, value in filled if isinstance(value, str)), (-1, ""))
     if not is_total(str(value)):
         return False
-    return first == filled[0][0] or (bool(TOTALS.fullmatch(_bare(str(value)))) and _are_sums(table, row, before))
+    words = {column.index for column in table.having("number", "task", "label")}
+    return first == filled[0][0] or (first in words and bool(TOTALS.fullmatch(_bare(str(value)))) and _are_sums(table, row, before))
 
 
 def is_total(text: str) -> bool:

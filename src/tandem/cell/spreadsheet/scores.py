@@ -24,7 +24,7 @@ def without_scores(table: Table, told: Collection[str], findings: Findings) -> T
       told: headers and column letters that `--map` explains.
     """
     stress = table.having("stress")
-    scores = [column for column in stress if ORDINAL.search(key(column.header))]
+    scores = [column for column in stress if ORDINAL.search(key(re.sub(r'"[^"]*"', " ", column.header)))]  # in quotes it is somebody's name
     others = [column for column in stress if column not in scores]
     columns = list(table.columns)
     for column in scores:

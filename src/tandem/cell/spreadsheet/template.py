@@ -154,7 +154,7 @@ def _fields(cell: Cell, lang: Language, every: bool) -> list[Field]:
 
     codes = {name: found[1] if (found := LEADING.match(name)) else name for name in cell.tasks}
     above = {code[: dot.start()] for code in codes.values() for dot in re.finditer(r"\.", code)}
-    fields = [Field(words["name"], lambda name, task: _spelled(name) if _looks_like_no_task(name, codes[name], above) else name, "name", 10)]
+    fields = [Field(words["name"], lambda name, task: _spelled(name) if _looks_like_no_task(name, task, codes[name], above) else name, "name", 10)]
     if every or any_task(lambda t: t.label):
         fields.append(Field(words["label"], lambda name, task: task.label, "", 34))
     if any_task(lambda t: t.part):
@@ -259,9 +259,9 @@ def _spelled(name: str) -> str:
     return f'"{name}"'
 
 
-def _looks_like_no_task(name: str, code: str, above: set[str]) -> bool:
-    """A name that an import would take for a total, for the number of a group of tasks, or for a name in quotes."""
-    return is_total(name) or code.rstrip(".") in above or unquoted(name) != name
+def _looks_like_no_task(name: str, task: Task, code: str, above: set[str]) -> bool:
+    """A row that an import would take for a total or for the head of a group of tasks, or a name that is in quotes itself."""
+    return is_total(name) or is_total(task.label or "") or code.rstrip(".") in above or unquoted(name) != name
 
 
 def _list(names: Iterable[str]) -> str | None:
