@@ -9,6 +9,7 @@ rest of the front, and every point carries bounds.
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable
 from decimal import ROUND_FLOOR, Decimal
 from fractions import Fraction
@@ -23,13 +24,13 @@ from tandem.errors import InfeasibleError, NothingFoundError
 from tandem.plan.archive import Archive
 from tandem.plan.bounds import load_prices
 from tandem.plan.decode import Layout
+from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
 from tandem.plan.instance import Instance
 from tandem.plan.question import Progress, Question
 from tandem.plan.race import SMALL, Answer, Effort, Goal, Race
 from tandem.plan.result import Bound, Front, Result, Status
 from tandem.plan.rules import SPECS, attempts, build
 from tandem.plan.starts import Starts, measures
-from tandem.schedule.checker import faults
 from tandem.schedule.model import Schedule
 
 SOLVER = f"cp-sat {version('ortools')}"
@@ -82,6 +83,7 @@ class _Search:
         self.instance = Instance.of(cell)
         self.layout = Layout.of(self.instance)
         self.limits = Goal(1, 0, _floor(question.max_makespan, self.instance.per_second), _floor(question.max_stress, self.instance.per_stress))
+        self.door = Door(cell, self.instance, question)
         self.archive = Archive(cell, self.layout, self.limits)
         self.infeasible = False
         self.optimal = False
@@ -90,8 +92,8 @@ class _Search:
         """The first schedules: the hint, and what the dispatch rules give; what costs more than a moment comes after the first."""
         if self.layout.impossible():
             return
-        if hint is not None and not faults(self.cell, hint):
-            self._offer(_starts_of(self.instance, hint), 0)
+        if hint is not None:
+            self._offer(self.door.hinted(hint))
         random = Random(self.seed)
         if self.instance.stress_of_set is None:
             self._by_rule("longest-tail", random, None)
@@ -103,11 +105,11 @@ class _Search:
         if len(self.instance.tasks) < 100 or not self.archive.found:
             for attempt in few:
                 if attempt is not None:
-                    self._offer(tuple(attempt.starts()), 0)
+                    self._offer(self.door.admit(attempt.starts()))
 
     def _by_rule(self, name: str, random: Random, prices: list[float] | None) -> None:
         if (state := build(self.layout, SPECS[name], random, prices=prices)) is not None:
-            self._offer(tuple(state.starts()), 0)
+            self._offer(self.door.admit(state.starts()))
 
     def run(self) -> None:
         """Answers the question as far as time allows."""
@@ -122,6 +124,8 @@ class _Search:
         """What was found. Raises as `solve` says."""
         wall = monotonic() - self.began
         if not self.archive.found:
+            if self.door.refused:
+                raise NothingFoundError(f"no schedule that keeps {_limits(self.question)} was found in {wall:.1f} s: {self.door.apology()}")
             if self.infeasible:
                 raise InfeasibleError(f"no schedule keeps {_limits(self.question)}; this is proven.")
             if interrupted:
@@ -129,6 +133,9 @@ class _Search:
             raise NothingFoundError(f"no schedule that keeps {_limits(self.question)} was found in {wall:.1f} s; whether there is one is open.")
         results = self._results()
         complete = self.archive.complete if self.question.minimize == "front" else results[0].status == Status.OPTIMAL
+        if self.door.refused:
+            complete = False
+            warnings.warn(self.door.apology(), RefusedScheduleWarning, stacklevel=3)
         return Front(self.cell, results, complete, "exact", SOLVER, self.seed, wall, interrupted, self.asked)
 
     def _results(self) -> tuple[Result, ...]:
@@ -239,8 +246,8 @@ class _Search:
         stress = self.archive.least_stress if goal.max_makespan is None else self.archive.least_stress_within(goal.max_makespan)
         known = goal.time * int(floor) + goal.stress * max(int(stress), 0)
         until = None if self.until is None else min(self.until, monotonic() + seconds)
-        effort = Effort(until, self.seed, self.workers, self._offer)
-        race = Race(self.instance, self.layout, goal, effort, self.archive.best(goal), known)
+        effort = Effort(until, self.seed, self.workers, lambda schedule, bound: self._offer(schedule))
+        race = Race(self.door, self.layout, goal, effort, self.archive.best(goal), known)
         try:
             return race.run()
         finally:
@@ -250,13 +257,12 @@ class _Search:
     def _note(self, stress: float, makespan: float) -> None:
         self.archive.learn(stress, makespan)
 
-    def _offer(self, starts: Starts, bound: int) -> None:
-        if self.archive.offer(starts) and self.on_solution is not None:
+    def _offer(self, schedule: Admitted | None) -> None:
+        if schedule is not None and self.archive.offer(schedule) and self.on_solution is not None:
             floor = self.instance.seconds(int(self.archive.least_makespan(inf)))
             self.on_solution(Progress(self.archive.results(), floor, monotonic() - self.began))
 
     def _point(self, starts: Starts) -> tuple[int, int]:
-        self.archive.offer(starts)
         return measures(self.instance, starts)
 
     def _most_stress(self) -> int:
@@ -277,18 +283,6 @@ def _weighted_goal(question: Question, instance: Instance, limits: Goal) -> Goal
     stress = Fraction(Decimal(repr(question.weights[1]))) / instance.per_stress
     scale = lcm(time.denominator, stress.denominator)
     return Goal(int(time * scale), int(stress * scale), limits.max_makespan, limits.max_stress)
-
-
-def _starts_of(instance: Instance, schedule: Schedule) -> Starts:
-    """A sound schedule in the instance's numbers."""
-    by_task = {a.task: a for a in schedule}
-    starts = []
-    for task, ways in enumerate(instance.ways):
-        row = by_task[instance.tasks[task]]
-        start, end = (int(Decimal(repr(moment)) * instance.per_second) for moment in (row.start, row.end))
-        team = tuple(sorted(instance.operators.index(name) for name in row.operators))
-        starts.append((next(w for w, way in enumerate(ways) if way.operators == team and way.ticks == end - start), start))
-    return tuple(starts)
 
 
 def _limits(question: Question) -> str:
