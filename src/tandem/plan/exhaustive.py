@@ -9,10 +9,9 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from fractions import Fraction
 from importlib.metadata import version
 from itertools import chain
-from math import floor, lcm
+from math import floor
 from operator import gt
 from random import Random
 from time import perf_counter
@@ -27,6 +26,7 @@ from tandem.plan.instance import Instance
 from tandem.plan.question import Progress, Question
 from tandem.plan.result import Bound, Front, Result, Status
 from tandem.plan.rules import SPECS, attempts
+from tandem.plan.weights import whole
 from tandem.schedule.measures import exact
 from tandem.schedule.model import Schedule
 
@@ -84,7 +84,7 @@ def limits(question: Question) -> str:
 class Best:
     """The schedules known that answer a question and that no other one beats, by (makespan, stress) in ticks and units."""
 
-    rank: Callable[[int, int], tuple[Fraction | int, ...]] | None
+    rank: Callable[[int, int], tuple[int, ...]] | None
     found: dict[tuple[int, int], Admitted]
 
     def beats(self, ticks: int, units: int) -> bool:
@@ -291,7 +291,7 @@ def _latest_ends(layout: Layout, most_ticks: int) -> list[int]:
     return latest
 
 
-def _rank(question: Question, instance: Instance) -> Callable[[int, int], tuple[Fraction | int, ...]] | None:
+def _rank(question: Question, instance: Instance) -> Callable[[int, int], tuple[int, ...]] | None:
     """What the one best schedule has least of, in order; None for a front."""
     if question.minimize == "front":
         return None
@@ -299,10 +299,7 @@ def _rank(question: Question, instance: Instance) -> Callable[[int, int], tuple[
         return lambda ticks, units: (ticks, units)
     if question.minimize == "stress":
         return lambda ticks, units: (units, ticks)
-    time, load = (Fraction(exact(weight)) for weight in question.weights)
-    time, load = time / instance.per_second, load / instance.per_stress
-    scale = lcm(time.denominator, load.denominator)
-    per_tick, per_unit = int(time * scale), int(load * scale)
+    per_tick, per_unit = whole(question, instance)
     return lambda ticks, units: (per_tick * ticks + per_unit * units, ticks, units)
 
 

@@ -25,6 +25,7 @@ from tandem.plan.door import Admitted, Door
 from tandem.plan.neighbourhoods import plan_anew, take_out
 from tandem.plan.refute import Proof, prove_makespan
 from tandem.plan.starts import Starts, append, keeps_deadlines, list_schedule, measures
+from tandem.plan.weights import MOST_COUNTED
 
 
 @dataclass(frozen=True)
@@ -335,7 +336,9 @@ class Race:
         most = None if goal.max_stress is None else goal.max_stress - rest
         weights = (goal.time, goal.stress)
         if goal.stress == 0 and most is not None:
-            weights = (sum(max(way.stress for way in ways) for ways in stretch.instance.ways) + 1, 1)
+            hardest = sum(max(way.stress for way in ways) for ways in stretch.instance.ways)
+            if (hardest + 1) * upper + hardest <= MOST_COUNTED:
+                weights = (hardest + 1, 1)
         fresh, easy = plan_anew(stretch, upper, most_stress=most, weights=weights, seed=random.randrange(1 << 30))
         if fresh is None:
             return None, easy
@@ -387,6 +390,8 @@ class Race:
             if self.stopped:
                 return cp_model.UNKNOWN
             status: int = int(solver.solve(plan.model, watcher))  # type: ignore[call-overload]
+            if status == cp_model.MODEL_INVALID:
+                raise RuntimeError(f"the constraint solver refuses the model: {plan.model.validate()}")
             if status in (cp_model.UNKNOWN, cp_model.FEASIBLE) and watcher is not None:
                 watcher.on_bound(solver.best_objective_bound)
             return status
