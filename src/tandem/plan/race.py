@@ -265,7 +265,8 @@ class Race:
             if status == cp_model.INFEASIBLE:
                 return self._ruled_out() if cut is None else self.raise_bound(cut)
             if status == cp_model.OPTIMAL:
-                return self.raise_bound(round(solver.objective_value))
+                value = self.proposed(plan.read(solver.value), round(solver.objective_value))
+                return None if value is None else self.raise_bound(value)
             if not watcher.outdated or work is not None:
                 return None
             patience *= 2
