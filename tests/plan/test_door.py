@@ -116,3 +116,14 @@ def test_larger_cells_are_improved_by_sound_schedules_alone(workers):
     plan(cell, minimize="makespan", time_limit=2, workers=workers, on_solution=seen.append)
     assert seen
     assert all(faults(cell, result.schedule) == [] for progress in seen for result in progress.found)
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_wrong_model_does_not_keep_a_search_without_limit_going(monkeypatch, workers):
+    """More tasks than CP-SAT takes alone; its model lacks precedence, so it never proves anything."""
+    monkeypatch.setattr(cpsat, "RULES", left_out(cpsat.predecessors_end_first))
+    cell = layered(35, 1, 1, seed=3)
+    with pytest.warns(RefusedScheduleWarning):
+        front = plan(cell, minimize="makespan", workers=workers, time_limit=None)
+    assert not front.complete
+    assert faults(cell, front[0].schedule) == []

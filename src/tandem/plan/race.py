@@ -111,7 +111,9 @@ class Race:
 
     @property
     def over(self) -> bool:
-        """Nothing is left to do."""
+        """Nothing is left to do. A model that was wrong proves nothing any more: without a limit the others would go on for ever."""
+        if self.door.refused and self.effort.until is None:
+            return True
         return self.stopped or self.infeasible or (self.value is not None and self.bound >= self.value) or self.effort.left() <= 0
 
     def found(self, starts: Starts) -> bool:
@@ -319,12 +321,11 @@ class Race:
             better, easy = self._try_stretch(current, first, count, movers, random)
             sizes[width] = min(sizes[width] * 1.05, tasks) if easy else max(8.0, sizes[width] * 0.9)
             failures += 1
-            if better is None:
+            if better is None or (admitted := self.door.admit(better)) is None:
                 continue
-            if self.found(better):
-                current, failures = better, 0
-            elif self.goal.value(*measures(self.instance, better)) >= (self.value or 0):
-                current = better
+            current = admitted.starts  # of equal worth, too: from elsewhere there may be a way on
+            if self._take_in(admitted):
+                failures = 0
 
     def _try_stretch(self, current: Starts, first: int, count: int, movers: frozenset[int], random: Random) -> tuple[Starts | None, bool]:
         """The schedule with one stretch planned anew, None when it is worse or breaks a limit; and whether that was easy."""
