@@ -9,7 +9,7 @@ the rest after that choice (a hindsight optimum: Littman et al. 1995 call it QMD
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from itertools import product
 from math import inf
@@ -18,8 +18,8 @@ from time import perf_counter
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.by_rule import ByRule
 from tandem.dispatch.deciders.policy import Decision, Options
-from tandem.dispatch.deciders.reply import phrase, reply
-from tandem.dispatch.deciders.seen import Models, cost_so_far, position
+from tandem.dispatch.deciders.reply import reply
+from tandem.dispatch.deciders.seen import Models, allowed, cost_so_far, position
 from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.situation.pace import Pace, estimates
 from tandem.dispatch.values.moves import Moves, Position
@@ -73,20 +73,20 @@ def by_plan(policy: Replan | Robust, moves: Moves, situation: Situation, here: P
     """The decision of the first plan that CP-SAT finds in the time; the rule's where it finds none."""
     left = rest(moves, here)
     plan = None if left is None else solve(left, _weights(policy.objective, moves), seconds=max(0.002, seconds * 0.8), seed=policy.options.seed)
-    choice = None if plan is None else starting(moves, here, plan)
+    choice = None if plan is None else starting(moves, here, plan, allowed(moves, situation))
     if plan is None or choice is None:
-        choice = policy.rule.choose(moves, here, situation.now)
-        why = f"{phrase(moves, choice)}: by a rule, because no plan was found in {policy.options.budget_ms:g} ms."
-        return reply(policy.name, moves, situation, here, choice, [(choice, None)], began=began, why=why)
+        choice = policy.rule.choose(moves, here, situation)
+        because = f"by a rule, because no plan was found in {policy.options.budget_ms:g} ms"
+        return reply(policy.name, moves, situation, here, choice, [(choice, None)], began=began, because=because)
     cost = cost_so_far(policy.objective, situation) + _cost(policy.objective, moves, plan)
     end = situation.now + plan.ticks / moves.per_second
-    why = f"{phrase(moves, choice)}: so all is done at {end:.4g} s{' at the earliest' if plan.proven else ', the best plan found'}."
-    return reply(policy.name, moves, situation, here, choice, [(choice, cost)], began=began, why=why, later=next_tasks(moves, here, plan))
+    because = f"so that all is done at {end:.4g} s, {'at the earliest' if plan.proven else 'the best plan found'}"
+    return reply(policy.name, moves, situation, here, choice, [(choice, cost)], began=began, because=because, later=next_tasks(moves, here, plan))
 
 
-def starting(moves: Moves, here: Position, plan: Plan) -> tuple[int, ...] | None:
-    """The ways that the plan begins now, taking apart first; None when it would begin nothing although nothing runs."""
-    chosen, legal = [], set(moves.legal(here))
+def starting(moves: Moves, here: Position, plan: Plan, legal: Set[int]) -> tuple[int, ...] | None:
+    """Of the legal ways those that the plan begins now, taking apart first; None when it would begin nothing although nothing runs."""
+    chosen: list[int] = []
     for start, way in plan.begins:
         first = way + moves.count if here.wrong >> moves.task[way] & 1 else way
         change = max((row[o] for row in moves.changeover for o in range(len(row))), default=0) if moves.swaps else 0
@@ -133,8 +133,9 @@ class Robust:
         likely = {name: pace.mean for name, pace in paces.items()}
         moves = self.models.of(situation, likely)
         here = position(moves, situation, likely)
-        if not moves.legal(here):
-            return reply(self.name, moves, situation, here, (), [((), None)], began=began, why="nothing can begin before something has ended.")
+        if not allowed(moves, situation).intersection(moves.legal(here)):
+            because = "nothing can begin before something has ended or somebody is there"
+            return reply(self.name, moves, situation, here, (), [((), None)], began=began, because=because)
         for beliefs, share in ((paces, ALL_PACES), ({name: _as_one(pace) for name, pace in paces.items()}, ONE_PACE)):
             try:
                 ranked, look = self.ranked(situation, beliefs, began + budget * share)
@@ -145,7 +146,7 @@ class Robust:
             return by_plan(self, moves, situation, here, began, budget - (perf_counter() - began) - 0.003)
         choice = ranked[0][0]
         look_again = None if look is None else situation.now + look / moves.per_second
-        return reply(self.name, moves, situation, here, choice, ranked, began=began, why=self._why(moves, ranked, paces), look_again=look_again)
+        return reply(self.name, moves, situation, here, choice, ranked, began=began, because=self._because(ranked, paces), look_again=look_again)
 
     def ranked(self, situation: Situation, paces: Mapping[str, Pace], until: float) -> tuple[list[tuple[tuple[int, ...], float]], int | None]:
         """The choices that matter, best first, each with the expected cost of the whole assembly; and the ticks after which a robot that waits in
@@ -176,7 +177,10 @@ class Robust:
     ) -> list[tuple[tuple[int, ...], float]]:
         """(choice, expected cost still to come), best first; a choice that is surely worse than the best may be missing or stand with a bound."""
         first = beliefs[0][1].moves
-        choices = list(first.choices(beliefs[0][2]) if among is None else among)
+        if among is None:
+            legal = allowed(first, situation)
+            among = (choice for choice in first.choices(beliefs[0][2]) if legal.issuperset(choice))
+        choices = list(among)
         choices = self._kept(situation, first, beliefs[0][2], choices)
         bounds = []
         for choice in choices:
@@ -244,13 +248,13 @@ class Robust:
         may, chosen = {moves.named(way) for way in moves.legal(here)}, {moves.named(way) for way in choice}
         return sum((task, (human,)) in may and (task, (human,)) not in chosen for human, task in situation.announced.items())
 
-    def _why(self, moves: Moves, ranked: Sequence[tuple[tuple[int, ...], float]], paces: Mapping[str, Pace]) -> str:
-        choice, cost = ranked[0]
+    def _because(self, ranked: Sequence[tuple[tuple[int, ...], float]], paces: Mapping[str, Pace]) -> str:
+        _, cost = ranked[0]
         known = ", ".join(f"{name} takes {pace.words}" for name, pace in paces.items() if pace.seen)
         ground = f"with what is known ({known})" if known else "over the paces that are likely"
         others = [other for _, other in ranked[1:] if other > cost + TIE]
-        gain = f", {others[0] - cost:.3g} less than the next best" if others else ", as good as any other choice"
-        return f"{phrase(moves, choice)}: expected cost {cost:.4g} {ground}{gain}."
+        gain = f", {self.objective.words(others[0] - cost, 3)} less than the next best" if others else ", as good as any other choice"
+        return f"expected cost {self.objective.words(cost)} {ground}{gain}"
 
 
 def _as_one(pace: Pace) -> Pace:

@@ -27,6 +27,19 @@ class Objective:
         if self.max_stress is not None and not (math.isfinite(self.max_stress) and self.max_stress >= 0):
             raise UsageError(f"max_stress {self.max_stress}: must be a number, 0 or more.")
 
+    @property
+    def unit(self) -> str:
+        """What a cost is counted in: "s", "of stress", or the weighted sum in words."""
+        if not self.stress:
+            return "s" if self.time == 1 else f"({self.time:g} × s)"
+        if not self.time:
+            return "of stress" if self.stress == 1 else f"({self.stress:g} × stress)"
+        return f"({self.time:g} × s + {self.stress:g} × stress)"
+
+    def words(self, cost: float, digits: int = 4) -> str:
+        """A cost, or a difference of two, with its unit."""
+        return f"{cost:.{digits}g} {self.unit}" if math.isfinite(cost) else "no end in sight"
+
     def cost(self, makespan: float, stress: float) -> float:
         """Seconds and stress as one number."""
         return self.time * makespan + self.stress * stress
