@@ -6,6 +6,7 @@ import json
 import signal
 import sys
 import time
+from codecs import BOM_UTF8
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import datetime
@@ -239,18 +240,17 @@ def _events(name: str) -> Iterator[IO[bytes]]:
     yield sys.stdin.buffer
 
 
-def _lines(file: IO[bytes]) -> Iterator[str]:
-    """Lines that are not blank, as text. Of a line that is longer than any event only the beginning is kept."""
-    from tandem.dispatch.situation.events import LONGEST_LINE
+def _lines(file: IO[bytes]) -> Iterator[bytes]:
+    """Lines that are not blank, as they came. Of a line that is longer than any event only the beginning is kept."""
+    from tandem.dispatch.situation.events import MOST_BYTES
 
-    most = 4 * LONGEST_LINE + 8
+    most = MOST_BYTES + 8
     while line := file.readline(most):
         rest = line
         while len(rest) == most and not rest.endswith(b"\n"):
             rest = file.readline(most)
-        text = line.decode(errors="replace").removeprefix("\ufeff").strip()
-        if text:
-            yield text
+        if line.removeprefix(BOM_UTF8).strip():
+            yield line.strip()
 
 
 @contextmanager
