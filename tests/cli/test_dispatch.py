@@ -134,7 +134,7 @@ def test_a_journal_keeps_what_the_shift_was_begun_with(dispatch: Any, tmp_path: 
     said = dispatch("--journal", journal, "--seed", "8", "--weights", "1,2")
     assert said.code == 2
     assert "--seed is 8, the shift was begun with 7." in said.err
-    assert "--weights is (1.0, 2.0), the shift was begun with (1.0, 0.0)." in said.err
+    assert "--weights is 1,2, the shift was begun with 1,0." in said.err
     assert dispatch("--journal", journal).of("shift")[0]["seed"] == 7
 
 

@@ -138,6 +138,8 @@ def _run(ctx: click.Context, cell: Cell, journal: Journal, given: dict[str, Any]
     _same_as_kept(ctx, journal, given)
     floor = None if given["people"] is None else _floor(cell, given)
     shift = Shift.open(cell, journal, _settings(given), given["start"])
+    if shift.basis is not None and shift.basis.doubt:
+        click.echo(f"{shift.settings.policy}: {shift.basis.doubt}", err=True)
     show(shift, shift.hello())
     show(shift, shift.decision)
     if floor is None:
@@ -195,10 +197,30 @@ def _same_as_kept(ctx: click.Context, journal: Journal, given: dict[str, Any]) -
         "taking_apart": kept.taking_apart,
     }
     stated = [key for key in there if ctx.get_parameter_source(key) is click.core.ParameterSource.COMMANDLINE]
-    wrong = [f"--{key.replace('_', '-')} is {given[key]!r}, the shift was begun with {there[key]!r}." for key in stated if given[key] != there[key]]
+    wrong = [
+        f"--{key.replace('_', '-')} is {_stated(given[key])}, the shift was begun with {_stated(there[key])}."
+        for key in stated
+        if given[key] != there[key]
+    ]
     if wrong:
         raise UsageError("\n".join([*wrong, f"{journal.path}: go on without these options, or name another journal."]))
     given |= there
+
+
+def _stated(value: Any) -> str:
+    """The value of an option as it is written on the command line."""
+    from tandem.dispatch.deciders.policy import prior_words
+
+    match value:
+        case None:
+            return "not stated"
+        case dict():
+            return prior_words(value)
+        case tuple():
+            return ",".join(f"{part:g}" for part in value)
+        case float():
+            return f"{value:g}"
+    return str(value)
 
 
 def _floor(cell: Cell, given: dict[str, Any]) -> Floor:

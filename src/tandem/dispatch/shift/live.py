@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from typing import Any, Self
 
 from tandem.cell.model import Cell
-from tandem.dispatch.deciders.policy import Options
+from tandem.dispatch.deciders.policy import Basis, Options, basis_of
 from tandem.dispatch.deciders.table import policy
 from tandem.dispatch.journal import Entry, Journal, JournalError
 from tandem.dispatch.shift.documents import SCHEMA_VERSION, Document, digest, document, event_of, over, told
@@ -74,7 +74,7 @@ class Shift:
       is_resumed: the journal held it already.
       decision: the document of the last decision.
       event: the last one that was taken; None before any.
-      ask: what decides.
+      ask: what decides. `basis`: the plan that it carries out; None when it carries out none.
     """
 
     def __init__(self, journal: Journal, cell: Cell, settings: Settings, start: datetime | None, ask: Callable[[Situation], Answered]) -> None:
@@ -83,6 +83,7 @@ class Shift:
         self.situation = Situation.of(cell, taking_apart=settings.taking_apart)
         self.number, self.is_resumed, self.decision = -1, False, Document()
         self.event: Event | None = None
+        self.basis: Basis | None = None
 
     @classmethod
     def open(cls, cell: Cell, journal: Journal, settings: Settings, start: datetime | None = None, *, decider: InTime | None = None) -> Self:
@@ -101,6 +102,7 @@ class Shift:
             settings, start = opened_with(journal, cell)
         decider = decider or settings.decider(cell)
         shift = cls(journal, cell, settings, start, decider.decide)
+        shift.basis = basis_of(decider.policy)
         shift.is_resumed = not journal.is_new
         if shift.is_resumed:
             shift._go_on()

@@ -25,7 +25,7 @@ class Objective:
         if any(not math.isfinite(weight) or weight < 0 for weight in (self.time, self.stress)) or not self.time + self.stress:
             raise UsageError(f"weights {self.time:g}, {self.stress:g}: both must be 0 or more, and one of them more than 0.")
         if self.max_stress is not None and not (math.isfinite(self.max_stress) and self.max_stress >= 0):
-            raise UsageError(f"max_stress {self.max_stress}: must be a number, 0 or more.")
+            raise UsageError(f"max_stress {self.max_stress:g}: must be a number, 0 or more.")
 
     @property
     def unit(self) -> str:
