@@ -130,9 +130,9 @@ def dispatch_command(ctx: click.Context, /, **given: Any) -> int:
 
 
 def _run(ctx: click.Context, cell: Cell, journal: Journal, given: dict[str, Any], show: Show) -> int:
+    from tandem.dispatch.deciders.memory import settled_memory
     from tandem.dispatch.shift.documents import summary
     from tandem.dispatch.shift.live import Shift
-    from tandem.dispatch.situation.model import Situation
 
     sys.setswitchinterval(0.001)  # a decider that is late and still computes leaves the processor to the rule sooner
     _same_as_kept(ctx, journal, given)
@@ -140,6 +140,20 @@ def _run(ctx: click.Context, cell: Cell, journal: Journal, given: dict[str, Any]
     shift = Shift.open(cell, journal, _settings(given), given["start"])
     if shift.basis is not None and shift.basis.doubt:
         click.echo(f"{shift.settings.policy}: {shift.basis.doubt}", err=True)
+    with settled_memory():
+        _live(shift, floor, given, show)
+    show(shift, summary(shift.situation, journal.entries()))
+    if not shift.situation.is_over and given["journal"] and given["people"] is None:
+        click.echo(
+            f"the events have ended, the shift has not. Go on with: tandem dispatch {given['cell_file']} --journal {given['journal']}", err=True
+        )
+    return 0
+
+
+def _live(shift: Shift, floor: Floor | None, given: dict[str, Any], show: Show) -> None:
+    """Says where the shift stands, and takes line by line until no more come."""
+    from tandem.dispatch.situation.model import Situation
+
     show(shift, shift.hello())
     show(shift, shift.decision)
     if floor is None:
@@ -148,16 +162,10 @@ def _run(ctx: click.Context, cell: Cell, journal: Journal, given: dict[str, Any]
                 for document in shift.take(line):
                     show(shift, document)
     else:
-        floor.catch_up(Situation.of(cell, taking_apart=given["taking_apart"]), journal.entries())
+        floor.catch_up(Situation.of(shift.cell, taking_apart=given["taking_apart"]), shift.journal.entries())
         for line in _simulated(floor, shift, given["speed"]):
             for document in shift.take(line):
                 show(shift, document)
-    show(shift, summary(shift.situation, journal.entries()))
-    if not shift.situation.is_over and given["journal"] and given["people"] is None:
-        click.echo(
-            f"the events have ended, the shift has not. Go on with: tandem dispatch {given['cell_file']} --journal {given['journal']}", err=True
-        )
-    return 0
 
 
 def _settings(given: dict[str, Any]) -> Settings:

@@ -39,7 +39,7 @@ class Models:
         key = (tuple(sorted(pace.items())), situation.taking_apart, refused)
         if key not in self._kept:
             if len(self._kept) >= MOST_MODELS:
-                self._kept.clear()
+                del self._kept[next(iter(self._kept))]
             moves = Moves.of(self.cell, pace, taking_apart=situation.taking_apart, max_stress=self.max_stress)
             if refused:
                 named = ((way, *moves.named(way)) for row in moves.ways for way in row)

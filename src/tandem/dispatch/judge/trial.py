@@ -13,6 +13,7 @@ import numpy as np
 
 from tandem.cell.model import Cell, plain
 from tandem.cell.names import Known
+from tandem.dispatch.deciders.memory import settled_memory
 from tandem.dispatch.deciders.policy import Basis, Options, Policy, basis_of
 from tandem.dispatch.deciders.table import POLICIES, policy
 from tandem.dispatch.judge.best_response import optimum
@@ -106,7 +107,8 @@ def _document(
         try:
             if key not in made:
                 made[key] = policy(name, cell, trial.objective, told)
-            found = stage.play(made[key], count)
+            with settled_memory():
+                found = stage.play(made[key], count)
         except TandemError as error:
             left_out[name] = error
             continue
