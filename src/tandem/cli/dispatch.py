@@ -158,8 +158,8 @@ def _live(shift: Shift, floor: Floor | None, given: dict[str, Any], show: Show) 
     show(shift, shift.decision)
     if floor is None:
         with _events(given["events"]) as file:
-            for line in _lines(file):
-                for document in shift.take(line):
+            for came in _lines(file):
+                for document in shift.take(came):
                     show(shift, document)
     else:
         floor.catch_up(Situation.of(shift.cell, taking_apart=given["taking_apart"]), shift.journal.entries())

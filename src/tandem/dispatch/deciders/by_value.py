@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Set
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
@@ -92,7 +92,7 @@ class Table:
         return self._by_moves[id(moves)]
 
 
-def best(found: Values, here: Position, allowed: Set[int]) -> tuple[tuple[int, ...], list[tuple[tuple[int, ...], float]]]:
+def best(found: Values, here: Position, may: frozenset[int]) -> tuple[tuple[int, ...], list[tuple[tuple[int, ...], float]]]:
     """The best choice among the allowed ways, humans asked first and then the robots.
 
     With it, what the humans can be asked for, or else what the robots can begin, with the values.
@@ -101,7 +101,7 @@ def best(found: Values, here: Position, allowed: Set[int]) -> tuple[tuple[int, .
     ranked: list[tuple[tuple[int, ...], float]] = []
     moves, after = found.moves, here
     for turn, operator in enumerate(found.humans):
-        legal = [] if moves.busy(after) >> operator & 1 else [way for way in moves.legal(after, 1 << operator) if way in allowed]
+        legal = [] if moves.busy(after) >> operator & 1 else [way for way in moves.legal(after, 1 << operator) if way in may]
         if not legal:
             continue
         wishes = found.wishes(after, turn, legal) if not found.human.spoils else [(way, found.if_human(after, turn, way)) for way in legal]
@@ -110,7 +110,7 @@ def best(found: Values, here: Position, allowed: Set[int]) -> tuple[tuple[int, .
         if way is not None:
             after = moves.begin(after, way)
             asked.append(way)
-    options = _sorted([(ways, value) for ways, value in found.robot_choices(after) if allowed.issuperset(ways)])
+    options = _sorted([(ways, value) for ways, value in found.robot_choices(after) if may.issuperset(ways)])
     return (*asked, *options[0][0]), ranked or options
 
 

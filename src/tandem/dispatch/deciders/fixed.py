@@ -16,8 +16,7 @@ from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.values.moves import Moves
 from tandem.dispatch.values.objective import Objective
 from tandem.plan.methods import plan
-from tandem.plan.question import Question
-from tandem.plan.result import Result, Status
+from tandem.plan.result import Result
 
 PLANNING_S = 20.0
 """The plan is made once, before the shift, and takes until it is proven; so many seconds at the most."""
@@ -33,24 +32,13 @@ def fixed(cell: Cell, objective: Objective, options: Options) -> Fixed:
     """
     models = Models(cell, objective.max_stress)
     models.of(Situation.of(cell), 1.0)
-    best = plan(cell, _question(objective), time_limit=PLANNING_S, seed=options.seed, workers=1)[0]
+    best = plan(cell, objective.question(), time_limit=PLANNING_S, seed=options.seed, workers=1)[0]
     order = tuple((one.task, one.operators) for one in best.schedule)
     return Fixed(models, order, _basis(best, objective))
 
 
-def _question(objective: Objective) -> Question:
-    """The least of the objective; where one measure alone counts, the least of the other at that value."""
-    if not objective.stress:
-        return Question("makespan", max_stress=objective.max_stress)
-    if not objective.time:
-        return Question("stress", max_stress=objective.max_stress)
-    return Question("weighted", (objective.time, objective.stress), max_stress=objective.max_stress)
-
-
 def _basis(best: Result, objective: Objective) -> Basis:
-    low = best.bound
-    proven = best.status == Status.OPTIMAL or objective.cost(best.makespan, best.stress) <= objective.cost(low.makespan, low.stress)
-    return Basis(best.makespan, best.stress, proven, low.makespan, low.stress)
+    return Basis(best.makespan, best.stress, objective.is_proven(best), best.bound.makespan, best.bound.stress)
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 
 from tandem.errors import UsageError
+from tandem.plan.question import Question
+from tandem.plan.result import Result, Status
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,19 @@ class Objective:
     def words(self, cost: float, digits: int = 4) -> str:
         """A cost, or a difference of two, with its unit."""
         return f"{cost:.{digits}g} {self.unit}" if math.isfinite(cost) else "no end in sight"
+
+    def question(self) -> Question:
+        """What a planner is asked: the least of the objective; where one measure alone counts, the least of the other at that value."""
+        if not self.stress:
+            return Question("makespan", max_stress=self.max_stress)
+        if not self.time:
+            return Question("stress", max_stress=self.max_stress)
+        return Question("weighted", (self.time, self.stress), max_stress=self.max_stress)
+
+    def is_proven(self, found: Result) -> bool:
+        """Whether no plan is better by the objective than this answer to its `question`."""
+        low = found.bound
+        return found.status == Status.OPTIMAL or self.cost(found.makespan, found.stress) <= self.cost(low.makespan, low.stress)
 
     def cost(self, makespan: float, stress: float) -> float:
         """Seconds and stress as one number."""
