@@ -269,7 +269,7 @@ class _Reading:
         self.faults += [f"the cell has no operator {_shown(who)}. {Known(self.cell.operators).hint(who)}" for who in unknown]
         named = [found[who] for who in names]
         if len({who or number for number, who in enumerate(named)}) < len(names):
-            self.faults.append(f"{name}: an operator is named twice in {_shown(value)}; once is enough.")
+            self.faults.append(f"{name}: an operator is named twice in {', '.join(map(_shown, names))}; once is enough.")
         if presence == "one" and len(names) > 1:
             self.faults.append(f"{name}: is about one operator; send an event for each of {', '.join(map(repr, names))}.")
         return tuple(who for who in self.cell.operators if who in named)
