@@ -1,12 +1,18 @@
-"""The nearest known name for an unknown one."""
+"""One spelling of a name, and the nearest known one for an unknown one."""
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Iterable
 from difflib import get_close_matches
 
 SEARCHES = 25
 """Comparing with thousands of names takes a moment; whoever misspells more than this gets no more guesses."""
+
+
+def clean(text: str) -> str:
+    """The one spelling of a name: letters with their accents in one piece (NFC), single blanks, none at the ends."""
+    return " ".join(unicodedata.normalize("NFC", text).split())
 
 
 class Known:
