@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
+
+from pydantic import ConfigDict
 
 from tandem.learn.config import Config, Stage
+from tandem.learn.settings import STRICT
 
 
 @dataclass(frozen=True)
@@ -22,13 +24,10 @@ class ResponseRecipe:
     people: str = "random:0..1+pace:0.5..3"
 
     algorithm: ClassVar[str] = "response"
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
 
     def to_dict(self) -> dict[str, Any]:
         return {"people": self.people, "config": self.config.to_dict()}
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        return cls(**{**data, "config": Config.from_dict(data["config"])})
 
 
 RESPONSE = ResponseRecipe(
