@@ -9,8 +9,9 @@ from typing import Any, ClassVar, NamedTuple
 
 from pydantic import ConfigDict
 
+from tandem.learn.forms import STRICT
 from tandem.learn.networks import ACTIVATIONS
-from tandem.learn.settings import STRICT, counts, must_hold, one_of
+from tandem.learn.settings import counts, must_hold, one_of
 
 MOST_STEPS = 2**22
 """Steps of a rollout that are held at once; a few gigabytes for a cell of a dozen tasks."""

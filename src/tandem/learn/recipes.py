@@ -16,8 +16,9 @@ from tandem.errors import UsageError
 from tandem.learn.alphazero.recipes import ALPHAZERO, YU_2020, SearchRecipe, YuRecipe
 from tandem.learn.config import Config, Stage
 from tandem.learn.dqn.recipes import DQN, YU_2021, ValueRecipe
+from tandem.learn.forms import STRICT, SettingsError
 from tandem.learn.response.recipes import RESPONSE, ResponseRecipe
-from tandem.learn.settings import STRICT, SettingsError, must_hold, one_of, read
+from tandem.learn.settings import must_hold, one_of, read
 
 OBSERVATIONS: dict[str, Callable[..., Any]] = {"thesis": observe, "scaled": observe_scaled, "normalised": observe_normalised}
 """What a recipe's `sees` means: station and state to `[2, D]`, in NumPy and JAX alike."""

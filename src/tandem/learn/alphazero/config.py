@@ -9,7 +9,8 @@ from typing import Any, ClassVar, Literal
 from pydantic import ConfigDict
 
 from tandem.errors import UsageError
-from tandem.learn.settings import STRICT, counts, must_hold, one_of
+from tandem.learn.forms import STRICT
+from tandem.learn.settings import counts, must_hold, one_of
 
 MOST_SIMULATIONS = 10_000
 """Of a search; its tree is held for all games at once."""

@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 from pydantic import ConfigDict
 
 from tandem.learn.alphazero.config import MOST_SIMULATIONS, Config, Search, YuConfig
-from tandem.learn.settings import STRICT, counts, must_hold
+from tandem.learn.forms import STRICT
+from tandem.learn.settings import counts, must_hold
 
 MOST_GAMES = 10_000
 """That a recipe plays with what was learned, each under a search."""

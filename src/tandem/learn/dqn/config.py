@@ -8,7 +8,8 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict
 
-from tandem.learn.settings import STRICT, counts, must_hold, one_of
+from tandem.learn.forms import STRICT
+from tandem.learn.settings import counts, must_hold, one_of
 
 
 @dataclass(frozen=True)

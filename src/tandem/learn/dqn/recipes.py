@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 from pydantic import ConfigDict
 
 from tandem.learn.dqn.config import Config
-from tandem.learn.settings import STRICT, counts, must_hold
+from tandem.learn.forms import STRICT
+from tandem.learn.settings import counts, must_hold
 
 MOST_GAMES = 100_000
 """That a recipe plays with what was learned."""
