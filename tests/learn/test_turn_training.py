@@ -128,5 +128,5 @@ def test_settings_of_a_recipe_are_changed_by_name_and_faults_come_all_at_once():
     plain = RECIPES["alphazero"]
     search = replace(plain.config.search, kind="puct", simulations=64, depth=3)
     assert recipe == replace(plain, waiting=False, config=replace(plain.config, search=search))
-    with pytest.raises(UsageError, match=r"(?s)--set x=3: .*has no such setting.*--set waiting=3: must be like true"):
+    with pytest.raises(UsageError, match=r"(?s)--set x=3: .*has no such setting.*--set waiting 3: must be true or false"):
         changed(RECIPES["alphazero"], ["x=3", "waiting=3"])

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, get_args
 
 import numpy as np
 from pydantic import ConfigDict, Field
@@ -15,16 +15,16 @@ from pydantic import ConfigDict, Field
 from tandem.cell.model import Cell, plain
 from tandem.envs.thesis.decisions import after_human, choices
 from tandem.envs.thesis.episode import Episode, play
-from tandem.envs.thesis.rewards import reward_set
+from tandem.envs.thesis.rewards import REWARDS, reward_set
 from tandem.envs.thesis.station import station, whole_ticks
 from tandem.envs.thesis.world import HUMAN, ROBOT, Rewards, State, Station, reset
 from tandem.envs.thesis.world import legal as legal_now
 from tandem.errors import NothingFoundError, UsageError
-from tandem.learn.forms import Form, parsed, unreadable
+from tandem.learn.forms import Form, key_of, parsed, unreadable
 from tandem.learn.gaps import relative_gap
 from tandem.learn.policy import Policy
 from tandem.learn.reached import Reached
-from tandem.learn.recipes import OBSERVATIONS
+from tandem.learn.recipes import OBSERVATIONS, Pace
 from tandem.learn.runs import RunFolder, asked_cell
 from tandem.plan.methods import plan
 from tandem.plan.result import Front
@@ -128,9 +128,9 @@ class _Played(Form):
 
     model_config = ConfigDict(frozen=True, strict=True, extra="allow", allow_inf_nan=False)
 
-    pace: Literal["ticks", "decisions"]
-    sees: Literal["thesis", "scaled", "normalised"]
-    rewards: Literal["appendix", "table_5_2"]
+    pace: Annotated[str, key_of(get_args(Pace))]
+    sees: Annotated[str, key_of(OBSERVATIONS)]
+    rewards: Annotated[str, key_of(REWARDS)]
     stress_factor: float = Field(ge=0)
 
 

@@ -7,7 +7,7 @@ from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_type_hints
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, ValidationError
 
 from tandem.cell.names import Known
 from tandem.cell.wording import shown
@@ -24,6 +24,17 @@ class Form(BaseModel):
     """A document of a run: frozen, no unknown keys, no value of another type, no infinity."""
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid", allow_inf_nan=False)
+
+
+def key_of(table: Iterable[str]) -> AfterValidator:
+    """A text that the table has; `Annotated[str, key_of(TABLE)]`. A new line of the table is known by itself."""
+
+    def check(value: str) -> str:
+        if value not in (names := tuple(table)):
+            raise ValueError(f"choose {' or '.join(map(repr, names))}")
+        return value
+
+    return AfterValidator(check)
 
 
 Made = TypeVar("Made", bound=Form)

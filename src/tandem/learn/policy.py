@@ -6,14 +6,14 @@ import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import ConfigDict, Field
 
 from tandem.errors import UsageError
-from tandem.learn.forms import Form, parsed, unreadable
-from tandem.learn.networks import Network, forward, masked_log_softmax, sample
+from tandem.learn.forms import Form, key_of, parsed, unreadable
+from tandem.learn.networks import ACTIVATIONS, Network, forward, masked_log_softmax, sample
 from tandem.learn.tensors import read_tensors, write_tensors
 
 Array = np.ndarray[Any, Any]
@@ -41,7 +41,7 @@ class _About(Form):
 
     format: Literal["tandem policy 1"]
     agents: tuple[str, ...] = Field(min_length=1)
-    activation: Literal["relu", "tanh"]
+    activation: Annotated[str, key_of(ACTIVATIONS)]
     masked: bool
     shared: bool
     notes: dict[str, Any]

@@ -22,14 +22,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from pydantic import ConfigDict, Field
 
 from tandem.cell.model import Cell
 from tandem.cell.storing import store
 from tandem.errors import CellError, UsageError
-from tandem.learn.forms import Form, parsed, read_document, unreadable
+from tandem.learn.algorithms import ALGORITHMS
+from tandem.learn.forms import Form, key_of, parsed, read_document, unreadable
 
 RUNS = Path("runs")
 """Where runs are put when no folder is named."""
@@ -42,7 +43,7 @@ class Asked(Form):
 
     cell: dict[str, Any]
     recipe: str
-    algorithm: Literal["ppo", "alphazero", "yu", "dqn", "response"] = "ppo"
+    algorithm: Annotated[str, key_of(ALGORITHMS)] = "ppo"
     settings: dict[str, Any]
     seeds: tuple[int, ...] = Field(min_length=1)
     stress_factor: float

@@ -5,31 +5,31 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from tandem.learn.alphazero.network import Judge, Parameters, Scorer
 from tandem.learn.alphazero.yu_network import YuNetworks
 from tandem.learn.dqn.network import ValueNetworks
-from tandem.learn.forms import Form, SettingsError, unreadable
+from tandem.learn.forms import Form, SettingsError, key_of, unreadable
 from tandem.learn.settings import read
 from tandem.learn.tensors import misfits, read_tensors, write_tensors
 
 FORMAT = "tandem network 1"
 
 
+NETWORKS: dict[str, type[Judge]] = {"scorer": Scorer, "yu": YuNetworks, "values": ValueNetworks}
+"""What a file says of its network's form -> that form. One more is a line here."""
+
+
 class _About(Form):
     """The document beside a network's arrays."""
 
     format: Literal["tandem network 1"]
-    network: Literal["scorer", "yu", "values"]
+    network: Annotated[str, key_of(NETWORKS)]
     sizes: dict[str, Any]
     notes: dict[str, Any]
-
-
-NETWORKS: dict[str, type[Judge]] = {"scorer": Scorer, "yu": YuNetworks, "values": ValueNetworks}
-"""What a file says of its network's form -> that form. One more is a line here."""
 
 
 @dataclass(frozen=True)
