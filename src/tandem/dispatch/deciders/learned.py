@@ -16,8 +16,9 @@ from tandem.dispatch.deciders.seen import Models, allowed, position
 from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.values.moves import Moves
 from tandem.dispatch.values.objective import Objective
-from tandem.errors import UsageError
+from tandem.errors import CellError, Fault, UsageError
 from tandem.learn.policy import Policy
+from tandem.learn.response import sight
 from tandem.learn.response.decider import worth
 from tandem.learn.runs import RunFolder
 from tandem.world import state as world
@@ -49,7 +50,21 @@ def learned(cell: Cell, objective: Objective, options: Options) -> Learned:
     if policy.notes.get("digest") != cell.digest:
         raise UsageError(f"{path}: was trained on {policy.notes.get('cell') or 'another cell'!r} as it was then; train it anew on this cell.")
     names = Names.of(cell)
-    return Learned(policy, names, names.arrays(undo=1.0), Models(cell, objective.max_stress))
+    arrays = names.arrays(undo=1.0)
+    size, choices = sight.observation_size(arrays), len(names.ways) + 1
+    if policy.shared or (len(policy.agents), policy.observation_size, policy.actions) != (1, size, choices):
+        raise CellError(
+            [
+                Fault(
+                    "does not fit the cell that it says it was trained on: "
+                    f"{len(policy.agents)} agents that see {policy.observation_size} numbers and choose among {policy.actions}, "
+                    f"where the cell has 1 decider, {size} numbers to see and {choices} choices.",
+                    (),
+                    str(path),
+                )
+            ]
+        )
+    return Learned(policy, names, arrays, Models(cell, objective.max_stress))
 
 
 @dataclass(frozen=True)
