@@ -93,7 +93,8 @@ def sheets_of(page: str, language: str) -> dict[str, list[Row]]:
     found = {}
     for heading, rows in reader.sheets:
         (who,) = re.fullmatch(SAID[language]["title"], heading[0]).groups()  # type: ignore[union-attr]
-        found[who] = [_row(rows[0], row, language) for row in rows[1:]]
+        head, *turns = [row for row in rows if len(row) > 1] or [[]]  # a line across the table says on paper whose page it is
+        found[who] = [_row(head, row, language) for row in turns]
     return found
 
 

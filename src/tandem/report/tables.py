@@ -17,9 +17,10 @@ MOST_PLANS = 6
 """So many plans have a column of their own in the table of tasks."""
 
 
-def table(heads: Sequence[tuple[str, str]], rows: Iterable[Markup], label: str) -> Markup:
-    """A table that can be scrolled on a narrow screen. A head is (words, class)."""
-    head = tag("thead", tag("tr", *(tag("th", words, scope="col", class_=kind or None) for words, kind in heads)))
+def table(heads: Sequence[tuple[str, str]], rows: Iterable[Markup], label: str, *, on_paper: str = "") -> Markup:
+    """A table that can be scrolled on a narrow screen. A head is (words, class); `on_paper` is printed above the heads on every page."""
+    line = [tag("tr", tag("th", on_paper, colspan=len(heads)), class_="paper")] if on_paper else []
+    head = tag("thead", *line, tag("tr", *(tag("th", words, scope="col", class_=kind or None) for words, kind in heads)))
     return tag("div", tag("table", head, tag("tbody", *rows), aria_label=label), class_="wide", role="region", aria_label=label, tabindex="0")
 
 
