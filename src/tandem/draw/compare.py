@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from tandem.cell.model import Cell
+from tandem.cell.written import number, seconds
 from tandem.draw.figure import axes_or_new, compare_size
 from tandem.draw.gantt import HALF, axis_end, draw_lanes, lane_name
 from tandem.draw.lanes import Lane, lanes
 from tandem.draw.language import words
-from tandem.draw.style import ACCENT, FAINT_INK, INK, RULE, looks, number, seconds
+from tandem.draw.style import ACCENT, FAINT_INK, INK, RULE, looks
 from tandem.schedule.measures import makespan, stress
 from tandem.schedule.model import Assignment, Schedule
 

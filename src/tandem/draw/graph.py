@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell
+from tandem.cell.written import seconds
 from tandem.draw.figure import NODE, PITCH, axes_or_new, graph_size, legend_below
 from tandem.draw.language import Words, words
 from tandem.draw.layers import Layers, layers
-from tandem.draw.style import INK, Look, looks, seconds, task_label
+from tandem.draw.style import INK, Look, looks, task_label
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

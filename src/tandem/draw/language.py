@@ -9,7 +9,7 @@ import json
 from functools import lru_cache
 from importlib import resources
 
-from tandem.draw import style
+from tandem.cell import written
 from tandem.errors import UsageError
 
 
@@ -28,7 +28,7 @@ class Words:
 
     def number(self, value: float) -> str:
         """A number with this language's decimal mark; thousands are never separated."""
-        return style.number(value).replace(".", self.sentences["decimal"])
+        return written.number(value).replace(".", self.sentences["decimal"])
 
     def seconds(self, value: float) -> str:
         """A time with its unit."""
@@ -36,7 +36,7 @@ class Words:
 
     def share(self, value: float) -> str:
         """A share of 1 as a percentage; below 10 % with one decimal."""
-        return style.share(value).replace(".", self.sentences["decimal"])
+        return written.share(value).replace(".", self.sentences["decimal"])
 
 
 def sentences(package: str, language: str) -> dict[str, str]:

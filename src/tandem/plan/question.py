@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from tandem.cell.model import Cell, plain
+from tandem.cell.written import number
 from tandem.errors import UsageError
 from tandem.schedule.model import Schedule
 
@@ -45,8 +46,8 @@ class Question:
     def limits(self) -> tuple[str, ...]:
         """The limits on every schedule, as messages and reports say them."""
         return (
-            *([f"a makespan of at most {self.max_makespan:g} s"] if self.max_makespan is not None else []),
-            *([f"a stress of at most {self.max_stress:g}"] if self.max_stress is not None else []),
+            *([f"a makespan of at most {number(self.max_makespan)} s"] if self.max_makespan is not None else []),
+            *([f"a stress of at most {number(self.max_stress)}"] if self.max_stress is not None else []),
         )
 
     def to_dict(self) -> dict[str, Any]:

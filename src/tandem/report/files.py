@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from tandem.cell.storing import store
+from tandem.cell.written import number
 from tandem.draw.saving import save
-from tandem.draw.style import number, task_label
+from tandem.draw.style import task_label
 from tandem.errors import UsageError
 from tandem.plan.result import Front
 from tandem.report.html import write_html

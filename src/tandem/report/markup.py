@@ -7,7 +7,8 @@ import re
 import unicodedata
 from collections.abc import Iterable, Iterator
 
-from tandem.draw.style import Look, number
+from tandem.cell.written import number
+from tandem.draw.style import Look
 
 CELLS = ("td", "th", "div", "span")
 """Elements in which a table's cell holds its text."""

@@ -8,6 +8,7 @@ from decimal import Decimal
 from typing import Literal, NamedTuple
 
 from tandem.cell.model import Cell
+from tandem.cell.written import number
 from tandem.schedule.measures import changeover_times, exact
 from tandem.schedule.model import Assignment, Schedule
 
@@ -44,7 +45,7 @@ class Link:
             "zone": f"when {self.waited_for} leaves zone {self.by}",
             "choice": "later than it could",
         }
-        return f"{self.assignment.task} at {self.assignment.start:g} s, {wait[self.reason]}"
+        return f"{self.assignment.task} at {number(self.assignment.start)} s, {wait[self.reason]}"
 
 
 def critical_path(cell: Cell, schedule: Schedule) -> tuple[Link, ...]:
