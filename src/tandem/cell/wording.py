@@ -167,7 +167,7 @@ def _missing(path: Path, item: Any) -> str:
             return "a break needs two numbers, `[from, to]` in seconds."
         case ("same_operator", _, _):
             return "same_operator holds pairs of tasks, such as `[[1, 2]]`; here the second is missing."
-    return f"`{path[-1]}` is missing."
+    return f"`{path[-1]}` is missing. Write it, as in `{{operators: [robot, human], time: 12}}`."
 
 
 def _too_small(path: Path, item: Any) -> str:
@@ -230,7 +230,8 @@ def _no_mapping(path: Path, item: Any) -> str:
         "zones": "{press: {capacity: 1}}", "stress_of_set": '{"": 0, "1": 2.5}', "difficulty": "{human: 2}", "changeover": "{human: 3}",
     }  # fmt: skip
     if not path:
-        return f"the file holds {_of(item['input'])}. A cell file is a mapping with the keys `operators` and `tasks`."
+        held = "nothing" if item["input"] is None else _of(item["input"])
+        return f"the file holds {held}. A cell file is a mapping with the keys `operators` and `tasks`."
     key = str(path[-1])
     if len(path) == 2:
         example = {"operators": "{kind: human}", "tasks": "{time: {human: 10}}"}.get(str(path[0]), "{capacity: 1}")

@@ -225,9 +225,16 @@ def _document(path: Path) -> dict[str, Any]:
         document: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
         schedules_of(document)
     except OSError as error:
-        raise CellError([Fault(f"cannot be read: {error.strerror}.", (), str(path))]) from error
-    except (ValueError, KeyError, TypeError) as error:
-        raise CellError([Fault(f"is no result document of `tandem plan --json` ({type(error).__name__}: {error}).", (), str(path))]) from error
+        raise CellError([Fault(f"cannot be read: {(error.strerror or 'unknown').lower()}. Name another file.", (), str(path))]) from error
+    except json.JSONDecodeError as error:
+        place = f"{path}:{error.lineno}:{error.colno}"
+        raise CellError(
+            [Fault("is not well-formed JSON here. Give a result document, as `tandem plan CELL --json` prints it.", (), place)]
+        ) from error
+    except (UnicodeDecodeError, RecursionError, ValueError) as error:
+        raise CellError([Fault("is no JSON text. Give a result document, as `tandem plan CELL --json` prints it.", (), str(path))]) from error
+    except CellError as error:
+        raise CellError([fault.at(str(path)) for fault in error.faults]) from error
     return document
 
 

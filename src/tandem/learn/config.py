@@ -149,6 +149,8 @@ class Config:
         """The inverse of `to_dict`. Raises UsageError for a key it does not know or a value out of range."""
         unknown = set(data) - {field.name for field in fields(cls)}
         if unknown:
-            raise UsageError(f"configuration: unknown keys {sorted(unknown)}; it knows {sorted(field.name for field in fields(cls))}.")
+            raise UsageError(
+                f"configuration: unknown keys {', '.join(sorted(unknown))}; it knows {', '.join(sorted(field.name for field in fields(cls)))}."
+            )
         stages = tuple(Stage(**stage) for stage in data.get("stages", ()))
         return cls(**{**data, "stages": stages, "hidden": tuple(data.get("hidden", (64, 64)))})

@@ -52,7 +52,7 @@ class Order:
 
     def __post_init__(self) -> None:
         if not self.seeds or len(set(self.seeds)) < len(self.seeds):
-            raise UsageError(f"seeds {list(self.seeds)}: give one or more, each once.")
+            raise UsageError(f"seeds {', '.join(map(str, self.seeds)) or 'empty'}: give one or more, each once.")
         if not (np.isfinite(self.stress_factor) and self.stress_factor >= 0):
             raise UsageError(f"stress factor {self.stress_factor}: must be a number, 0 or more.")
 

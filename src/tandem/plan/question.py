@@ -36,11 +36,11 @@ class Question:
         if self.minimize not in ("front", "makespan", "stress", "weighted"):
             raise UsageError(f"cannot minimize {self.minimize!r}: choose front, makespan, stress or weighted.")
         if any(not math.isfinite(w) or w < 0 for w in self.weights) or not any(self.weights):
-            raise UsageError(f"weights {self.weights}: both must be 0 or more, and one of them more than 0.")
+            raise UsageError(f"weights {','.join(map(number, self.weights))}: both must be 0 or more, and one of them more than 0.")
         for name in ("max_makespan", "max_stress"):
             limit = getattr(self, name)
             if limit is not None and not (math.isfinite(limit) and limit >= 0):
-                raise UsageError(f"{name} {limit}: must be a number, 0 or more.")
+                raise UsageError(f"{name} {number(limit)}: must be a number, 0 or more.")
 
     @property
     def limits(self) -> tuple[str, ...]:

@@ -47,7 +47,8 @@ class Options:
         if not 0 <= self.random <= 1:
             raise UsageError(f"random {self.random:g}: a share lies between 0 and 1.")
         if not self.prior or any(not (pace > 0 and share >= 0) for pace, share in self.prior.items()) or not sum(self.prior.values()) > 0:
-            raise UsageError(f"prior {dict(self.prior)}: needs pace factors above 0, each with a probability of 0 or more.")
+            stated = ",".join(f"{pace:g}:{share:g}" for pace, share in self.prior.items()) or "empty"
+            raise UsageError(f"prior {stated}: needs pace factors above 0, each with a probability of 0 or more.")
         if self.frozen_s < 0 or self.change_penalty < 0:
             raise UsageError(f"frozen {self.frozen_s:g} s, change penalty {self.change_penalty:g} s: neither can be negative.")
 
