@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from tandem.cell.written import number
 from tandem.errors import Fault
 
 if TYPE_CHECKING:
@@ -32,13 +33,13 @@ def breaks_are_apart(cell: Cell) -> Iterator[Fault]:
             if end > start:
                 good.append((start, end, place))
                 continue
-            remedy = f"write [{_short(end)}, {_short(start)}]" if end < start else "a break must last a while"
-            yield Fault(f"operator {who!r}: the break [{_short(start)}, {_short(end)}] ends before or when it starts; {remedy}.", (*here, place))
+            remedy = f"write [{number(end)}, {number(start)}]" if end < start else "a break must last a while"
+            yield Fault(f"operator {who!r}: the break [{number(start)}, {number(end)}] ends before or when it starts; {remedy}.", (*here, place))
         good.sort()
         for (a, b, _), (c, d, place) in pairwise(good):
             if c < b:
-                both = f"[{_short(a)}, {_short(b)}] and [{_short(c)}, {_short(d)}]"
-                yield Fault(f"operator {who!r}: the breaks {both} overlap. Make them one: [{_short(a)}, {_short(max(b, d))}].", (*here, place))
+                both = f"[{number(a)}, {number(b)}] and [{number(c)}, {number(d)}]"
+                yield Fault(f"operator {who!r}: the breaks {both} overlap. Make them one: [{number(a)}, {number(max(b, d))}].", (*here, place))
 
 
 @dataclass(frozen=True)
@@ -113,16 +114,16 @@ def _too_late(cell: Cell, name: str, found: Mapping[str, Earliest]) -> str:
     deadline, end = cell.tasks[name].deadline, found[name].end
     around = " around the breaks" if found[name].chain_end <= _micro(deadline or 0.0) else ""
     return (
-        f"task {name!r} can never keep its deadline of {_short(deadline or 0.0)} s: {steps} ends at {_short(end / MICRO)} s at the soonest{around}. "
-        f"Set the deadline to {_short(end / MICRO)} or later, or make what goes before it quicker."
+        f"task {name!r} can never keep its deadline of {number(deadline or 0.0)} s: {steps} ends at {number(end / MICRO)} s at the soonest{around}. "
+        f"Set the deadline to {number(end / MICRO)} or later, or make what goes before it quicker."
     )
 
 
 def _step(cell: Cell, name: str) -> str:
     task = cell.tasks[name]
     quickest = min([*task.time.values(), *(joint.time for joint in task.together)])
-    release = f", released at {_short(task.release)} s" if task.release else ""
-    return f"{name!r} ({_short(quickest)} s{release})"
+    release = f", released at {number(task.release)} s" if task.release else ""
+    return f"{name!r} ({number(quickest)} s{release})"
 
 
 def _in_order(cell: Cell) -> list[str]:
@@ -232,7 +233,3 @@ def _rests(breaks: Sequence[tuple[float, float]]) -> list[tuple[int, int]]:
 
 def _micro(seconds: float) -> int:
     return round(seconds * MICRO)
-
-
-def _short(seconds: float) -> str:
-    return f"{seconds:.{DECIMALS}f}".rstrip("0").rstrip(".")

@@ -14,6 +14,7 @@ from tandem.cell.clock import a_deadline_can_be_met, breaks_are_apart, exact_pla
 from tandem.cell.cycles import no_task_waits_for_itself
 from tandem.cell.names import Known
 from tandem.cell.slips import slips
+from tandem.cell.written import number
 from tandem.errors import Fault
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ def a_group_names_each_operator_once(cell: Cell) -> Iterator[Fault]:
                 continue
             first = seen.setdefault(frozenset(joint.operators), place)
             if first != place:
-                times = f"{_number(task.together[first].time)} s and {_number(joint.time)} s"
+                times = f"{number(task.together[first].time)} s and {number(joint.time)} s"
                 yield Fault(f"task {name!r}: the group {_listed(joint.operators)} is stated twice, with {times}. Keep one of them.", path)
 
 
@@ -256,10 +257,6 @@ def _or(groups: set[frozenset[str]]) -> str:
 def _listed(names: object) -> str:
     quoted = [repr(name) for name in names]  # type: ignore[attr-defined]
     return quoted[0] if len(quoted) == 1 else f"{', '.join(quoted[:-1])} and {quoted[-1]}"
-
-
-def _number(value: float) -> str:
-    return f"{value:.6f}".rstrip("0").rstrip(".")
 
 
 RULES: tuple[Callable[[Cell], Iterator[Fault]], ...] = (

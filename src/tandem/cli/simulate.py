@@ -9,6 +9,7 @@ from typing import Any
 
 import click
 
+from tandem.cell.written import number
 from tandem.cli.compiled import needs_jax
 from tandem.cli.planning import FORMAT, Weights
 from tandem.errors import UsageError
@@ -196,7 +197,8 @@ def _show(document: dict[str, Any]) -> None:
             "" if difference is None else _with_half(difference),
         )
     console = Console(highlight=False)
-    best = "" if document["optimum"] is None else f", exact optimum {document['optimum']:g}"
+    unit = " s" if document["weights"] == [1, 0] else ""
+    best = "" if document["optimum"] is None else f", exact optimum {number(document['optimum'])}{unit}"
     console.print(f"beside {document['people']}: {document['episodes']} episodes, seed {document['seed']}{best}", soft_wrap=True)
     console.print(table)
 

@@ -11,6 +11,7 @@ from typing import Any
 
 from tandem.cell.model import Cell, plain
 from tandem.cell.names import Known
+from tandem.cell.written import number
 from tandem.errors import UsageError
 from tandem.explain.alternatives import EVERYTHING, Alternative, alternative, sentence
 from tandem.explain.floor import Floor, floor, listed
@@ -46,7 +47,7 @@ class TaskAnswer:
         """Who and when, why then, and each alternative."""
         a = self.assignment
         label = self.cell.tasks[a.task].label
-        head = f"task {a.task}{f' ({label})' if label else ''}: {' + '.join(a.operators)}, {a.start:g} to {a.end:g} s; {self.waiting}"
+        head = f"task {a.task}{f' ({label})' if label else ''}: {' + '.join(a.operators)}, {number(a.start)} to {number(a.end)} s; {self.waiting}"
         others = [f"  instead {sentence(self.cell, other)}" for other in self.alternatives]
         return [head, *(others or ["  nobody else can do it"])]
 
@@ -185,4 +186,4 @@ def heading(front: Front, place: int) -> str:
     """One sentence about the point that is explained."""
     result = front[place - 1]
     who = "; ".join(f"{name} does {listed([a.task for a in rows], '')}" for name in front.cell.operators if (rows := result.schedule.of(name)))
-    return f"point {place} of {len(front)}: makespan {result.makespan:g} s, stress {result.stress:g} ({result.status}). {who}."
+    return f"point {place} of {len(front)}: makespan {number(result.makespan)} s, stress {number(result.stress)} ({result.status}). {who}."

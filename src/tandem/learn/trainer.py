@@ -56,7 +56,7 @@ class Order:
 
     def __post_init__(self) -> None:
         if not self.seeds or len(set(self.seeds)) < len(self.seeds):
-            raise UsageError(f"seeds {list(self.seeds)}: give one or more, each once.")
+            raise UsageError(f"seeds {', '.join(map(str, self.seeds)) or 'empty'}: give one or more, each once.")
         if not all(0 <= seed < 2**32 for seed in self.seeds):
             raise UsageError(f"seeds {shown(self.seeds[0])} ...: each is a whole number from 0 to {2**32 - 1}.")
         if not (np.isfinite(self.stress_factor) and self.stress_factor >= 0):

@@ -49,7 +49,7 @@ def look(content: bytes) -> tuple[dict[str, Sight], bool]:
 
 
 def _error(value: str) -> str:
-    return f"holds the error {value}: mend the formula, or clear the cell if nobody can do it"
+    return f"holds the error {value}: mend the formula, or clear the cell if there is none"
 
 
 def _tag(element: ElementTree.Element) -> str:

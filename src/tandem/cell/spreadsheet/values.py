@@ -111,7 +111,7 @@ def _text_number(text: str, mark: Mark | None) -> Number:
     unit = unit_named(found[3]) if found and found[3] else None
     if not found or (found[3] and not unit):
         hint = "type the duration in one unit" if re.fullmatch(r"\d+:\d+(:\d+)?", text) else "write one number"
-        raise UnreadableError(f"holds {text!r} where a number is expected: {hint}, or leave the cell empty if nobody can do it")
+        raise UnreadableError(f"holds {text!r} where a number is expected: {hint}, or leave the cell empty if there is none")
     digits = re.sub(r"['’ ]", "", found[2])
     plain = _with_point(digits, mark, text)
     sign = "-" if found[1] in ("-", "−") else ""
