@@ -7,7 +7,7 @@ import re
 from bisect import bisect_right
 from typing import Any
 
-from tandem.cell.marked import DEPTH, Document, Entry, Node, repeated
+from tandem.cell.marked import DEPTH, Document, Entry, Node, enter
 from tandem.errors import CellError, Fault
 
 BLANK = re.compile(r"[ \t\r\n]*")
@@ -97,10 +97,8 @@ class _Reader:
             key, place = self.string(place)
             place = self.skip(self.expect(":", self.skip(place), "a colon is missing after the key"))
             node, place = self.value(place, depth + 1)
-            if key in table:
-                self.faults.append(repeated(self.source, key, table[key], line, column))
-            else:
-                table[key] = Entry(line, column, node)
+            if fault := enter(table, key, Entry(line, column, node, key), self.source):
+                self.faults.append(fault)
             place = self.skip(place)
             if self.text[place : place + 1] == "}":
                 return table, place + 1

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+from tandem.cell.names import clean
 from tandem.errors import Fault
 
 Path = tuple[str | int, ...]
@@ -39,11 +40,12 @@ class Node:
 
 
 class Entry(NamedTuple):
-    """One key of a mapping, with the place of the key, and its value."""
+    """One key of a mapping, with the place of the key, its value, and the key as it was written."""
 
     line: int
     column: int
     node: Node
+    written: str
 
 
 @dataclass
@@ -68,7 +70,7 @@ class Document:
         line, column, node = self.root.line, self.root.column, self.root
         for step in path:
             if isinstance(node.value, dict) and str(step) in node.value:
-                line, column, node = node.value[str(step)]
+                line, column, node, _ = node.value[str(step)]
             elif isinstance(node.value, list) and isinstance(step, int) and step < len(node.value):
                 node = node.value[step]
                 line, column = node.line, node.column
@@ -82,11 +84,14 @@ def entries(node: Node) -> Iterator[tuple[str, Node]]:
     return ((key, entry.node) for key, entry in node.value.items())
 
 
-def repeated(source: str, key: str, first: Entry, line: int, column: int) -> Fault:
-    """The fault of a key that is stated twice in one mapping."""
-    return Fault(
-        f"{key!r} is stated twice, first in line {first.line} and again here in line {line}. Keep one of them.", (), f"{source}:{line}:{column}"
-    )
+def enter(table: dict[str, Entry], key: str, entry: Entry, source: str) -> Fault | None:
+    """Puts the entry under its key in the one spelling of names; the fault of a key that stands in the mapping already."""
+    name = clean(key)
+    if (first := table.setdefault(name, entry)) is entry:
+        return None
+    remedy = "Keep one of them." if first.written == key else "The two are written differently but look alike. Rename or remove one of them."
+    message = f"{name!r} is stated twice, first in line {first.line} and again here in line {entry.line}. {remedy}"
+    return Fault(message, (), f"{source}:{entry.line}:{entry.column}")
 
 
 def _plain(node: Node, path: Path) -> Any:

@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from tandem.cell.marked import Path, Place
 from tandem.cell.model import Cell
+from tandem.cell.names import clean
 from tandem.cell.repair import repaired
 from tandem.cell.wording import Flaw, flaws
 from tandem.errors import CellError, Fault
@@ -85,7 +86,9 @@ def _cut(faults: list[Fault]) -> list[Fault]:
 
 
 def _named(data: Any) -> Any:
-    """Whole numbers as keys become names, so that `{1: ...}` in Python means what it means in a file."""
+    """Keys become names, so that `{1: ...}` in Python means what it means in a file. Two that would become one are left for the model to refuse."""
     if isinstance(data, Mapping):
-        return {str(key) if type(key) is int else key: _named(item) for key, item in data.items()}
+        names = {key: clean(str(key)) if type(key) in (int, str) else key for key in data}
+        kept = names if len(set(names.values())) == len(names) else {key: key for key in data}
+        return {kept[key]: _named(item) for key, item in data.items()}
     return [_named(item) for item in data] if type(data) in (list, tuple) else data

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from tandem.cell.model import Cell, Operator, Task, Together, Tool, Zone
-from tandem.cell.names import Known
+from tandem.cell.names import Known, clean, harm_in
 from tandem.errors import Fault
 
 Path = tuple[str | int, ...]
@@ -255,8 +255,19 @@ def _too_many(path: Path, item: Any) -> str:
     return f"{_what(path)} holds {item['ctx'].get('actual_length') or 'more'} values, but {most} are needed."
 
 
+def _harmful(path: Path, item: Any) -> str:
+    return f"{_what(path)} is {shown(item['input'])} and holds {harm_in(clean(item['input']))}, which no name may have. Take it out."
+
+
+def _twins(path: Path, item: Any) -> str:
+    found = item["ctx"]
+    return f"{_what(path)} states {found['name']!r} twice, as {found['first']} and as {found['again']}. Keep one of them, or rename one."
+
+
 def _bad_key(path: Path, item: Any) -> str:
     key = item["input"]
+    if isinstance(key, str) and (harm := harm_in(clean(key))) is not None:
+        return f"the name {shown(key)} holds {harm}, which no name may have. Take it out."
     if isinstance(key, str) and len(key) > 60:
         return f"the name {key[:57]!r}... has {len(key)} characters, at most 200 are kept. Shorten it."
     return f"{key!r} is no name. A name has at least one visible sign."
@@ -293,4 +304,6 @@ _SENTENCES: dict[str, Callable[[Path, Any], str]] = {
     "string_too_short": _too_few,
     "too_long": _too_many,
     "string_too_long": _too_many,
+    "harmful_sign": _harmful,
+    "twins": _twins,
 }

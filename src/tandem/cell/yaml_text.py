@@ -1,7 +1,7 @@
 """YAML as people write it by hand, read strictly.
 
 Scalars follow YAML 1.2: only `true` and `false` are truth values, `010` is ten, `1:30` and `1_000` are text. Keys are
-text as written. Tags, anchors and aliases are refused: they can run code or grow without end, and a cell needs none.
+text, in the one spelling of names. Tags, anchors and aliases are refused: they can run code or grow without end, and a cell needs none.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Any
 
 import yaml
 
-from tandem.cell.marked import DEPTH, Document, Entry, Node, repeated
+from tandem.cell.marked import DEPTH, Document, Entry, Node, enter
 from tandem.errors import CellError, Fault
 
 INTEGER = re.compile(r"[-+]?[0-9]+")
@@ -91,10 +91,8 @@ class _Reader:
                     self.refuse(event, "a key must be a plain name, not a list or a mapping.")
                 continue
             name = key.text or ""
-            if name in table:
-                self.faults.append(repeated(self.source, name, table[name], key.line, key.column))
-            else:
-                table[name] = Entry(key.line, key.column, value)
+            if fault := enter(table, name, Entry(key.line, key.column, value, name), self.source):
+                self.faults.append(fault)
         return table
 
     def refuse(self, event: Any, message: str) -> None:

@@ -9,6 +9,7 @@ from pathlib import PurePath
 from typing import Any, NamedTuple
 
 from tandem.cell.marked import Path, Place
+from tandem.cell.names import harm_in
 from tandem.errors import CellError, Fault
 
 
@@ -53,8 +54,8 @@ def rows(text: str) -> list[Row]:
 
 
 def title(source: str) -> str:
-    """The cell's name: the file's, without folder and ending."""
-    return PurePath(source).stem
+    """The cell's name: the file's, without folder and ending. A file's name may hold bytes that are no text; these are shown as "?"."""
+    return "".join("?" if harm_in(sign) else sign for sign in PurePath(source).stem)
 
 
 def broken(source: str, line: int, message: str) -> CellError:
