@@ -55,11 +55,13 @@ class Document:
     Attributes:
       source: what the file is called in messages.
       faults: what is wrong with the text itself though it could be read, such as a key that is stated twice.
+      notes: what has no place in a cell though it is no fault; a cell file has none.
     """
 
     source: str
     root: Node
     faults: list[Fault] = field(default_factory=list)
+    notes: list[Fault] = field(default_factory=list)
 
     def plain(self) -> Any:
         """The values alone. Where a name belongs, a number is taken as it was written: task 1.10 is not task 1.1."""
