@@ -7,12 +7,14 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from tandem.cell.names import clean
-from tandem.errors import Fault
+from tandem.errors import CellError, Fault
 
 Path = tuple[str | int, ...]
 
 DEPTH = 30
 """Levels that a file may nest; a cell needs six."""
+MOST_VALUES = 500_000
+"""Keys and values that a file may have; a cell of 10,000 tasks has about a hundred thousand."""
 
 
 class Place(NamedTuple):
@@ -84,6 +86,12 @@ class Document:
 def entries(node: Node) -> Iterator[tuple[str, Node]]:
     """Keys and values of a mapping."""
     return ((key, entry.node) for key, entry in node.value.items())
+
+
+def too_many(source: str, line: int, column: int) -> CellError:
+    """The fault of a file that goes on and on."""
+    message = f"more than {MOST_VALUES:,} keys and values have been read up to here, the most that a cell file may have. Split the cell."
+    return CellError([Fault(message, (), f"{source}:{line}:{column}")])
 
 
 def enter(table: dict[str, Entry], key: str, entry: Entry, source: str) -> Fault | None:

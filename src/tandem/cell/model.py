@@ -80,6 +80,8 @@ Moment = Annotated[float, Strict(), Field(ge=0, le=1e7, allow_inf_nan=False)]
 """A point on the clock, or a duration that may be 0 s."""
 Amount = Annotated[float, Strict(), Field(ge=0, le=1e7, allow_inf_nan=False)]
 """Ergonomic stress, difficulty or a spread: 0 or more."""
+MOST_BREAKS = 2_000
+"""Times off of one operator: more than a year of shifts has."""
 Places = Annotated[int, Strict(), Field(ge=1, le=10_000)]
 
 PerOperator = Annotated[Mapping[Name, Amount], OneEntryAName, AfterValidator(Table)]
@@ -105,7 +107,9 @@ class Operator(Frozen):
     kind: Literal["human", "robot"] = Field(description="Stress counts for humans only.")
     label: Text | None = Field(default=None, description="What charts and messages call the operator; the name when absent.")
     breaks: tuple[tuple[Moment, Seconds], ...] = Field(
-        default=(), description="Times off, each `[from, to]` in seconds since the start. No task and no changeover runs into one."
+        default=(),
+        max_length=MOST_BREAKS,
+        description="Times off, each `[from, to]` in seconds since the start. No task and no changeover runs into one.",
     )
     stress_limit: Amount | None = Field(default=None, description="The most stress that this human may collect in all.")
     tool: Name | None = Field(

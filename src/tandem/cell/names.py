@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 
 SEARCHES = 25
+COMPARISONS = 250_000
 """Comparing with thousands of names takes a moment; whoever misspells more than this gets no more guesses."""
 
 JOINERS = "\u200c\u200d\ufe00-\ufe0f"
@@ -105,7 +106,7 @@ class Known:
         if (known := self._folded.get(_fold(name))) is not None:
             return known
         self._searches += 1
-        if self._searches > SEARCHES:
+        if self._searches > SEARCHES or self._searches * len(self._folded) > COMPARISONS:
             return None
         close = get_close_matches(_fold(name), self._folded, n=1, cutoff=0.6)
         return self._folded[close[0]] if close else None

@@ -38,10 +38,10 @@ class Flaw:
     meant: str | None = None
 
 
-def flaws(error: ValidationError) -> list[Flaw]:
-    """Everything that pydantic found, one entry for each place."""
+def flaws(error: ValidationError, most: int | None = None) -> list[Flaw]:
+    """Everything that pydantic found, or so much of it, one entry for each place."""
     found: dict[Path, Flaw] = {}
-    for item in error.errors(include_url=False):
+    for item in error.errors(include_url=False)[:most]:
         path = _path(item["loc"])
         kind = "key" if item["loc"][-1:] == ("[key]",) else item["type"]
         if kind == "too_short" and path in (("operators",), ("tasks",)) and item["input"]:
@@ -250,6 +250,8 @@ def _too_few(path: Path, item: Any) -> str:
 
 def _too_many(path: Path, item: Any) -> str:
     most = item["ctx"]["max_length"]
+    if path[-1] == "breaks":
+        return f"{_what(path)} holds {item['ctx'].get('actual_length') or 'more'}, at most {most:,} can be planned. Keep those of one shift."
     if isinstance(item["input"], str):
         return f"{_what(path)} has {len(item['input'])} characters, at most {most} are kept. Shorten it."
     return f"{_what(path)} holds {item['ctx'].get('actual_length') or 'more'} values, but {most} are needed."

@@ -11,7 +11,7 @@ from typing import Any
 
 import yaml
 
-from tandem.cell.marked import DEPTH, Document, Entry, Node, enter
+from tandem.cell.marked import DEPTH, MOST_VALUES, Document, Entry, Node, enter, too_many
 from tandem.errors import CellError, Fault
 
 INTEGER = re.compile(r"[-+]?[0-9]+")
@@ -50,6 +50,7 @@ class _Reader:
         self.parser = _Parser(text)
         self.refused: list[Fault] = []
         self.faults: list[Fault] = []
+        self.values = 0
 
     def document(self) -> Document:
         self.parser.get_event()  # the stream begins
@@ -63,6 +64,9 @@ class _Reader:
 
     def node(self, event: Any, depth: int) -> Node:
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
+        self.values += 1
+        if self.values > MOST_VALUES:
+            raise too_many(self.source, line, column)
         if isinstance(event, yaml.AliasEvent):
             self.refuse(event, f"*{event.anchor} repeats an anchored value. Cell files know no anchors; write the value out.")
             return Node(line, column, None)

@@ -16,7 +16,7 @@ from tandem.errors import CellError, Fault
 
 MOST_OPERATORS = 1_000
 MOST_WAYS = 2_000_000
-NUMBERLIKE = re.compile(r"[-+]?[0-9]*[.,]?[0-9]+[.,]?(?:[eE][-+]?[0-9]+)?|[-+]?[0-9]+,[-+]?[0-9]+|-?[iI]nf(?:inity)?")
+NUMBERLIKE = re.compile(r"[-+]?(?:[0-9]+(?:[.,][0-9]*)?|[.,][0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]?[0-9]+,[-+][0-9]+|-?[iI]nf(?:inity)?")
 """What a number looks like, one with a decimal comma and a pair such as `1,2` among them."""
 
 
