@@ -197,10 +197,10 @@ def test_what_is_not_well_formed_is_told_with_its_place(text, sentence):
 
 
 def test_json_is_read_with_tabs_and_escapes():
-    text = '{\n\t"operators": {"h": {"kind": "human", "label": "\\u00e9\\n"}},\n\t'
+    text = '{\n\t"operators": {"h": {"kind": "human", "label": "\\u00e9 \\"x\\"\\n"}},\n\t'
     text += '"tasks": {"1": {"time": {"h": 1.5e0}}, "2": {"time": {"h": 2}, "after": [1]}}\n}'
     cell = loads(text)
-    assert cell.operators["h"].label == "é\n"
+    assert cell.operators["h"].label == 'é "x"'
     assert cell.tasks["2"].after == ("1",)
 
 

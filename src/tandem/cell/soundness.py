@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from tandem.cell.clock import a_deadline_can_be_met, breaks_are_apart, exact_planning_can_count_it, numbers_have_few_decimals
 from tandem.cell.cycles import no_task_waits_for_itself
-from tandem.cell.names import Known
+from tandem.cell.names import Known, difference, twins
 from tandem.cell.slips import slips
 from tandem.cell.written import number
 from tandem.errors import Fault
@@ -35,6 +35,27 @@ def operators_are_known(cell: Cell) -> Iterator[Fault]:
     for path, name, what in _operators_named(cell):
         if name not in known:
             yield Fault(f"{what} names {name!r}, who is no operator of the cell. {known.hint(name)}", path)
+
+
+def names_can_be_told_apart(cell: Cell) -> Iterator[Fault]:
+    """No two tasks, operators, tools or zones look alike though they are made of other signs, such as a Cyrillic letter."""
+    used: dict[str, dict[str, Path]] = {"operators": {}, "tasks": {}, "tools": {}, "zones": {}}
+    for name, task in cell.tasks.items():
+        if task.tool is not None:
+            used["tools"].setdefault(task.tool, ("tasks", name, "tool"))
+        if task.zone is not None:
+            used["zones"].setdefault(task.zone, ("tasks", name, "zone"))
+    for who, operator in cell.operators.items():
+        if operator.tool is not None:
+            used["tools"].setdefault(operator.tool, ("operators", who, "tool"))
+    for key, named in used.items():
+        stated: Mapping[str, object] = getattr(cell, key)
+        for first, name in twins([*stated, *named]):
+            yield Fault(
+                f"{key[:-1]} {name!r} looks like {key[:-1]} {first!r} but is written with other signs ({difference(first, name)}). "
+                "Spell both alike if they are one, else rename one of them.",
+                (key, name) if name in stated else named[name],
+            )
 
 
 def tasks_are_known(cell: Cell) -> Iterator[Fault]:
@@ -260,6 +281,7 @@ def _listed(names: object) -> str:
 
 
 RULES: tuple[Callable[[Cell], Iterator[Fault]], ...] = (
+    names_can_be_told_apart,
     operators_are_known,
     tasks_are_known,
     no_task_comes_after_itself,

@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from tandem.cell.model import Cell, Operator, Task, Together, Tool, Zone
-from tandem.cell.names import Known
+from tandem.cell.names import Known, clean, harm_in
 from tandem.cell.written import number
 from tandem.errors import Fault
 
@@ -42,10 +42,10 @@ class Flaw:
     meant: str | None = None
 
 
-def flaws(error: ValidationError) -> list[Flaw]:
-    """Everything that pydantic found, one entry for each place."""
+def flaws(error: ValidationError, most: int | None = None) -> list[Flaw]:
+    """Everything that pydantic found, or so much of it, one entry for each place."""
     found: dict[Path, Flaw] = {}
-    for item in error.errors(include_url=False):
+    for item in error.errors(include_url=False)[:most]:
         path = _path(item["loc"])
         kind = "key" if item["loc"][-1:] == ("[key]",) else item["type"]
         if kind == "too_short" and path in (("operators",), ("tasks",)) and item["input"]:
@@ -275,15 +275,28 @@ def _too_few(path: Path, item: Any) -> str:
 
 def _too_many(path: Path, item: Any) -> str:
     most = item["ctx"]["max_length"]
+    if path[-1] == "breaks":
+        return f"{_what(path)} holds {item['ctx'].get('actual_length') or 'more'}, at most {most:,} can be planned. Keep those of one shift."
     if isinstance(item["input"], str):
         return f"{_what(path)} has {len(item['input'])} characters, at most {most} are kept. Shorten it."
     return f"{_what(path)} holds {item['ctx'].get('actual_length') or 'more'} values, but {most} are needed."
+
+
+def _harmful(path: Path, item: Any) -> str:
+    return f"{_what(path)} is {shown(item['input'])} and holds {harm_in(clean(item['input']))}, which no name may have. Take it out."
+
+
+def _twins(path: Path, item: Any) -> str:
+    found = item["ctx"]
+    return f"{_what(path)} states {found['name']!r} twice, as {found['first']} and as {found['again']}. Keep one of them, or rename one."
 
 
 def _bad_key(path: Path, item: Any) -> str:
     key = item["input"]
     if item["type"] == "invalid_key" or not isinstance(key, str):  # from Python alone: keys of files are text
         return f"the key {str(path[-1]).lower()} is no name. Write it as text."
+    if (harm := harm_in(clean(key))) is not None:
+        return f"the name {shown(key)} holds {harm}, which no name may have. Take it out."
     if len(key) > 60:
         return f"the name {key[:57]!r}... has {len(key)} characters, at most 200 are kept. Shorten it."
     return f"{key!r} is no name. A name has at least one visible sign."
@@ -323,4 +336,6 @@ _SENTENCES: dict[str, Callable[[Path, Any], str]] = {
     "string_too_short": _too_few,
     "too_long": _too_many,
     "string_too_long": _too_many,
+    "harmful_sign": _harmful,
+    "twins": _twins,
 }

@@ -7,13 +7,14 @@ import importlib
 import io
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
 import click
 
 import tandem as package
-from tandem.errors import CellError, InfeasibleError, TandemError
+from tandem.errors import CellError, InfeasibleError, NotReadWarning, TandemError
 
 VERBS: dict[str, tuple[str, str, str]] = {
     "init": ("tandem.cli.project", "init_command", "Lay out a project: a cell, variants, a place for results."),
@@ -100,7 +101,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def run(arguments: Sequence[str] | None = None) -> int:
     """Runs the command line; returns the exit code. Everything expected is told in one message on stderr, without a traceback."""
     try:
-        result: Any = tandem.main(args=None if arguments is None else list(arguments), prog_name="tandem", standalone_mode=False)
+        with warnings.catch_warnings():
+            _tell_what_is_not_read()
+            result: Any = tandem.main(args=None if arguments is None else list(arguments), prog_name="tandem", standalone_mode=False)
         return result if isinstance(result, int) else 0
     except click.exceptions.Exit as exit_:
         return exit_.exit_code
@@ -127,6 +130,20 @@ def run(arguments: Sequence[str] | None = None) -> int:
             "Please report it with the command and the cell file. With TANDEM_DEBUG=1 in the environment the traceback is shown.",
             1,
         )
+
+
+def _tell_what_is_not_read() -> None:
+    """Whatever command loads a file: what has no place in the cell is named on stderr, one line each."""
+    warnings.simplefilter("always", NotReadWarning)
+    show_others = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *rest: Any, **named: Any) -> None:
+        if issubclass(category, NotReadWarning):
+            click.echo(f"tandem: {message}", err=True)
+        else:
+            show_others(message, category, *rest, **named)
+
+    warnings.showwarning = show
 
 
 def _message(error: TandemError) -> str:

@@ -10,7 +10,7 @@ from time import monotonic
 from typing import Any
 
 from tandem.cell.model import Cell, plain
-from tandem.cell.names import Known
+from tandem.cell.names import Known, clean
 from tandem.cell.written import number
 from tandem.errors import UsageError
 from tandem.explain.alternatives import EVERYTHING, Alternative, alternative, sentence
@@ -121,6 +121,7 @@ def explain(
       NothingFoundError: none was found in the time.
     """
     began = monotonic()
+    task = None if task is None else clean(task)
     if task is not None and task not in cell.tasks:
         raise UsageError(f"there is no task {task!r}. {Known(cell.tasks).hint(task)}")
     threads = workers or os.cpu_count() or 1

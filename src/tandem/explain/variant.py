@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from tandem.cell.model import Cell, Mode, Table, Task, plain
-from tandem.cell.names import Known
+from tandem.cell.names import Known, clean
 from tandem.cell.pretty import flow
 from tandem.cell.reading import cell_of
 from tandem.errors import UsageError
@@ -29,9 +29,9 @@ def variant(cell: Cell, sets: Iterable[str] = (), without: Iterable[str] = (), f
     """
     data = cell.to_dict()
     wrong: list[str] = []
-    for text in sets:
+    for text in map(clean, sets):
         wrong += _set(data, text)
-    for name in without:
+    for name in map(clean, without):
         if name not in data["operators"]:
             wrong.append(f"--without {name}: there is no such operator. {Known(data['operators']).hint(name)}")
         else:
@@ -42,7 +42,7 @@ def variant(cell: Cell, sets: Iterable[str] = (), without: Iterable[str] = (), f
         raise UsageError("\n".join(wrong))
     changed = cell_of(data)
     choices: dict[str, Mode] = {}
-    for text in force:
+    for text in map(clean, force):
         task, mode, complaint = _forced(changed, text)
         if complaint:
             wrong.append(complaint)
@@ -116,7 +116,7 @@ def _set(data: dict[str, Any], text: str) -> list[str]:
 
 
 def _pieces(path: str) -> list[str]:
-    return [quoted or plain_key for quoted, plain_key in re.findall(r'"([^"]*)"|([^.]+)', path)]
+    return [clean(quoted or plain_key) for quoted, plain_key in re.findall(r'"([^"]*)"|([^.]+)', path)]
 
 
 def _walk(data: Any, pieces: list[str]) -> tuple[Any, Any, str]:

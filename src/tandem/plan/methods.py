@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 
 from tandem.cell.model import Cell
-from tandem.errors import InfeasibleError, UsageError
+from tandem.errors import CellError, Fault, InfeasibleError, UsageError
 from tandem.plan import exact, exhaustive
 from tandem.plan.infeasible import reasons
 from tandem.plan.question import Method, Progress, Question
@@ -45,6 +45,10 @@ METHODS: dict[str, Entry] = {
 """Name -> method. A new one is a file and a line here."""
 
 
+MOST_TASKS = 20_000
+"""With more, even the first schedule takes minutes, and no time limit could be kept."""
+
+
 def describe(method: str) -> str:
     """What a method does, in a line."""
     return METHODS[method].what
@@ -78,6 +82,7 @@ def plan(
 
     Raises:
       UsageError: an unknown method, or an option out of range.
+      CellError: the cell has more than `MOST_TASKS` tasks.
       InfeasibleError: it is proven that no schedule answers the question; its `reasons` say, in the cell's words, what stands in the way.
       NothingFoundError: none was found within the limit.
     """
@@ -89,6 +94,8 @@ def plan(
         raise UsageError(f"time limit {time_limit}: must be more than 0 seconds.")
     if workers is not None and workers < 1:
         raise UsageError(f"workers {workers}: must be 1 or more.")
+    if len(cell.tasks) > MOST_TASKS:
+        raise CellError([Fault(f"the cell has {len(cell.tasks):,} tasks, and at most {MOST_TASKS:,} can be planned. Split it.", ("tasks",))])
     if question is None:
         question = Question(minimize, weights, max_makespan, max_stress)  # type: ignore[arg-type]
     try:

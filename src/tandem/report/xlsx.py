@@ -40,7 +40,6 @@ def xlsx(front: Front, *, command: str = "", date: str = "", language: str = "en
 
     Raises:
       UsageError: reports do not speak the language.
-      CellError: a name holds characters that no workbook can.
     """
     import openpyxl
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import datetime
-import re
-import unicodedata
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+
+from tandem.cell.names import clean
 
 Value = str | float | bool | datetime.date | datetime.time | datetime.timedelta
 """What one sheet cell holds; the empty text when it holds nothing."""
@@ -97,10 +97,8 @@ def blank(value: Value) -> bool:
 
 
 def tidy(text: str) -> str:
-    """Blanks of every kind, line breaks and invisible marks as single spaces; letters with their accents in one piece."""
-    text = unicodedata.normalize("NFC", text)
-    text = "".join(" " if unicodedata.category(c) in ("Zs", "Zl", "Zp") else c for c in text if unicodedata.category(c) != "Cf")
-    return re.sub(r"\s+", " ", text).strip()
+    """The text as names are spelled everywhere: single blanks, no unseen signs, letters with their accents in one piece."""
+    return clean(text)
 
 
 def shown(value: Value) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from tandem.cell.model import Cell
-from tandem.cell.names import Known
+from tandem.cell.names import Known, clean
 from tandem.cell.spreadsheet.beside import Beside, lists_operators, read_beside, read_sets, role_of
 from tandem.cell.spreadsheet.findings import Findings, Note, listed
 from tandem.cell.spreadsheet.grid import Book, Grid, shown
@@ -115,7 +115,7 @@ def read_book(
     robots: Iterable[str] = (),
 ) -> Draft:
     """The same for an open book; see `read_workbook`."""
-    kinds: dict[str, Kind] = {**dict.fromkeys(humans, "human"), **dict.fromkeys(robots, "robot")}
+    kinds: dict[str, Kind] = {**dict.fromkeys(map(clean, humans), "human"), **dict.fromkeys(map(clean, robots), "robot")}
     overrides = overrides_from(columns or {})
     findings = Findings(mark=decimal_mark(value for grid in book.grids for row in grid.rows for value in row))
     for remark in book.remarks:
@@ -208,7 +208,7 @@ def _other_sheets(book: Book, read: Sequence[str], table: Table, findings: Findi
 
 
 def _named_sheet(book: Book, sheet: str, known: tuple[str, ...], overrides: Mapping[str, Meaning | None]) -> Table:
-    grid = next((grid for grid in book.grids if grid.name == sheet), None)
+    grid = next((grid for grid in book.grids if clean(grid.name) == clean(sheet)), None)
     if grid is None and sheet in book.passed_over:
         raise refused(book.path, f"sheet {sheet!r} cannot be read: {book.passed_over[sheet]}.")
     if grid is None:

@@ -19,7 +19,7 @@ from tandem.cell.spreadsheet.rows import is_total
 from tandem.cell.spreadsheet.words import meaning
 from tandem.cell.spreadsheet.workbook import book_of
 from tandem.cell.storing import store
-from tandem.errors import CellError, Fault, UsageError
+from tandem.errors import UsageError
 
 if TYPE_CHECKING:
     from openpyxl import Workbook
@@ -61,7 +61,6 @@ def export_cell(cell: Cell, path: str | Path, *, lang: Language = "en") -> tuple
 
     Raises:
       OSError: it could not be written; an older file is then as it was.
-      CellError: a name holds characters that no workbook can.
       UsageError: there is no such language.
     """
     content = to_workbook(cell, lang=lang)
@@ -94,26 +93,21 @@ def to_workbook(cell: Cell, *, lang: Language = "en", every_column: bool = False
       every_column: with the columns that planners often need, even if this cell leaves them empty.
 
     Raises:
-      CellError: a name holds characters that no workbook can.
       UsageError: there is no such language.
     """
     import openpyxl
-    from openpyxl.utils.exceptions import IllegalCharacterError
 
     if lang not in HEADERS:
         raise UsageError(f"there is no language {lang!r}: choose en or de.")
     book = openpyxl.Workbook()
     book.properties.title = cell.name or "Tandem cell"
     book.properties.creator = "Tandem"
-    try:
-        _tasks(book, cell, lang, every_column)
-        _operators(book, cell, lang)
-        _things(book, cell, lang, every_column)
-        _sets_and_name(book, cell, lang)
-        _help(book, lang)
-        return workbook_bytes(book)
-    except IllegalCharacterError as error:
-        raise CellError([Fault(f"a text of the cell holds control characters that no workbook can hold: {error}. Rename it.")]) from error
+    _tasks(book, cell, lang, every_column)
+    _operators(book, cell, lang)
+    _things(book, cell, lang, every_column)
+    _sets_and_name(book, cell, lang)
+    _help(book, lang)
+    return workbook_bytes(book)
 
 
 def workbook_bytes(book: Workbook) -> bytes:
