@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 from random import Random
 
 from tests.fuzz import judges
@@ -79,3 +80,13 @@ def test_it_runs_as_a_command_and_says_what_it_did(tmp_path):
     said = json.loads(ended.stdout)
     assert said == json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
     assert (said["cells"], said["differ"]) == (12, 0)
+
+
+def test_the_verb_lists_the_programs_and_refuses_others():
+    root = Path(__file__).parents[2]
+    listed = subprocess.run([sys.executable, "dev.py", "fuzz"], cwd=root, capture_output=True, text=True)
+    assert listed.returncode == 0
+    assert "python3 dev.py fuzz judges" in listed.stdout
+    unknown = subprocess.run([sys.executable, "dev.py", "fuzz", "jugdes"], cwd=root, capture_output=True, text=True)
+    assert unknown.returncode == 2
+    assert "nothing is called 'jugdes'; there are judges" in unknown.stderr

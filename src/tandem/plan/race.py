@@ -173,8 +173,8 @@ class Race:
                 for thread in threads:
                     thread.join(0.02)
         if self.door.refused:
-            return Answer(None if self.best is None else self.best.starts, self.known, False)
-        proven = self.infeasible or (self.value is not None and self.bound >= self.value)
+            self.bound = self.known
+        proven = not self.door.refused and (self.infeasible or (self.value is not None and self.bound >= self.value))
         return Answer(None if self.best is None else self.best.starts, self.bound, proven)
 
     def _tell(self, seconds: float) -> None:
