@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import threading
+import weakref
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import inf
@@ -125,10 +126,34 @@ def test_the_memory_of_searches_is_forgotten_bit_by_bit() -> None:
 
 
 def test_what_exists_before_a_shift_is_left_out_of_collections_within_it() -> None:
-    alive = gc.get_freeze_count()
-    with settled_memory():
-        assert gc.get_freeze_count() > alive + 1000
-    assert gc.get_freeze_count() == 0
+    assert gc.isenabled()
+    with settled_memory() as settle:
+        before = gc.get_freeze_count()
+        assert before > 1000, "what exists is set aside"
+        assert not gc.isenabled(), "no collection comes by itself"
+        made = [[number] for number in range(5000)]
+        settle()
+        assert gc.get_freeze_count() > before + 4000, "and so is what came since"
+        assert len(made) == 5000
+    assert (gc.isenabled(), gc.get_freeze_count()) == (True, 0)
+
+
+def test_circles_of_garbage_are_collected_between_decisions() -> None:
+    class Circle:
+        def __init__(self) -> None:
+            self.own = self
+
+    with settled_memory() as settle:
+        gone = weakref.ref(Circle())
+        assert gone() is not None
+        settle()
+        assert gone() is None
+
+
+def test_memory_is_as_it_was_when_a_shift_is_interrupted() -> None:
+    with pytest.raises(KeyboardInterrupt), settled_memory():
+        raise KeyboardInterrupt
+    assert (gc.isenabled(), gc.get_freeze_count()) == (True, 0)
 
 
 @dataclass

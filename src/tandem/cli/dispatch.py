@@ -140,8 +140,8 @@ def _run(ctx: click.Context, cell: Cell, journal: Journal, given: dict[str, Any]
     shift = Shift.open(cell, journal, _settings(given), given["start"])
     if shift.basis is not None and shift.basis.doubt:
         click.echo(f"{shift.settings.policy}: {shift.basis.doubt}", err=True)
-    with settled_memory():
-        _live(shift, floor, given, show)
+    with settled_memory() as settle:
+        _live(shift, floor, given, show, settle)
     show(shift, summary(shift.situation, journal.entries()))
     if not shift.situation.is_over and given["journal"] and given["people"] is None:
         click.echo(
@@ -150,8 +150,8 @@ def _run(ctx: click.Context, cell: Cell, journal: Journal, given: dict[str, Any]
     return 0
 
 
-def _live(shift: Shift, floor: Floor | None, given: dict[str, Any], show: Show) -> None:
-    """Says where the shift stands, and takes line by line until no more come."""
+def _live(shift: Shift, floor: Floor | None, given: dict[str, Any], show: Show, between: Callable[[], None]) -> None:
+    """Says where the shift stands, and takes line by line until no more come. `between`: called after each answer, when nobody waits."""
     from tandem.dispatch.situation.model import Situation
 
     show(shift, shift.hello())
@@ -161,11 +161,13 @@ def _live(shift: Shift, floor: Floor | None, given: dict[str, Any], show: Show) 
             for came in _lines(file):
                 for document in shift.take(came):
                     show(shift, document)
+                between()
     else:
         floor.catch_up(Situation.of(shift.cell, taking_apart=given["taking_apart"]), shift.journal.entries())
         for line in _simulated(floor, shift, given["speed"]):
             for document in shift.take(line):
                 show(shift, document)
+            between()
 
 
 def _settings(given: dict[str, Any]) -> Settings:

@@ -107,8 +107,8 @@ def _document(
         try:
             if key not in made:
                 made[key] = policy(name, cell, trial.objective, told)
-            with settled_memory():
-                found = stage.play(made[key], count)
+            with settled_memory() as settle:
+                found = stage.play(made[key], count, between=settle)
         except TandemError as error:
             left_out[name] = error
             continue
