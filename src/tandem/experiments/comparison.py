@@ -124,7 +124,14 @@ STYLE = """
 .figures figure { margin: 0; break-inside: avoid; }
 .figures img { width: 100%; height: auto; max-height: 32rem; object-fit: contain; object-position: left top; }
 .matrix td { max-width: 12rem; overflow-wrap: anywhere; }
-@media print { .figures { grid-template-columns: 1fr 1fr; } .figures img { max-height: 85mm; } .matrix table { font-size: 8.5pt; } }
+/* The widest table has a dozen columns: as narrow as their words on a screen, which scrolls when that is not enough; on paper nothing scrolls. */
+.wide table { font-size: .93rem; }
+.wide tbody th { min-width: 0; }
+@media print {
+  .figures { grid-template-columns: 1fr 1fr; }
+  .figures img { max-height: 85mm; }
+  .wide table { font-size: 8.5pt; }
+}
 """
 
 
