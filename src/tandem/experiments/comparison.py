@@ -16,6 +16,7 @@ from tandem.experiments.antonelli2021 import own_cell
 from tandem.experiments.features import PROBES, Entry, base, features, other_cells, tooled
 from tandem.experiments.systems import SYSTEMS, System
 from tandem.experiments.thesis_runs import thesis_cell
+from tandem.learn.room import make_room
 from tandem.learn.runs import versions
 from tandem.report.from_markdown import html_of
 from tandem.report.markup import Markup, tag
@@ -70,6 +71,7 @@ def compare(
     for name, system in (SYSTEMS if systems is None else systems).items():
         if not system.published:
             continue
+        make_room()
         experiment, document, missing = system.load(), None, ""
         try:
             document = experiment.stored() if stored else experiment.reproduce(folder / name, quick=quick, seeds=seeds, tell=tell)
