@@ -21,7 +21,7 @@ MOST_LAYERS, MOST_UNITS = 16, 4096
 
 
 class StageValues(NamedTuple):
-    """One stage as numbers that a compiled loop reads; see `Stage`. `end_*` are what the stage ends at."""
+    """One stage as numbers that a compiled loop reads; see `Stage`. It ends at `episodes` or `steps`."""
 
     entropy: Any
     learning_rate: Any

@@ -19,6 +19,7 @@ from tandem.learn import checkpoint
 from tandem.learn.algorithms import Algorithm, Learners, Row, algorithm
 from tandem.learn.forms import SettingsError, unreadable
 from tandem.learn.recipes import AnyRecipe, recipe, recipe_from
+from tandem.learn.room import make_room
 from tandem.learn.runs import RunFolder, asked_cell, new_folder
 from tandem.plan.methods import plan
 from tandem.plan.result import Front
@@ -204,6 +205,7 @@ def _go_on(training: Training, tensorboard: bool, on_progress: Callable[[Progres
         from tensorboardX import SummaryWriter
 
         training.tensorboard = SummaryWriter(str(training.folder.path / "tensorboard"))
+    make_room()
     interrupted = False
     try:
         while training.share < 1:
