@@ -14,12 +14,13 @@ HEADERS = ("Task", "t human [s]", "t robot [s]", "Stress", "Release [s]", "Deadl
 
 @pytest.mark.parametrize("column", ["t human [s]", "Stress", "Release [s]", "Deadline [s]"])
 def test_no_column_but_a_time_speaks_of_who_can_do_the_task(column: str, tmp_path: Path) -> None:
-    row = dict(zip(HEADERS, ("1", "5", "6", "2", "0", "90", ""), strict=True)) | {column: "about ten"}
+    rows = [("1", "5", "6", "2", "0", "90", ""), ("2", "5", "6", "1", "0", "90", "1"), ("3", "4", "6", "1", "0", "90", "1")]
+    third = dict(zip(HEADERS, rows[2], strict=True)) | {column: "about ten"}
     file = tmp_path / "tasks.csv"
-    file.write_text("\n".join(",".join(cells) for cells in (HEADERS, row.values(), ("2", "5", "6", "1", "0", "90", "1"))), encoding="utf-8")
+    file.write_text("\n".join(",".join(cells) for cells in (HEADERS, *rows[:2], third.values())), encoding="utf-8")
     with pytest.raises(CellError) as refused:
         import_cell(file)
     (fault,) = refused.value.faults
     letter = "ABCDEFG"[HEADERS.index(column)]
-    assert fault.place.endswith(f"!{letter}2")
+    assert fault.place.endswith(f"!{letter}4")
     assert fault.message == "holds 'about ten' where a number is expected: write one number, or leave the cell empty if there is none."
