@@ -235,9 +235,7 @@ def _document(path: Path) -> dict[str, Any]:
         raise CellError([Fault(f"cannot be read: {(error.strerror or 'unknown').lower()}. Name another file.", (), str(path))]) from error
     except json.JSONDecodeError as error:
         place = f"{path}:{error.lineno}:{error.colno}"
-        raise CellError(
-            [Fault("is no result document: no well-formed JSON here. Give what `tandem plan CELL --json` prints.", (), place)]
-        ) from error
+        raise CellError([Fault("is no result document: no well-formed JSON here. Give what `tandem plan CELL --json` prints.", (), place)]) from error
     except (UnicodeDecodeError, RecursionError, ValueError) as error:
         raise CellError([Fault("is no result document: no JSON text. Give what `tandem plan CELL --json` prints.", (), str(path))]) from error
     except CellError as error:

@@ -21,6 +21,8 @@ NODE = (1.5, 0.62)
 PITCH = (2.1, 0.84)
 """Inches from one task to the next, across and down."""
 MOST_INCHES = 40.0
+MARK, LETTER, BESIDE = 0.62, 0.07, 1.3
+"""Inches that a legend's mark and one letter of its words take, and what lies to the left of the axes under which it stands."""
 
 
 def figure_for(cell: Cell, schedule: Schedule | None = None, *, kind: str = "gantt") -> Figure:
@@ -78,7 +80,8 @@ def legend_below(ax: Axes, entries: Sequence[tuple[Artist, str]], *, inches: flo
     from matplotlib.transforms import ScaledTranslation
 
     figure = ax.figure
-    columns = max(1, min(len(entries), int(figure.bbox.width / figure.dpi / 1.75)))
+    wide = MARK + LETTER * max((len(label) for _, label in entries), default=0)
+    columns = max(1, min(len(entries), int((figure.bbox.width / figure.dpi - BESIDE) / wide)))
     below = ax.transAxes + ScaledTranslation(0, -inches, figure.dpi_scale_trans)
     handles, labels = [handle for handle, _ in entries], [label for _, label in entries]
     ax.legend(handles, labels, loc="upper left", bbox_to_anchor=(0, 0), bbox_transform=below, ncols=columns, frameon=False, fontsize=9, borderpad=0)
