@@ -7,6 +7,7 @@ import re
 import unicodedata
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 Value = str | float | bool | datetime.date | datetime.time | datetime.timedelta
@@ -24,7 +25,9 @@ class Grid:
       name: of the sheet; of the file without its ending for CSV.
       rows: values from A1 on, every row equally long, empty ones as "".
       merged: merged areas, `(top, left, bottom, right)`, all counted from 0 and included.
+      words: `(row, column)` of numbers -> what their number format writes beside them: "min", "%", "€".
       odd: `(row, column)` of cells without a usable value -> what they hold, as the end of a sentence and the way out.
+      lengths: how many columns each row of a text file has of its own.
       hidden: the sheet itself is hidden.
       hidden_rows, hidden_columns: counted from 0.
     """
@@ -33,11 +36,13 @@ class Grid:
     rows: tuple[tuple[Value, ...], ...]
     merged: tuple[tuple[int, int, int, int], ...] = ()
     odd: Mapping[tuple[int, int], str] = field(default_factory=dict)
+    words: Mapping[tuple[int, int], str] = field(default_factory=dict)
+    lengths: tuple[int, ...] = ()
     hidden: bool = False
     hidden_rows: frozenset[int] = frozenset()
     hidden_columns: frozenset[int] = frozenset()
 
-    @property
+    @cached_property
     def width(self) -> int:
         return max((len(row) for row in self.rows), default=0)
 
@@ -51,10 +56,27 @@ class Grid:
 
     def spread_of(self, row: int, column: int) -> tuple[int, int, int, int]:
         """The merged area around a cell; the cell itself when it is not merged."""
+        return self._areas.get((row, column), (row, column, row, column))
+
+    @cached_property
+    def _areas(self) -> dict[tuple[int, int], tuple[int, int, int, int]]:
+        """Cell -> the merged area that it is part of, as far as the sheet reaches."""
+        found: dict[tuple[int, int], tuple[int, int, int, int]] = {}
         for area in self.merged:
-            if area[0] <= row <= area[2] and area[1] <= column <= area[3]:
-                return area
-        return row, column, row, column
+            top, left, bottom, right = area
+            for row in range(top, min(bottom + 1, len(self.rows))):
+                for column in range(left, min(right + 1, self.width)):
+                    found.setdefault((row, column), area)
+        return found
+
+    def origin(self, row: int, column: int) -> int:
+        """The row whose cell speaks for this one: the top of an area that is merged downwards, else the row itself."""
+        top, left, _, _ = self.spread_of(row, column)
+        return top if left == column else row
+
+    def value(self, row: int, column: int) -> Value:
+        """What stands there; the value of a merged area counts for every row of it, in its first column."""
+        return self.rows[self.origin(row, column)][column]
 
     def filled(self, row: int) -> Iterator[tuple[int, Value]]:
         """`(column, value)` of what is not blank in a row."""

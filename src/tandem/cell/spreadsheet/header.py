@@ -7,15 +7,17 @@ is tried as the header, alone and with the row above it; the one whose columns s
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from tandem.cell.spreadsheet.grid import Grid, blank, shown, tidy
-from tandem.cell.spreadsheet.values import UnreadableError, cannot, number, unit_named
-from tandem.cell.spreadsheet.words import Meaning, key, meaning
+from tandem.cell.spreadsheet.grid import Grid, Value, blank, shown, tidy
+from tandem.cell.spreadsheet.units import unit_said
+from tandem.cell.spreadsheet.values import UnreadableError, cannot, number, says_able, unit_named
+from tandem.cell.spreadsheet.words import SCALE, Meaning, key, meaning, split_unit
 
 LAST_HEADER_ROW = 60
 WEIGHTS = {"number": 2.0, "task": 2.0, "label": 2.0, "after": 2.0, "after rows": 2.0, "time": 3.0, "operator": 1.5, "ignore": 0.2}
+TIMED = ("time", "release", "deadline")
 TASK_WORDS = {*WEIGHTS, "part", "tool", "zone", "release", "deadline", "same operator", "before", "stress", "difficulty", "spread"}
 """What a column of a task sheet can mean."""
 
@@ -47,7 +49,8 @@ class Table:
       first_row: of the data, counted from 0.
       header_row: the last row of the header proper.
       title: the first text above the header; "" when there is none.
-      unit: the unit of all times, when a line above the header says so ("all times in min").
+      unit: the unit of all times, when a line above the header or below the table says so ("all times in min").
+      doubt: why no unit may be assumed where none is stated; "" when there is no reason.
     """
 
     grid: Grid
@@ -56,6 +59,7 @@ class Table:
     columns: tuple[Column, ...]
     title: str = ""
     unit: str | None = None
+    doubt: str = ""
 
     def having(self, *what: str) -> tuple[Column, ...]:
         """Columns with one of these meanings."""
@@ -83,15 +87,20 @@ def find_table(grid: Grid, known: tuple[str, ...] = (), overrides: Mapping[str, 
 
     def read(text: str, column: int) -> Meaning | None:
         place = re.sub(r"\d+", "", grid.place(0, column).rpartition("!")[2])
-        for name in (text, place):
-            if name in chosen:
-                return chosen[name]
-        if text and key(text) in by_key:
-            return by_key[key(text)]
+        bare, unit = split_unit(text)
+        if (name := next((name for name in (text, place) if name in chosen), None)) is not None:
+            return _in_unit(chosen[name], unit)
+        if text and (name := next((name for name in (key(text), key(bare)) if name in by_key), None)) is not None:
+            return _in_unit(by_key[name], unit)
         found = meaning(text, known) if text else None
         return found if found is None or found.what in TASK_WORDS else None
 
     return best_table(grid, read)
+
+
+def _in_unit(told: Meaning | None, unit: str | None) -> Meaning | None:
+    """What `--map` says of a column, in the unit that the sheet states unless it states one itself."""
+    return replace(told, unit=told.unit or unit) if told is not None and told.what in TIMED else told
 
 
 def best_table(grid: Grid, read: Reader) -> Table | None:
@@ -112,9 +121,9 @@ def _table(grid: Grid, row: int, above: int, read: Reader) -> Table:
     headers = [_header(grid, row, above, column) for column in range(grid.width)]
     first = row + 1
     if first < len(grid.rows):
-        units = [(column, unit_named(shown(value).strip("[]()"))) for column, value in grid.filled(first)]
-        if len(units) > 0 and all(unit for _, unit in units):
-            headers = [f"{text} [{dict(units)[column]}]" if column in dict(units) else text for column, text in enumerate(headers)]
+        below = {column: shown(value).strip("[]() ") for column, value in grid.filled(first)}
+        if any(map(unit_named, below.values())) and all(unit_named(text) or SCALE.fullmatch(text.casefold().rstrip(".")) for text in below.values()):
+            headers = [f"{text} [{unit_named(below[column]) or below[column]}]" if column in below else text for column, text in enumerate(headers)]
             first += 1
     columns = []
     for column, text in enumerate(headers):
@@ -167,12 +176,31 @@ def _with_context(grid: Grid, table: Table) -> Table:
     header_texts = {column.header for column in table.columns}
     inside = {word for header in header_texts for word in (header,)}
     titles = [text for text in texts if re.search(r"[^\W\d]{2}", text) and not any(text in header for header in inside)]
-    unit = None
-    for text in texts:
-        said = re.search(r"(zeit\w*|times?|dauer\w*|durations?|angaben|values)\b.*?\bin\s+(1/100 min|\S+?)[.;,)\s]*$", text, re.IGNORECASE)
-        unit = unit or (unit_named(said[2]) if said else None)
-    columns = tuple(_reconsidered(grid, table, column) for column in table.columns)
-    return replace(table, columns=columns, title=titles[0][:200] if titles else "", unit=unit)
+    unit, doubt = unit_said(grid, table.header_row, table.first_row)
+    columns = tuple(_reconsidered(grid, table, _unit_above(grid, table, column)) for column in table.columns)
+    return replace(table, columns=columns, title=titles[0][:200] if titles else "", unit=unit, doubt=doubt)
+
+
+def _unit_above(grid: Grid, table: Table, column: Column) -> Column:
+    """The column in the unit that the row above the header states, when `--map` names it by its own row of the header."""
+    what = column.meaning
+    if what is None or not what.told or what.unit or what.what not in TIMED or not table.header_row:
+        return column
+    return replace(
+        column, meaning=_in_unit(what, split_unit(_header(grid, table.header_row - 1, 0, column.index) or _left_of(grid, table, column))[1])
+    )
+
+
+def _left_of(grid: Grid, table: Table, column: Column) -> str:
+    """The text above the header that stands over this column and those left of it."""
+    above = (_text_at(grid, table.header_row - 1, left) for left in range(column.index, -1, -1))
+    return next((text for text in above if text), "")
+
+
+def amounts_of(table: Table) -> Iterator[Value]:
+    """What stands in the columns of times and amounts: the cells that show how this sheet writes decimals."""
+    for column in table.having(*TIMED, "stress", "difficulty", "spread", "stress limit", "capacity", "changeover"):
+        yield from (table.grid.rows[row][column.index] for row in range(table.first_row, len(table.grid.rows)))
 
 
 def _reconsidered(grid: Grid, table: Table, column: Column) -> Column:
@@ -180,6 +208,8 @@ def _reconsidered(grid: Grid, table: Table, column: Column) -> Column:
     if column.meaning is None or column.meaning.sure:
         return column
     values = [grid.rows[row][column.index] for row in range(table.first_row, len(grid.rows))]
+    if all(says_able(value) is not None for value in values if not blank(value)):
+        return column
     words = sum(1 for value in values if not cannot(value) and not _is_number(value))
     if words * 2 > sum(1 for value in values if not blank(value)):
         return replace(column, meaning=None, why="it holds texts, not times")

@@ -11,10 +11,10 @@ from pydantic import ValidationError
 
 from tandem.cell.model import Cell
 from tandem.cell.names import Known
-from tandem.cell.spreadsheet.beside import Beside, lists_operators, read_beside, read_sets, role_of
+from tandem.cell.spreadsheet.beside import Beside, lists_operators, operators_named, read_beside, read_sets, role_of, tables_beside
 from tandem.cell.spreadsheet.findings import Findings, Note, listed
 from tandem.cell.spreadsheet.grid import Book, Grid, shown
-from tandem.cell.spreadsheet.header import Column, Table, find_table
+from tandem.cell.spreadsheet.header import Column, Table, amounts_of, find_table
 from tandem.cell.spreadsheet.mapping import check_overrides, overrides_from, settled
 from tandem.cell.spreadsheet.tasks import Tasks, read_tasks, unit_of
 from tandem.cell.spreadsheet.values import decimal_mark
@@ -111,14 +111,16 @@ def read_book(
     """The same for an open book; see `read_workbook`."""
     kinds: dict[str, Kind] = {**dict.fromkeys(humans, "human"), **dict.fromkeys(robots, "robot")}
     overrides = overrides_from(columns or {})
-    findings = Findings(mark=decimal_mark(value for grid in book.grids for row in grid.rows for value in row))
+    findings = Findings()
     for remark in book.remarks:
         findings.note("assumed", remark, book.path.name)
     roles = {role: grid for grid in book.grids if (role := role_of(grid)) and grid.name != sheet}
-    beside = read_beside({role: grid for role, grid in roles.items() if _is_beside(grid)}, findings)
-    known = tuple(dict.fromkeys([*beside.operators, *kinds]))
+    sheets_beside = {role: grid for role, grid in roles.items() if _is_beside(grid)}
+    known = tuple(dict.fromkeys([*operators_named(sheets_beside), *kinds]))
     raw = _task_table(book, sheet, known, overrides, findings)
     check_overrides(overrides, raw)
+    findings.mark = decimal_mark(value for table in (raw, *tables_beside(sheets_beside)) for value in amounts_of(table))
+    beside = read_beside(sheets_beside, findings)
     table = settled(raw, tuple(beside.operators), findings)
     tasks = read_tasks(table, findings)
     document = _document(book, table, tasks, beside, kinds, roles, findings)

@@ -61,7 +61,7 @@ def _no_task(table: Table, row: int, before: list[int], below_all: bool) -> str 
 
 
 def _has_a_time(table: Table, row: int) -> bool:
-    return any((row, c.index) in table.grid.odd or not cannot(table.grid.rows[row][c.index]) for c in table.having("time"))
+    return any((row, c.index) in table.grid.odd or not cannot(table.grid.value(row, c.index)) for c in table.having("time"))
 
 
 def _repeats_header(table: Table, row: int) -> bool:

@@ -6,14 +6,17 @@ import re
 from dataclasses import dataclass, field
 from typing import Any
 
-from tandem.cell.spreadsheet.findings import Findings, listed
-from tandem.cell.spreadsheet.grid import shown
+from tandem.cell.spreadsheet.findings import AS_FRACTION, AS_SHOWN, Findings, Percent, listed
+from tandem.cell.spreadsheet.grid import Value, blank, shown
 from tandem.cell.spreadsheet.header import Column, Table
+from tandem.cell.spreadsheet.merged import say_what_is_merged
 from tandem.cell.spreadsheet.references import References, UnknownTaskError, task_name
 from tandem.cell.spreadsheet.rows import task_rows
-from tandem.cell.spreadsheet.values import cannot
+from tandem.cell.spreadsheet.values import cannot, says_able
 
 TEXTS = ("part", "tool", "zone")
+STAND_IN = 1.0
+"""A time to check a task with when its own is a fault; it never leaves this room."""
 LISTS = ("after", "after rows", "before", "same operator")
 
 
@@ -55,6 +58,8 @@ def read_tasks(table: Table, findings: Findings) -> Tasks:
         found.tasks[entry.name] = entry.data
         findings.places["tasks", entry.name] = table.grid.place(entry.rows[0], name.index if name else table.columns[0].index)
     _cannot(table, entries, findings)
+    _percentages(table, entries, findings)
+    say_what_is_merged(table, {row: entry.name for entry in entries for row in entry.rows}, findings)
     _lists(table, entries, name is None, found, findings)
     return found
 
@@ -106,7 +111,7 @@ def _texts(table: Table, entry: Entry, label: Column | None, findings: Findings)
             findings.places["tasks", entry.name, what] = table.grid.place(entry.rows[0], column.index)
     for column in table.having("release", "deadline"):
         what = column.meaning.what if column.meaning else ""
-        moment = findings.time(table.grid, entry.rows[0], column.index, unit_of(table, column), zero=what == "release")
+        moment = _time(table, entry.rows[0], column, findings, zero=what == "release")
         if moment is not None and not (what == "release" and moment == 0):
             entry.data[what] = moment
             findings.places["tasks", entry.name, what] = table.grid.place(entry.rows[0], column.index)
@@ -115,6 +120,12 @@ def _texts(table: Table, entry: Entry, label: Column | None, findings: Findings)
 def unit_of(table: Table, column: Column) -> str:
     """The unit of a column of times: its own, the sheet's, or seconds."""
     return (column.meaning.unit if column.meaning else None) or table.unit or "s"
+
+
+def _time(table: Table, row: int, column: Column, findings: Findings, *, zero: bool = False) -> float | None:
+    """Seconds in a column of times; None for "cannot" and for faults."""
+    told = column.meaning is not None and column.meaning.told and column.meaning.unit is not None
+    return findings.time(table.grid, row, column.index, unit_of(table, column), zero=zero, told=told)
 
 
 # --- one column for each operator ---------------------------------------------------------------------------------------------
@@ -128,10 +139,24 @@ def _wide_times(table: Table, entry: Entry, found: Tasks, findings: Findings) ->
             continue
         for name in who:
             found.operators.setdefault(name, column.place)
-        time = findings.time(table.grid, row, column.index, unit_of(table, column))
+        time = _time(table, row, column, findings)
         if time is not None:
             _way(entry, who, time, table.grid.place(row, column.index), findings)
+    _able_ways(table, entry, found, findings)
     _stand_in(table, entry, found, findings)
+
+
+def _able_ways(table: Table, entry: Entry, found: Tasks, findings: Findings) -> None:
+    """Everybody whom a column of abilities marks takes the one time of the task."""
+    able = table.having("able")
+    common = [column for column in table.having("time") if able and column.meaning and not column.meaning.who]
+    time = _time(table, entry.rows[0], common[0], findings) if common else STAND_IN
+    for column in able:
+        who = column.meaning.who if column.meaning else ()
+        for name in who:
+            found.operators.setdefault(name, column.place)
+        if time is not None and says_able(findings.value(table.grid, entry.rows[0], column.index) or ""):
+            _way(entry, who, time, table.grid.place(entry.rows[0], column.index), findings)
 
 
 def _way(entry: Entry, who: tuple[str, ...], time: float, place: str, findings: Findings) -> None:
@@ -154,28 +179,32 @@ def _stand_in(table: Table, entry: Entry, found: Tasks, findings: Findings) -> N
     if any(table.grid.place(row, column.index) in faulty for row in entry.rows for column in table.having("time", "operator")):
         who = next(iter(found.operators), "human")
         found.operators.setdefault(who, "")
-        entry.data["time"] = {who: 1.0}
+        entry.data["time"] = {who: STAND_IN}
 
 
 def _cannot(table: Table, entries: list[Entry], findings: Findings) -> None:
     """Says for each operator which tasks a 0 or an empty cell has taken away."""
-    for column in table.having("time"):
-        if not column.meaning or (not column.meaning.who and not table.having("operator")):
+    for column in table.having("time", "able"):
+        if not column.meaning or (not column.meaning.who and not table.having("operator", "able")):
             continue
         missing = [
             (entry.name, row)
             for entry in entries
             for row in entry.rows
-            if (row, column.index) not in table.grid.odd and cannot(table.grid.rows[row][column.index])
+            if (row, column.index) not in table.grid.odd and _says_cannot(table.grid.value(row, column.index), column)
         ]
         if missing:
-            who = " + ".join(column.meaning.who) or "the operator of the row"
+            who = " + ".join(column.meaning.who) or ("nobody" if table.having("able") else "the operator of the row")
             cells = [f"{name} ({table.grid.place(row, column.index).rpartition('!')[2]} {_as_seen(table, row, column)})" for name, row in missing]
             findings.note("cannot", f"{who} cannot do: {listed(cells)}.", column.place)
 
 
+def _says_cannot(value: Value, column: Column) -> bool:
+    return cannot(value) if column.meaning and column.meaning.what == "time" else says_able(value) is False
+
+
 def _as_seen(table: Table, row: int, column: Column) -> str:
-    text = shown(table.grid.rows[row][column.index])
+    text = shown(table.grid.value(row, column.index))
     return f"is {text}" if text else "is empty"
 
 
@@ -187,7 +216,7 @@ def _long_times(table: Table, entry: Entry, found: Tasks, findings: Findings) ->
     for row in entry.rows:
         place = table.grid.place(row, who_column.index)
         text = findings.text(table.grid, row, who_column.index)
-        time = findings.time(table.grid, row, time_column.index, unit_of(table, time_column))
+        time = _time(table, row, time_column, findings)
         if not text:
             if time is not None:
                 findings.fault(f"is empty: nobody is named for the time of task {entry.name!r}.", place)
@@ -220,7 +249,7 @@ def _measures(table: Table, entry: Entry, long_form: bool, findings: Findings) -
         if long_form and not who and what == "stress" and len(entry.rows) > 1:
             _stress_by_row(table, entry, column, findings)
             continue
-        amount = findings.amount(table.grid, entry.rows[0], column.index, f"a number for {what}")
+        amount = findings.amount(table.grid, entry.rows[0], column.index, f"a number for {what}", _percent(column))
         if amount is None:
             continue
         place = table.grid.place(entry.rows[0], column.index)
@@ -229,8 +258,18 @@ def _measures(table: Table, entry: Entry, long_form: bool, findings: Findings) -
         elif who:
             _per_operator(entry, what, who[0], amount, place, column, findings)
         else:
+            if isinstance(entry.data.get(what), dict):
+                findings.fault(f"gives {what} of everybody although task {entry.name!r} has one for each. Keep one of the two.", place)
+                continue
             entry.data[what] = amount
             findings.places["tasks", entry.name, what] = place
+
+
+def _percent(column: Column) -> Percent | None:
+    """How numbers under "[%]" count: a spread is a fraction of the time, all else is taken as it is shown."""
+    if column.meaning is None or not column.meaning.percent:
+        return None
+    return AS_FRACTION if column.meaning.what == "spread" else AS_SHOWN
 
 
 def _per_operator(entry: Entry, what: str, who: str, amount: float, place: str, column: Column, findings: Findings) -> None:
@@ -256,7 +295,11 @@ def _joint_stress(entry: Entry, who: tuple[str, ...], human: str, amount: float,
 def _stress_by_row(table: Table, entry: Entry, column: Column, findings: Findings) -> None:
     """One number for all rows, or one for each: those of the joint rows go to the joint ways."""
     who_column = table.having("operator")[0]
-    by_row = {row: amount for row in entry.rows if (amount := findings.amount(table.grid, row, column.index, "a number for stress")) is not None}
+    by_row = {
+        row: amount
+        for row in entry.rows
+        if (amount := findings.amount(table.grid, row, column.index, "a number for stress", _percent(column))) is not None
+    }
     if not by_row:
         return
     findings.places["tasks", entry.name, "stress"] = table.grid.place(next(iter(by_row)), column.index)
@@ -271,6 +314,27 @@ def _stress_by_row(table: Table, entry: Entry, column: Column, findings: Finding
                 _per_operator(entry, "stress", who[0], amount, table.grid.place(row, column.index), column, findings)
 
 
+def _percentages(table: Table, entries: list[Entry], findings: Findings) -> None:
+    """Says how percentages were understood, and refuses a column that mixes them with plain numbers."""
+    for column in table.having("stress", "difficulty", "spread"):
+        cells = [(table.grid.origin(row, column.index), column.index) for entry in entries for row in entry.rows]
+        marked = [cell for cell in cells if table.grid.words.get(cell) == "%"]
+        plain = [
+            cell
+            for cell in cells
+            if cell not in marked and not blank(table.grid.rows[cell[0]][cell[1]]) and not cannot(table.grid.rows[cell[0]][cell[1]])
+        ]
+        if not marked:
+            continue
+        if not _percent(column) and plain:
+            here, there = table.grid.place(*plain[0]), table.grid.place(*marked[0])
+            findings.fault(f"is no percentage, and {there} is one. Write the column {column.header!r} in one way.", here)
+        value = table.grid.rows[marked[0][0]][marked[0][1]]
+        size = findings.amount(table.grid, *marked[0], "a number", _percent(column))
+        if isinstance(value, int | float) and size is not None:
+            findings.note("assumed", f"percentages in {column.header!r} count so: {value * 100:.15g} % is {size:.15g}.", column.place)
+
+
 # --- lists of tasks -----------------------------------------------------------------------------------------------------------
 
 
@@ -280,7 +344,7 @@ def _lists(table: Table, entries: list[Entry], counted: bool, found: Tasks, find
     for column in table.having(*LISTS):
         what = column.meaning.what if column.meaning else ""
         references = References([entry.name for entry in entries], labels, rows, counted)
-        references.agree_on_numbers([table.grid.rows[row][column.index] for entry in entries for row in entry.rows], what == "after rows")
+        references.agree_on_numbers([table.grid.value(row, column.index) for entry in entries for row in entry.rows], what == "after rows")
         if references.said:
             findings.note("assumed", f"the numbers in {column.header!r} are {references.said}.", column.place)
         for entry in entries:
@@ -289,18 +353,20 @@ def _lists(table: Table, entries: list[Entry], counted: bool, found: Tasks, find
 
 
 def _list(table: Table, entry: Entry, row: int, column: Column, what: str, references: References, found: Tasks, findings: Findings) -> None:
-    if not findings.sound(table.grid, row, column.index):
+    value = findings.value(table.grid, row, column.index)
+    if value is None:
         return
-    place = table.grid.place(row, column.index)
+    place = table.grid.place(table.grid.origin(row, column.index), column.index)
     try:
-        names = references.read(table.grid.rows[row][column.index])
+        names = references.read(value)
     except UnknownTaskError as error:
         findings.fault(f"{str(error).rstrip('.?')}{'?' if str(error).endswith('?') else '.'}", place)
         return
     for name in names:
         if what == "same operator":
-            findings.places["same_operator", len(found.same_operator)] = place
-            found.same_operator.append([entry.name, name])
+            if [entry.name, name] not in found.same_operator:
+                findings.places["same_operator", len(found.same_operator)] = place
+                found.same_operator.append([entry.name, name])
             continue
         later, first = (name, entry.name) if what == "before" else (entry.name, name)
         after = found.tasks[later].setdefault("after", [])

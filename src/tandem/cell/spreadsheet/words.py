@@ -66,6 +66,8 @@ class Meaning:
       human: the human whose stress it is, within the joint way `who`.
       unit: the unit of time, when the header says one.
       sure: the words say so; a guess from the operator's name alone is not sure.
+      told: by `--map`, not by the header.
+      percent: the header gives the scale as per cent.
     """
 
     what: str
@@ -73,6 +75,8 @@ class Meaning:
     human: str = ""
     unit: str | None = None
     sure: bool = True
+    told: bool = False
+    percent: bool = False
 
     def __str__(self) -> str:
         of = f" of {' + '.join(self.who)}" if self.who and not self.human else ""
@@ -140,6 +144,27 @@ def meaning(header: str, known: tuple[str, ...] = ()) -> Meaning | None:
     if who and (unit or all(name in known or is_kind_word(name) for name in who)):
         return Meaning("time", who, unit=unit, sure=bool(unit) or all(name in known for name in who))
     return None
+
+
+SCALE = re.compile(
+    r"(\d+([.,]\d+)?)?\s*(-|–|—|\.\.+|…|/|bis|to|%|‰)\s*(\d+([.,]\d+)?)?|pkte?|punkten?|pts?|prozent|percent|pct|skala|scale|n|nm|kg|kcal|bpm|watt|w"
+)
+"""Words that say in what a stress is counted: "0-10", "%", "Pkt."; a plain number may be somebody's."""
+
+
+def without_scale(header: str) -> tuple[str, str]:
+    """The header without what stands in brackets and without words of scale, and those: `Stress (0-10)` -> "Stress", "0-10"."""
+    taken: list[str] = []
+
+    def keep(found: re.Match[str]) -> str:
+        taken.append(found[0].strip("[](){}<> "))
+        return " "
+
+    rest = re.sub(r"\[[^\]]*\]?|\([^)]*\)?|\{[^}]*\}?|<[^>]*>?", keep, tidy(header))
+    words = rest.split()
+    taken += [word for word in words if SCALE.fullmatch(word.casefold().rstrip("."))]
+    kept = [word for word in words if not SCALE.fullmatch(word.casefold().rstrip("."))]
+    return " ".join(kept), ", ".join(taken)
 
 
 def _stem(plain: str) -> str | None:

@@ -1,0 +1,51 @@
+"""The unit of all times of a sheet, as a line above the header or a footnote states it: "alle Zeiten in HM", "Unit: min"."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from itertools import pairwise
+
+from tandem.cell.spreadsheet.grid import Grid, tidy
+from tandem.cell.spreadsheet.values import UNITS, unit_named
+
+_SPELLINGS = "|".join(re.escape(text) for text in sorted((s for spellings in UNITS.values() for s in spellings), key=len, reverse=True))
+IN_A_UNIT = re.compile(rf"(?:\bin\s+|[\[(]\s*(?:in\s+)?)({_SPELLINGS})\.?(?=[\s.;:,)\]]|$)", re.IGNORECASE)
+AFTER_A_WORD = re.compile(rf"(?:[:=,]\s*|\s(?:sind|are|is|ist)\s+)({_SPELLINGS})\.?\s*$", re.IGNORECASE)
+OF_TIMES = re.compile(r"\b(\w*zeit(en)?|zeit\w*|times?|dauern?|durations?|angaben|werte|values|\w*einheit(en)?|units?)\b", re.IGNORECASE)
+OF_SOMETHING_ELSE = re.compile(
+    r"\b(takt|zyklus|cycle|durchlauf|lead|schicht|shift|pause|break|gesamt|total|sum|rüst|setup|warte|wait|stand|start)\w*", re.IGNORECASE
+)
+
+
+def unit_said(grid: Grid, header_row: int, first_row: int) -> tuple[str | None, str]:
+    """The unit of all times and "", or None and why nothing may be assumed: two lines contradict each other, or one names a unit of something."""
+    stated: dict[str, str] = {}
+    named: dict[str, str] = {}
+    for row, text in _lines(grid, header_row, first_row):
+        place = grid.place(row, next(grid.filled(row))[0])
+        of_times = bool(OF_TIMES.search(text)) and not OF_SOMETHING_ELSE.search(text)
+        found = IN_A_UNIT.search(text) or (AFTER_A_WORD.search(text) if of_times else None)
+        if found and (unit := unit_named(found[1])):
+            if of_times:
+                stated.setdefault(unit, f"{text!r} ({place})")
+            elif row < header_row:
+                named.setdefault(unit, f"{text!r} ({place})")
+    if len(stated) == 1:
+        return next(iter(stated)), ""
+    if stated or set(named) - {"s"}:
+        return None, " and ".join((stated or named).values())
+    return None, ""
+
+
+def _lines(grid: Grid, header_row: int, first_row: int) -> Iterator[tuple[int, str]]:
+    """`(row, text)` of what stands above the header, and alone in its row below it; "Unit" and "min" in two cells are one text."""
+    for row in range(len(grid.rows)):
+        texts = [tidy(value) for _, value in grid.filled(row) if isinstance(value, str)]
+        if row < header_row:
+            yield from ((row, text) for text in texts)
+            for word, unit in pairwise(texts):
+                if unit_named(unit.strip("[]()")) and not unit_named(word):
+                    yield row, f"{word.rstrip(':= ')}: {unit}"
+        elif row >= first_row and len(texts) == 1 == len(list(grid.filled(row))):
+            yield row, texts[0]
