@@ -110,11 +110,20 @@ def best_table(grid: Grid, read: Reader) -> Table | None:
         for above in (0, 1):
             if row - above < 0 or not any(isinstance(value, str) for _, value in grid.filled(row)):
                 continue
+            if above and _is_a_line(grid, row - 1, row):
+                continue
             table = _table(grid, row, above, read)
             score = _score(grid, table, row)
             if score >= 2 and (best is None or score > best[0] + 1e-9):
                 best = score, table
     return None if best is None else _with_context(grid, best[1])
+
+
+def _is_a_line(grid: Grid, row: int, header_row: int) -> bool:
+    """The row is a title or a remark: one text, over the first column of the header below it."""
+    texts = [column for column, _ in grid.filled(row)]
+    first = next((column for column, _ in grid.filled(header_row)), 0)
+    return len(texts) == 1 and grid.spread_of(row, texts[0])[1] <= first
 
 
 def _table(grid: Grid, row: int, above: int, read: Reader) -> Table:
@@ -177,24 +186,8 @@ def _with_context(grid: Grid, table: Table) -> Table:
     inside = {word for header in header_texts for word in (header,)}
     titles = [text for text in texts if re.search(r"[^\W\d]{2}", text) and not any(text in header for header in inside)]
     unit, doubt = unit_said(grid, table.header_row, table.first_row)
-    columns = tuple(_reconsidered(grid, table, _unit_above(grid, table, column)) for column in table.columns)
+    columns = tuple(_reconsidered(grid, table, column) for column in table.columns)
     return replace(table, columns=columns, title=titles[0][:200] if titles else "", unit=unit, doubt=doubt)
-
-
-def _unit_above(grid: Grid, table: Table, column: Column) -> Column:
-    """The column in the unit that the row above the header states, when `--map` names it by its own row of the header."""
-    what = column.meaning
-    if what is None or not what.told or what.unit or what.what not in TIMED or not table.header_row:
-        return column
-    return replace(
-        column, meaning=_in_unit(what, split_unit(_header(grid, table.header_row - 1, 0, column.index) or _left_of(grid, table, column))[1])
-    )
-
-
-def _left_of(grid: Grid, table: Table, column: Column) -> str:
-    """The text above the header that stands over this column and those left of it."""
-    above = (_text_at(grid, table.header_row - 1, left) for left in range(column.index, -1, -1))
-    return next((text for text in above if text), "")
 
 
 def amounts_of(table: Table) -> Iterator[Value]:

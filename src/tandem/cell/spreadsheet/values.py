@@ -90,6 +90,7 @@ SIGN = r"(?P<sign>[-+−]?) ?"
 GROUPED = r"[1-9]\d{0,2}(?:(?P<group>[.,'’ ])\d{3})(?:(?P=group)\d{3})*"
 """1'200, 1 200 000, 1.200.000: one to three digits, then groups of exactly three, with one kind of mark."""
 WRITTEN = re.compile(rf"{SIGN}(?:(?P<grouped>{GROUPED})|(?P<whole>\d*))(?:(?P<mark>[.,])(?P<part>\d*))?(?P<unit>\D.*| .+)?")
+MARKS: dict[str, Mark] = {",": ",", ".": "."}
 MOST_DIGITS = 40
 LARGEST = Decimal(10) ** 12
 
@@ -117,15 +118,15 @@ def written(text: str) -> Written | None:
     found = WRITTEN.fullmatch(_in_one_line(text))
     if not found or len(text) > MOST_DIGITS:
         return None
-    group, mark, part = found["group"], found["mark"], found["part"] or ""
+    group, mark, part = found["group"], MARKS.get(found["mark"]), found["part"] or ""
     unit = unit_named(found["unit"]) if found["unit"] else None
     if (found["unit"] and not unit) or not ((found["grouped"] or found["whole"] or "") + part) or (mark is not None and mark == group):
         return None
     digits = re.sub(r"\D", "", found["grouped"] or found["whole"] or "")
     sign = "-" if found["sign"] in ("-", "−") else ""
-    if group in (",", ".") and mark is None:
+    if group in MARKS and mark is None:
         if len(digits) <= 6:
-            return Written(sign, digits[:-3], digits[-3:], unit, group, doubtful=True)
+            return Written(sign, digits[:-3], digits[-3:], unit, MARKS[group], doubtful=True)
         return Written(sign, digits, "", unit, shows="." if group == "," else ",")
     return Written(sign, digits, part, unit, mark, shows=mark if part else None)
 
@@ -182,6 +183,8 @@ def _text_number(text: str, mark: Mark | None) -> Number:
     found = written(text)
     if found is None:
         hint = "type the duration in one unit" if re.fullmatch(r"\d+:\d+(:\d+)?", tidy(text)) else "write one number"
+        if written(tidy(text)) is not None:
+            hint = "write one number in one line, without doubled blanks or soft hyphens"
         short = tidy(text) if len(text) <= MOST_DIGITS else tidy(text)[:MOST_DIGITS] + "…"
         raise UnreadableError(f"holds {short!r} where a number is expected: {hint}, or leave the cell empty if nobody can do it")
     whole, part = found.whole, found.part
