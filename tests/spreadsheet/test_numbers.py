@@ -70,24 +70,19 @@ def test_only_times_and_amounts_are_evidence_of_the_decimal_mark(lines: Sequence
     assert "may be 8250 or 8.250" in message
 
 
-@pytest.mark.parametrize(
-    ("evidence", "expected"),
-    [
-        ("9,5", 12.5),
-        ("0,500", 12.5),
-        ("1.234,5", 12.5),
-        ("1234,567", 12.5),
-        ("9.5", 12500),
-        ("0.500", 12500),
-        ("1,234,567", 12500),
-        ("1'234.5", 12500),
-    ],
-)
-def test_one_number_among_the_times_or_the_stress_is_evidence(evidence: str, expected: float, tmp_path: Path) -> None:
+EVIDENCE = {"9,5": 12.5, "0,500": 12.5, "1.234,5": 12.5, "1234,567": 12.5, "1,234,567": 12500, "1,234.5": 12500, "9.5": None, "1'234.5": None}
+
+
+@pytest.mark.parametrize(("evidence", "expected"), EVIDENCE.items())
+def test_one_number_among_the_times_or_the_stress_is_evidence(evidence: str, expected: float | None, tmp_path: Path) -> None:
+    """Of the decimal mark; that the other mark groups thousands needs evidence of its own."""
     among_times = text_file(tmp_path / "a.csv", "Task;Time human [s];Stress", "a;12,500;1", f"b;{evidence};2")
     in_stress = text_file(tmp_path / "b.csv", "Task;Time human [s];Stress", "a;12,500;1", f"b;3;{evidence}")
     for path in (among_times, in_stress):
-        assert times(import_cell(path)[0])["a"] == {"human": expected}
+        if expected is None:
+            assert "!B2: holds '12,500', which may be 12500 or 12.500" in refusal(path)
+        else:
+            assert times(import_cell(path)[0])["a"] == {"human": expected}
 
 
 def test_numbers_that_disagree_about_the_decimal_mark_prove_nothing(tmp_path: Path) -> None:
@@ -481,6 +476,15 @@ def test_lines_that_contradict_each_other_about_the_unit_are_asked_about(tmp_pat
     assert "Sheet1!B3: no unit is stated for 'Time human', and none can be assumed" in refusal(books.sheet(tmp_path / "t.xlsx", rows))
     rows = [["Takt [min]: 2"], ["Task", "Time human"], ["a", 50]]
     assert "none can be assumed beside 'Takt [min]: 2' (Sheet1!A1)" in refusal(books.sheet(tmp_path / "u.xlsx", rows))
+
+
+@pytest.mark.parametrize(("below", "expected"), [("s", 50), ("[s]", 50), ("min", None), ("HM", None)])
+def test_a_row_of_units_that_repeats_the_header_or_contradicts_it(below: str, expected: float | None, tmp_path: Path) -> None:
+    path = books.sheet(tmp_path / "t.xlsx", [["Task", "Time human [s]", "Time robot"], [None, below, "s"], ["a", 50, 6]])
+    if expected is None:
+        assert f"none can be assumed beside 'Time human [s]' and '{below}' below it (Sheet1!B2)" in refusal(path)
+    else:
+        assert times(import_cell(path)[0]) == {"a": {"human": expected, "robot": 6}}
 
 
 # --- the scale of stress ------------------------------------------------------------------------------------------------------

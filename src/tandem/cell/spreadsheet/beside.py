@@ -172,7 +172,7 @@ def _breaks(text: str, unit: str, place: str, findings: Findings) -> list[list[f
         try:
             if len(ends) != 2:
                 raise UnreadableError(f"holds {part!r}")
-            pairs.append([float(seconds(number(end, findings.mark), unit)[0]) for end in ends])
+            pairs.append([float(seconds(number(end, findings.marks), unit)[0]) for end in ends])
         except UnreadableError:
             findings.fault(f"holds {part!r}: write breaks as from-to since the start, several with semicolons, such as '300-600; 900-1000'.", place)
     return pairs

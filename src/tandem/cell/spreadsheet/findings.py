@@ -12,7 +12,8 @@ from tandem.cell.spreadsheet.grid import Grid, Value, shown, tidy
 from tandem.cell.spreadsheet.values import (
     FINEST_AMOUNT,
     FINEST_TIME,
-    Mark,
+    NO_MARKS,
+    Marks,
     Number,
     UnreadableError,
     cannot,
@@ -62,14 +63,14 @@ class Findings:
 
     Attributes:
       places: path in the cell -> place in the sheet.
-      mark: the decimal mark of text numbers.
+      marks: how text numbers are written.
       shaky: paths whose value could not be read; a stand-in is checked in its stead, and never leaves this room.
     """
 
     notes: list[Note] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
     places: dict[Path, str] = field(default_factory=dict)
-    mark: Mark | None = None
+    marks: Marks = NO_MARKS
     rounded: list[str] = field(default_factory=list)
 
     def note(self, kind: str, message: str, place: str = "") -> None:
@@ -147,7 +148,7 @@ class Findings:
         if cannot(value) and not (zero and shown(value)[:1] == "0"):
             return None
         try:
-            found = number(value, self.mark)
+            found = number(value, self.marks)
             size, changed = convert(found)
         except UnreadableError as error:
             self.fault(f"{error}.", place)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from tandem.cell.spreadsheet.grid import Grid, Value, blank, shown, tidy
 from tandem.cell.spreadsheet.units import unit_said
-from tandem.cell.spreadsheet.values import UnreadableError, cannot, number, says_able, unit_named
+from tandem.cell.spreadsheet.values import cannot, is_number, says_able, unit_named
 from tandem.cell.spreadsheet.words import SCALE, Meaning, key, meaning, split_unit
 
 LAST_HEADER_ROW = 60
@@ -110,7 +110,7 @@ def best_table(grid: Grid, read: Reader) -> Table | None:
         for above in (0, 1):
             if row - above < 0 or not any(isinstance(value, str) for _, value in grid.filled(row)):
                 continue
-            if above and _is_a_line(grid, row - 1, row):
+            if _units_in(grid, row) or (above and _is_a_line(grid, row - 1, row)):
                 continue
             table = _table(grid, row, above, read)
             score = _score(grid, table, row)
@@ -128,16 +128,36 @@ def _is_a_line(grid: Grid, row: int, header_row: int) -> bool:
 
 def _table(grid: Grid, row: int, above: int, read: Reader) -> Table:
     headers = [_header(grid, row, above, column) for column in range(grid.width)]
-    first = row + 1
+    first, doubt = row + 1, ""
     if first < len(grid.rows):
-        below = {column: shown(value).strip("[]() ") for column, value in grid.filled(first)}
-        if any(map(unit_named, below.values())) and all(unit_named(text) or SCALE.fullmatch(text.casefold().rstrip(".")) for text in below.values()):
-            headers = [f"{text} [{unit_named(below[column]) or below[column]}]" if column in below else text for column, text in enumerate(headers)]
+        if below := _units_in(grid, first):
+            said = {column: (split_unit(headers[column])[1], unit_named(text)) for column, text in below.items()}
+            doubt = next((f"{headers[c]!r} and {below[c]!r} below it ({grid.place(first, c)})" for c, units in said.items() if _differ(*units)), "")
+            headers = [_with_unit(text, below.get(column), bool(doubt)) for column, text in enumerate(headers)]
             first += 1
     columns = []
     for column, text in enumerate(headers):
         columns.append(Column(column, text, grid.place(row, column), read(text, column)))
-    return Table(grid, row, first, tuple(columns))
+    return Table(grid, row, first, tuple(columns), doubt=doubt)
+
+
+def _units_in(grid: Grid, row: int) -> dict[int, str]:
+    """Column -> unit, for a row that holds units of time, perhaps scales of other things beside them, and nothing else."""
+    texts = {column: shown(value).strip("[]() ") for column, value in grid.filled(row)}
+    all_units = all(unit_named(text) or SCALE.fullmatch(text.casefold().rstrip(".")) for text in texts.values())
+    return texts if all_units and any(map(unit_named, texts.values())) else {}
+
+
+def _differ(stated: str | None, below: str | None) -> bool:
+    return stated is not None and below is not None and stated != below
+
+
+def _with_unit(header: str, below: str | None, doubt: bool) -> str:
+    """The header with the unit of the row below it; without any when the two contradict each other somewhere."""
+    bare, unit = split_unit(header)
+    if below is None or (unit and not doubt):
+        return header
+    return bare if doubt else f"{header} [{unit_named(below) or below}]"
 
 
 def _header(grid: Grid, row: int, above: int, column: int) -> str:
@@ -187,6 +207,7 @@ def _with_context(grid: Grid, table: Table) -> Table:
     titles = [text for text in texts if re.search(r"[^\W\d]{2}", text) and not any(text in header for header in inside)]
     unit, doubt = unit_said(grid, table.header_row, table.first_row)
     columns = tuple(_reconsidered(grid, table, column) for column in table.columns)
+    unit, doubt = (None, table.doubt) if table.doubt else (unit, doubt)
     return replace(table, columns=columns, title=titles[0][:200] if titles else "", unit=unit, doubt=doubt)
 
 
@@ -203,15 +224,7 @@ def _reconsidered(grid: Grid, table: Table, column: Column) -> Column:
     values = [grid.rows[row][column.index] for row in range(table.first_row, len(grid.rows))]
     if all(says_able(value) is not None for value in values if not blank(value)):
         return column
-    words = sum(1 for value in values if not cannot(value) and not _is_number(value))
+    words = sum(1 for value in values if not cannot(value) and not is_number(value))
     if words * 2 > sum(1 for value in values if not blank(value)):
         return replace(column, meaning=None, why="it holds texts, not times")
     return column
-
-
-def _is_number(value: object) -> bool:
-    try:
-        number(value, ".")  # type: ignore[arg-type]
-    except UnreadableError:
-        return False
-    return True

@@ -17,7 +17,7 @@ from tandem.cell.spreadsheet.grid import Book, Grid, shown
 from tandem.cell.spreadsheet.header import Column, Table, amounts_of, find_table
 from tandem.cell.spreadsheet.mapping import check_overrides, overrides_from, settled
 from tandem.cell.spreadsheet.tasks import Tasks, read_tasks, unit_of
-from tandem.cell.spreadsheet.values import decimal_mark
+from tandem.cell.spreadsheet.values import marks_of
 from tandem.cell.spreadsheet.words import Kind, Meaning, key, kind_of
 from tandem.cell.spreadsheet.workbook import open_book, refused
 from tandem.cell.wording import flaws
@@ -119,7 +119,7 @@ def read_book(
     known = tuple(dict.fromkeys([*operators_named(sheets_beside), *kinds]))
     raw = _task_table(book, sheet, known, overrides, findings)
     check_overrides(overrides, raw)
-    findings.mark = decimal_mark(value for table in (raw, *tables_beside(sheets_beside)) for value in amounts_of(table))
+    findings.marks = marks_of(value for table in (raw, *tables_beside(sheets_beside)) for value in amounts_of(table))
     beside = read_beside(sheets_beside, findings)
     table = settled(raw, tuple(beside.operators), findings)
     tasks = read_tasks(table, findings)

@@ -8,9 +8,11 @@ from collections.abc import Iterator
 from tandem.cell.spreadsheet.findings import Findings, listed
 from tandem.cell.spreadsheet.grid import Grid, blank, shown, tidy
 from tandem.cell.spreadsheet.header import Table
-from tandem.cell.spreadsheet.values import UnreadableError, cannot, number
+from tandem.cell.spreadsheet.values import Marks, UnreadableError, cannot, number
 from tandem.cell.spreadsheet.words import TOTALS, key
 
+ANY_MARK = Marks(".", grouped=True)
+"""Good enough to see whether a row sums up those above it."""
 AVERAGES = re.compile(r"mittelwerte?|durchschnitt|average|mean|min|max|minimum|maximum|taktzeit|cycle time", re.IGNORECASE)
 
 
@@ -85,7 +87,7 @@ def _sums_up(table: Table, row: int, before: list[int]) -> bool:
 
 def _number(grid: Grid, row: int, column: int) -> float | None:
     try:
-        return float(number(grid.rows[row][column], ".").value)
+        return float(number(grid.rows[row][column], ANY_MARK).value)
     except UnreadableError:
         return None
 

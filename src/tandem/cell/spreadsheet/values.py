@@ -101,6 +101,7 @@ class Written:
 
     Attributes:
       doubtful: "12,500" may be 12500 or 12.5; its only mark is then in `mark`.
+      grouped: thousands are grouped by a point or a comma.
       shows: the decimal mark that it shows beyond doubt; None when it has none, or is doubtful.
     """
 
@@ -111,6 +112,7 @@ class Written:
     mark: Mark | None = None
     doubtful: bool = False
     shows: Mark | None = None
+    grouped: bool = False
 
 
 def written(text: str) -> Written | None:
@@ -127,8 +129,8 @@ def written(text: str) -> Written | None:
     if group in MARKS and mark is None:
         if len(digits) <= 6:
             return Written(sign, digits[:-3], digits[-3:], unit, MARKS[group], doubtful=True)
-        return Written(sign, digits, "", unit, shows="." if group == "," else ",")
-    return Written(sign, digits, part, unit, mark, shows=mark if part else None)
+        return Written(sign, digits, "", unit, shows="." if group == "," else ",", grouped=True)
+    return Written(sign, digits, part, unit, mark, shows=mark if part else None, grouped=group in MARKS)
 
 
 def _in_one_line(text: str) -> str:
@@ -138,22 +140,39 @@ def _in_one_line(text: str) -> str:
     return "".join(kept).strip()
 
 
-def decimal_mark(values: Iterable[Value]) -> Mark | None:
-    """The decimal mark that text numbers show beyond doubt: `10,5` is one, `1,234` may be a thousand; None without evidence, or when they disagree.
+@dataclass(frozen=True)
+class Marks:
+    """How text numbers are written.
+
+    Attributes:
+      decimal: the mark before the decimals, or None when it is not known.
+      grouped: the other mark is known to group thousands.
+    """
+
+    decimal: Mark | None = None
+    grouped: bool = False
+
+
+def marks_of(values: Iterable[Value]) -> Marks:
+    """The marks that text numbers show beyond doubt: `10,5` and `1.200.000` do, `1,234` may be a thousand or not.
 
     Args:
-      values: of cells that hold times or amounts. Only those that are one number and nothing else are heard.
+      values: of cells that hold times or amounts. Only those that are one number and nothing else are heard; when they disagree,
+        nothing is known.
     """
-    numbers = (written(value) for value in values if isinstance(value, str))
-    marks = {number.shows for number in numbers if number and number.shows}
-    return marks.pop() if len(marks) == 1 else None
+    numbers = [found for value in values if isinstance(value, str) and (found := written(value)) and found.shows]
+    decimals = {found.shows for found in numbers}
+    return Marks(decimals.pop(), any(found.grouped for found in numbers)) if len(decimals) == 1 else Marks()
 
 
-def number(value: Value, mark: Mark | None = None) -> Number:
+NO_MARKS = Marks()
+
+
+def number(value: Value, marks: Marks = NO_MARKS) -> Number:
     """The number in a sheet cell, exactly as the sheet shows it (15 digits, as Excel does).
 
     Args:
-      mark: the decimal mark of the sheet's text numbers when it is known.
+      marks: those of the sheet's text numbers, as far as they are known.
 
     Raises:
       UnreadableError: with the way out, when it is a date, a clock time, a truth value, several numbers or another text.
@@ -168,7 +187,7 @@ def number(value: Value, mark: Mark | None = None) -> Number:
             f"holds the date {value} where a number is expected (Excel makes dates of entries such as 1.2 or 3-4): "
             "format the cell as a number and type it anew"
         )
-    found = Number(Decimal(f"{value:.15g}")) if isinstance(value, int | float) else _text_number(value, mark)
+    found = Number(Decimal(f"{value:.15g}")) if isinstance(value, int | float) else _text_number(value, marks)
     if not found.value.is_finite() or abs(found.value) > LARGEST:
         raise UnreadableError(f"holds {shown(value)}, which is larger than any number that can be meant here ({LARGEST:,})")
     return found
@@ -179,7 +198,7 @@ def is_number(value: Value) -> bool:
     return not isinstance(value, bool) and (isinstance(value, int | float) or (isinstance(value, str) and written(value) is not None))
 
 
-def _text_number(text: str, mark: Mark | None) -> Number:
+def _text_number(text: str, marks: Marks) -> Number:
     found = written(text)
     if found is None:
         hint = "type the duration in one unit" if re.fullmatch(r"\d+:\d+(:\d+)?", tidy(text)) else "write one number"
@@ -188,9 +207,9 @@ def _text_number(text: str, mark: Mark | None) -> Number:
         short = tidy(text) if len(text) <= MOST_DIGITS else tidy(text)[:MOST_DIGITS] + "…"
         raise UnreadableError(f"holds {short!r} where a number is expected: {hint}, or leave the cell empty if nobody can do it")
     whole, part = found.whole, found.part
-    if found.doubtful and mark is None:
+    if found.doubtful and found.mark != marks.decimal and not marks.grouped:
         raise UnreadableError(f"holds {tidy(text)!r}, which may be {whole}{part} or {whole}.{part}: format the cell as a number and type it anew")
-    if found.doubtful and found.mark != mark:
+    if found.doubtful and found.mark != marks.decimal:
         whole, part = whole + part, ""
     return Number(Decimal(f"{found.sign}{whole or 0}.{part or 0}"), found.unit)
 
