@@ -129,12 +129,14 @@ def _is_a_line(grid: Grid, row: int, header_row: int) -> bool:
 def _table(grid: Grid, row: int, above: int, read: Reader) -> Table:
     headers = [_header(grid, row, above, column) for column in range(grid.width)]
     first, doubt = row + 1, ""
-    if first < len(grid.rows):
-        if below := _units_in(grid, first):
-            said = {column: (split_unit(headers[column])[1], unit_named(text)) for column, text in below.items()}
-            doubt = next((f"{headers[c]!r} and {below[c]!r} below it ({grid.place(first, c)})" for c, units in said.items() if _differ(*units)), "")
-            headers = [_with_unit(text, below.get(column), bool(doubt)) for column, text in enumerate(headers)]
-            first += 1
+    below = _units_in(grid, first) if first < len(grid.rows) else {}
+    if below:
+        said = {column: (split_unit(headers[column])[1], unit_named(text)) for column, text in below.items()}
+        contradicted = next((column for column, units in said.items() if _differ(*units)), None)
+        if contradicted is not None:
+            doubt = f"{headers[contradicted]!r} and {below[contradicted]!r} below it ({grid.place(first, contradicted)})"
+        headers = [_with_unit(text, below.get(column), bool(doubt)) for column, text in enumerate(headers)]
+        first += 1
     columns = []
     for column, text in enumerate(headers):
         columns.append(Column(column, text, grid.place(row, column), read(text, column)))
@@ -191,7 +193,7 @@ def _score(grid: Grid, table: Table, row: int) -> float:
             continue
         found.add((what.what, (what.who, what.human)))
         score += WEIGHTS.get(what.what, 1.0) - (0.0 if what.sure else 1.0) + (0.25 if what.unit else 0.0)
-    numbers = sum(1 for _, value in grid.filled(row) if isinstance(value, int | float) and not isinstance(value, bool))
+    numbers = sum(1 for _, value in grid.filled(row) if is_number(value))
     return score - numbers
 
 
