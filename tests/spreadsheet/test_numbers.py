@@ -221,7 +221,7 @@ MERGED_ROWS: list[list[Any]] = [
 
 
 @pytest.mark.parametrize("kind", ["xlsx", "ods", "xls"])
-@pytest.mark.parametrize(("column", "what"), enumerate(["time", "time", "after", "stress", "deadline", "release", "tool", "same"], 1))
+@pytest.mark.parametrize(("column", "what"), list(enumerate(["time", "time", "after", "stress", "deadline", "release", "tool", "same"], 1)))
 def test_a_value_merged_downwards_counts_for_every_row(kind: str, column: int, what: str, tmp_path: Path) -> None:
     rows = [list(row) for row in MERGED_ROWS]
     rows[3][2] = None if column == 2 else 5
@@ -417,6 +417,19 @@ def test_a_unit_in_some_cells_and_none_in_others_is_asked_about(tmp_path: Path) 
     assert "Sheet1!B3: has no unit, B2 has min" in refusal(books.sheet(tmp_path / "u.xlsx", [["Task", "Time human"], ["a", "1,5 min"], ["b", 2]]))
     cell, _ = import_cell(formatted(tmp_path / "v.xlsx", [["Task", "Time human [HM]"], ["a", 1.5], ["b", 20]], {"B2": '0.0 "min"'}))
     assert times(cell) == {"a": {"human": 90}, "b": {"human": 12}}
+
+
+def test_an_old_workbook_must_state_its_unit_because_its_formats_cannot_be_seen(tmp_path: Path) -> None:
+    xlwt = pytest.importorskip("xlwt", reason="pip install xlwt")
+    for name, header in (("none.xls", "Time human"), ("min.xls", "Time human [min]")):
+        book = xlwt.Workbook()
+        target = book.add_sheet("Alt")
+        for row, values in enumerate([["Task", header], ["a", 1.5]]):
+            for column, value in enumerate(values):
+                target.write(row, column, value, xlwt.easyxf(num_format_str='0.0 "min"'))
+        book.save(str(tmp_path / name))
+    assert "Alt!B1: no unit is stated for 'Time human', and in .xls files" in refusal(tmp_path / "none.xls")
+    assert times(import_cell(tmp_path / "min.xls")[0]) == {"a": {"human": 90}}
 
 
 def test_units_that_ods_shows_count(tmp_path: Path) -> None:

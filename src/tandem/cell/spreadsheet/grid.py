@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import itertools
 import re
 import unicodedata
 from collections.abc import Iterator, Mapping
@@ -60,13 +61,15 @@ class Grid:
 
     @cached_property
     def _areas(self) -> dict[tuple[int, int], tuple[int, int, int, int]]:
-        """Cell -> the merged area that it is part of, as far as the sheet reaches."""
+        """Cell -> the merged area that it is part of, as far as the sheet reaches. Areas of a sound file never overlap."""
         found: dict[tuple[int, int], tuple[int, int, int, int]] = {}
         for area in self.merged:
             top, left, bottom, right = area
-            for row in range(top, min(bottom + 1, len(self.rows))):
-                for column in range(left, min(right + 1, self.width)):
-                    found.setdefault((row, column), area)
+            rows, columns = range(top, min(bottom + 1, len(self.rows))), range(left, min(right + 1, self.width))
+            for cell in itertools.product(rows, columns):
+                if cell in found:
+                    break  # so that a damaged file costs no more than its cells
+                found[cell] = area
         return found
 
     def origin(self, row: int, column: int) -> int:

@@ -30,7 +30,11 @@ def say_what_is_merged(table: Table, tasks: Mapping[int, str], findings: Finding
             findings.fault(
                 f"is merged over {where}, so it is not clear what it says of {said}. Split the cells and fill in each.", table.grid.place(top, left)
             )
-        elif left in read and not _names_tasks(read[left]) and len({tasks[row] for row in tasks if top <= row <= bottom}) > 1:
+        elif (
+            left in read
+            and not _names_tasks(read[left])
+            and len({tasks[row] for row in range(top, min(bottom + 1, len(table.grid.rows))) if row in tasks}) > 1
+        ):
             downwards.append(where)
     if downwards:
         findings.note(

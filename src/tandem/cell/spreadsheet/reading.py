@@ -14,7 +14,7 @@ from tandem.cell.names import Known
 from tandem.cell.spreadsheet.beside import Beside, lists_operators, operators_named, read_beside, read_sets, role_of, tables_beside
 from tandem.cell.spreadsheet.findings import Findings, Note, listed
 from tandem.cell.spreadsheet.grid import Book, Grid, shown
-from tandem.cell.spreadsheet.header import Column, Table, amounts_of, find_table
+from tandem.cell.spreadsheet.header import TIMED, Column, Table, amounts_of, find_table
 from tandem.cell.spreadsheet.mapping import check_overrides, overrides_from, settled
 from tandem.cell.spreadsheet.tasks import Tasks, read_tasks, unit_of
 from tandem.cell.spreadsheet.values import marks_of
@@ -306,6 +306,14 @@ def _more_notes(book: Book, table: Table, findings: Findings) -> None:
         findings.note("assumed", f"hidden columns were read all the same: {listed(map(repr, hidden))}.", table.grid.place(table.header_row, 0))
     if not book.sees_errors and book.path.suffix.lower() in (".xls", ".xlsb") and any(note.kind == "cannot" for note in findings.notes):
         findings.note("assumed", f"in {book.path.suffix} files an error such as #REF! cannot be told from an empty cell; save as .xlsx to be sure.")
+    if not book.sees_errors and (silent := [c for c in table.having(*TIMED) if c.meaning and not c.meaning.unit and not table.unit]):
+        findings.fault(
+            f"no unit is stated for {listed(repr(column.header) for column in silent)}, and in {book.path.suffix} files the unit that a number format "
+            "shows cannot be seen. Write [s], [min] or [1/100 min] into the header, or save as .xlsx.",
+            silent[0].place,
+        )
+    if book.path.suffix.lower() == ".xlsb":
+        findings.note("assumed", "in .xlsb files merged cells and number formats are not seen; save as .xlsx to be sure.")
     units = {unit_of(table, column) for column in table.having("time")}
     if units - {"s"}:
         findings.note("assumed", f"times were converted to seconds from {listed(sorted(units - {'s'}))}.")

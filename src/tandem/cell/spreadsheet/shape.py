@@ -29,8 +29,11 @@ def refuse_values_beyond_the_header(table: Table, columns: list[Column], rows: l
 
 def _longer_than_the_header(table: Table, below: Mapping[int, list[int]], rows: list[int]) -> list[int]:
     """Rows of a text file with values behind the last column that the header's line has."""
-    lengths, header = table.grid.lengths, table.header_row
-    return [row for row in rows if lengths and any(row in below.get(column, ()) for column in range(lengths[header], lengths[row]))]
+    lengths, values = table.grid.lengths, table.grid.rows
+    if not lengths:
+        return []
+    end = lengths[table.header_row]
+    return [row for row in rows if any(column in below and not blank(values[row][column]) for column in range(end, lengths[row]))]
 
 
 def _refuse_split_numbers(table: Table, columns: list[Column], below: Mapping[int, list[int]], findings: Findings) -> None:

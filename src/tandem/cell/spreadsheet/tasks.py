@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tandem.cell.spreadsheet.findings import AS_FRACTION, AS_SHOWN, Findings, Percent, listed
-from tandem.cell.spreadsheet.grid import Value, blank, shown
+from tandem.cell.spreadsheet.grid import Value, shown
 from tandem.cell.spreadsheet.header import Column, Table
 from tandem.cell.spreadsheet.merged import say_what_is_merged
 from tandem.cell.spreadsheet.references import References, UnknownTaskError, task_name
@@ -319,11 +319,7 @@ def _percentages(table: Table, entries: list[Entry], findings: Findings) -> None
     for column in table.having("stress", "difficulty", "spread"):
         cells = [(table.grid.origin(row, column.index), column.index) for entry in entries for row in entry.rows]
         marked = [cell for cell in cells if table.grid.words.get(cell) == "%"]
-        plain = [
-            cell
-            for cell in cells
-            if cell not in marked and not blank(table.grid.rows[cell[0]][cell[1]]) and not cannot(table.grid.rows[cell[0]][cell[1]])
-        ]
+        plain = [cell for cell in cells if table.grid.words.get(cell) != "%" and not cannot(table.grid.rows[cell[0]][cell[1]])]
         if not marked:
             continue
         if not _percent(column) and plain:
