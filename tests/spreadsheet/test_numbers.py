@@ -491,6 +491,44 @@ def test_lines_that_contradict_each_other_about_the_unit_are_asked_about(tmp_pat
     assert "none can be assumed beside 'Takt [min]: 2' (Sheet1!A1)" in refusal(books.sheet(tmp_path / "u.xlsx", rows))
 
 
+@pytest.mark.parametrize(
+    "unit", ["0.1 min", "1/10 s", "10 s", "d", "m", "'", "%", "s/min", "min/Stück", "min x 100", "Tage", "min pro Teil", "s, min"]
+)
+@pytest.mark.parametrize("header", ["Zeit Mensch [{}]", "Time human ({})", "Dauer [{}] Roboter"])
+def test_a_unit_that_is_not_known_is_refused(unit: str, header: str, tmp_path: Path) -> None:
+    path = books.sheet(tmp_path / "t.xlsx", [["Task", header.format(unit), "Time robot 2 [s]"], ["a", 2, 3]])
+    assert "Sheet1!B1: " in refusal(path)
+
+
+def test_a_unit_that_is_not_known_can_be_told(tmp_path: Path) -> None:
+    path = books.sheet(tmp_path / "t.xlsx", [["Task", "Zeit Mensch [0,1 min]"], ["a", 2]])
+    assert "'0,1 min' is no one unit that Tandem knows" in refusal(path)
+    assert times(import_cell(path, columns={"B": "time Mensch [s]"})[0]) == {"a": {"Mensch": 2}}
+
+
+@pytest.mark.parametrize("header", ["Zeit Mensch [s] (min)", "Zeit Mensch [s] [HM]", "Zeit Mensch 0,1 min"])
+def test_two_units_or_a_part_of_one_in_a_header_are_refused(header: str, tmp_path: Path) -> None:
+    assert "is no one unit that Tandem knows" in refusal(books.sheet(tmp_path / "t.xlsx", [["Task", header], ["a", 2]]))
+
+
+@pytest.mark.parametrize(
+    "header", ["Time (Anna) [s]", "Zeit [s] (UR5)", "Zeit (Werker 2) [s]", "Time (Robot S) [s]", "Zeit Anna S. [s]", "Time robot 2 s"]
+)
+def test_a_name_in_brackets_is_no_unit(header: str, tmp_path: Path) -> None:
+    path = books.sheet(tmp_path / "t.xlsx", [["Task", header], ["a", 2]])
+    draft = read_workbook(path)
+    assert [list(task["time"].values()) for task in draft.document["tasks"].values()] == [[2]]
+    assert not any("unit" in fault.message for fault in draft.faults)
+
+
+@pytest.mark.parametrize("header", ["Einheit", "Unit", "Zeiteinheit", "UoM"])
+def test_units_in_a_column_of_their_own_are_not_passed_over(header: str | None, tmp_path: Path) -> None:
+    rows = [["Task", "Time human", header], ["a", 2, "min"], ["b", 30, "s"]]
+    assert "Sheet1!C2: " in refusal(books.sheet(tmp_path / "t.xlsx", rows))
+    rows = [["Task", "Time human [s]", header], ["a", 2, "s"], ["b", 30, "s"]]
+    assert times(import_cell(books.sheet(tmp_path / "u.xlsx", rows))[0]) == {"a": {"human": 2}, "b": {"human": 30}}
+
+
 @pytest.mark.parametrize(("below", "expected"), [("s", 50), ("[s]", 50), ("min", None), ("HM", None)])
 def test_a_row_of_units_that_repeats_the_header_or_contradicts_it(below: str, expected: float | None, tmp_path: Path) -> None:
     path = books.sheet(tmp_path / "t.xlsx", [["Task", "Time human [s]", "Time robot"], [None, below, "s"], ["a", 50, 6]])

@@ -308,8 +308,8 @@ def _more_notes(book: Book, table: Table, findings: Findings) -> None:
         findings.note("assumed", f"in {book.path.suffix} files an error such as #REF! cannot be told from an empty cell; save as .xlsx to be sure.")
     if not book.sees_errors and (silent := [c for c in table.having(*TIMED) if c.meaning and not c.meaning.unit and not table.unit]):
         findings.fault(
-            f"no unit is stated for {listed(repr(column.header) for column in silent)}, and in {book.path.suffix} files the unit that a number format "
-            "shows cannot be seen. Write [s], [min] or [1/100 min] into the header, or save as .xlsx.",
+            f"no unit is stated for {listed(repr(column.header) for column in silent)}, and in {book.path.suffix} files the unit that a number "
+            "format shows cannot be seen. Write [s], [min] or [1/100 min] into the header, or save as .xlsx.",
             silent[0].place,
         )
     if book.path.suffix.lower() == ".xlsb":

@@ -18,6 +18,51 @@ OF_SOMETHING_ELSE = re.compile(
 )
 
 
+OF_OTHER_KINDS = {
+    "d",
+    "day",
+    "days",
+    "tag",
+    "tage",
+    "wk",
+    "m",
+    "mm",
+    "cm",
+    "km",
+    "kg",
+    "n",
+    "eur",
+    "us",
+    "µs",
+    "ns",
+    "stk",
+    "stck",
+    "stück",
+    "pcs",
+    "rpm",
+}
+
+
+def unclear_unit(header: str) -> str:
+    """What stands in a header where a unit would, and is none that is known: "0.1 min", "min/Stück", "d", a second unit; "" when nothing does.
+
+    Args:
+      header: without the unit that was understood.
+    """
+    in_brackets = (found[1].strip() for found in re.finditer(r"[\[({]([^\[\](){}]*)[\])}]", header))
+    if odd := next((text for text in in_brackets if text and _looks_like_a_unit(text)), ""):
+        return odd
+    tail = re.search(r"\d+[.,/]\d+\s*$", header)
+    return tail[0].strip() if tail else ""
+
+
+def _looks_like_a_unit(text: str) -> bool:
+    words = re.findall(r"[^\W\d_]+", text.casefold())
+    units = [word for word in words if unit_named(word)]
+    factors = re.search(r"[/%×*'\"]|\d|\b(per|je|pro|x|in)\b", text.casefold())
+    return not words or (bool(units) and (len(units) == len(words) or bool(factors))) or all(word in OF_OTHER_KINDS for word in words)
+
+
 def unit_said(grid: Grid, header_row: int, first_row: int) -> tuple[str | None, str]:
     """The unit of all times and "", or None and why nothing may be assumed: two lines contradict each other, or one names a unit of something."""
     stated: dict[str, str] = {}

@@ -48,7 +48,7 @@ MEASURES: dict[str, str] = {
 NO_OPERATOR = re.compile(
     r"ruest\w*|setup|set-up|wart\w*|wait\w*|idle|leer\w*|cycle|zyklus\w*|takt\w*|gesamt\w*|total|sum|summe|wege\w*|walk\w*|geh\w*|puffer\w*|buffer|"
     r"start\w*|end|ende|beginn|begin|finish|max\w*|mean|avg|average|mittel\w*|durchschnitt\w*|kum\w*|cum\w*|anteil|share|alt|old|std|"
-    r"abweichung|deviation|minimum|date|datum|liege\w*|slack|schlupf\w*|makespan|bound\w*|busy|utili[sz]ation|auslastung|transport\w*|lead|lag|durchlauf\w*|changeover|wechsel\w*|neben\w*|hilfs\w*|verteil\w*|erhol\w*|priority|prio\w*"
+    r"abweichung|deviation|minimum|date|datum|liege\w*|slack|schlupf\w*|makespan|bound\w*|busy|utili[sz]ation|auslastung|transport\w*|lead|lag|durchlauf\w*|changeover|wechsel\w*|neben\w*|hilfs\w*|verteil\w*|erhol\w*|priority|prio\w*|\w*einheit(en)?|units?|uom|dimension"
 )
 """Kinds of time that no single operator spends on the task: such columns are listed as not read."""
 
