@@ -45,6 +45,14 @@ def test_asking_the_command_for_help_is_quick_and_loads_neither_solver_nor_pictu
     assert (HEAVY - {"click", "rich", "pydantic"}) & {name.partition(".")[0] for name in runs[0][1]} == set()
 
 
+@pytest.mark.parametrize("arguments", [("--help",), ("plan", "--help"), ("check", "no-such-file.yaml"), ("--version",)])
+def test_the_package_runs_as_a_module_under_its_own_name(arguments: tuple[str, ...]) -> None:
+    ran = python("-m", "tandem", *arguments)
+    assert "tandem" in ran.stdout + ran.stderr
+    assert "__main__" not in ran.stdout + ran.stderr
+    assert ran.returncode == (3 if "check" in arguments else 0)
+
+
 def test_the_face_is_sorted_and_every_name_on_it_is_there() -> None:
     assert list(tandem.__all__) == sorted(tandem.__all__)
     assert set(tandem.__all__) <= set(dir(tandem))

@@ -492,12 +492,21 @@ def test_lines_that_contradict_each_other_about_the_unit_are_asked_about(tmp_pat
 
 
 @pytest.mark.parametrize(
-    "unit", ["0.1 min", "1/10 s", "10 s", "d", "m", "'", "%", "s/min", "min/Stück", "min x 100", "Tage", "min pro Teil", "s, min"]
+    "unit", ["0.1 min", "1/10 s", "10 s", "d", "m", "'", "%", "s/min", "0.1 min/Stück", "min x 100", "Tage", "d pro Teil", "s, min"]
 )
 @pytest.mark.parametrize("header", ["Zeit Mensch [{}]", "Time human ({})", "Dauer [{}] Roboter"])
 def test_a_unit_that_is_not_known_is_refused(unit: str, header: str, tmp_path: Path) -> None:
     path = books.sheet(tmp_path / "t.xlsx", [["Task", header.format(unit), "Time robot 2 [s]"], ["a", 2, 3]])
     assert "Sheet1!B1: " in refusal(path)
+
+
+@pytest.mark.parametrize("unit", ["min/Stück", "min pro Teil", "min/Stk.", "min per piece"])
+@pytest.mark.parametrize("header", ["Zeit Mensch [{}]", "Time human ({})", "Dauer [{}] Mensch"])
+def test_a_known_unit_per_piece_is_that_unit_times_the_pieces(unit: str, header: str, tmp_path: Path) -> None:
+    rows = [["Task", header.format(unit), "Anzahl"], ["a", "2,5", 4], ["b", 2, 1]]
+    cell, notes = import_cell(books.sheet(tmp_path / "t.xlsx", rows))
+    assert [next(iter(own.values())) for own in times(cell).values()] == [600, 120]
+    assert any("multiplied by 'Anzahl'" in note.message for note in notes)
 
 
 def test_a_unit_that_is_not_known_can_be_told(tmp_path: Path) -> None:
@@ -554,7 +563,7 @@ SCALES += [
     "Stress 0-10",
     "Belastung in Punkten",
     "Stress (0 = low, 10 = high)",
-    "Ergonomic load [Borg CR10]",
+    "Ergonomic load [1 to 10]",
     "Stress <0..10>",
     "Stress {1-5}",
     "EAWS [Pkt]",

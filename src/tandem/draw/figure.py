@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from tandem.cell.model import Cell
+from tandem.draw.language import Words
 from tandem.draw.layers import Layers, layers
 from tandem.schedule.model import Schedule
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
 NODE = (1.5, 0.62)
@@ -64,6 +66,11 @@ def graph_size(drawn: Layers) -> tuple[float, float]:
 def axes_or_new(ax: Axes | None, size: tuple[float, float]) -> Axes:
     """The given axes, or those of a new figure of that size in inches."""
     return ax if ax is not None else blank(*size).axes[0]
+
+
+def numbers_in(axis: Axis, t: Words) -> None:
+    """Writes the numbers along an axis as the language does."""
+    axis.set_major_formatter(lambda value, _: t.number(value))
 
 
 def legend_below(ax: Axes, entries: Sequence[tuple[Artist, str]], *, inches: float = 0.52) -> None:

@@ -164,7 +164,7 @@ def _trained(cell: Cell, recipe: ValueRecipe | SearchRecipe, seeds: Sequence[int
         result = run.result()
     if result["interrupted"]:
         raise KeyboardInterrupt
-    rows = run.rows()
+    rows = run.figures()
     return result, [[[row["steps"], row["greedy_makespan"]] for row in rows if row["seed"] == seed] for seed in seeds]
 
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from tandem.cell.spreadsheet.findings import Findings, listed
-from tandem.cell.spreadsheet.grid import Value, blank
+from tandem.cell.spreadsheet.grid import Grid, blank
 from tandem.cell.spreadsheet.header import Column, Table
 from tandem.cell.spreadsheet.values import says_able
 from tandem.cell.spreadsheet.words import Meaning, key
@@ -33,20 +31,20 @@ def settled_abilities(columns: list[Column], table: Table, rows: list[int], find
 
 
 def _holds_abilities(column: Column, table: Table, rows: list[int]) -> bool:
-    """The header names operators and says neither time nor unit, and below it there are only marks."""
+    """The header names operators and nothing else, and below it there are only marks."""
+    said = [ability_at(table.grid, row, column.index) for row in rows if not blank(table.grid.value(row, column.index))]
+    return names_only_operators(column) and any(said) and None not in said
+
+
+def names_only_operators(column: Column) -> bool:
+    """The header of a column that might hold times says neither time nor unit, but who; `--map` has not said what it is."""
     what = column.meaning
     if what is None or what.what != "time" or not what.who or what.unit or what.told:
         return False
     names = {word for name in what.who for word in key(name).split()}
-    return set(key(column.header).split()) == names and _only_marks(_values(column, table, rows))
+    return set(key(column.header).split()) == names
 
 
-def _only_marks(values: Iterable[Value]) -> bool:
-    said = [says_able(value) for value in values if not blank(value)]
-    return any(said) and None not in said
-
-
-def _values(column: Column, table: Table, rows: list[int]) -> list[Value]:
-    """What stands in the tasks' rows; a number with a unit in its format is no mark."""
-    grid = table.grid
-    return [grid.value(row, column.index) if (row, column.index) not in grid.words else "number" for row in rows]
+def ability_at(grid: Grid, row: int, column: int) -> bool | None:
+    """Whether a sheet cell says that somebody can do it; None when it holds no mark. A number with words in its format is none."""
+    return None if (grid.origin(row, column), column) in grid.words else says_able(grid.value(row, column))

@@ -60,7 +60,7 @@ def look(content: bytes) -> tuple[dict[str, Sight], bool]:
 
 
 def _error(value: str) -> str:
-    return f"holds the error {value}: mend the formula, or clear the cell if nobody can do it"
+    return f"holds the error {value}: mend the formula, or clear the cell if there is none"
 
 
 def _tag(element: ElementTree.Element) -> str:
@@ -251,3 +251,43 @@ def _ods_row(row: ElementTree.Element) -> Iterator[tuple[int, str]]:
             yield from ((column + i, _error(text)) for i in range(min(repeats, MOST_REPEATS)))
         elif formula and not text and _attribute(cell, "value") is None and _attribute(cell, "value-type") is None:
             yield from ((column + i, NO_RESULT) for i in range(min(repeats, MOST_REPEATS)))
+
+
+# --- indents ------------------------------------------------------------------------------------------------------------------
+
+
+def indented(content: bytes) -> dict[str, dict[tuple[int, int], int]]:
+    """Sheet name -> `(row, column)` -> how far a cell of an xlsx is indented by its format; only cells that are."""
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        names = set(archive.namelist())
+        if "xl/styles.xml" not in names or "xl/workbook.xml" not in names:
+            return {}
+        try:
+            styles = _indents_of_styles(archive.read("xl/styles.xml"))
+            if not styles:
+                return {}
+            found = {}
+            for sheet, part in _sheet_parts(archive):
+                if part in names:
+                    with archive.open(part) as stream:
+                        found[sheet] = dict(_indented_cells(stream, styles))
+            return found
+        except (ElementTree.ParseError, KeyError, ValueError, zipfile.BadZipFile):
+            return {}
+
+
+def _indents_of_styles(styles: bytes) -> dict[str, int]:
+    """The number of a cell's style -> its indent, where it has one."""
+    cells = next((list(element) for element in ElementTree.fromstring(styles) if _tag(element) == "cellXfs"), [])
+    indents = {str(place): part.attrib.get("indent", "0") for place, style in enumerate(cells) for part in style if _tag(part) == "alignment"}
+    return {place: int(indent) for place, indent in indents.items() if indent.isdecimal() and indent != "0"}
+
+
+def _indented_cells(stream: IO[bytes], styles: dict[str, int]) -> Iterator[tuple[tuple[int, int], int]]:
+    for _, element in ElementTree.iterparse(stream):
+        if _tag(element) == "c" and (indent := styles.get(element.attrib.get("s", ""))):
+            reference = re.fullmatch(r"([A-Z]{1,3})(\d{1,7})", element.attrib.get("r", ""))
+            if reference:
+                yield (int(reference[2]) - 1, _column(reference[1], 0)), indent
+        elif _tag(element) == "row":
+            element.clear()

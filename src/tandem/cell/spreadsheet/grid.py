@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import datetime
 import itertools
-import re
-import unicodedata
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+
+from tandem.cell.names import clean
 
 Value = str | float | bool | datetime.date | datetime.time | datetime.timedelta
 """What one sheet cell holds; the empty text when it holds nothing."""
@@ -31,6 +31,7 @@ class Grid:
       lengths: how many columns each row of a text file has of its own.
       hidden: the sheet itself is hidden.
       hidden_rows, hidden_columns: counted from 0.
+      indents: `(row, column)` -> how far the cell is indented by its format, where it is.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Grid:
     hidden: bool = False
     hidden_rows: frozenset[int] = frozenset()
     hidden_columns: frozenset[int] = frozenset()
+    indents: Mapping[tuple[int, int], int] = field(default_factory=dict)
 
     @cached_property
     def width(self) -> int:
@@ -120,10 +122,8 @@ def blank(value: Value) -> bool:
 
 
 def tidy(text: str) -> str:
-    """Blanks of every kind, line breaks and invisible marks as single spaces; letters with their accents in one piece."""
-    text = unicodedata.normalize("NFC", text)
-    text = "".join(" " if unicodedata.category(c) in ("Zs", "Zl", "Zp") else c for c in text if unicodedata.category(c) != "Cf")
-    return re.sub(r"\s+", " ", text).strip()
+    """The text as names are spelled everywhere: single blanks, no unseen signs, letters with their accents in one piece."""
+    return clean(text)
 
 
 def shown(value: Value) -> str:

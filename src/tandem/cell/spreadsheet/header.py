@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from tandem.cell.spreadsheet.grid import Grid, Value, blank, shown, tidy
+from tandem.cell.spreadsheet.grid import Grid, Value, blank, letters, shown, tidy
 from tandem.cell.spreadsheet.units import unit_said
 from tandem.cell.spreadsheet.values import cannot, is_number, says_able, unit_named
 from tandem.cell.spreadsheet.words import SCALE, Meaning, key, meaning, split_unit
@@ -19,6 +19,7 @@ LAST_HEADER_ROW = 60
 WEIGHTS = {"number": 2.0, "task": 2.0, "label": 2.0, "after": 2.0, "after rows": 2.0, "time": 3.0, "operator": 1.5, "ignore": 0.2}
 TIMED = ("time", "release", "deadline")
 TASK_WORDS = {*WEIGHTS, "part", "tool", "zone", "release", "deadline", "same operator", "before", "stress", "difficulty", "spread"}
+TASK_WORDS |= {"outline number", "outline level", "milestone", "quantity"}
 """What a column of a task sheet can mean."""
 
 
@@ -39,6 +40,11 @@ class Column:
     place: str
     meaning: Meaning | None
     why: str = ""
+
+    @property
+    def letter(self) -> str:
+        """What the column is called in the sheet: C."""
+        return letters(self.index)
 
 
 @dataclass(frozen=True)
@@ -68,7 +74,7 @@ class Table:
     @property
     def holds_tasks(self) -> bool:
         """There is a name for each task, and a time."""
-        return bool(self.having("number", "task", "label") and self.having("time"))
+        return bool(self.having("number", "task", "label", "outline number") and self.having("time"))
 
 
 Reader = Callable[[str, int], Meaning | None]
@@ -93,6 +99,8 @@ def find_table(grid: Grid, known: tuple[str, ...] = (), overrides: Mapping[str, 
         if text and (name := next((name for name in (key(text), key(bare)) if name in by_key), None)) is not None:
             return _in_unit(by_key[name], unit)
         found = meaning(text, known) if text else None
+        if found is not None and found.what == "capacity":  # "Anzahl" is how many there are of a tool, and how many pieces a task has
+            return replace(found, what="quantity")
         return found if found is None or found.what in TASK_WORDS else None
 
     return best_table(grid, read)
@@ -193,8 +201,10 @@ def _score(grid: Grid, table: Table, row: int) -> float:
             continue
         found.add((what.what, (what.who, what.human)))
         score += WEIGHTS.get(what.what, 1.0) - (0.0 if what.sure else 1.0) + (0.25 if what.unit else 0.0)
-    numbers = sum(1 for _, value in grid.filled(row) if is_number(value))
-    return score - numbers
+    naming = next((table.having(what)[0].index for what in ("number", "task", "label", "outline number") if table.having(what)), None)
+    tasks = {shown(grid.value(below, naming)) for below in range(table.first_row, len(grid.rows))} if naming is not None else set()
+    numbers = [shown(value) for _, value in grid.filled(row) if is_number(value)]
+    return score - sum(1 for text in numbers if text not in tasks)  # a matrix of precedence is headed by the tasks themselves
 
 
 def _with_context(grid: Grid, table: Table) -> Table:
@@ -215,7 +225,7 @@ def _with_context(grid: Grid, table: Table) -> Table:
 
 def amounts_of(table: Table) -> Iterator[Value]:
     """What stands in the columns of times and amounts: the cells that show how this sheet writes decimals."""
-    for column in table.having(*TIMED, "stress", "difficulty", "spread", "stress limit", "capacity", "changeover"):
+    for column in table.having(*TIMED, "stress", "difficulty", "spread", "stress limit", "capacity", "quantity", "changeover"):
         yield from (table.grid.rows[row][column.index] for row in range(table.first_row, len(table.grid.rows)))
 
 

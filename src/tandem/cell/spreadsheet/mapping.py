@@ -12,13 +12,16 @@ from tandem.cell.spreadsheet.abilities import settled_abilities
 from tandem.cell.spreadsheet.findings import Findings
 from tandem.cell.spreadsheet.grid import Grid, blank, shown, tidy
 from tandem.cell.spreadsheet.header import TASK_WORDS, Column, Table
+from tandem.cell.spreadsheet.precedence import MATRIX, listed_headers
 from tandem.cell.spreadsheet.rows import task_rows
 from tandem.cell.spreadsheet.shape import refuse_values_beyond_the_header
 from tandem.cell.spreadsheet.stated_units import say_units
 from tandem.cell.spreadsheet.words import Meaning, is_kind_word, key, kind_of, meaning, split_unit, without_scale
 from tandem.errors import UsageError
 
-ONCE = ("part", "tool", "zone", "release", "deadline", "operator", "same operator", "after", "after rows", "before")
+ONCE = ("part", "tool", "zone", "release", "deadline", "operator", "same operator", "outline number", "outline level", "milestone", "quantity")
+JOINED = ("after", "after rows", "before", *MATRIX.values())
+"""Lists of tasks: several columns of one kind add to each other."""
 
 
 def settled(table: Table, known: tuple[str, ...], findings: Findings) -> Table:
@@ -82,7 +85,7 @@ def _with_known_names(table: Table, known: tuple[str, ...], findings: Findings) 
         column = _with_scale(column, spelled, findings)
         if column.meaning and column.meaning.who:
             names = tuple(spelled.get(key(name), name) for name in column.meaning.who)
-            human = spelled.get(key(column.meaning.human), column.meaning.human)
+            human = column.meaning.human and spelled.get(key(column.meaning.human), column.meaning.human)
             anybody = column.meaning.what != "time" and len(names) == 1 and key(names[0]) not in spelled and kind_of(names[0]) == "human"
             column = replace(column, meaning=replace(column.meaning, who=() if anybody else names, human=human))
         settled_columns.append(column)
@@ -160,10 +163,8 @@ def _each_meaning_once(columns: list[Column], findings: Findings) -> list[Column
     found = []
     for column in columns:
         what = column.meaning
-        if what is not None and what.what not in ("number", "task", "label", "ignore"):
+        if what is not None and what.what not in ("number", "task", "label", "ignore", *JOINED):
             same = (what.what,) if what.what in ONCE else (what.what, frozenset(what.who), what.human)
-            if what.what.startswith("after"):
-                same = ("after",)
             if same in first:
                 other = first[same]
                 findings.fault(
@@ -175,6 +176,10 @@ def _each_meaning_once(columns: list[Column], findings: Findings) -> list[Column
             else:
                 first[same] = column
         found.append(column)
+    for kind in ("after", "before"):
+        several = [column for column in found if column.header and column.meaning and column.meaning.what == kind]
+        if len({column.header for column in several}) > 1:
+            findings.note("assumed", f"the columns {listed_headers(several)} are read together, as one list of tasks.", several[0].place)
     return found
 
 

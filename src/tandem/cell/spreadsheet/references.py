@@ -13,7 +13,10 @@ from tandem.cell.spreadsheet.grid import Value, blank, shown, tidy
 NO_TASK = {"-", "–", "—", "−", "/", "none", "no", "keine", "keiner", "kein", "nein", "n/a", "na", "n.a.", "k.a.", "start", "beginn", "0", "."}
 SEPARATORS = (r"[;\n]", r"[;\n,]", r"[;\n,/|+&]|\bund\b|\band\b", r"[;\n,/|+&\s]+|\bund\b|\band\b")
 """From the surest to the least sure; the first by which every part is a known task holds."""
-DAYS_AND_LAGS = re.compile(r"(.+?)\s*(FS|EA|SS|AA|FF|EE|SF|AE)\s*([+-].*)?", re.IGNORECASE)
+DAYS_AND_LAGS = re.compile(r"(.+?)\s*-?\s*(FS|EA|SS|AA|FF|EE|SF|AE)\s*([=+-].*)?", re.IGNORECASE)
+NO_LAG = re.compile(r"[=+-]+\s*P?T?0+([.,]0+)?\s*[^\W\d]*\.?", re.IGNORECASE)
+"""A wait of 0 behind a link, as project tools write it: "2FS+0 d", "2-FS=P0D"."""
+QUOTED = re.compile(r'"([^"]+)"')
 
 
 class UnknownTaskError(ValueError):
@@ -129,15 +132,16 @@ class References:
         return name
 
     def _split(self, text: str) -> list[str]:
+        text, quoted = _quotes_aside(text)
         for separator in SEPARATORS:
-            parts = [part for part in map(tidy, re.split(separator, text)) if part]
+            parts = _pieces(separator, text, quoted)
             try:
                 return [name for part in parts for name in self._part(part)]
             except LagError:
                 raise
             except UnknownTaskError:
                 continue
-        parts = [part for part in map(tidy, re.split(SEPARATORS[2 if self._blanks else 3], text)) if part]
+        parts = _pieces(SEPARATORS[2 if self._blanks else 3], text, quoted)
         complaints = []
         for part in parts:
             try:
@@ -151,7 +155,7 @@ class References:
             return [self._beyond_doubt(part, name)]
         if found := DAYS_AND_LAGS.fullmatch(part):
             name = self.task(found[1])
-            if name is not None and found[2].upper() in ("FS", "EA") and not found[3]:
+            if name is not None and found[2].upper() in ("FS", "EA") and (not found[3] or NO_LAG.fullmatch(found[3])):
                 return [name]
             if name is not None:
                 only = "Tandem knows only end-to-start (FS) without a lag"
@@ -172,6 +176,28 @@ class References:
         numbered = {name: re.fullmatch(r"(.*?)(\d+)", name) for name in self.names}
         low, high = int(ends[0][2]), int(ends[1][2])  # type: ignore[index]
         return [name for name, found in numbered.items() if found and found[1] == ends[0][1] and low <= int(found[2]) <= high]  # type: ignore[index]
+
+
+def unquoted(text: str) -> str:
+    """A name in double quotes stands for itself, though it looks like something else: a total, the number of a group."""
+    return text[1:-1] if len(text) > 2 and text[0] == text[-1] == '"' else text
+
+
+def _quotes_aside(text: str) -> tuple[str, list[str]]:
+    quoted = QUOTED.findall(text)
+    places = iter(range(len(quoted)))
+    return QUOTED.sub(lambda _: f"\x00{next(places)}\x00", text), quoted
+
+
+def _pieces(separator: str, text: str, quoted: Sequence[str]) -> list[str]:
+    """The parts of a list; names in double quotes, kept aside in `quoted`, stand for themselves whatever marks they hold."""
+    pieces = [tidy(piece) for piece in re.split(separator, text)]
+    return [_put_back(piece, quoted) for piece in pieces if piece]
+
+
+def _put_back(piece: str, quoted: Sequence[str]) -> str:
+    alone = re.fullmatch("\x00(\\d+)\x00", piece)
+    return quoted[int(alone[1])] if alone else re.sub("\x00(\\d+)\x00", lambda found: f'"{quoted[int(found[1])]}"', piece)
 
 
 def task_name(value: Value) -> str:

@@ -9,7 +9,7 @@ from tandem.cell.spreadsheet.grid import blank, letters
 from tandem.cell.spreadsheet.header import TIMED, Column, Table
 from tandem.cell.spreadsheet.units import unclear_unit
 from tandem.cell.spreadsheet.values import cannot, is_number, unit_named, written
-from tandem.cell.spreadsheet.words import key, split_unit
+from tandem.cell.spreadsheet.words import PER_PIECE, QUOTES, key, split_unit
 
 UNIT_COLUMN = re.compile(r"|\w*einheit(en)?|(time )?units?( of (time|measure))?|uom|me|dim(ension)?")
 """How a column of units is called; it may have no header at all."""
@@ -38,7 +38,9 @@ def say_units(table: Table, columns: list[Column], rows: list[int], findings: Fi
 def _refuse_an_unclear_unit(column: Column, findings: Findings) -> None:
     """A header such as "Time human [0.1 min]" states a unit, and none that is known."""
     what = column.meaning
-    odd = unclear_unit(split_unit(column.header)[0])
+    header = QUOTES.sub(" ", column.header)
+    header = PER_PIECE.sub(" ", header) if what is not None and what.per_piece else header
+    odd = unclear_unit(split_unit(header)[0])
     if odd and what is not None and not (what.told and what.unit):
         message = (
             f"{column.header!r}: {odd!r} is no one unit that Tandem knows. Write [s], [min], [h], [ms], [1/100 min] or [TMU], or say it "

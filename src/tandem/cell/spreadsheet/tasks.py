@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from tandem.cell.spreadsheet.findings import AS_FRACTION, AS_SHOWN, Findings, Percent, listed
-from tandem.cell.spreadsheet.grid import Value, shown
+from tandem.cell.spreadsheet.grid import Grid, Value, shown
 from tandem.cell.spreadsheet.header import Column, Table
+from tandem.cell.spreadsheet.joint import WhoError, people_in, ways
 from tandem.cell.spreadsheet.merged import say_what_is_merged
-from tandem.cell.spreadsheet.references import References, UnknownTaskError, task_name
+from tandem.cell.spreadsheet.outline import Outline, Row, between_tasks, outline_codes, read_outline
+from tandem.cell.spreadsheet.precedence import Link, listed_headers, matrix_links, sentence, sheet_links
+from tandem.cell.spreadsheet.references import References, UnknownTaskError, task_name, unquoted
 from tandem.cell.spreadsheet.rows import task_rows
 from tandem.cell.spreadsheet.values import cannot, says_able
 
@@ -22,11 +25,20 @@ LISTS = ("after", "after rows", "before", "same operator")
 
 @dataclass
 class Entry:
-    """One task under construction: its rows, and its part of the cell document."""
+    """One task under construction.
+
+    Attributes:
+      rows: counted from 0; several where each operator has one.
+      quoted: its name stands in double quotes.
+      data: its part of the cell document.
+      times: column -> seconds, of the times that its rows state; the longest where several do.
+    """
 
     name: str
     rows: list[int]
+    quoted: bool = False
     data: dict[str, Any] = field(default_factory=dict)
+    times: dict[int, float] = field(default_factory=dict)
 
 
 @dataclass
@@ -35,33 +47,62 @@ class Tasks:
 
     Attributes:
       operators: named by the columns or rows, in order of appearance, with the place where each was first named.
+      linked: something says what comes before what, or fails to.
+      people: everybody whom this table or other sheets name.
     """
 
     tasks: dict[str, dict[str, Any]] = field(default_factory=dict)
     same_operator: list[list[str]] = field(default_factory=list)
     operators: dict[str, str] = field(default_factory=dict)
+    linked: bool = False
+    people: list[str] = field(default_factory=list)
 
 
-def read_tasks(table: Table, findings: Findings) -> Tasks:
-    """Every task of the table; what is wrong goes to `findings`."""
-    found = Tasks()
+def read_tasks(table: Table, findings: Findings, beside: Sequence[Grid] = (), known: Sequence[str] = ()) -> Tasks:
+    """Every task of the table; what is wrong goes to `findings`.
+
+    Args:
+      beside: sheets that may say what comes before what.
+      known: operators that other sheets name.
+    """
+    found = Tasks(people=people_in(table, known))
     name, label = _naming(table)
     rows = task_rows(table, findings)
     if not rows:
         findings.fault("has a header but no task below it.", table.grid.place(table.header_row, 0))
     long_form = bool(table.having("operator")) and not any(column.meaning and column.meaning.who for column in table.having("time"))
     entries = _entries(table, rows, name, label, long_form, findings)
-    for entry in entries:
+    outline = _outline(table, entries, long_form, findings)
+    work = [entry for entry in entries if entry.name not in outline]
+    for entry in work:
         _texts(table, entry, label if label is not name else None, findings)
         (_long_times if long_form else _wide_times)(table, entry, found, findings)
-        _measures(table, entry, long_form, findings)
+        _measures(table, entry, long_form, found.people, findings)
         found.tasks[entry.name] = entry.data
         findings.places["tasks", entry.name] = table.grid.place(entry.rows[0], name.index if name else table.columns[0].index)
-    _cannot(table, entries, findings)
-    _percentages(table, entries, findings)
+    _pieces(table, findings)
+    _cannot(table, work, findings)
+    _percentages(table, work, findings)
     say_what_is_merged(table, {row: entry.name for entry in entries for row in entry.rows}, findings)
-    _lists(table, entries, name is None, found, findings)
+    _lists(table, entries, name is None, outline, found, findings, beside)
     return found
+
+
+def _outline(table: Table, entries: list[Entry], long_form: bool, findings: Findings) -> Outline:
+    """The entries that are summaries or milestones, told by their place and their times; faults in the times are told when they are read."""
+    aside = Findings(marks=findings.marks)
+    zero = set()
+    for entry in entries:
+        for column in table.having("time"):
+            cells = [table.grid.value(row, column.index) for row in entry.rows]
+            times = [_time(table, row, column, aside) for row in entry.rows]
+            if stated := [time for time in times if time is not None]:
+                entry.times[column.index] = max(stated)
+            nobody = long_form and not any(aside.text(table.grid, row, table.having("operator")[0].index) for row in entry.rows)
+            if nobody and all(shown(value)[:1] == "0" for value in cells):
+                zero.add(entry.name)
+    rows = [Row(entry.name, entry.rows[0], entry.quoted, entry.times, entry.name in zero) for entry in entries]
+    return read_outline(table, rows, findings)
 
 
 def _naming(table: Table) -> tuple[Column | None, Column | None]:
@@ -78,7 +119,8 @@ def _entries(table: Table, rows: list[int], name: Column | None, label: Column |
     entries: dict[str, Entry] = {}
     last: Entry | None = None
     for row in rows:
-        text = findings.text(table.grid, row, name.index) if name else ""
+        written = findings.text(table.grid, row, name.index) if name else ""
+        text = unquoted(written)
         said = findings.text(table.grid, row, label.index) if label else ""
         if long_form and last and not text and (name or not said or said == findings.text(table.grid, last.rows[0], label.index if label else None)):
             last.rows.append(row)
@@ -97,7 +139,7 @@ def _entries(table: Table, rows: list[int], name: Column | None, label: Column |
             first, here = (table.grid.place(r, name.index if name else 0) for r in (entries[text].rows[0], row))
             findings.fault(f"task {text!r} stands here a second time, the first is {first}. Give each task a name of its own.", here)
             continue
-        last = entries[text] = Entry(task_name(text), [row])
+        last = entries[text] = Entry(task_name(text), [row], text != written)
     return list(entries.values())
 
 
@@ -123,9 +165,33 @@ def unit_of(table: Table, column: Column) -> str:
 
 
 def _time(table: Table, row: int, column: Column, findings: Findings, *, zero: bool = False) -> float | None:
-    """Seconds in a column of times; None for "cannot" and for faults."""
+    """Seconds in a column of times, those of all pieces together; None for "cannot" and for faults."""
     told = column.meaning is not None and column.meaning.told and column.meaning.unit is not None
-    return findings.time(table.grid, row, column.index, unit_of(table, column), zero=zero, told=told)
+    time = findings.time(table.grid, row, column.index, unit_of(table, column), zero=zero, told=told)
+    if time is None or not column.meaning or not column.meaning.per_piece or not (quantities := table.having("quantity")):
+        return time
+    pieces = findings.amount(table.grid, row, quantities[0].index, "a number of pieces")
+    if not pieces:
+        place = table.grid.place(row, quantities[0].index)
+        findings.fault(f"does not say how many pieces there are, though {column.header!r} is the time of one. Write a number of 1 or more.", place)
+        return None
+    return round(time * pieces, 3)
+
+
+def _pieces(table: Table, findings: Findings) -> None:
+    """Says what became of times per piece and of numbers of pieces."""
+    each = [column for column in table.having("time") if column.meaning and column.meaning.per_piece]
+    quantities = table.having("quantity")
+    if each and quantities:
+        findings.note("assumed", f"the times per piece in {listed_headers(each)} are multiplied by {quantities[0].header!r}.", each[0].place)
+    elif each:
+        message = f"{listed_headers(each)}: a time per piece, and no column such as 'Quantity' says how many pieces: one for each task."
+        findings.note("assumed", message, each[0].place)
+    elif quantities:
+        name = quantities[0].header
+        findings.note(
+            "column", f"column {name!r} was not read: the times are those of the whole task, as no header says 'per piece'.", quantities[0].place
+        )
 
 
 # --- one column for each operator ---------------------------------------------------------------------------------------------
@@ -176,7 +242,7 @@ def _stand_in(table: Table, entry: Entry, found: Tasks, findings: Findings) -> N
     if entry.data.get("time") or entry.data.get("together"):
         return
     faulty = {fault.place for fault in findings.faults}
-    if any(table.grid.place(row, column.index) in faulty for row in entry.rows for column in table.having("time", "operator")):
+    if any(table.grid.place(row, column.index) in faulty for row in entry.rows for column in table.having("time", "operator", "quantity")):
         who = next(iter(found.operators), "human")
         found.operators.setdefault(who, "")
         entry.data["time"] = {who: STAND_IN}
@@ -221,7 +287,7 @@ def _long_times(table: Table, entry: Entry, found: Tasks, findings: Findings) ->
             if time is not None:
                 findings.fault(f"is empty: nobody is named for the time of task {entry.name!r}.", place)
             continue
-        for who in _alternatives(text, place, findings):
+        for who in _alternatives(text, place, found.people, findings):
             for name in who:
                 found.operators.setdefault(name, place)
             if time is not None:
@@ -229,25 +295,24 @@ def _long_times(table: Table, entry: Entry, found: Tasks, findings: Findings) ->
     _stand_in(table, entry, found, findings)
 
 
-def _alternatives(text: str, place: str, findings: Findings) -> list[tuple[str, ...]]:
-    """ "anna / ben" is one or the other, "anna + ben" both at once; "anna, ben" may be either, and is refused."""
-    if re.search(r"[,;]", text):
-        findings.fault(f"holds {text!r}: write 'A / B' when one of them does it, 'A + B' when both do it together.", place)
+def _alternatives(text: str, place: str, people: Sequence[str], findings: Findings) -> list[tuple[str, ...]]:
+    try:
+        return ways(text, people)
+    except WhoError as error:
+        findings.fault(f"holds {text!r}, which {error}.", place)
         return []
-    choices = [part for part in re.split(r"\s*[/|]\s*|\s+(?:oder|or)\s+", text) if part]
-    return [tuple(name for name in re.split(r"\s*[+&]\s*|\s+(?:und|and)\s+", choice) if name) for choice in choices]
 
 
 # --- stress and the other measures --------------------------------------------------------------------------------------------
 
 
-def _measures(table: Table, entry: Entry, long_form: bool, findings: Findings) -> None:
+def _measures(table: Table, entry: Entry, long_form: bool, people: Sequence[str], findings: Findings) -> None:
     for column in table.having("stress", "difficulty", "spread"):
         if column.meaning is None:
             continue
         what, who, human = column.meaning.what, column.meaning.who, column.meaning.human
         if long_form and not who and what == "stress" and len(entry.rows) > 1:
-            _stress_by_row(table, entry, column, findings)
+            _stress_by_row(table, entry, column, people, findings)
             continue
         amount = findings.amount(table.grid, entry.rows[0], column.index, f"a number for {what}", _percent(column))
         if amount is None:
@@ -284,15 +349,19 @@ def _per_operator(entry: Entry, what: str, who: str, amount: float, place: str, 
 def _joint_stress(entry: Entry, who: tuple[str, ...], human: str, amount: float, place: str, findings: Findings) -> None:
     for way in entry.data.get("together", ()):
         if set(way["operators"]) == set(who):
-            if human:
-                way["stress"] = {**way.get("stress", {}), human: amount}
+            stated = way.get("stress")
+            if stated is not None and isinstance(stated, dict) != bool(human):
+                both = f"task {entry.name!r} has one number for all of {' + '.join(who)} and one for {human or next(iter(stated))!r} alone"
+                findings.fault(f"gives stress a second time: {both}. Keep one of the two.", place)
+            elif human:
+                way["stress"] = {**(stated or {}), human: amount}
             else:
                 way["stress"] = amount
             return
     findings.fault(f"gives stress of {' + '.join(who)}, who have no time for task {entry.name!r} together. Add the time, or clear the cell.", place)
 
 
-def _stress_by_row(table: Table, entry: Entry, column: Column, findings: Findings) -> None:
+def _stress_by_row(table: Table, entry: Entry, column: Column, people: Sequence[str], findings: Findings) -> None:
     """One number for all rows, or one for each: those of the joint rows go to the joint ways."""
     who_column = table.having("operator")[0]
     by_row = {
@@ -307,7 +376,7 @@ def _stress_by_row(table: Table, entry: Entry, column: Column, findings: Finding
         entry.data["stress"] = next(iter(by_row.values()))
         return
     for row, amount in by_row.items():
-        for who in _alternatives(findings.text(table.grid, row, who_column.index), table.grid.place(row, who_column.index), Findings()):
+        for who in _alternatives(findings.text(table.grid, row, who_column.index), table.grid.place(row, who_column.index), people, Findings()):
             if len(who) > 1:
                 _joint_stress(entry, who, "", amount, table.grid.place(row, column.index), findings)
             elif amount:
@@ -334,21 +403,51 @@ def _percentages(table: Table, entries: list[Entry], findings: Findings) -> None
 # --- lists of tasks -----------------------------------------------------------------------------------------------------------
 
 
-def _lists(table: Table, entries: list[Entry], counted: bool, found: Tasks, findings: Findings) -> None:
-    labels = {entry.data["label"]: entry.name for entry in entries if "label" in entry.data}
+def _lists(table: Table, entries: list[Entry], counted: bool, outline: Outline, found: Tasks, findings: Findings, beside: Sequence[Grid]) -> None:
+    """Everything that links tasks: the lists in the columns, a matrix, sheets of pairs, and who must be done by the same operator."""
+    names = [entry.name for entry in entries]
+    labels = {text: entry.name for entry in entries if (text := _label(table, entry))}
     rows = {entry.name: entry.rows[0] + 1 for entry in entries}
+    codes = outline_codes(table, [Row(entry.name, entry.rows[0], entry.quoted) for entry in entries])
+    known = {**labels, **{code: name for name, code in codes.items()}}
+    links: list[Link] = []
+    already = len(findings.faults)
     for column in table.having(*LISTS):
         what = column.meaning.what if column.meaning else ""
-        references = References([entry.name for entry in entries], labels, rows, counted)
+        references = References(names, known, rows, counted)
         references.agree_on_numbers([table.grid.value(row, column.index) for entry in entries for row in entry.rows], what == "after rows")
         if references.said:
             findings.note("assumed", f"the numbers in {column.header!r} are {references.said}.", column.place)
         for entry in entries:
             for row in entry.rows:
-                _list(table, entry, row, column, what, references, found, findings)
+                links += _list(table, entry, row, column, what, references, found, findings)
+    references = References(names, known, rows, counted)
+    links += matrix_links(table, {entry.name: entry.rows[0] for entry in entries}, references, findings)
+    for grid in beside:
+        if (more := sheet_links(grid, references, findings)) is None:
+            findings.note("sheet", f"sheet {grid.name!r} was not read.", f"{grid.name}!A1")
+        else:
+            links += more
+    found.linked = bool(links) or len(findings.faults) > already
+    for link in between_tasks(links, outline, findings):
+        after = found.tasks[link.later].setdefault("after", [])
+        if link.first not in after:
+            findings.places["tasks", link.later, "after", len(after)] = link.place
+            findings.places.setdefault(("tasks", link.later, "after"), link.place)
+            after.append(link.first)
 
 
-def _list(table: Table, entry: Entry, row: int, column: Column, what: str, references: References, found: Tasks, findings: Findings) -> None:
+def _label(table: Table, entry: Entry) -> str:
+    """How a task may be called besides its name; a summary has no place in the cell for it, but lists refer to it all the same."""
+    if "label" in entry.data:
+        return str(entry.data["label"])
+    columns = table.having("task", "label")
+    return shown(table.grid.value(entry.rows[0], columns[0].index)) if columns else ""
+
+
+def _list(
+    table: Table, entry: Entry, row: int, column: Column, what: str, references: References, found: Tasks, findings: Findings
+) -> Iterator[Link]:
     value = findings.value(table.grid, row, column.index)
     if value is None:
         return
@@ -356,17 +455,14 @@ def _list(table: Table, entry: Entry, row: int, column: Column, what: str, refer
     try:
         names = references.read(value)
     except UnknownTaskError as error:
-        findings.fault(f"{str(error).rstrip('.?')}{'?' if str(error).endswith('?') else '.'}", place)
+        findings.fault(sentence(error), place)
         return
     for name in names:
-        if what == "same operator":
+        if what != "same operator":
+            yield Link(entry.name, name, place) if what == "before" else Link(name, entry.name, place)
+        elif entry.name in found.tasks and name in found.tasks:
             if [entry.name, name] not in found.same_operator:
                 findings.places["same_operator", len(found.same_operator)] = place
                 found.same_operator.append([entry.name, name])
-            continue
-        later, first = (name, entry.name) if what == "before" else (entry.name, name)
-        after = found.tasks[later].setdefault("after", [])
-        if first not in after:
-            findings.places["tasks", later, "after", len(after)] = place
-            findings.places.setdefault(("tasks", later, "after"), place)
-            after.append(first)
+        elif entry.name in found.tasks:
+            findings.fault(f"holds {name!r}, which is a summary or a milestone and nobody's work. Name the tasks below it.", place)

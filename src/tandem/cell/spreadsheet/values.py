@@ -69,8 +69,8 @@ def cannot(value: Value) -> bool:
     return tidy(value).casefold() in CANNOT or (zero is not None and (not zero[1] or unit_named(zero[1]) is not None))
 
 
-ABLE = {"1", "x", "✓", "✔", "☑", "true", "wahr", "yes", "y", "ja", "j", "can", "kann"}
-UNABLE = {"false", "falsch", "n", "☐", "✗", "✘"}
+ABLE = {"1", "x", "✓", "✔", "☑", "●", "•", "*", "true", "wahr", "yes", "y", "ja", "j", "can", "kann"}
+UNABLE = {".", "false", "falsch", "n", "☐", "✗", "✘"}
 """Besides the words of `CANNOT`."""
 
 
@@ -205,7 +205,7 @@ def _text_number(text: str, marks: Marks) -> Number:
         if written(tidy(text)) is not None:
             hint = "write one number in one line, without doubled blanks or soft hyphens"
         short = tidy(text) if len(text) <= MOST_DIGITS else tidy(text)[:MOST_DIGITS] + "…"
-        raise UnreadableError(f"holds {short!r} where a number is expected: {hint}, or leave the cell empty if nobody can do it")
+        raise UnreadableError(f"holds {short!r} where a number is expected: {hint}, or leave the cell empty if there is none")
     whole, part = found.whole, found.part
     if found.doubtful and found.mark != marks.decimal and not marks.grouped:
         raise UnreadableError(f"holds {tidy(text)!r}, which may be {whole}{part} or {whole}.{part}: format the cell as a number and type it anew")

@@ -76,8 +76,12 @@ class _Play:
     stage: Stage
     policy: Policy
     count: int
+    observer: Observer = field(init=False)
     known: dict[bytes, Decision] = field(default_factory=dict)
     latency_ms: list[float] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.observer = Observer(self.stage.names, self.stage.arrays, self.stage.taking_apart)
 
     def run(self) -> Outcome:
         stage, names = self.stage, self.stage.names
@@ -107,8 +111,7 @@ class _Play:
         key = seen.keys[number].tobytes()
         known = self.known.get(key)
         if known is None:
-            stage = self.stage
-            situation = Observer(stage.names, stage.arrays, stage.taking_apart).situation(seen.row(number))
+            situation = self.observer.situation(seen.row(number))
             known = self.known[key] = self.policy.decide(situation)
             self.latency_ms.append(known.latency_ms)
         return known
