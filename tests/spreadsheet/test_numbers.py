@@ -509,6 +509,21 @@ def test_a_known_unit_per_piece_is_that_unit_times_the_pieces(unit: str, header:
     assert any("multiplied by 'Anzahl'" in note.message for note in notes)
 
 
+@pytest.mark.parametrize("line", ["alle Zeiten in min pro Stück", "Times in min/piece", "Einheit: min je Teil"])
+def test_a_line_that_speaks_of_times_per_piece_is_asked_about(line: str, tmp_path: Path) -> None:
+    rows = [[line], ["Task", "Zeit Mensch", "Anzahl"], ["a", 1.5, 2]]
+    assert "Sheet1!B2: no unit is stated for 'Zeit Mensch', and none can be assumed beside" in refusal(books.sheet(tmp_path / "t.xlsx", rows))
+    rows[1][1] = "Zeit Mensch [min/Stück]"
+    assert times(import_cell(books.sheet(tmp_path / "u.xlsx", rows))[0]) == {"a": {"Mensch": 180}}
+
+
+def test_a_number_of_pieces_that_cannot_be_read_is_one_fault(tmp_path: Path) -> None:
+    rows = [["Task", "Zeit/Stück Mensch [s]", "Menge"], ["a", "1,5", "1.000"], ["b", 2, 3]]
+    message = refusal(books.sheet(tmp_path / "t.xlsx", rows))
+    assert "Sheet1!C2: holds '1.000', which may be 1000 or 1.000" in message
+    assert "how many pieces" not in message
+
+
 def test_a_unit_that_is_not_known_can_be_told(tmp_path: Path) -> None:
     path = books.sheet(tmp_path / "t.xlsx", [["Task", "Zeit Mensch [0,1 min]"], ["a", 2]])
     assert "'0,1 min' is no one unit that Tandem knows" in refusal(path)

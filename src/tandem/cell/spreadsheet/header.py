@@ -217,7 +217,7 @@ def _with_context(grid: Grid, table: Table) -> Table:
     header_texts = {column.header for column in table.columns}
     inside = {word for header in header_texts for word in (header,)}
     titles = [text for text in texts if re.search(r"[^\W\d]{2}", text) and not any(text in header for header in inside)]
-    unit, doubt = unit_said(grid, table.header_row, table.first_row)
+    unit, doubt = unit_said(grid, table.header_row, table.first_row, bool(table.having("quantity")))
     columns = tuple(_reconsidered(grid, table, column) for column in table.columns)
     unit, doubt = (None, table.doubt) if table.doubt else (unit, doubt)
     return replace(table, columns=columns, title=titles[0][:200] if titles else "", unit=unit, doubt=doubt)

@@ -170,7 +170,10 @@ def _time(table: Table, row: int, column: Column, findings: Findings, *, zero: b
     time = findings.time(table.grid, row, column.index, unit_of(table, column), zero=zero, told=told)
     if time is None or not column.meaning or not column.meaning.per_piece or not (quantities := table.having("quantity")):
         return time
+    faults = len(findings.faults)
     pieces = findings.amount(table.grid, row, quantities[0].index, "a number of pieces")
+    if len(findings.faults) > faults:
+        return None
     if not pieces:
         place = table.grid.place(row, quantities[0].index)
         findings.fault(f"does not say how many pieces there are, though {column.header!r} is the time of one. Write a number of 1 or more.", place)

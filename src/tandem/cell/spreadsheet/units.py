@@ -8,10 +8,11 @@ from itertools import pairwise
 
 from tandem.cell.spreadsheet.grid import Grid, tidy
 from tandem.cell.spreadsheet.values import UNITS, unit_named
+from tandem.cell.spreadsheet.words import PER_PIECE
 
 _SPELLINGS = "|".join(re.escape(text) for text in sorted((s for spellings in UNITS.values() for s in spellings), key=len, reverse=True))
-IN_A_UNIT = re.compile(rf"(?:\bin\s+|[\[(]\s*(?:in\s+)?)({_SPELLINGS})\.?(?=[\s.;:,)\]]|$)", re.IGNORECASE)
-AFTER_A_WORD = re.compile(rf"(?:[:=,]\s*|\s(?:sind|are|is|ist)\s+)({_SPELLINGS})\.?\s*$", re.IGNORECASE)
+IN_A_UNIT = re.compile(rf"(?:\bin\s+|[\[(]\s*(?:in\s+)?)({_SPELLINGS})\.?(?=[\s.;:,)\]]|$|{PER_PIECE.pattern})", re.IGNORECASE)
+AFTER_A_WORD = re.compile(rf"(?:[:=,]\s*|\s(?:sind|are|is|ist)\s+)({_SPELLINGS})\.?\s*(?:{PER_PIECE.pattern}\s*)?$", re.IGNORECASE)
 OF_TIMES = re.compile(r"\b(\w*zeit(en)?|zeit\w*|times?|dauern?|durations?|angaben|werte|values|\w*einheit(en)?|units?)\b", re.IGNORECASE)
 OF_SOMETHING_ELSE = re.compile(
     r"\b(takt|zyklus|cycle|durchlauf|lead|schicht|shift|pause|break|gesamt|total|sum|rüst|setup|warte|wait|stand|start)\w*", re.IGNORECASE
@@ -63,8 +64,12 @@ def _looks_like_a_unit(text: str) -> bool:
     return not words or (bool(units) and (len(units) == len(words) or bool(factors))) or all(word in OF_OTHER_KINDS for word in words)
 
 
-def unit_said(grid: Grid, header_row: int, first_row: int) -> tuple[str | None, str]:
-    """The unit of all times and "", or None and why nothing may be assumed: two lines contradict each other, or one names a unit of something."""
+def unit_said(grid: Grid, header_row: int, first_row: int, counted: bool) -> tuple[str | None, str]:
+    """The unit of all times and "", or None and why nothing may be assumed: two lines contradict each other, or one names a unit of something.
+
+    Args:
+      counted: a column says how many pieces a task has, so that a line must not leave open whether its times are those of one.
+    """
     stated: dict[str, str] = {}
     named: dict[str, str] = {}
     for row, text in _lines(grid, header_row, first_row):
@@ -72,6 +77,8 @@ def unit_said(grid: Grid, header_row: int, first_row: int) -> tuple[str | None, 
         of_times = bool(OF_TIMES.search(text)) and not OF_SOMETHING_ELSE.search(text)
         found = IN_A_UNIT.search(text) or (AFTER_A_WORD.search(text) if of_times else None)
         if found and (unit := unit_named(found[1])):
+            if counted and PER_PIECE.match(text, found.end(1)):
+                return None, f"{text!r} ({place})"
             if of_times:
                 stated.setdefault(unit, f"{text!r} ({place})")
             elif row < header_row:
