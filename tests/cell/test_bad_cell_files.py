@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import copy
 import json
 import os
 import random
@@ -244,7 +245,7 @@ def test_a_cell_with_any_values_replaced_is_sound_or_refused_in_words(cell, data
     for _ in range(data.draw(st.integers(1, 3))):
         where, key = data.draw(st.sampled_from(list(places(damaged))))
         if data.draw(st.booleans()) or isinstance(where, list):
-            where[key] = data.draw(JUNK)
+            where[key] = copy.deepcopy(data.draw(JUNK))  # a later step may change it
         else:
             where[data.draw(st.sampled_from(["x", "time", "stress", ""]))] = where.pop(key)
     with contextlib.suppress(CellError):

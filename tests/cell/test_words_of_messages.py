@@ -115,17 +115,23 @@ def test_every_fault_of_a_broken_value_names_the_place_in_the_document() -> None
 
 UNFIT = {
     "operators_are_known": {"tasks": {"a": {"time": {"q": 1}}}},
+    "names_can_be_told_apart": {"tasks": {"a": {"time": {"h": 1}}, "\u0430": {"time": {"h": 1}}}},
     "tasks_are_known": {"tasks": {"a": {"time": {"h": 1}, "after": ["q"]}}},
     "no_task_comes_after_itself": {"tasks": {"a": {"time": {"h": 1}, "after": ["a"]}}},
     "no_task_waits_for_itself": {"tasks": {"a": {"time": {"h": 1}, "after": ["b"]}, "b": {"time": {"h": 1}, "after": ["a"]}}},
     "a_group_names_each_operator_once": {"tasks": {"a": {"together": [{"operators": ["h", "h"], "time": 1}]}}},
     "someone_can_do_each_task": {"tasks": {"a": {}}},
     "stress_is_put_on_humans": {"tasks": {"a": {"time": {"r": 1}, "stress": {"r": 2}}}},
+    "stress_of_a_group_is_put_on_its_members": {
+        "operators": {"h": {"kind": "human"}, "k": {"kind": "human"}, "r": {"kind": "robot"}},
+        "tasks": {"a": {"together": [{"operators": ["r", "h"], "time": 1, "stress": {"k": 2}}]}},
+    },
     "breaks_are_apart": {"operators": {"h": {"kind": "human", "breaks": [[1, 3], [2, 4]]}, "r": {"kind": "robot"}}},
     "a_deadline_can_be_met": {"tasks": {"a": {"time": {"h": 5}, "deadline": 1}}},
     "pairs_have_a_common_way": {"tasks": {"a": {"time": {"h": 1}}, "b": {"time": {"r": 1}}}, "same_operator": [["a", "b"]]},
     "sets_are_spelled_in_order": {"stress_of_set": {"": 0, "b,a": 1}},
     "listed_tools_and_zones_are_not_misspelled": {"tasks": {"a": {"time": {"h": 1}, "tool": "driver"}}, "tools": {"drivr": {}}},
+    "tools_and_zones_are_spelled_alike": {"tasks": {"a": {"time": {"h": 1}, "tool": "driver"}, "b": {"time": {"h": 1}, "tool": "drivr"}}},
     "numbers_have_few_decimals": {"tasks": {"a": {"time": {"h": 1.12345678}}}},
     "exact_planning_can_count_it": {"tasks": {"a": {"time": {"h": 1e7}}, "b": {"time": {"h": 0.000001}}}},
 }

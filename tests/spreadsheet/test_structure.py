@@ -102,6 +102,12 @@ def test_a_list_of_commas_that_csv_tore_apart_is_put_together(tmp_path: Path) ->
     assert {name: task.after for name, task in cell.tasks.items()} == {"a": (), "b": ("a",), "c": ("a", "b"), "d": ("a", "b", "c")}
 
 
+@pytest.mark.parametrize("line", ["3,4,5,1", "3,4,,1,2", "3,4.5,1,2"])
+def test_numbers_that_csv_tore_apart_may_be_decimals_and_are_asked_about(line: str, tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text(f"task,human [s],predecessors\n1,1,\n2,2,1\n{line}\n")
+    assert "t!D4: row 4: more columns than the header, which has 3" in refusal(read_workbook(tmp_path / "t.csv"))
+
+
 def test_a_column_of_remarks_behind_the_predecessors_is_none_of_them(tmp_path: Path) -> None:
     found = draft(tmp_path, [[*EN, "Predecessors", None], ["a", 10, 20], ["b", 12, 30, "a", "oil first"], ["c", 5, 6, "b", "check"]])
     assert after(found) == CHAIN
@@ -392,7 +398,7 @@ def test_limits_of_a_summary_are_not_lost(tmp_path: Path) -> None:
             ["ID", "Task Name", "Duration", "Predecessors", "Resource Names"],
             [1, "a", "9 s", None, "Worker"],
             [2, "x", "0 s", "1"],
-            [3, "b", 4, 2, "Worker"],
+            [3, "b", "4 s", 2, "Worker"],
         ],
         [["Nr.", "Zeit Mensch [s]", "Vorgänger", "Meilenstein"], [1, 9, None, "Nein"], [2, 0, 1, "Ja"], [3, 4, 2, "Nein"]],
         [["Nr.", "Vorgang", "Zeit Mensch [s]", "Vorgänger"], [1, "a", 9], [2, "Meilenstein Montage fertig", 0, 1], [3, "b", 4, 2]],

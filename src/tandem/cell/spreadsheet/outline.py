@@ -90,7 +90,7 @@ def outline_codes(table: Table, rows: Sequence[Row]) -> dict[str, str]:
     columns = table.having("outline number")
     if not columns:
         return {row.name: found[1] if (found := LEADING.match(row.name)) else row.name for row in rows}
-    return {row.name: code for row in rows if (code := shown(table.grid.rows[row.row][columns[0].index]))}
+    return {row.name: code for row in rows if (code := shown(table.grid.value(row.row, columns[0].index)))}
 
 
 # --- which rows ---------------------------------------------------------------------------------------------------------------
@@ -114,7 +114,7 @@ def _stated_levels(table: Table, rows: Sequence[Row]) -> list[int] | None:
     columns = table.having("outline level")
     if not columns:
         return None
-    texts = [shown(table.grid.rows[row.row][columns[0].index]) for row in rows]
+    texts = [shown(table.grid.value(row.row, columns[0].index)) for row in rows]
     return [int(text) for text in texts] if all(text.isdecimal() and len(text) < 3 for text in texts) else None
 
 
@@ -128,7 +128,7 @@ def _indents(table: Table, rows: Sequence[Row]) -> list[int] | None:
 
 
 def _indent(grid: Grid, row: int, column: int) -> int:
-    value = grid.rows[row][column]
+    value = grid.value(row, column)
     return grid.indents.get((row, column), 0) + (len(value) - len(value.lstrip()) if isinstance(value, str) else 0)
 
 
@@ -180,9 +180,9 @@ def _is_milestone(table: Table, row: Row) -> bool:
     if row.times:
         return False
     for column in table.having("milestone"):
-        if (marked := is_mark(table.grid.rows[row.row][column.index])) is not None:
+        if (marked := is_mark(table.grid.value(row.row, column.index))) is not None:
             return marked
-    words = " ".join(shown(table.grid.rows[row.row][column.index]) for column in table.having("number", "task", "label"))
+    words = " ".join(shown(table.grid.value(row.row, column.index)) for column in table.having("number", "task", "label"))
     return row.zero or bool(MILESTONE.search(key(words)))
 
 
@@ -199,12 +199,12 @@ def _note_summary(table: Table, row: Row, ends: Sequence[Row], certain: bool, fi
         )
         return
     sums = "its time is the sum of those below it" if row.times else "it stands for those below it"
-    unread = [c.header for c in table.having("tool", "zone", "part", "stress") if not blank(table.grid.rows[row.row][c.index])]
+    unread = [c.header for c in table.having("tool", "zone", "part", "stress") if not blank(table.grid.value(row.row, c.index))]
     left_out = f" Its {listed(map(repr, unread))} {'was' if len(unread) == 1 else 'were'} not read." if unread else ""
     message = f"row {row.row + 1} ({row.name!r}) is a summary and no task: {sums} ({names})."
     findings.note("row", f"{message} What comes before or after it does so for each of them.{left_out}", place)
     for column in table.having("release", "deadline", "same operator"):
-        if not blank(table.grid.rows[row.row][column.index]):
+        if not blank(table.grid.value(row.row, column.index)):
             at = table.grid.place(row.row, column.index)
             findings.fault(f"stands beside {row.name!r}, a summary of {names}. Write it beside those of them that it holds for.", at)
 

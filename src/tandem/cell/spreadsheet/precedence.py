@@ -16,6 +16,7 @@ from tandem.cell.spreadsheet.findings import Findings, listed
 from tandem.cell.spreadsheet.grid import Grid, Value, blank, shown
 from tandem.cell.spreadsheet.header import Column, Table
 from tandem.cell.spreadsheet.references import References, UnknownTaskError, unquoted
+from tandem.cell.spreadsheet.values import is_number
 from tandem.cell.spreadsheet.words import MEANS, Meaning, key, meaning
 
 Side = Literal["first", "later", "task", "predecessors", "successors", "kind", "lag"]
@@ -79,28 +80,28 @@ def with_precedence(table: Table, findings: Findings) -> Table:
     naming = next((table.having(what)[0] for what in ("number", "task", "label") if table.having(what)), None)
     if naming is None:
         return table
-    rows = [row for row in range(table.first_row, len(table.grid.rows)) if not blank(table.grid.rows[row][naming.index])]
+    rows = [row for row in range(table.first_row, len(table.grid.rows)) if not blank(table.grid.value(row, naming.index))]
     references = _first_look(table, naming, rows)
     return _with_unnamed(_with_matrix(table, references, rows, findings), references, rows, findings)
 
 
 def _first_look(table: Table, naming: Column, rows: list[int]) -> References:
     """The names in the sheet, before its rows are told into tasks and others."""
-    names = {row: unquoted(shown(table.grid.rows[row][naming.index])) for row in rows}
-    labels = {shown(table.grid.rows[row][column.index]): names[row] for column in table.having("task", "label") for row in rows}
+    names = {row: unquoted(shown(table.grid.value(row, naming.index))) for row in rows}
+    labels = {shown(table.grid.value(row, column.index)): names[row] for column in table.having("task", "label") for row in rows}
     return References(list(dict.fromkeys(names.values())), labels)
 
 
 def _with_matrix(table: Table, references: References, rows: list[int], findings: Findings) -> Table:
     """Two or more columns that are headed by different tasks and hold nothing but marks are a matrix."""
-    values = table.grid.rows
+    grid = table.grid
     headed: dict[int, str] = {}
     for column in table.columns:
         free = column.meaning is None or column.meaning.what in ("after", "before") or not column.meaning.sure
-        name = references.task(shown(values[table.header_row][column.index])) if free and column.header else None
-        if name is not None and name not in headed.values() and all(is_mark(values[row][column.index]) is not None for row in rows):
+        name = references.task(shown(grid.value(table.header_row, column.index))) if free and column.header else None
+        if name is not None and name not in headed.values() and all(is_mark(grid.value(row, column.index)) is not None for row in rows):
             headed[column.index] = name
-    if len(headed) < 2 or not any(is_mark(values[row][index]) for index in headed for row in rows):
+    if len(headed) < 2 or not any(is_mark(grid.value(row, index)) for index in headed for row in rows):
         return table
     columns = [replace(column, meaning=_of_matrix(table, column)) if column.index in headed else column for column in table.columns]
     ends = [column.place.rpartition("!")[2] for column in columns if column.index in headed]
@@ -119,14 +120,15 @@ def _of_matrix(table: Table, column: Column) -> Meaning:
 def _with_unnamed(table: Table, references: References, rows: list[int], findings: Findings) -> Table:
     """Columns without a header behind a list of tasks belong to it when they hold tasks."""
     columns = list(table.columns)
+    end = table.grid.lengths[table.header_row] if table.grid.lengths else len(columns)
     left: Column | None = None
     for place, column in enumerate(columns):
         if column.header or column.meaning or left is None:
             left = column if column.meaning and column.meaning.what in ("after", "after rows", "before") else None
             continue
-        filled = [row for row in rows if not blank(table.grid.rows[row][column.index])]
-        strange = [row for row in filled if not _names_tasks(references, table.grid.rows[row][column.index])]
-        if not filled:
+        filled = [row for row in rows if not blank(table.grid.value(row, column.index))]
+        strange = [row for row in filled if not _names_tasks(references, table.grid.value(row, column.index))]
+        if not filled or (place >= end and not _is_torn_list(table.grid, filled, left, column)):
             continue
         if not strange:
             columns[place] = replace(column, meaning=left.meaning)
@@ -135,13 +137,22 @@ def _with_unnamed(table: Table, references: References, rows: list[int], finding
         else:
             left = None
         if 0 < len(strange) * 2 < len(filled):
-            value = shown(table.grid.rows[strange[0]][column.index])
+            value = shown(table.grid.value(strange[0], column.index))
             findings.fault(
                 f"holds {value!r}, which is no task, in a column without a header that otherwise holds tasks. Mend it, or write a header "
                 f'above the column (--map "{column.letter}=ignore" leaves it out).',
                 table.grid.place(strange[0], column.index),
             )
     return replace(table, columns=tuple(columns))
+
+
+def _is_torn_list(grid: Grid, rows: list[int], left: Column, column: Column) -> bool:
+    """What a line of a text file has more than its header is the rest of its list of tasks, not of a decimal comma that moved all behind it.
+
+    Numbers do not tell the one from the other.
+    """
+    values = [grid.rows[row][index] for row in rows for index in (left.index, column.index)]
+    return not any(blank(value) or is_number(value) for value in values)
 
 
 def _names_tasks(references: References, value: Value) -> bool:
@@ -162,8 +173,8 @@ def matrix_links(table: Table, rows: dict[str, int], references: References, fin
         (name, other, table.grid.place(row, column.index))
         for name, row in rows.items()
         for column in columns
-        if is_mark(table.grid.rows[row][column.index])
-        and (other := references.task(shown(table.grid.rows[table.header_row][column.index]))) is not None
+        if is_mark(table.grid.value(row, column.index))
+        and (other := references.task(shown(table.grid.value(table.header_row, column.index)))) is not None
     ]
     words = "predecessor mark" if said == {MATRIX["after"]} else "successor mark" if said == {MATRIX["before"]} else ""
     rows_first = {"predecessor mark": False, "successor mark": True}.get(words)
@@ -192,7 +203,7 @@ def sheet_links(grid: Grid, references: References, findings: Findings) -> list[
 def _sides(grid: Grid, row: int) -> dict[int, Side]:
     """What the columns hold if this row is the header of a list of pairs; empty when it is none."""
     sides = {column: side for column, value in grid.filled(row) if isinstance(value, str) and (side := _side(value))}
-    ends = {column: turned for column, side in sides.items() if side in ("first", "later") and (turned := _turned(str(grid.rows[row][column])))}
+    ends = {column: turned for column, side in sides.items() if side in ("first", "later") and (turned := _turned(str(grid.value(row, column))))}
     tasks = [column for column, side in sides.items() if side == "task"]
     if tasks and ends and not (len(ends) == 2 and _numbers_the_pairs(grid, row, tasks[0], list(ends))):
         return {**sides, **ends}
@@ -201,8 +212,8 @@ def _sides(grid: Grid, row: int) -> dict[int, Side]:
 
 def _numbers_the_pairs(grid: Grid, header: int, numbers: int, ends: list[int]) -> bool:
     """ "No. | Predecessor | Successor" with no gap: the number counts pairs, as a list of tasks begins with one that has no predecessor."""
-    return MEANS.get(key(str(grid.rows[header][numbers]))) == "number" and not any(
-        blank(grid.rows[row][column]) for row in range(header + 1, len(grid.rows)) for column in ends if not grid.is_blank(row)
+    return MEANS.get(key(str(grid.value(header, numbers)))) == "number" and not any(
+        blank(grid.value(row, column)) for row in range(header + 1, len(grid.rows)) for column in ends if not grid.is_blank(row)
     )
 
 
@@ -242,14 +253,14 @@ def _pairs_below_a_header(grid: Grid, references: References, findings: Findings
     tasks = by_side.get("task", [])[:1]
     numbers = References(references.names, references.labels, references.rows, references.counted)
     rows = [row for row in range(header + 1, len(grid.rows)) if not grid.is_blank(row)]
-    numbers.agree_on_numbers([grid.rows[row][column] for row in rows for column in (*early, *late, *tasks)])
+    numbers.agree_on_numbers([grid.value(row, column) for row in rows for column in (*early, *late, *tasks)])
     if numbers.said:
         findings.note("assumed", f"the numbers in sheet {grid.name!r} are {numbers.said}.", grid.place(header, 0))
     if not ABOUT_PRECEDENCE.search(key(grid.name)):
-        if not rows or not all(_names_tasks(numbers, grid.rows[row][column]) for row in rows for column in (*early, *late, *tasks)):
+        if not rows or not all(_names_tasks(numbers, grid.value(row, column)) for row in rows for column in (*early, *late, *tasks)):
             return None
         if not NEUTRAL.fullmatch(key(grid.name)) and not any(
-            ABOUT_PRECEDENCE.search(key(shown(grid.rows[header][column]))) for column in (*early, *late)
+            ABOUT_PRECEDENCE.search(key(shown(grid.value(header, column)))) for column in (*early, *late)
         ):
             findings.note("sheet", NOT_READ.format(name=grid.name), grid.place(header, 0))
             return []
@@ -266,22 +277,23 @@ def _pairs_below_a_header(grid: Grid, references: References, findings: Findings
 
 def _only_end_to_start(grid: Grid, row: int, by_side: dict[Side, list[int]], findings: Findings) -> None:
     for column in by_side.get("kind", ()):
-        value = shown(grid.rows[row][column])
+        value = shown(grid.value(row, column))
         if key(value) not in END_TO_START:
             findings.fault(
                 f"holds {value!r}: Tandem knows only links from end to start (FS, EA). Leave out the link, or write it so.", grid.place(row, column)
             )
     for column in by_side.get("lag", ()):
-        value = shown(grid.rows[row][column])
+        value = shown(grid.value(row, column))
         if value and not re.fullmatch(r"[-–—]|[+-]?0+([.,]0+)?\s*[^\W\d]*\.?", value):
             findings.fault(f"holds {value!r}: Tandem knows no lag between tasks. Add the wait as a task.", grid.place(row, column))
 
 
 def _tasks_at(grid: Grid, row: int, column: int, references: References, findings: Findings) -> list[str]:
-    if not findings.sound(grid, row, column):
+    value = findings.value(grid, row, column)
+    if value is None:
         return []
     try:
-        return references.read(grid.rows[row][column])
+        return references.read(value)
     except UnknownTaskError as error:
         findings.fault(sentence(error), grid.place(row, column))
         return []
@@ -303,7 +315,7 @@ def _matrix(grid: Grid, references: References, findings: Findings) -> list[Link
         naming = min(heads) - 1
         if naming in heads:
             continue
-        rows = {row: name for row in range(header + 1, len(grid.rows)) if (name := references.task(shown(grid.rows[row][naming]))) is not None}
+        rows = {row: name for row in range(header + 1, len(grid.rows)) if (name := references.task(shown(grid.value(row, naming)))) is not None}
         if len(rows) < 2 or len(set(rows.values())) < len(rows):
             continue
         return _links_of_matrix(grid, header, naming, heads, rows, references, findings)
@@ -317,20 +329,20 @@ def _links_of_matrix(
     marks = []
     for row, name in rows.items():
         for column, other in heads.items():
-            marked = is_mark(grid.rows[row][column])
+            marked = is_mark(grid.value(row, column))
             if marked is None and not named:
                 return None
             if marked is None:
-                findings.fault(f"holds {shown(grid.rows[row][column])!r}: a matrix of what comes before what holds 1 or 0.", grid.place(row, column))
+                findings.fault(f"holds {shown(grid.value(row, column))!r}: a matrix of what comes before what holds 1 or 0.", grid.place(row, column))
             elif marked:
                 marks.append((name, other, grid.place(row, column)))
     for row in range(header + 1, len(grid.rows)):
         if row not in rows and named and not grid.is_blank(row):
-            findings.fault(f"holds {shown(grid.rows[row][naming])!r}, which is no task.", grid.place(row, naming))
+            findings.fault(f"holds {shown(grid.value(row, naming))!r}, which is no task.", grid.place(row, naming))
     for column, value in grid.filled(header):
         if named and column > naming and column not in heads:
             findings.fault(f"holds {shown(value)!r}, which is no task.", grid.place(header, column))
-    rows_first = _said_in_corner(shown(grid.rows[header][naming]))
+    rows_first = _said_in_corner(shown(grid.value(header, naming)))
     place = grid.place(header, naming)
     remedy = "Write 'from / to' into the corner if the tasks of the rows come first, 'to / from' if those of the columns do."
     links = _directed(marks, rows_first, list(references.names), "the task of the row", "that of the column", place, remedy, findings)

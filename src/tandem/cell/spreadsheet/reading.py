@@ -11,10 +11,10 @@ from pydantic import ValidationError
 
 from tandem.cell.model import Cell
 from tandem.cell.names import Known, clean
-from tandem.cell.spreadsheet.beside import Beside, lists_operators, read_beside, read_sets, role_of
+from tandem.cell.spreadsheet.beside import Beside, lists_operators, operators_named, read_beside, read_sets, role_of, tables_beside
 from tandem.cell.spreadsheet.findings import Findings, Note, listed
 from tandem.cell.spreadsheet.grid import Book, Grid, shown
-from tandem.cell.spreadsheet.header import Column, Table, find_table
+from tandem.cell.spreadsheet.header import TIMED, Column, Table, amounts_of, find_table
 from tandem.cell.spreadsheet.joint import with_joint_ways
 from tandem.cell.spreadsheet.mapping import check_overrides, overrides_from, settled
 from tandem.cell.spreadsheet.outline import with_outline
@@ -22,7 +22,7 @@ from tandem.cell.spreadsheet.precedence import ABOUT_PRECEDENCE, is_about_preced
 from tandem.cell.spreadsheet.repeats import once_a_column
 from tandem.cell.spreadsheet.scores import without_scores
 from tandem.cell.spreadsheet.tasks import Tasks, read_tasks, unit_of
-from tandem.cell.spreadsheet.values import decimal_mark
+from tandem.cell.spreadsheet.values import marks_of
 from tandem.cell.spreadsheet.who_can import is_table_of_abilities, restrict, with_time_of_each
 from tandem.cell.spreadsheet.words import Kind, Meaning, is_machine, key, kind_of
 from tandem.cell.spreadsheet.workbook import open_book, refused
@@ -117,14 +117,16 @@ def read_book(
     """The same for an open book; see `read_workbook`."""
     kinds: dict[str, Kind] = {**dict.fromkeys(map(clean, humans), "human"), **dict.fromkeys(map(clean, robots), "robot")}
     overrides = overrides_from(columns or {})
-    findings = Findings(mark=decimal_mark(value for grid in book.grids for row in grid.rows for value in row))
+    findings = Findings()
     for remark in book.remarks:
         findings.note("assumed", remark, book.path.name)
     roles = {role: grid for grid in book.grids if (role := role_of(grid)) and grid.name != sheet}
-    beside = read_beside({role: grid for role, grid in roles.items() if _is_beside(grid)}, findings)
-    known = tuple(dict.fromkeys([*beside.operators, *kinds]))
+    sheets_beside = {role: grid for role, grid in roles.items() if _is_beside(grid)}
+    known = tuple(dict.fromkeys([*operators_named(sheets_beside), *kinds]))
     raw, abilities = _task_table(book, sheet, known, overrides)
     check_overrides(overrides, raw)
+    findings.marks = marks_of(value for table in (raw, *tables_beside(sheets_beside)) for value in amounts_of(table))
+    beside = read_beside(sheets_beside, findings)
     raw = with_time_of_each(raw, abilities)
     raw = without_scores(raw, overrides, findings)
     raw = with_joint_ways(with_precedence(with_outline(raw), findings), known, findings)
@@ -362,6 +364,14 @@ def _more_notes(book: Book, table: Table, findings: Findings) -> None:
         findings.note("assumed", f"hidden columns were read all the same: {listed(map(repr, hidden))}.", table.grid.place(table.header_row, 0))
     if not book.sees_errors and book.path.suffix.lower() in (".xls", ".xlsb") and any(note.kind == "cannot" for note in findings.notes):
         findings.note("assumed", f"in {book.path.suffix} files an error such as #REF! cannot be told from an empty cell; save as .xlsx to be sure.")
+    if not book.sees_errors and (silent := [c for c in table.having(*TIMED) if c.meaning and not c.meaning.unit and not table.unit]):
+        findings.fault(
+            f"no unit is stated for {listed(repr(column.header) for column in silent)}, and in {book.path.suffix} files the unit that a number "
+            "format shows cannot be seen. Write [s], [min] or [1/100 min] into the header, or save as .xlsx.",
+            silent[0].place,
+        )
+    if book.path.suffix.lower() == ".xlsb":
+        findings.note("assumed", "in .xlsb files merged cells and number formats are not seen; save as .xlsx to be sure.")
     units = {unit_of(table, column) for column in table.having("time")}
     if units - {"s"}:
         findings.note("assumed", f"times were converted to seconds from {listed(sorted(units - {'s'}))}.")

@@ -8,9 +8,11 @@ from collections.abc import Iterator
 from tandem.cell.spreadsheet.findings import Findings, listed
 from tandem.cell.spreadsheet.grid import Grid, blank, shown, tidy
 from tandem.cell.spreadsheet.header import Table
-from tandem.cell.spreadsheet.values import UnreadableError, cannot, number
+from tandem.cell.spreadsheet.values import Marks, UnreadableError, cannot, number
 from tandem.cell.spreadsheet.words import TOTALS, key
 
+ANY_MARK = Marks(".", grouped=True)
+"""Good enough to see whether a row sums up those above it."""
 AVERAGES = re.compile(r"mittelwerte?|durchschnitt|average|mean|min|max|minimum|maximum|taktzeit|cycle time", re.IGNORECASE)
 
 
@@ -80,7 +82,7 @@ def _bare(text: str) -> str:
 
 
 def _has_a_time(table: Table, row: int) -> bool:
-    return any((row, c.index) in table.grid.odd or not cannot(table.grid.rows[row][c.index]) for c in table.having("time"))
+    return any((row, c.index) in table.grid.odd or not cannot(table.grid.value(row, c.index)) for c in table.having("time"))
 
 
 def _repeats_header(table: Table, row: int) -> bool:
@@ -94,7 +96,7 @@ def _sums_up(table: Table, row: int, before: list[int]) -> bool:
     """No name, no label, and every number is the sum of its column so far."""
     grid = table.grid
     names = table.having("number", "task", "label", "operator")
-    return all(blank(grid.rows[row][column.index]) for column in names) and _are_sums(table, row, before)
+    return all(blank(grid.value(row, column.index)) for column in names) and _are_sums(table, row, before)
 
 
 def _are_sums(table: Table, row: int, before: list[int]) -> bool:
@@ -110,7 +112,7 @@ def _are_sums(table: Table, row: int, before: list[int]) -> bool:
 
 def _number(grid: Grid, row: int, column: int) -> float | None:
     try:
-        return float(number(grid.rows[row][column], ".").value)
+        return float(number(grid.rows[row][column], ANY_MARK).value)
     except UnreadableError:
         return None
 

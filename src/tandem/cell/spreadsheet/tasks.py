@@ -6,17 +6,20 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from tandem.cell.spreadsheet.findings import Findings, listed
-from tandem.cell.spreadsheet.grid import Grid, shown
+from tandem.cell.spreadsheet.findings import AS_FRACTION, AS_SHOWN, Findings, Percent, listed
+from tandem.cell.spreadsheet.grid import Grid, Value, shown
 from tandem.cell.spreadsheet.header import Column, Table
 from tandem.cell.spreadsheet.joint import WhoError, people_in, ways
+from tandem.cell.spreadsheet.merged import say_what_is_merged
 from tandem.cell.spreadsheet.outline import Outline, Row, between_tasks, outline_codes, read_outline
 from tandem.cell.spreadsheet.precedence import Link, listed_headers, matrix_links, sentence, sheet_links
 from tandem.cell.spreadsheet.references import References, UnknownTaskError, task_name, unquoted
 from tandem.cell.spreadsheet.rows import task_rows
-from tandem.cell.spreadsheet.values import cannot
+from tandem.cell.spreadsheet.values import cannot, says_able
 
 TEXTS = ("part", "tool", "zone")
+STAND_IN = 1.0
+"""A time to check a task with when its own is a fault; it never leaves this room."""
 LISTS = ("after", "after rows", "before", "same operator")
 
 
@@ -79,17 +82,19 @@ def read_tasks(table: Table, findings: Findings, beside: Sequence[Grid] = (), kn
         findings.places["tasks", entry.name] = table.grid.place(entry.rows[0], name.index if name else table.columns[0].index)
     _pieces(table, findings)
     _cannot(table, work, findings)
+    _percentages(table, work, findings)
+    say_what_is_merged(table, {row: entry.name for entry in entries for row in entry.rows}, findings)
     _lists(table, entries, name is None, outline, found, findings, beside)
     return found
 
 
 def _outline(table: Table, entries: list[Entry], long_form: bool, findings: Findings) -> Outline:
     """The entries that are summaries or milestones, told by their place and their times; faults in the times are told when they are read."""
-    aside = Findings(mark=findings.mark)
+    aside = Findings(marks=findings.marks)
     zero = set()
     for entry in entries:
         for column in table.having("time"):
-            cells = [table.grid.rows[row][column.index] for row in entry.rows]
+            cells = [table.grid.value(row, column.index) for row in entry.rows]
             times = [_time(table, row, column, aside) for row in entry.rows]
             if stated := [time for time in times if time is not None]:
                 entry.times[column.index] = max(stated)
@@ -148,7 +153,7 @@ def _texts(table: Table, entry: Entry, label: Column | None, findings: Findings)
             findings.places["tasks", entry.name, what] = table.grid.place(entry.rows[0], column.index)
     for column in table.having("release", "deadline"):
         what = column.meaning.what if column.meaning else ""
-        moment = findings.time(table.grid, entry.rows[0], column.index, unit_of(table, column), zero=what == "release")
+        moment = _time(table, entry.rows[0], column, findings, zero=what == "release")
         if moment is not None and not (what == "release" and moment == 0):
             entry.data[what] = moment
             findings.places["tasks", entry.name, what] = table.grid.place(entry.rows[0], column.index)
@@ -161,10 +166,14 @@ def unit_of(table: Table, column: Column) -> str:
 
 def _time(table: Table, row: int, column: Column, findings: Findings, *, zero: bool = False) -> float | None:
     """Seconds in a column of times, those of all pieces together; None for "cannot" and for faults."""
-    time = findings.time(table.grid, row, column.index, unit_of(table, column), zero=zero)
+    told = column.meaning is not None and column.meaning.told and column.meaning.unit is not None
+    time = findings.time(table.grid, row, column.index, unit_of(table, column), zero=zero, told=told)
     if time is None or not column.meaning or not column.meaning.per_piece or not (quantities := table.having("quantity")):
         return time
+    faults = len(findings.faults)
     pieces = findings.amount(table.grid, row, quantities[0].index, "a number of pieces")
+    if len(findings.faults) > faults:
+        return None
     if not pieces:
         place = table.grid.place(row, quantities[0].index)
         findings.fault(f"does not say how many pieces there are, though {column.header!r} is the time of one. Write a number of 1 or more.", place)
@@ -202,7 +211,21 @@ def _wide_times(table: Table, entry: Entry, found: Tasks, findings: Findings) ->
         time = _time(table, row, column, findings)
         if time is not None:
             _way(entry, who, time, table.grid.place(row, column.index), findings)
+    _able_ways(table, entry, found, findings)
     _stand_in(table, entry, found, findings)
+
+
+def _able_ways(table: Table, entry: Entry, found: Tasks, findings: Findings) -> None:
+    """Everybody whom a column of abilities marks takes the one time of the task."""
+    able = table.having("able")
+    common = [column for column in table.having("time") if able and column.meaning and not column.meaning.who]
+    time = _time(table, entry.rows[0], common[0], findings) if common else STAND_IN
+    for column in able:
+        who = column.meaning.who if column.meaning else ()
+        for name in who:
+            found.operators.setdefault(name, column.place)
+        if time is not None and says_able(findings.value(table.grid, entry.rows[0], column.index) or ""):
+            _way(entry, who, time, table.grid.place(entry.rows[0], column.index), findings)
 
 
 def _way(entry: Entry, who: tuple[str, ...], time: float, place: str, findings: Findings) -> None:
@@ -225,28 +248,32 @@ def _stand_in(table: Table, entry: Entry, found: Tasks, findings: Findings) -> N
     if any(table.grid.place(row, column.index) in faulty for row in entry.rows for column in table.having("time", "operator", "quantity")):
         who = next(iter(found.operators), "human")
         found.operators.setdefault(who, "")
-        entry.data["time"] = {who: 1.0}
+        entry.data["time"] = {who: STAND_IN}
 
 
 def _cannot(table: Table, entries: list[Entry], findings: Findings) -> None:
     """Says for each operator which tasks a 0 or an empty cell has taken away."""
-    for column in table.having("time"):
-        if not column.meaning or (not column.meaning.who and not table.having("operator")):
+    for column in table.having("time", "able"):
+        if not column.meaning or (not column.meaning.who and not table.having("operator", "able")):
             continue
         missing = [
             (entry.name, row)
             for entry in entries
             for row in entry.rows
-            if (row, column.index) not in table.grid.odd and cannot(table.grid.rows[row][column.index])
+            if (row, column.index) not in table.grid.odd and _says_cannot(table.grid.value(row, column.index), column)
         ]
         if missing:
-            who = " + ".join(column.meaning.who) or "the operator of the row"
+            who = " + ".join(column.meaning.who) or ("nobody" if table.having("able") else "the operator of the row")
             cells = [f"{name} ({table.grid.place(row, column.index).rpartition('!')[2]} {_as_seen(table, row, column)})" for name, row in missing]
             findings.note("cannot", f"{who} cannot do: {listed(cells)}.", column.place)
 
 
+def _says_cannot(value: Value, column: Column) -> bool:
+    return cannot(value) if column.meaning and column.meaning.what == "time" else says_able(value) is False
+
+
 def _as_seen(table: Table, row: int, column: Column) -> str:
-    text = shown(table.grid.rows[row][column.index])
+    text = shown(table.grid.value(row, column.index))
     return f"is {text}" if text else "is empty"
 
 
@@ -290,7 +317,7 @@ def _measures(table: Table, entry: Entry, long_form: bool, people: Sequence[str]
         if long_form and not who and what == "stress" and len(entry.rows) > 1:
             _stress_by_row(table, entry, column, people, findings)
             continue
-        amount = findings.amount(table.grid, entry.rows[0], column.index, f"a number for {what}")
+        amount = findings.amount(table.grid, entry.rows[0], column.index, f"a number for {what}", _percent(column))
         if amount is None:
             continue
         place = table.grid.place(entry.rows[0], column.index)
@@ -299,8 +326,18 @@ def _measures(table: Table, entry: Entry, long_form: bool, people: Sequence[str]
         elif who:
             _per_operator(entry, what, who[0], amount, place, column, findings)
         else:
+            if isinstance(entry.data.get(what), dict):
+                findings.fault(f"gives {what} of everybody although task {entry.name!r} has one for each. Keep one of the two.", place)
+                continue
             entry.data[what] = amount
             findings.places["tasks", entry.name, what] = place
+
+
+def _percent(column: Column) -> Percent | None:
+    """How numbers under "[%]" count: a spread is a fraction of the time, all else is taken as it is shown."""
+    if column.meaning is None or not column.meaning.percent:
+        return None
+    return AS_FRACTION if column.meaning.what == "spread" else AS_SHOWN
 
 
 def _per_operator(entry: Entry, what: str, who: str, amount: float, place: str, column: Column, findings: Findings) -> None:
@@ -330,7 +367,11 @@ def _joint_stress(entry: Entry, who: tuple[str, ...], human: str, amount: float,
 def _stress_by_row(table: Table, entry: Entry, column: Column, people: Sequence[str], findings: Findings) -> None:
     """One number for all rows, or one for each: those of the joint rows go to the joint ways."""
     who_column = table.having("operator")[0]
-    by_row = {row: amount for row in entry.rows if (amount := findings.amount(table.grid, row, column.index, "a number for stress")) is not None}
+    by_row = {
+        row: amount
+        for row in entry.rows
+        if (amount := findings.amount(table.grid, row, column.index, "a number for stress", _percent(column))) is not None
+    }
     if not by_row:
         return
     findings.places["tasks", entry.name, "stress"] = table.grid.place(next(iter(by_row)), column.index)
@@ -343,6 +384,23 @@ def _stress_by_row(table: Table, entry: Entry, column: Column, people: Sequence[
                 _joint_stress(entry, who, "", amount, table.grid.place(row, column.index), findings)
             elif amount:
                 _per_operator(entry, "stress", who[0], amount, table.grid.place(row, column.index), column, findings)
+
+
+def _percentages(table: Table, entries: list[Entry], findings: Findings) -> None:
+    """Says how percentages were understood, and refuses a column that mixes them with plain numbers."""
+    for column in table.having("stress", "difficulty", "spread"):
+        cells = [(table.grid.origin(row, column.index), column.index) for entry in entries for row in entry.rows]
+        marked = [cell for cell in cells if table.grid.words.get(cell) == "%"]
+        plain = [cell for cell in cells if table.grid.words.get(cell) != "%" and not cannot(table.grid.rows[cell[0]][cell[1]])]
+        if not marked:
+            continue
+        if not _percent(column) and plain:
+            here, there = table.grid.place(*plain[0]), table.grid.place(*marked[0])
+            findings.fault(f"is no percentage, and {there} is one. Write the column {column.header!r} in one way.", here)
+        value = table.grid.rows[marked[0][0]][marked[0][1]]
+        size = findings.amount(table.grid, *marked[0], "a number", _percent(column))
+        if isinstance(value, int | float) and size is not None:
+            findings.note("assumed", f"percentages in {column.header!r} count so: {value * 100:.15g} % is {size:.15g}.", column.place)
 
 
 # --- lists of tasks -----------------------------------------------------------------------------------------------------------
@@ -360,7 +418,7 @@ def _lists(table: Table, entries: list[Entry], counted: bool, outline: Outline, 
     for column in table.having(*LISTS):
         what = column.meaning.what if column.meaning else ""
         references = References(names, known, rows, counted)
-        references.agree_on_numbers([table.grid.rows[row][column.index] for entry in entries for row in entry.rows], what == "after rows")
+        references.agree_on_numbers([table.grid.value(row, column.index) for entry in entries for row in entry.rows], what == "after rows")
         if references.said:
             findings.note("assumed", f"the numbers in {column.header!r} are {references.said}.", column.place)
         for entry in entries:
@@ -387,17 +445,18 @@ def _label(table: Table, entry: Entry) -> str:
     if "label" in entry.data:
         return str(entry.data["label"])
     columns = table.having("task", "label")
-    return shown(table.grid.rows[entry.rows[0]][columns[0].index]) if columns else ""
+    return shown(table.grid.value(entry.rows[0], columns[0].index)) if columns else ""
 
 
 def _list(
     table: Table, entry: Entry, row: int, column: Column, what: str, references: References, found: Tasks, findings: Findings
 ) -> Iterator[Link]:
-    if not findings.sound(table.grid, row, column.index):
+    value = findings.value(table.grid, row, column.index)
+    if value is None:
         return
-    place = table.grid.place(row, column.index)
+    place = table.grid.place(table.grid.origin(row, column.index), column.index)
     try:
-        names = references.read(table.grid.rows[row][column.index])
+        names = references.read(value)
     except UnknownTaskError as error:
         findings.fault(sentence(error), place)
         return
@@ -405,7 +464,8 @@ def _list(
         if what != "same operator":
             yield Link(entry.name, name, place) if what == "before" else Link(name, entry.name, place)
         elif entry.name in found.tasks and name in found.tasks:
-            findings.places["same_operator", len(found.same_operator)] = place
-            found.same_operator.append([entry.name, name])
+            if [entry.name, name] not in found.same_operator:
+                findings.places["same_operator", len(found.same_operator)] = place
+                found.same_operator.append([entry.name, name])
         elif entry.name in found.tasks:
             findings.fault(f"holds {name!r}, which is a summary or a milestone and nobody's work. Name the tasks below it.", place)

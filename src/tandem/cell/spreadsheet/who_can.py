@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+from tandem.cell.spreadsheet.abilities import ability_at, names_only_operators
 from tandem.cell.spreadsheet.findings import Findings, listed
 from tandem.cell.spreadsheet.grid import shown
 from tandem.cell.spreadsheet.header import Column, Table
-from tandem.cell.spreadsheet.precedence import is_mark
 from tandem.cell.spreadsheet.references import References, unquoted
 from tandem.cell.spreadsheet.words import Meaning, key
 
@@ -17,15 +17,14 @@ from tandem.cell.spreadsheet.words import Meaning, key
 def is_table_of_abilities(table: Table) -> bool:
     """Every column of times is named by nothing but an operator and holds nothing but marks, as 1 and 0."""
     columns = table.having("time")
-    values = [table.grid.rows[row][column.index] for column in columns for row in range(table.first_row, len(table.grid.rows))]
-    return (
-        bool(columns) and not table.unit and all(map(_is_bare, columns)) and all(is_mark(v) is not None for v in values) and any(map(is_mark, values))
-    )
+    if not columns or table.unit or not all(map(_is_bare, columns)):
+        return False
+    said = [ability_at(table.grid, row, column.index) for column in columns for row in range(table.first_row, len(table.grid.rows))]
+    return any(said) and None not in said
 
 
 def _is_bare(column: Column) -> bool:
-    what = column.meaning
-    return what is not None and len(what.who) == 1 and not what.unit and key(column.header) == key(what.who[0])
+    return names_only_operators(column) and column.meaning is not None and len(column.meaning.who) == 1
 
 
 def with_time_of_each(table: Table, abilities: Sequence[Table]) -> Table:
@@ -50,7 +49,7 @@ def restrict(tasks: dict[str, dict[str, Any]], table: Table, findings: Findings)
     for row in range(table.first_row, len(table.grid.rows)):
         if table.grid.is_blank(row):
             continue
-        text = unquoted(shown(table.grid.rows[row][naming.index]))
+        text = unquoted(shown(table.grid.value(row, naming.index)))
         name = references.task(text)
         if name is None:
             findings.fault(f"holds {text!r}, which is no task.", table.grid.place(row, naming.index))
@@ -74,7 +73,7 @@ def _restrict_one(
     times = tasks[name].get("time", {})
     who = next((own for own in times if key(own) == key(meaning.who[0])), None)
     place = table.grid.place(row, column.index)
-    able = is_mark(table.grid.rows[row][column.index])
+    able = ability_at(table.grid, row, column.index)
     if able and who is None:
         findings.fault(f"says that {meaning.who[0]!r} can do task {name!r}, for which no time of {meaning.who[0]!r} is stated.", place)
     elif not able and who is not None:

@@ -57,7 +57,7 @@ MEASURES: dict[str, str] = {
 NO_OPERATOR = re.compile(
     r"ruest\w*|setup|set-up|wart\w*|wait\w*|idle|leer\w*|cycle|zyklus\w*|takt\w*|gesamt\w*|total|sum|summe|wege\w*|walk\w*|geh\w*|puffer\w*|buffer|"
     r"start\w*|end|ende|beginn|begin|finish|max\w*|mean|avg|average|mittel\w*|durchschnitt\w*|kum\w*|cum\w*|anteil|share|alt|old|std|"
-    r"abweichung|deviation|minimum|date|datum|liege\w*|slack|schlupf\w*|makespan|bound\w*|busy|utili[sz]ation|auslastung|transport\w*|lead|lag|durchlauf\w*|changeover|wechsel\w*|neben\w*|hilfs\w*|verteil\w*|erhol\w*|priority|prio\w*"
+    r"abweichung|deviation|minimum|date|datum|liege\w*|slack|schlupf\w*|makespan|bound\w*|busy|utili[sz]ation|auslastung|transport\w*|lead|lag|durchlauf\w*|changeover|wechsel\w*|neben\w*|hilfs\w*|verteil\w*|erhol\w*|priority|prio\w*|\w*einheit(en)?|units?|uom|dimension"
 )
 """Kinds of time that no single operator spends on the task: such columns are listed as not read."""
 
@@ -68,6 +68,9 @@ ABOUT_LINKS = re.compile(
     r"\b(anzahl|zahl|count|number of|no of|num|wie viele|how many|typ|type|art|lag|zeitabstand|abstand|time|zeit|dauer|duration|fertig|done|status)\b"
 )
 """Words beside "predecessors" that make it something other than a list of tasks."""
+
+QUOTES = re.compile(r'"([^"]+)"')
+"""Names in a header that stand for themselves."""
 
 TOTALS = re.compile(r"(zwischen)?summen?|(sub-?|grand )?totals?|sum|σ|∑|Σ|gesamt.*|insgesamt|overall", re.IGNORECASE)
 """What planners write before a total."""
@@ -83,6 +86,8 @@ class Meaning:
       human: the human whose stress it is, within the joint way `who`.
       unit: the unit of time, when the header says one.
       sure: the words say so; a guess from the operator's name alone is not sure.
+      told: by `--map`, not by the header.
+      percent: the header gives the scale as per cent.
       per_piece: a time that a piece takes, of which the task may have several.
     """
 
@@ -91,6 +96,8 @@ class Meaning:
     human: str = ""
     unit: str | None = None
     sure: bool = True
+    told: bool = False
+    percent: bool = False
     per_piece: bool = False
 
     def __str__(self) -> str:
@@ -132,10 +139,11 @@ def is_machine(name: str) -> bool:
 
 def split_unit(text: str) -> tuple[str, str | None]:
     """The header without its unit, and the unit: `t human [s]`, `Zeit (min)`, `Dauer in Minuten`, `time_s`."""
-    for bracket in re.finditer(r"[\[(]([^\[\]()]*)[\])]", text):
+    plain = QUOTES.sub(lambda name: "\x00" * len(name[0]), text)  # a name in quotes may hold brackets and units of its own
+    for bracket in re.finditer(r"[\[(]([^\[\]()]*)[\])]", plain):
         if unit := unit_named(re.sub(r"^in ", "", bracket[1].strip(), flags=re.IGNORECASE)):
             return tidy_marks(text[: bracket.start()] + " " + text[bracket.end() :]), unit
-    tail = re.search(r"(?:\s+in\s+|\s*[/,;:]\s*|[\s_]+)([^\s_]+|1/100 ?min\.?|hundertstel minuten)$", text, re.IGNORECASE)
+    tail = re.search(r"(?:\s+in\s+|\s*[/,;:]\s*|[\s_]+)([^\s_]+|1/100 ?min\.?|hundertstel minuten)$", plain, re.IGNORECASE)
     if tail and (unit := unit_named(tail[1])):
         return tidy_marks(text[: tail.start()]), unit
     return text, None
@@ -171,6 +179,27 @@ def meaning(header: str, known: tuple[str, ...] = ()) -> Meaning | None:
     return None
 
 
+SCALE = re.compile(
+    r"(\d+([.,]\d+)?)?\s*(-|–|—|\.\.+|…|/|bis|to|%|‰)\s*(\d+([.,]\d+)?)?|pkte?|punkten?|pts?|prozent|percent|pct|skala|scale|n|nm|kg|kcal|bpm|watt|w"
+)
+"""Words that say in what a stress is counted: "0-10", "%", "Pkt."; a plain number may be somebody's."""
+
+
+def without_scale(header: str) -> tuple[str, str]:
+    """The header without what stands in brackets and without words of scale, and those: `Stress (0-10)` -> "Stress", "0-10"."""
+    taken: list[str] = []
+
+    def keep(found: re.Match[str]) -> str:
+        taken.append(found[0].strip("[](){}<> "))
+        return " "
+
+    rest = re.sub(r"\[[^\]]*\]?|\([^)]*\)?|\{[^}]*\}?|<[^>]*>?", keep, tidy(header))
+    words = rest.split()
+    taken += [word for word in words if SCALE.fullmatch(word.casefold().rstrip("."))]
+    kept = [word for word in words if not SCALE.fullmatch(word.casefold().rstrip("."))]
+    return " ".join(kept), ", ".join(taken)
+
+
 def _stem(plain: str) -> str | None:
     """Lists of tasks under a longer header: "Predecessors (row)", "alle Vorgänger laut Graph", "Pred. 2"; their number or kind is none."""
     if re.search(ABOUT_LINKS, plain):
@@ -193,7 +222,7 @@ def _without_quotes(text: str) -> tuple[str, list[str]]:
         quoted.append(found[1])
         return f" \x00{len(quoted) - 1} "
 
-    return tidy_marks(re.sub(r'"([^"]+)"', keep, text)), quoted
+    return tidy_marks(QUOTES.sub(keep, text)), quoted
 
 
 def _with_quotes(text: str, quoted: list[str]) -> str:

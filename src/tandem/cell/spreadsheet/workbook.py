@@ -104,7 +104,16 @@ def _grid(name: str, rows: list[list[Any]], merged: tuple[tuple[int, int, int, i
     height = max([len(rows), *(row + 1 for row, _ in sight.odd)])
     width = max([*(len(row) for row in rows), *(column + 1 for _, column in sight.odd)], default=0)
     full = [[*row, *[""] * (width - len(row))] for row in [*rows, *([[]] * (height - len(rows)))]]
-    return Grid(name, tuple(map(tuple, full)), merged, sight.odd, hidden, sight.hidden_rows, sight.hidden_columns)
+    return Grid(
+        name,
+        tuple(map(tuple, full)),
+        merged=merged or tuple(sight.merged),
+        odd=sight.odd,
+        words=sight.words,
+        hidden=hidden,
+        hidden_rows=sight.hidden_rows,
+        hidden_columns=sight.hidden_columns,
+    )
 
 
 def _rows(sheet: Any) -> list[list[Any]]:
