@@ -97,8 +97,10 @@ REFUTE_S = 4.0
 """Processor seconds for it: it works fast or not at all."""
 PATIENCE = 60
 """With one worker: so many stretches in a row without an improvement before CP-SAT has its turn."""
-PATIENCE_PER_WORK = 20
-"""The same for a worker whose work is bounded, per deterministic second of CP-SAT: both then take about as long."""
+STRETCHES_PER_WORK = 20
+"""With bounded work: so many stretches per deterministic second of CP-SAT, so that both take about as long."""
+LEAST_WORK = 1.0
+"""Deterministic seconds below which CP-SAT does not come to search a large cell, so it is not asked."""
 RELAX_WORK = 2.0
 """Deterministic seconds for the question who does what."""
 
@@ -227,13 +229,13 @@ class Race:
         tasks, workers, seed = len(self.instance.tasks), self.effort.workers, self.effort.seed
         if self._is_small:
             return [partial(self.prove, workers, seed)]
-        jobs: list[Callable[[], None]] = [partial(self.improve, Random(f"{seed} {i}"), None) for i in range(max(1, workers // 2))]
+        jobs: list[Callable[[], None]] = [partial(self.improve, Random(f"{seed} {i}")) for i in range(max(1, workers // 2))]
         if tasks < LARGE:
             return [*jobs, partial(self.prove, workers + 1, seed), self.refute]  # one search more than cores: unlike ones help each other
 
         def bound_then_improve() -> None:
             self.relax(seed)
-            self.improve(Random(f"{seed} -"), None)
+            self.improve(Random(f"{seed} -"))
 
         return [*jobs, bound_then_improve]
 
@@ -255,17 +257,16 @@ class Race:
         return None
 
     def _one_turn(self, work: float) -> None:
-        """A proof first, since most questions fall to one; then better schedules, and a search through
-        all states if they are near the bound.
+        """Who does what, since it costs next to nothing; a proof, since most questions fall to one; then
+        better schedules, and a search through all states if they are near the bound.
         """
         seed = self.effort.seed
-        if len(self.instance.tasks) >= LARGE:
-            self.relax(seed)
-        if not self.over:
+        self.relax(seed)
+        if not self.over and (work >= LEAST_WORK or len(self.instance.tasks) < LARGE):
             self.prove(1, seed, work=work)
         if self.best is None or self._is_small:
             return
-        self.improve(Random(str(seed)), ceil(PATIENCE_PER_WORK * work))
+        self.improve(Random(str(seed)), stretches=ceil(STRETCHES_PER_WORK * work))
         refutable = self.effort.refutes and not self.goal.stress and len(self.instance.tasks) <= REFUTABLE
         if refutable and not self.over and self.bound >= REFUTE_NEAR * (self.value or 0):
             self._refute_for(min(REFUTE_S, work))
@@ -337,15 +338,18 @@ class Race:
         sound = append(self.layout, order, [way for way, _ in starts])
         return sound is not None and keeps_deadlines(self.instance, sound) and self.found(sound)
 
-    def improve(self, random: Random, patience: int | None) -> None:
-        """Takes out stretches and plans them anew, larger ones when that is quick; ends after `patience` failures in a row."""
+    def improve(self, random: Random, patience: int | None = None, stretches: int | None = None) -> None:
+        """Takes out stretches and plans them anew, larger ones when that is quick; ends after so many
+        `stretches` in all, or `patience` of them in vain in a row.
+        """
         if not self._await_incumbent():
             return
         current = self.best
         assert current is not None
-        operators, tasks, failures = len(self.instance.operators), len(self.instance.tasks), 0
+        operators, tasks, failures, tried = len(self.instance.operators), len(self.instance.tasks), 0, 0
         sizes = dict.fromkeys({operators, min(operators, 2), (operators + 2) // 2 if operators > 2 else operators}, 24.0)
-        while not self.over and (patience is None or failures < patience):
+        while not self.over and (patience is None or failures < patience) and (stretches is None or tried < stretches):
+            tried += 1
             if self.goal.value(*measures(self.instance, current)) > (self.value or 0):
                 current = self.best or current
             width = random.choice(list(sizes))

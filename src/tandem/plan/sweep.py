@@ -43,6 +43,7 @@ class Sweep:
         self.round = -1
         self.asked = 0
         self.agenda: list[Goal] = []
+        self.tried: set[Goal] = set()
         self.running: dict[Race, Goal] = {}
         self.inbox: Inbox = SimpleQueue()
 
@@ -90,13 +91,14 @@ class Sweep:
 
     def _begin_round(self) -> None:
         """Puts a question to every open gap that nobody is working on; it is a new round only if there is one."""
-        questions = [goal for gap in self.archive.gaps for goal in self._questions(gap)]
+        questions = [goal for gap in self.archive.gaps for goal in self._questions(gap, self.round + 1)]
         fresh = [goal for goal in questions if goal not in self.running.values()]
         if fresh:
             self.round += 1
             self.agenda = fresh
+            self.tried.clear()
 
-    def _questions(self, gap: Gap) -> list[Goal]:
+    def _questions(self, gap: Gap, round_: int) -> list[Goal]:
         """How the gap is entered: a wide one in its middle, and from the second round on from its quick end too; the last for the least stress."""
         if gap.end == self._after_limit and self.archive.found:
             return [self._gentlest(self.limits.max_makespan)]
@@ -107,7 +109,7 @@ class Sweep:
         middle = self._quickest((gap.cap + gap.low) // 2)
         if not self._is_open(middle):
             return [closing]
-        return [middle] if self.round < 0 else [middle, closing]
+        return [middle] if round_ == 0 else [middle, closing]
 
     @property
     def _after_limit(self) -> float:
@@ -169,6 +171,7 @@ class Sweep:
             refutes=self.effort.workers > 1,
         )
         self.asked += 1
+        self.tried.add(goal)
         layout, known = self.archive.layout, self._known(goal)
         race = Race(layout.instance, layout, goal, effort, self.archive.best(goal), int(known), self.inbox)
         self.running[race] = goal
@@ -213,13 +216,22 @@ class Sweep:
             self.archive.learn(cap if none else answer.bound - 1, latest)
 
     def _follow(self, race: Race, goal: Goal) -> None:
-        """From a proven point on along the front: first to the least stress at its makespan, then to the next gap."""
+        """Goes on along the front in the same round: from a proven point first to the least stress at
+        its makespan, then to the gap behind it; in the first round behind points that are not proven too.
+        """
         answer = race.answer
         is_at_the_end = goal.stress and goal.max_makespan == self.limits.max_makespan
-        if answer.starts is None or is_at_the_end or (goal.time and not answer.proven):
+        if answer.starts is None or is_at_the_end or (goal.time and not answer.proven and self.round):
             return
-        makespan, stress = min((point for point in self.archive.points if goal.allows(*point)), key=lambda point: goal.value(*point))
-        steps = [self._gentlest(makespan)] if goal.time else []
-        step = next((step for step in [*steps, self._quickest(stress - 1)] if self._is_open(step)), None)
-        if step is not None and step not in self.agenda:
-            self.agenda.append(step)
+        allowed = [point for point in self.archive.points if goal.allows(*point)]
+        makespan, stress = min(allowed, key=lambda point: goal.value(*point))
+        gentlest = self._gentlest(makespan)
+        if goal.time and answer.proven and self._is_open(gentlest):
+            self._note([gentlest])
+        else:
+            behind = [gap for gap in self.archive.gaps if gap.cap == stress - 1]
+            self._note([step for gap in behind for step in self._questions(gap, self.round)])
+
+    def _note(self, goals: list[Goal]) -> None:
+        """Puts on the agenda what has not been asked in this round."""
+        self.agenda += [goal for goal in goals if goal not in self.tried and goal not in self.agenda]
