@@ -99,17 +99,27 @@ class Sweep:
             self.tried.clear()
 
     def _questions(self, gap: Gap, round_: int) -> list[Goal]:
-        """How the gap is entered: a wide one in its middle, and from the second round on from its quick end too; the last for the least stress."""
+        """How the gap is entered: a wide one in its middle, and from the second round on from its quick
+        end too; the last one is asked for the least stress.
+        """
         if gap.end == self._after_limit and self.archive.found:
             return [self._gentlest(self.limits.max_makespan)]
-        closing = self._quickest(gap.cap)
-        is_first = closing.max_stress == self.limits.max_stress
-        if is_first or gap.cap - gap.low <= max(1, self._stress_range // WIDE):
-            return [closing]
-        middle = self._quickest((gap.cap + gap.low) // 2)
-        if not self._is_open(middle):
+        closing, middle = self._quickest(gap.cap), self._middle(gap)
+        if middle is None:
             return [closing]
         return [middle] if round_ == 0 else [middle, closing]
+
+    def _middle(self, gap: Gap) -> Goal | None:
+        """The question that halves a wide gap; None for a narrow one and for those at the ends."""
+        at_an_end = gap.cap == self._top or gap.end == self._after_limit
+        if at_an_end or gap.cap - gap.low <= max(1, self._stress_range // WIDE):
+            return None
+        middle = self._quickest((gap.cap + gap.low) // 2)
+        return middle if self._is_open(middle) else None
+
+    @property
+    def _top(self) -> float:
+        return inf if self.limits.max_stress is None else self.limits.max_stress
 
     @property
     def _after_limit(self) -> float:
@@ -221,15 +231,16 @@ class Sweep:
         """
         answer = race.answer
         is_at_the_end = goal.stress and goal.max_makespan == self.limits.max_makespan
-        if answer.starts is None or is_at_the_end or (goal.time and not answer.proven and self.round):
+        if answer.starts is None or is_at_the_end:
             return
         allowed = [point for point in self.archive.points if goal.allows(*point)]
         makespan, stress = min(allowed, key=lambda point: goal.value(*point))
-        gentlest = self._gentlest(makespan)
-        if goal.time and answer.proven and self._is_open(gentlest):
+        behind = [gap for gap in self.archive.gaps if gap.cap == stress - 1]
+        if goal.time and not answer.proven:
+            self._note([middle for gap in behind if self.round == 0 and (middle := self._middle(gap))])
+        elif goal.time and self._is_open(gentlest := self._gentlest(makespan)):
             self._note([gentlest])
         else:
-            behind = [gap for gap in self.archive.gaps if gap.cap == stress - 1]
             self._note([step for gap in behind for step in self._questions(gap, self.round)])
 
     def _note(self, goals: list[Goal]) -> None:
