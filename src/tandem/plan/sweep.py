@@ -234,6 +234,8 @@ class Sweep:
         if answer.starts is None or is_at_the_end:
             return
         allowed = [point for point in self.archive.points if goal.allows(*point)]
+        if not allowed:
+            return
         makespan, stress = min(allowed, key=lambda point: goal.value(*point))
         behind = [gap for gap in self.archive.gaps if gap.cap == stress - 1]
         if goal.time and not answer.proven:
