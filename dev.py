@@ -9,6 +9,7 @@
     python3 dev.py fix              mend what ruff can mend: format and simple findings
     python3 dev.py docs             build the documentation into docs/_build/html
     python3 dev.py bench [NAME ...] list the benchmarks, or run one with its arguments
+    python3 dev.py fuzz [NAME ...]  list the fuzzing programs, or run one: random inputs until something differs
     python3 dev.py clean [--all]    remove what tools left behind; with --all also .venv
 
 What is needed is installed into .venv the first time, and again when pyproject.toml or constraints.txt change.
@@ -226,19 +227,38 @@ def docs(_: Sequence[str]) -> int:
     return ended
 
 
-def bench(arguments: Sequence[str]) -> int:
-    programs = {
-        path.stem: path for path in sorted((ROOT / "benchmarks").glob("*.py")) if '__name__ == "__main__"' in path.read_text(encoding="utf-8")
-    }
+def programs(folder: str) -> dict[str, Path]:
+    """What can be started in this folder, by name."""
+    return {path.stem: path for path in sorted((ROOT / folder).glob("*.py")) if '__name__ == "__main__"' in path.read_text(encoding="utf-8")}
+
+
+def choose(verb: str, folder: str, arguments: Sequence[str]) -> tuple[Path | None, int]:
+    """The program named first, or None and how to end: the list was asked for (0), or there is no such program (2)."""
+    there = programs(folder)
     if not arguments:
-        for name, path in programs.items():
-            print(f"python3 dev.py bench {name:14} {path.read_text(encoding='utf-8').splitlines()[0].strip(chr(34))}")
-        return 0
-    if arguments[0] not in programs:
-        say(f"no benchmark is called {arguments[0]!r}; there are {', '.join(programs) or 'none'}.")
-        return 2
+        for name, path in there.items():
+            print(f"python3 dev.py {verb} {name:14} {path.read_text(encoding='utf-8').splitlines()[0].strip(chr(34))}")
+        return None, 0
+    if arguments[0] not in there:
+        say(f"{verb}: nothing is called {arguments[0]!r}; there are {', '.join(there) or 'none'}.")
+        return None, 2
+    return there[arguments[0]], 0
+
+
+def bench(arguments: Sequence[str]) -> int:
+    program, ended = choose("bench", "benchmarks", arguments)
+    if program is None:
+        return ended
     install("bench", "learn")
-    return call(PYTHON, programs[arguments[0]].relative_to(ROOT), *arguments[1:])
+    return call(PYTHON, program.relative_to(ROOT), *arguments[1:])
+
+
+def fuzz(arguments: Sequence[str]) -> int:
+    program, ended = choose("fuzz", "tests/fuzz", arguments)
+    if program is None:
+        return ended
+    install("dev")
+    return call(PYTHON, "-m", f"tests.fuzz.{program.stem}", *arguments[1:])
 
 
 def clean(arguments: Sequence[str]) -> int:
@@ -255,7 +275,7 @@ def clean(arguments: Sequence[str]) -> int:
 
 
 VERBS: dict[str, Callable[[Sequence[str]], int]] = {
-    "run": run, "test": test, "lint": lint, "fix": fix, "docs": docs, "bench": bench, "clean": clean
+    "run": run, "test": test, "lint": lint, "fix": fix, "docs": docs, "bench": bench, "fuzz": fuzz, "clean": clean
 }  # fmt: skip
 
 

@@ -1,90 +1,288 @@
-"""Two yardsticks that know nothing of planning: they try times and let the checker say what is sound."""
+"""Two yardsticks that know nothing of Tandem: they read a cell as plain data and try everything.
+
+They share no line, no number and no rule with the package: times and stress are counted in
+millionths from the decimals that stand in the cell, and what a schedule may do is said here once
+more. Both are slow; a handful of tasks are many.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from decimal import Decimal
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
 from math import gcd
-
-from tandem.cell.model import Cell
-from tandem.schedule.checker import RULES, Judged, each_task_is_done_once
-from tandem.schedule.measures import exact, makespan, stress
-from tandem.schedule.model import Assignment, Schedule
+from typing import Any, NamedTuple
 
 Point = tuple[float, float]
+"""Makespan in seconds, stress."""
+Pair = tuple[int, int]
+"""The same in millionths."""
+MILLION = 1_000_000
 
 
-def front_of_all(cell: Cell, horizon: float) -> list[Point]:
-    """The front over all schedules on the grid of the cell's times that end by the horizon. Nothing is left out, so two or three tasks are many."""
-    return _front(cell, _on_the_grid(cell, list(cell.tasks), (), exact(horizon)))
+class Way(NamedTuple):
+    """One way of doing a task: who, for how long, and the stress on each human who takes part."""
+
+    who: tuple[str, ...]
+    time: int
+    strain: dict[str, int]
 
 
-def front_in_order(cell: Cell) -> list[Point]:
-    """The front over all orders and modes, each task at the first moment at or after the last start at which the checker has nothing to say."""
-    return _front(cell, _in_order(cell, ()))
+@dataclass(frozen=True)
+class Step:
+    """A task in the making: what is known of it in millionths of a second."""
+
+    name: str
+    way: Way
+    start: int
+
+    @property
+    def end(self) -> int:
+        return self.start + self.way.time
 
 
-def _on_the_grid(cell: Cell, left: list[str], done: tuple[Assignment, ...], horizon: Decimal) -> Iterator[Schedule]:
+@dataclass(frozen=True)
+class Job:
+    """One task as the cell states it."""
+
+    name: str
+    ways: tuple[Way, ...]
+    after: tuple[str, ...]
+    release: int
+    deadline: int | None
+    tool: str | None
+    zone: str | None
+
+
+class Plain:
+    """A cell read from plain data, as its file holds it."""
+
+    def __init__(self, data: Mapping[str, Any]) -> None:
+        self.kind = {name: entry["kind"] for name, entry in data["operators"].items()}
+        self.breaks = {
+            name: sorted((_millionths(a), _millionths(b)) for a, b in entry.get("breaks") or ()) for name, entry in data["operators"].items()
+        }
+        self.limit = {name: _millionths(entry["stress_limit"]) for name, entry in data["operators"].items() if entry.get("stress_limit") is not None}
+        self.in_hand = {name: entry.get("tool") for name, entry in data["operators"].items()}
+        self.jobs = {str(name): self._job(str(name), entry) for name, entry in data["tasks"].items()}
+        tools, zones = data.get("tools") or {}, data.get("zones") or {}
+        self.places = {kind: {name: entry.get("capacity", 1) for name, entry in table.items()} for kind, table in (("tool", tools), ("zone", zones))}
+        self.change = {(name, who): _millionths(seconds) for name, entry in tools.items() for who, seconds in (entry.get("changeover") or {}).items()}
+        self.pairs = [(str(a), str(b)) for a, b in data.get("same_operator") or ()]
+        table = data.get("stress_of_set")
+        self.table = table if table is None else {
+            frozenset(filter(None, str(names).split(","))): _millionths(value) for names, value in table.items()
+        }  # fmt: skip
+
+    def _job(self, name: str, entry: Mapping[str, Any]) -> Job:
+        stress = entry.get("stress", 0)
+        ways = [Way((who,), _millionths(time), self._strain((who,), stress)) for who, time in (entry.get("time") or {}).items()]
+        for joint in entry.get("together") or ():
+            who = tuple(joint["operators"])
+            own = stress if joint.get("stress") is None else joint["stress"]
+            ways.append(Way(who, _millionths(joint["time"]), self._strain(who, own)))
+        deadline = entry.get("deadline")
+        return Job(
+            name,
+            tuple(ways),
+            tuple(str(first) for first in entry.get("after") or ()),
+            _millionths(entry.get("release", 0)),
+            None if deadline is None else _millionths(deadline),
+            entry.get("tool"),
+            entry.get("zone"),
+        )
+
+    def _strain(self, who: tuple[str, ...], stress: float | Mapping[str, float]) -> dict[str, int]:
+        humans = [name for name in who if self.kind[name] == "human"]
+        return {name: _millionths(stress.get(name, 0) if isinstance(stress, Mapping) else stress) for name in humans}
+
+    # ------------------------------------------------------------ what a schedule may do
+
+    def stress(self, done: tuple[Step, ...]) -> int | None:
+        """The cell's measure of stress; None for a set of tasks that its table does not list."""
+        if self.table is None:
+            return sum(sum(step.way.strain.values()) for step in done)
+        return self.table.get(frozenset(step.name for step in done if step.way.strain))
+
+    def allows_who(self, done: tuple[Step, ...]) -> bool:
+        """Whether what is done so far keeps the stress limits and the pairs, whatever the times."""
+        who = {step.name: set(step.way.who) for step in done}
+        if any(a in who and b in who and who[a] != who[b] for a, b in self.pairs):
+            return False
+        return all(sum(step.way.strain.get(name, 0) for step in done) <= limit for name, limit in self.limit.items())
+
+    def allows(self, done: tuple[Step, ...]) -> bool:
+        """Whether these steps, some tasks not begun, break no rule on times."""
+        return (
+            all(self._in_its_time(step, done) for step in done)
+            and all(self._one_at_a_time(who, done) for who in self.kind)
+            and all(self._room_enough(kind, done) for kind in ("tool", "zone"))
+        )
+
+    def _in_its_time(self, step: Step, done: tuple[Step, ...]) -> bool:
+        job = self.jobs[step.name]
+        if step.start < job.release or (job.deadline is not None and step.end > job.deadline):
+            return False
+        return not any(first.name in job.after and step.start < first.end for first in done)
+
+    def _one_at_a_time(self, who: str, done: tuple[Step, ...]) -> bool:
+        """Tasks, the changeovers right before them, and breaks, one after the other."""
+        hand, free = self.in_hand[who], 0
+        for step in sorted((step for step in done if who in step.way.who), key=lambda step: step.start):
+            tool = self.jobs[step.name].tool
+            change = self.change.get((tool, who), 0) if tool is not None and hand not in (None, tool) else 0
+            begin = step.start - change
+            if begin < free or any(off < step.end and begin < back for off, back in self.breaks[who]):
+                return False
+            hand, free = hand if tool is None else tool, step.end
+        return True
+
+    def _room_enough(self, kind: str, done: tuple[Step, ...]) -> bool:
+        """Counted whenever a step starts: only then can it become too many."""
+        for step in done:
+            thing = getattr(self.jobs[step.name], kind)
+            if thing is not None:
+                there = (
+                    len(other.way.who) for other in done if getattr(self.jobs[other.name], kind) == thing and other.start <= step.start < other.end
+                )
+                if sum(there) > self.places[kind].get(thing, 1):
+                    return False
+        return True
+
+
+def front_in_order(data: Mapping[str, Any]) -> list[Point]:
+    """The front over all orders and ways, each task at the first moment, not before the last start, at which it may begin.
+
+    Of any schedule, its tasks taken in order of start, this gives one in which no task is later.
+    """
+    return _seconds(_front_in_order(Plain(data)))
+
+
+def front_of_all(data: Mapping[str, Any], horizon: float | None = None) -> list[Point]:
+    """The front over all schedules on the grid of the cell's times that end by the horizon. Nothing is left out.
+
+    Without a horizon, the time in which everything can be done one after the other, behind all breaks and releases.
+    """
+    plain = Plain(data)
+    return _seconds(_front_of_all(plain, latest(plain) if horizon is None else _millionths(horizon)))
+
+
+def moments(data: Mapping[str, Any]) -> int:
+    """How many moments of its grid a cell has until `latest`: what trying them all would cost a task."""
+    plain = Plain(data)
+    return latest(plain) // _grid(plain) + 1
+
+
+def latest(plain: Plain) -> int:
+    """By when everything can be done one after the other, behind all breaks and releases."""
+    work = sum(max(way.time for way in job.ways) for job in plain.jobs.values())
+    changes = len(plain.jobs) * max(plain.change.values(), default=0)
+    waits = max(job.release for job in plain.jobs.values())
+    return work + changes + max([waits, *(back for breaks in plain.breaks.values() for _, back in breaks)])
+
+
+def worth(data: Mapping[str, Any], rows: list[tuple[str, float, float, tuple[str, ...]]]) -> Point | None:
+    """What a schedule of `(task, start, end, operators)` comes to; None when it breaks the cell."""
+    plain = Plain(data)
+    if sorted(name for name, *_ in rows) != sorted(plain.jobs):
+        return None
+    done = []
+    for name, start, end, who in rows:
+        time = _millionths(end) - _millionths(start)
+        ways = [way for way in plain.jobs[name].ways if set(way.who) == set(who) and way.time == time]
+        if not ways or _millionths(start) < 0:
+            return None
+        done.append(Step(name, ways[0], _millionths(start)))
+    steps = tuple(done)
+    stress = plain.stress(steps)
+    if stress is None or not plain.allows_who(steps) or not plain.allows(steps):
+        return None
+    return max(step.end for step in steps) / MILLION, stress / MILLION
+
+
+def _front_in_order(plain: Plain) -> list[Pair]:
+    found: list[Pair] = []
+
+    def beaten(done: tuple[Step, ...]) -> bool:
+        stress = plain.stress(done) if plain.table is None else -1
+        makespan = max((step.end for step in done), default=0)
+        return any(time <= makespan and load <= (stress or 0) for time, load in found)
+
+    def grow(done: tuple[Step, ...]) -> None:
+        if len(done) == len(plain.jobs):
+            stress = plain.stress(done)
+            if stress is not None:
+                found.append((max(step.end for step in done), stress))
+            return
+        names = {step.name for step in done}
+        for job in plain.jobs.values():
+            if job.name not in names and names.issuperset(job.after):
+                for way in job.ways:
+                    step = _appended(plain, done, job, way)
+                    if step is not None and not beaten((*done, step)):
+                        grow((*done, step))
+
+    grow(())
+    return _unbeaten(found)
+
+
+def _appended(plain: Plain, done: tuple[Step, ...], job: Job, way: Way) -> Step | None:
+    """The task at the first moment that is allowed; moments at which something else ends are enough to look at."""
+    if not plain.allows_who((*done, Step(job.name, way, 0))):
+        return None
+    last = max((step.start for step in done), default=0)
+    ends = {0, job.release, *(step.end for step in done), *(back for who in way.who for _, back in plain.breaks[who])}
+    changes = {0, *(plain.change.get((job.tool, who), 0) for who in way.who if job.tool is not None)}
+    for start in sorted({last, *(end + change for end in ends for change in changes)}):
+        if start >= last:
+            step = Step(job.name, way, start)
+            if plain.allows((*done, step)):
+                return step
+    return None
+
+
+def _front_of_all(plain: Plain, horizon: int) -> list[Pair]:
+    found = []
+    for done in _everywhere(plain, list(plain.jobs.values()), (), horizon, _grid(plain)):
+        stress = plain.stress(done)
+        if stress is not None:
+            found.append((max(step.end for step in done), stress))
+    return _unbeaten(found)
+
+
+def _everywhere(plain: Plain, left: list[Job], done: tuple[Step, ...], horizon: int, grid: int) -> Iterator[tuple[Step, ...]]:
     if not left:
-        yield Schedule(done)
+        if plain.allows(done):  # once more: the changeovers may have become others
+            yield done
         return
-    for mode in cell.modes(left[0]):
-        for start in _grid(cell, Decimal(0), horizon - exact(mode.time)):
-            a = Assignment(float(start), float(start + exact(mode.time)), left[0], mode.operators)
-            if _is_sound_so_far(cell, (*done, a)):
-                yield from _on_the_grid(cell, left[1:], (*done, a), horizon)
+    job = left[0]
+    late = horizon if job.deadline is None else min(horizon, job.deadline)
+    for way in job.ways:
+        if plain.allows_who((*done, Step(job.name, way, 0))):
+            for start in range(0, late - way.time + 1, grid):
+                grown = (*done, Step(job.name, way, start))
+                if plain.allows(grown) or plain.change:
+                    yield from _everywhere(plain, left[1:], grown, horizon, grid)
 
 
-def _in_order(cell: Cell, done: tuple[Assignment, ...]) -> Iterator[Schedule]:
-    placed = {a.task for a in done}
-    if len(placed) == len(cell.tasks):
-        yield Schedule(done)
-        return
-    last = max((exact(a.start) for a in done), default=Decimal(0))
-    for name, task in cell.tasks.items():
-        if name in placed or not placed.issuperset(task.after):
-            continue
-        for mode in cell.modes(name):
-            for start in _grid(cell, last, _horizon(cell)):
-                a = Assignment(float(start), float(start + exact(mode.time)), name, mode.operators)
-                if _is_sound_so_far(cell, (*done, a)):
-                    yield from _in_order(cell, (*done, a))
-                    break
+def _grid(plain: Plain) -> int:
+    times = [way.time for job in plain.jobs.values() for way in job.ways]
+    times += [job.release for job in plain.jobs.values()]
+    times += [moment for breaks in plain.breaks.values() for pair in breaks for moment in pair]
+    return gcd(*times, *plain.change.values())
 
 
-def _is_sound_so_far(cell: Cell, done: tuple[Assignment, ...]) -> bool:
-    judged = Judged.of(cell, Schedule(done))
-    return not any(sentence for rule in RULES if rule is not each_task_is_done_once for sentence in rule(judged))
+def _unbeaten(points: list[Pair]) -> list[Pair]:
+    return sorted({p for p in points if not any(q != p and q[0] <= p[0] and q[1] <= p[1] for q in points)})
 
 
-def _front(cell: Cell, schedules: Iterator[Schedule]) -> list[Point]:
-    points = {(makespan(schedule), stress(cell, schedule)) for schedule in schedules}
-    return sorted(p for p in points if not any(q != p and q[0] <= p[0] and q[1] <= p[1] for q in points))
+def _seconds(points: list[Pair]) -> list[Point]:
+    return [(time / MILLION, load / MILLION) for time, load in points]
 
 
-def _grid(cell: Cell, low: Decimal, high: Decimal) -> Iterator[Decimal]:
-    step = _step(cell)
-    moment = (low / step).to_integral_value(rounding="ROUND_CEILING") * step
-    while moment <= high:
-        yield moment
-        moment += step
-
-
-def _times(cell: Cell) -> Iterator[Decimal]:
-    for name, task in cell.tasks.items():
-        yield exact(task.release)
-        yield from (exact(mode.time) for mode in cell.modes(name))
-    for tool in cell.tools.values():
-        yield from map(exact, tool.changeover.values())
-    for operator in cell.operators.values():
-        yield from (exact(time) for pause in operator.breaks for time in pause)
-
-
-def _step(cell: Cell) -> Decimal:
-    thousandths = [int(time * 1000) for time in _times(cell)]
-    return Decimal(gcd(*thousandths)) / 1000
-
-
-def _horizon(cell: Cell) -> Decimal:
-    changeovers = [exact(time) for tool in cell.tools.values() for time in tool.changeover.values()]
-    return sum(_times(cell), Decimal(0)) + len(cell.tasks) * max(changeovers, default=Decimal(0))
+def _millionths(number: float) -> int:
+    """The decimal that the number prints as, in millionths. No cell has finer numbers."""
+    scaled = Fraction(repr(number)) * MILLION
+    if scaled.denominator != 1:
+        raise ValueError(f"{number!r} has more than six decimals.")
+    return int(scaled)

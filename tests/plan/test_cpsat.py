@@ -28,6 +28,16 @@ def possible(of: Cell, upper: int, *rules: cpsat.Rule, most_stress: int | None =
     return cp_model.CpSolver().solve(plan.model) in (cp_model.OPTIMAL, cp_model.FEASIBLE)
 
 
+def test_deadlines_are_kept_in_a_slower_way_too():
+    """Anna is slow: from 0 s she ends at 9 s, although the deadline less the cobot's time would let her start at 4 s."""
+    late = cell(tasks={"a": {"time": {"anna": 9, "cobot": 5}, "deadline": 9}, "b": {"time": {"cobot": 9}}})
+    for rule, start, allowed in ((cpsat.deadlines_are_kept, 0, True), (cpsat.deadlines_are_kept, 1, False), (cpsat.predecessors_end_first, 1, True)):
+        plan = cpsat.formulate(Instance.of(late), 20, [rule])
+        plan.model.add(plan.chosen[0][0] == 1)
+        plan.model.add(plan.start[0] == start)
+        assert (cp_model.CpSolver().solve(plan.model) != cp_model.INFEASIBLE) == allowed
+
+
 def test_predecessors_end_first():
     chain = cell(tasks={"a": {"time": BOTH}, "b": {"time": BOTH, "after": ["a"]}})
     assert possible(chain, 10, cpsat.predecessors_end_first)

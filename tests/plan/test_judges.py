@@ -40,7 +40,7 @@ def points(cell: Cell, method: str = "exhaustive", question: Question = Question
 @settings(max_examples=40, **OPTIONS)
 @given(cells(max_tasks=4))
 def test_exhaustive_search_finds_what_trying_all_orders_finds(cell):
-    assert points(cell) == front_in_order(cell)
+    assert points(cell) == front_in_order(cell.to_dict())
 
 
 @settings(max_examples=40, **OPTIONS)
@@ -48,7 +48,7 @@ def test_exhaustive_search_finds_what_trying_all_orders_finds(cell):
 def test_exhaustive_search_finds_what_trying_all_times_finds(cell):
     """No order, no argument: every task at every moment."""
     found = points(cell)
-    assert found == front_of_all(cell, max((time for time, _ in found), default=12.0))
+    assert found == front_of_all(cell.to_dict(), max((time for time, _ in found), default=12.0))
 
 
 @settings(max_examples=40, **OPTIONS)
@@ -134,7 +134,11 @@ def test_the_checker_and_watching_every_moment_agree_on_shaken_schedules(cell, d
 
 
 def test_the_two_yardsticks_know_the_thesis():
-    assert front_of_all(thesis().replace(tasks={name: thesis().tasks[name] for name in "12"}), 20) == [(9.0, 11.0), (10.0, 10.0), (16.0, 0.0)]
+    assert front_of_all(thesis().replace(tasks={name: thesis().tasks[name] for name in "12"}).to_dict(), 20) == [
+        (9.0, 11.0),
+        (10.0, 10.0),
+        (16.0, 0.0),
+    ]
     assert is_sound(thesis(), thesis_schedule())
     late = Schedule(tuple(Assignment(a.start + 1, a.end + 1, a.task, a.operators) for a in thesis_schedule()))
     assert is_sound(thesis(), late)

@@ -8,12 +8,10 @@ from typing import NamedTuple
 from tandem.cell.model import Cell
 from tandem.plan.bounds import chain_bound, least_stress, one_operator_bound
 from tandem.plan.decode import Layout
+from tandem.plan.door import Admitted
 from tandem.plan.instance import Instance
 from tandem.plan.race import Goal
 from tandem.plan.result import Bound, Result, Status
-from tandem.plan.starts import Starts, keeps_deadlines, measures
-from tandem.schedule.checker import faults
-from tandem.schedule.model import Schedule
 
 Point = tuple[int, int]
 """Makespan in ticks, stress in units."""
@@ -34,7 +32,7 @@ class Gap(NamedTuple):
 
 
 class Archive:
-    """Schedules and facts.
+    """Schedules that the checker has accepted, and facts.
 
     A fact `(stress, makespan)` says: every schedule (within the question's limits) of at most this stress takes at least this makespan.
     All bounds and proofs of a front follow from facts: a point is optimal when they leave no room on either side of it.
@@ -42,24 +40,21 @@ class Archive:
 
     def __init__(self, cell: Cell, layout: Layout, limits: Goal) -> None:
         self.cell, self.layout, self.limits = cell, layout, limits
-        self.found: dict[Point, Starts] = {}
+        self.found: dict[Point, Admitted] = {}
         self.least_stress = least_stress(layout) or 0
         self.facts: list[tuple[float, float]] = [(inf, max(chain_bound(layout), one_operator_bound(layout))), (self.least_stress - 1, inf)]
-        self._schedules: dict[Point, Schedule] = {}
 
     @property
     def instance(self) -> Instance:
         return self.layout.instance
 
-    def offer(self, starts: Starts) -> bool:
-        """Keeps the schedule if it is within the limits and nothing kept is at least as good; says whether it did. Assumes that it is sound."""
-        point = measures(self.instance, starts)
-        if not self.limits.allows(*point) or not keeps_deadlines(self.instance, starts):
-            return False
+    def offer(self, schedule: Admitted) -> bool:
+        """Keeps the schedule unless something kept is at least as good; says whether it did."""
+        point = schedule.point
         if any(m <= point[0] and s <= point[1] for m, s in self.found):
             return False
         self.found = {(m, s): kept for (m, s), kept in self.found.items() if m < point[0] or s < point[1]}
-        self.found[point] = starts
+        self.found[point] = schedule
         return True
 
     def learn(self, stress: float, makespan: float) -> None:
@@ -68,7 +63,7 @@ class Archive:
             self.facts = [(s, m) for s, m in self.facts if s > stress or m > makespan]
             self.facts.append((stress, makespan))
 
-    def best(self, goal: Goal) -> Starts | None:
+    def best(self, goal: Goal) -> Admitted | None:
         """The kept schedule of least value for the goal."""
         fitting = [point for point in self.found if goal.allows(*point)]
         return self.found[min(fitting, key=lambda point: goal.value(*point))] if fitting else None
@@ -113,12 +108,4 @@ class Archive:
         if optimal:
             makespan, stress = point
         bound = Bound(instance.seconds(int(makespan)), instance.stress(int(stress)))
-        return Result(self.cell, self._checked(point), Status.OPTIMAL if optimal else Status.FEASIBLE, bound)
-
-    def _checked(self, point: Point) -> Schedule:
-        if point not in self._schedules:
-            schedule = self.instance.schedule(self.found[point])
-            if wrong := faults(self.cell, schedule):
-                raise AssertionError("a planned schedule breaks its cell: " + "; ".join(wrong))
-            self._schedules[point] = schedule
-        return self._schedules[point]
+        return Result(self.cell, self.found[point].schedule, Status.OPTIMAL if optimal else Status.FEASIBLE, bound)

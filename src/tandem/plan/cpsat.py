@@ -68,8 +68,7 @@ def formulate(instance: Instance, upper: int, rules: Iterable[Rule] | None = Non
     plan = Decisions(model, instance, upper)
     model_is_trivially_false = False
     for task, ways in enumerate(instance.ways):
-        shortest = min(way.ticks for way in ways)
-        latest = min(upper - instance.tail[task], (upper if instance.deadline[task] is None else instance.deadline[task]) - shortest)  # type: ignore[operator]
+        latest = _latest_start(instance, task, upper)
         if latest < instance.head[task]:
             model_is_trivially_false, latest = True, instance.head[task]
         start = model.new_int_var(instance.head[task], latest, f"start {task}")
@@ -101,7 +100,22 @@ def formulate(instance: Instance, upper: int, rules: Iterable[Rule] | None = Non
     return plan
 
 
+def _latest_start(instance: Instance, task: int, upper: int) -> int:
+    """Ticks; the task cannot start later in any way. In a slow way it may have to start sooner: `deadlines_are_kept` says that."""
+    quickest = min(way.ticks for way in instance.ways[task])
+    deadline = instance.deadline[task]
+    latest = upper - instance.tail[task]
+    return latest if deadline is None else min(latest, deadline - quickest)
+
+
 Rule = Callable[[Decisions], None]
+
+
+def deadlines_are_kept(plan: Decisions) -> None:
+    """A task ends by its deadline in whatever way it is done; in the quickest the bounds of its start see to it."""
+    for task, deadline in enumerate(plan.instance.deadline):
+        if deadline is not None and len({way.ticks for way in plan.instance.ways[task]}) > 1:
+            plan.model.add(plan.end[task] <= deadline)
 
 
 def predecessors_end_first(plan: Decisions) -> None:
@@ -286,6 +300,7 @@ def closure(direct: tuple[tuple[int, ...], ...], order: Iterable[int]) -> list[s
 
 
 RULES: tuple[Rule, ...] = (
+    deadlines_are_kept,
     predecessors_end_first,
     an_operator_does_one_thing_at_a_time,
     a_tool_is_used_as_often_as_it_exists,

@@ -7,12 +7,13 @@ When time runs out, every point carries the bounds that were proven for it.
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable
-from decimal import ROUND_FLOOR, Decimal
-from fractions import Fraction
+from dataclasses import replace
+from decimal import ROUND_FLOOR
 from importlib.metadata import version
 from itertools import islice
-from math import inf, lcm
+from math import inf
 from random import Random
 from time import monotonic
 
@@ -21,6 +22,7 @@ from tandem.errors import InfeasibleError, NothingFoundError
 from tandem.plan.archive import Archive
 from tandem.plan.bounds import load_prices
 from tandem.plan.decode import Layout
+from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
 from tandem.plan.instance import Instance
 from tandem.plan.question import Progress, Question
 from tandem.plan.race import SMALL, Answer, Effort, Goal, Race
@@ -28,7 +30,8 @@ from tandem.plan.result import Bound, Front, Result, Status
 from tandem.plan.rules import SPECS, attempts, build
 from tandem.plan.starts import Starts, measures
 from tandem.plan.sweep import Sweep
-from tandem.schedule.checker import faults
+from tandem.plan.weights import MOST_COUNTED, simplest, whole
+from tandem.schedule.measures import exact
 from tandem.schedule.model import Schedule
 
 SOLVER = f"cp-sat {version('ortools')}"
@@ -78,7 +81,13 @@ class _Search:
         self.asked = question
         self.instance = Instance.of(cell)
         self.layout = Layout.of(self.instance)
-        self.limits = Goal(1, 0, _floor(question.max_makespan, self.instance.per_second), _floor(question.max_stress, self.instance.per_stress))
+        self.limits = Goal(
+            1,
+            0,
+            _limit(question.max_makespan, self.instance.per_second, self.instance.horizon),
+            _limit(question.max_stress, self.instance.per_stress, self._most_stress()),
+        )
+        self.door = Door(cell, self.instance, question)
         self.archive = Archive(cell, self.layout, self.limits)
         self.infeasible = False
         self.optimal = False
@@ -87,8 +96,8 @@ class _Search:
         """The first schedules: the hint, and what the dispatch rules give; what costs more than a moment comes after the first."""
         if self.layout.impossible():
             return
-        if hint is not None and not faults(self.cell, hint):
-            self._offer(_starts_of(self.instance, hint), 0)
+        if hint is not None:
+            self._offer(self.door.hinted(hint))
         random = Random(self.seed)
         if self.instance.stress_of_set is None:
             self._by_rule("longest-tail", random, None)
@@ -100,11 +109,11 @@ class _Search:
         if len(self.instance.tasks) < 100 or not self.archive.found:
             for attempt in few:
                 if attempt is not None:
-                    self._offer(tuple(attempt.starts()), 0)
+                    self._offer(self.door.admit(attempt.starts()))
 
     def _by_rule(self, name: str, random: Random, prices: list[float] | None) -> None:
         if (state := build(self.layout, SPECS[name], random, prices=prices)) is not None:
-            self._offer(tuple(state.starts()), 0)
+            self._offer(self.door.admit(state.starts()))
 
     def run(self) -> None:
         """Answers the question as far as time allows."""
@@ -119,6 +128,8 @@ class _Search:
         """What was found. Raises as `solve` says."""
         wall = monotonic() - self.began
         if not self.archive.found:
+            if self.door.refused:
+                raise NothingFoundError(f"no schedule that keeps {_limits(self.question)} was found in {wall:.1f} s: {self.door.apology()}")
             if self.infeasible:
                 raise InfeasibleError(f"no schedule keeps {_limits(self.question)}; this is proven.")
             if interrupted:
@@ -126,6 +137,9 @@ class _Search:
             raise NothingFoundError(f"no schedule that keeps {_limits(self.question)} was found in {wall:.1f} s; whether there is one is open.")
         results = self._results()
         complete = self.archive.complete if self.question.minimize == "front" else results[0].status == Status.OPTIMAL
+        if self.door.refused:
+            complete = False
+            warnings.warn(self.door.apology(), RefusedScheduleWarning, stacklevel=3)
         return Front(self.cell, results, complete, "exact", SOLVER, self.seed, wall, interrupted, self.asked)
 
     def _results(self) -> tuple[Result, ...]:
@@ -138,22 +152,23 @@ class _Search:
             result = Result(self.cell, result.schedule, Status.FEASIBLE, low)
         return (result,)
 
-    def _rank(self, point: tuple[int, int]) -> tuple[Fraction | int, ...]:
+    def _rank(self, point: tuple[int, int]) -> tuple[int, ...]:
         if self.question.minimize == "weighted":
-            return (_weighted_goal(self.question, self.instance, self.limits).value(*point), *point)
+            return (Goal(*whole(self.question, self.instance)).value(*point), *point)
         return point[::-1] if self.question.minimize == "stress" else point
 
     def _front(self) -> None:
         """Gap by gap."""
-        Sweep(self.archive, Effort(self.until, self.seed, self.workers, self._offer)).run()
+        effort = Effort(self.until, self.seed, self.workers, lambda schedule, bound: self._offer(schedule))
+        Sweep(self.archive, self.door, effort).run()
         self.infeasible = not self.archive.found and not self.archive.gaps
 
     def _quickest(self, cap: int | None) -> Answer:
         """The least makespan under the cap on stress and, at that makespan, the least stress; facts are learned on the way."""
         limits = self.limits
         top = inf if cap is None else cap
-        if len(self.instance.tasks) <= SMALL:
-            factor = self._most_stress() + 1
+        factor = self._most_stress() + 1
+        if len(self.instance.tasks) <= SMALL and self._can_count(Goal(factor, 1)):
             both = self._race(Goal(factor, 1, limits.max_makespan, cap))
             if both.starts is None:
                 self._note(top, inf if both.proven else both.bound // factor)
@@ -191,16 +206,29 @@ class _Search:
         self.infeasible = best.starts is None and best.proven
 
     def _weighted(self) -> None:
-        goal = _weighted_goal(self.question, self.instance, self.limits)
-        if not goal.time or not goal.stress:
-            self.question = Question(
-                "makespan" if goal.time else "stress", self.question.weights, self.question.max_makespan, self.question.max_stress
-            )
+        """The least weighted sum; where no weights of the same order are small enough to be counted, it is looked for along the front."""
+        time, stress = whole(self.question, self.instance)
+        if not time or not stress:
+            self.question = Question("makespan" if time else "stress", self.question.weights, self.question.max_makespan, self.question.max_stress)
             return self._lexicographic()
-        answer = self._race(goal)
+        if not self._can_count(Goal(time, stress)):
+            time, stress = simplest(time, stress, self._most_ticks(), self._most_stress())
+        if not self._can_count(Goal(time, stress)):
+            self._front()
+            self.optimal = self.archive.complete
+            return None
+        answer = self._race(replace(self.limits, time=time, stress=stress))
         self.optimal = answer.proven
         self.infeasible = answer.starts is None and answer.proven
         return None
+
+    def _can_count(self, goal: Goal) -> bool:
+        """Whether the values of all schedules that may be met are small enough for the solver."""
+        return goal.value(self._most_ticks(), self._most_stress()) <= MOST_COUNTED
+
+    def _most_ticks(self) -> int:
+        """No schedule that is met ends later: from here on tasks are put as early as they can; what is known already may be a late hint."""
+        return max([self.instance.horizon, *(makespan for makespan, _ in self.archive.points)])
 
     def _race(self, goal: Goal) -> Answer:
         """Works on one goal, from the best schedule known and the best bound known."""
@@ -210,8 +238,8 @@ class _Search:
             return Answer(None, 0, True)
         stress = self.archive.least_stress if goal.max_makespan is None else self.archive.least_stress_within(goal.max_makespan)
         known = goal.time * int(floor) + goal.stress * max(int(stress), 0)
-        effort = Effort(self.until, self.seed, self.workers, self._offer)
-        race = Race(self.instance, self.layout, goal, effort, self.archive.best(goal), known)
+        effort = Effort(self.until, self.seed, self.workers, lambda schedule, bound: self._offer(schedule))
+        race = Race(self.door, self.layout, goal, effort, self.archive.best(goal), known)
         try:
             return race.run()
         finally:
@@ -221,13 +249,12 @@ class _Search:
     def _note(self, stress: float, makespan: float) -> None:
         self.archive.learn(stress, makespan)
 
-    def _offer(self, starts: Starts, bound: int) -> None:
-        if self.archive.offer(starts) and self.on_solution is not None:
+    def _offer(self, schedule: Admitted | None) -> None:
+        if schedule is not None and self.archive.offer(schedule) and self.on_solution is not None:
             floor = self.instance.seconds(int(self.archive.least_makespan(inf)))
             self.on_solution(Progress(self.archive.results(), floor, monotonic() - self.began))
 
     def _point(self, starts: Starts) -> tuple[int, int]:
-        self.archive.offer(starts)
         return measures(self.instance, starts)
 
     def _most_stress(self) -> int:
@@ -235,28 +262,12 @@ class _Search:
         return sum(max(way.stress for way in ways) for ways in self.instance.ways) if table is None else max(table.values())
 
 
-def _floor(limit: float | None, scale: int) -> int | None:
-    return None if limit is None else int((Decimal(repr(float(limit))) * scale).to_integral_value(ROUND_FLOOR))
-
-
-def _weighted_goal(question: Question, instance: Instance, limits: Goal) -> Goal:
-    """The question's weights as whole numbers: nothing is rounded."""
-    time = Fraction(Decimal(repr(question.weights[0]))) / instance.per_second
-    stress = Fraction(Decimal(repr(question.weights[1]))) / instance.per_stress
-    scale = lcm(time.denominator, stress.denominator)
-    return Goal(int(time * scale), int(stress * scale), limits.max_makespan, limits.max_stress)
-
-
-def _starts_of(instance: Instance, schedule: Schedule) -> Starts:
-    """A sound schedule in the instance's numbers."""
-    by_task = {a.task: a for a in schedule}
-    starts = []
-    for task, ways in enumerate(instance.ways):
-        row = by_task[instance.tasks[task]]
-        start, end = (int(Decimal(repr(moment)) * instance.per_second) for moment in (row.start, row.end))
-        team = tuple(sorted(instance.operators.index(name) for name in row.operators))
-        starts.append((next(w for w, way in enumerate(ways) if way.operators == team and way.ticks == end - start), start))
-    return tuple(starts)
+def _limit(limit: float | None, scale: int, most: int) -> int | None:
+    """The limit in whole numbers, cut down; None when nothing comes near it, so that no solver has to count so far."""
+    if limit is None:
+        return None
+    whole_ones = int((exact(limit) * scale).to_integral_value(ROUND_FLOOR))
+    return whole_ones if whole_ones < most else None
 
 
 def _limits(question: Question) -> str:

@@ -6,27 +6,28 @@ ones are kept that no other equals or beats in every number, and none is kept th
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from fractions import Fraction
 from importlib.metadata import version
 from itertools import chain
-from math import floor, lcm
+from math import floor
 from operator import gt
 from random import Random
 from time import perf_counter
 
 from tandem.cell.model import Cell
-from tandem.errors import InfeasibleError, NothingFoundError, UnsoundScheduleError
+from tandem.errors import InfeasibleError, NothingFoundError
 from tandem.plan.along_clock import Key, Moves, Node
 from tandem.plan.bounds import heads, least_makespan, least_stress, load_prices
 from tandem.plan.decode import Layout
+from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
 from tandem.plan.instance import Instance
 from tandem.plan.question import Progress, Question
 from tandem.plan.result import Bound, Front, Result, Status
 from tandem.plan.rules import SPECS, attempts
-from tandem.schedule.checker import faults
-from tandem.schedule.measures import exact, makespan, stress
+from tandem.plan.weights import whole
+from tandem.schedule.measures import exact
 from tandem.schedule.model import Schedule
 
 MOST_NODES = 1_000_000
@@ -58,6 +59,10 @@ def solve(
         search.run()
     except KeyboardInterrupt:
         interrupted = True
+    if search.door.refused:
+        if not search.best.found:
+            raise NothingFoundError(f"no schedule that keeps {limits(question)} was found: {search.door.apology()}")
+        warnings.warn(search.door.apology(), RefusedScheduleWarning, stacklevel=2)
     if not search.best.found and search.done:
         raise InfeasibleError(f"no schedule keeps {limits(question)}: every order and every allocation has been ruled out.")
     if not search.best.found:
@@ -79,8 +84,8 @@ def limits(question: Question) -> str:
 class Best:
     """The schedules known that answer a question and that no other one beats, by (makespan, stress) in ticks and units."""
 
-    rank: Callable[[int, int], tuple[Fraction | int, ...]] | None
-    found: dict[tuple[int, int], Schedule]
+    rank: Callable[[int, int], tuple[int, ...]] | None
+    found: dict[tuple[int, int], Admitted]
 
     def beats(self, ticks: int, units: int) -> bool:
         """Whether nothing that is at least so long and so hard is wanted any more."""
@@ -88,8 +93,9 @@ class Best:
             return any(self.rank(*point) <= self.rank(ticks, units) for point in self.found)
         return any(time <= ticks and load <= units for time, load in self.found)
 
-    def take(self, ticks: int, units: int, schedule: Schedule) -> None:
+    def take(self, schedule: Admitted) -> None:
         """Keeps the schedule instead of those that it beats. Assumes that none beats it."""
+        ticks, units = schedule.point
         for time, load in list(self.found):
             if self.rank is not None or (ticks <= time and units <= load):
                 del self.found[time, load]
@@ -105,6 +111,7 @@ class Search:
         self.until = None if time_limit is None else self.began + time_limit
         self.layout = Layout.of(Instance.of(cell))
         self.instance = self.layout.instance
+        self.door = Door(cell, self.instance, question)
         self.best = Best(_rank(question, self.instance), {})
         self.most_ticks = _most(question.max_makespan, self.instance.per_second, self.instance.horizon)
         self.most_units = _most(question.max_stress, self.instance.per_stress, UNREACHABLE - 1)
@@ -117,12 +124,12 @@ class Search:
     def begin(self, seed: int, hint: Schedule | None) -> None:
         """Takes the hint and a few dozen schedules by rules as a start, if they answer the question."""
         if hint is not None:
-            self.offer(hint)
+            self._take(self.door.hinted(hint))
         specs = ("balanced", "weighted")
         states = chain.from_iterable(attempts(self.layout, SPECS[name], Random(seed), self.question, lambda: bool(self.best.found)) for name in specs)
         for state in states:
             if state is not None:
-                self.offer(self.instance.schedule(state.starts()))
+                self._take(self.door.admit(state.starts()))
             if self._is_late() and self.best.found:
                 return
 
@@ -135,7 +142,7 @@ class Search:
                 self.level, self.kept = [node for row in self.kept.values() for _, node in row], {}
                 self.moves.forget()
                 self.limits.forget()
-        self.level, self.done = [], True
+        self.level, self.done = [], not self.door.refused
 
     def _grow(self) -> bool:
         """Takes every node of the level one task further, into what is kept; false when time or room is up. A node leaves when it is done with."""
@@ -151,30 +158,18 @@ class Search:
             self.level.pop()
         return True
 
-    def offer(self, schedule: Schedule) -> None:
-        """Takes a schedule from outside when it is sound, within the limits and better than what is known."""
-        if not faults(self.cell, schedule, max_makespan=self.question.max_makespan, max_stress=self.question.max_stress):
-            ticks, units = exact(makespan(schedule)) * self.instance.per_second, exact(stress(self.cell, schedule)) * self.instance.per_stress
-            if ticks == int(ticks) and units == int(units):
-                self._take(int(ticks), int(units), schedule)
-
     def results(self) -> tuple[Result, ...]:
-        """What is known, by makespan, with the bounds that the open nodes leave.
-
-        Raises:
-          UnsoundScheduleError: a schedule breaks its cell; then this program is wrong.
-        """
-        return self._results([self.limits.of(node) for node in (*self.level, *(node for row in self.kept.values() for _, node in row))])
+        """What is known, by makespan, with the bounds that the open nodes leave; where a node was wrong, none but the root counts."""
+        open_ = [*self.level, *(node for row in self.kept.values() for _, node in row)]
+        return self._results([self.limits.of(node) for node in ([self.moves.root()] if self.door.refused else open_)])
 
     def _results(self, floors: list[tuple[int, int]]) -> tuple[Result, ...]:
         results = []
-        for (ticks, units), schedule in sorted(self.best.found.items()):
-            if wrong := faults(self.cell, schedule, max_makespan=self.question.max_makespan, max_stress=self.question.max_stress):
-                raise UnsoundScheduleError(wrong)
+        for (ticks, units), kept in sorted(self.best.found.items()):
             time = min([ticks, *(time for time, load in floors if load <= units)])
             load = min([units, *(load for time, load in floors if time <= ticks)])
             status = Status.OPTIMAL if (time, load) == (ticks, units) else Status.FEASIBLE
-            results.append(Result(self.cell, schedule, status, Bound(self.instance.seconds(time), self.instance.stress(load))))
+            results.append(Result(self.cell, kept.schedule, status, Bound(self.instance.seconds(time), self.instance.stress(load))))
         return tuple(results)
 
     def wall_s(self) -> float:
@@ -203,13 +198,17 @@ class Search:
     def _finish(self, node: Node) -> None:
         units = self.limits.stress_of(node)
         ticks = max(node.free)
-        if units is not None and ticks <= self.most_ticks and units <= self.most_units:
-            self._take(ticks, units, self.instance.schedule(self.moves.starts(node)))
-
-    def _take(self, ticks: int, units: int, schedule: Schedule) -> None:
-        if self.best.beats(ticks, units):
+        if units is None or ticks > self.most_ticks or units > self.most_units or self.best.beats(ticks, units):
             return
-        self.best.take(ticks, units, schedule)
+        schedule = self.door.vouched(self.moves.starts(node))
+        if schedule is not None and schedule.point != (ticks, units):
+            self.door.refuse([f"it is worth {schedule.point} instead of {(ticks, units)}."])
+        self._take(schedule)
+
+    def _take(self, schedule: Admitted | None) -> None:
+        if schedule is None or self.best.beats(*schedule.point):
+            return
+        self.best.take(schedule)
         if self.on_solution is not None:
             floor = self.limits.of(self.moves.root())
             least = max(floor[0], self.limits.least_ticks)
@@ -292,7 +291,7 @@ def _latest_ends(layout: Layout, most_ticks: int) -> list[int]:
     return latest
 
 
-def _rank(question: Question, instance: Instance) -> Callable[[int, int], tuple[Fraction | int, ...]] | None:
+def _rank(question: Question, instance: Instance) -> Callable[[int, int], tuple[int, ...]] | None:
     """What the one best schedule has least of, in order; None for a front."""
     if question.minimize == "front":
         return None
@@ -300,10 +299,7 @@ def _rank(question: Question, instance: Instance) -> Callable[[int, int], tuple[
         return lambda ticks, units: (ticks, units)
     if question.minimize == "stress":
         return lambda ticks, units: (units, ticks)
-    time, load = (Fraction(exact(weight)) for weight in question.weights)
-    time, load = time / instance.per_second, load / instance.per_stress
-    scale = lcm(time.denominator, load.denominator)
-    per_tick, per_unit = int(time * scale), int(load * scale)
+    per_tick, per_unit = whole(question, instance)
     return lambda ticks, units: (per_tick * ticks + per_unit * units, ticks, units)
 
 

@@ -176,6 +176,17 @@ class Instance:
             )
         return Schedule(tuple(rows))
 
+    def starts(self, schedule: Schedule) -> tuple[tuple[int, int], ...]:
+        """Per task `(way, start in ticks)` of a sound schedule; starts between two ticks are cut down to the earlier one."""
+        by_task = {a.task: a for a in schedule}
+        starts = []
+        for task, ways in enumerate(self.ways):
+            row = by_task[self.tasks[task]]
+            start, end = (int(Decimal(repr(moment)) * self.per_second) for moment in (row.start, row.end))
+            team = tuple(sorted(self.operators.index(name) for name in row.operators))
+            starts.append((next(w for w, way in enumerate(ways) if way.operators == team and way.ticks == end - start), start))
+        return tuple(starts)
+
 
 def _topological(before: tuple[tuple[int, ...], ...], behind: list[list[int]]) -> tuple[int, ...]:
     waiting = [len(firsts) for firsts in before]

@@ -1,6 +1,7 @@
 """One question to one cell, worked on from two sides at once: one prover raises the bound, improvers lower the incumbent, all share both.
 
-The incumbent is what the dispatch rules gave, from the first moment on; nothing that comes later may be worse.
+The incumbent is what the dispatch rules gave, from the first moment on; nothing that comes later may be worse. It is always a schedule that
+the checker has accepted (`door.py`), and so are the values that bounds are held against.
 """
 
 from __future__ import annotations
@@ -20,10 +21,11 @@ from ortools.sat.python import cp_model
 from tandem.plan import cpsat
 from tandem.plan.cpsat import Decisions, formulate
 from tandem.plan.decode import Layout
-from tandem.plan.instance import Instance
+from tandem.plan.door import Admitted, Door
 from tandem.plan.neighbourhoods import plan_anew, take_out
 from tandem.plan.refute import Proof, prove_makespan
 from tandem.plan.starts import Starts, append, keeps_deadlines, list_schedule, measures
+from tandem.plan.weights import MOST_COUNTED
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,7 @@ class Effort:
     Attributes:
       until: `monotonic()` seconds at which to stop; None for never.
       seed, workers: of the search; one worker repeats exactly.
-      offer: called in the calling thread with each schedule found and the bound, may raise KeyboardInterrupt.
+      offer: called in the calling thread with each schedule let in and the bound, may raise KeyboardInterrupt.
       work: CP-SAT's deterministic seconds after which a lone worker gives up; None to go on until it is proven.
       from_below: CP-SAT first tries whether the bound can be reached, which proves sooner and finds later than its own order of search.
       refutes: a lone worker may also spend processor time on `refute`, which does not repeat.
@@ -75,7 +77,7 @@ class Effort:
     until: float | None
     seed: int
     workers: int
-    offer: Callable[[Starts, int], None] = field(default=lambda starts, bound: None)
+    offer: Callable[[Admitted, int], None] = field(default=lambda schedule, bound: None)
     work: float | None = None
     from_below: bool = False
     refutes: bool = False
@@ -105,7 +107,7 @@ RELAX_WORK = 2.0
 """Deterministic seconds for the question who does what."""
 
 
-Inbox = SimpleQueue[tuple["Race", Starts | BaseException | None]]
+Inbox = SimpleQueue[tuple["Race", Admitted | BaseException | None]]
 """What the workers of one or several races send: a schedule, what they stumbled over, or None when one of them is done."""
 
 
@@ -133,19 +135,19 @@ class Race:
 
     def __init__(
         self,
-        instance: Instance,
+        door: Door,
         layout: Layout,
         goal: Goal,
         effort: Effort,
-        incumbent: Starts | None,
+        incumbent: Admitted | None,
         bound: int,
         inbox: Inbox | None = None,
     ) -> None:
-        self.instance, self.layout, self.goal, self.effort = instance, layout, goal, effort
+        self.door, self.instance, self.layout, self.goal, self.effort = door, door.instance, layout, goal, effort
         self.lock = threading.Lock()
         self.best = incumbent
-        self.value = None if incumbent is None else goal.value(*measures(instance, incumbent))
-        self.bound = bound
+        self.value = None if incumbent is None else goal.value(*incumbent.point)
+        self.known = self.bound = bound
         self.infeasible = False
         self.stopped = False
         self.inbox: Inbox = SimpleQueue() if inbox is None else inbox
@@ -155,18 +157,42 @@ class Race:
 
     @property
     def over(self) -> bool:
-        """Nothing is left to do."""
+        """Nothing is left to do. A model that was wrong proves nothing any more: without a limit the others would go on for ever."""
+        if self.door.refused and self.effort.until is None:
+            return True
         return self.stopped or self.infeasible or (self.value is not None and self.bound >= self.value) or self.effort.left() <= 0
 
     def found(self, starts: Starts) -> bool:
-        """Takes a schedule from a worker; says whether it is the best so far."""
+        """Takes a schedule from a worker; says whether it is sound and the best so far."""
         makespan, stress = measures(self.instance, starts)
-        value = self.goal.value(makespan, stress)
+        if not self.goal.allows(makespan, stress) or (self.value is not None and self.goal.value(makespan, stress) >= self.value):
+            return False  # before the checker, which takes longer
+        schedule = self.door.admit(starts)
+        return schedule is not None and self.take_in(schedule)
+
+    def proposed(self, starts: Starts, at_most: int) -> int | None:
+        """Takes a schedule that the prover's model holds for sound and no dearer than `at_most`; its value, or None when it is not so.
+
+        Then the model is wrong, which the door remembers, and nothing that is concluded from it counts.
+        """
+        schedule = self.door.vouched(starts)
+        if schedule is None:
+            return None
+        value = self.goal.value(*schedule.point)
+        if value > at_most or not self.goal.allows(*schedule.point):
+            self.door.refuse([f"it is worth {value} instead of {at_most}, or over a limit."])
+            return None
+        self.take_in(schedule)
+        return value
+
+    def take_in(self, schedule: Admitted) -> bool:
+        """Takes a schedule that was let in; says whether it is the best so far."""
+        value = self.goal.value(*schedule.point)
         with self.lock:
-            if not self.goal.allows(makespan, stress) or (self.value is not None and value >= self.value):
+            if not self.goal.allows(*schedule.point) or (self.value is not None and value >= self.value):
                 return False
-            self.best, self.value = starts, value
-        self.inbox.put((self, starts))
+            self.best, self.value = schedule, value
+        self.inbox.put((self, schedule))
         return True
 
     def raise_bound(self, bound: int) -> None:
@@ -189,7 +215,10 @@ class Race:
     @property
     def answer(self) -> Answer:
         """What is known so far."""
-        return Answer(self.best, self.bound, self.infeasible or (self.value is not None and self.bound >= self.value))
+        starts = None if self.best is None else self.best.starts
+        if self.door.refused:
+            return Answer(starts, self.known, False)
+        return Answer(starts, self.bound, self.infeasible or (self.value is not None and self.bound >= self.value))
 
     def start(self) -> None:
         """Sets the workers to work; `at_work` of them have not yet been heard to be done."""
@@ -296,10 +325,13 @@ class Race:
             watcher = _Watcher(self, solver, plan, cut, patience)
             solver.best_bound_callback = watcher.on_bound
             status = self._solve(solver, plan, watcher)
+            if self.door.refused:
+                return None
             if status == cp_model.INFEASIBLE:
                 return self._ruled_out() if cut is None else self.raise_bound(cut)
             if status == cp_model.OPTIMAL:
-                return self.raise_bound(round(solver.objective_value))
+                value = self.proposed(plan.read(solver.value), round(solver.objective_value))
+                return None if value is None else self.raise_bound(value)
             if not watcher.outdated or work is not None:
                 return None
             patience *= 2
@@ -344,14 +376,14 @@ class Race:
         """
         if not self._await_incumbent():
             return
-        current = self.best
-        assert current is not None
+        assert self.best is not None
+        current = self.best.starts
         operators, tasks, failures, tried = len(self.instance.operators), len(self.instance.tasks), 0, 0
         sizes = dict.fromkeys({operators, min(operators, 2), (operators + 2) // 2 if operators > 2 else operators}, 24.0)
         while not self.over and (patience is None or failures < patience) and (stretches is None or tried < stretches):
             tried += 1
             if self.goal.value(*measures(self.instance, current)) > (self.value or 0):
-                current = self.best or current
+                current = current if self.best is None else self.best.starts
             width = random.choice(list(sizes))
             movers = frozenset(random.sample(range(operators), width))
             count = min(tasks, int(sizes[width]))
@@ -359,10 +391,11 @@ class Race:
             better, easy = self._try_stretch(current, first, count, movers, random)
             sizes[width] = min(sizes[width] * 1.05, tasks) if easy else max(8.0, sizes[width] * 0.9)
             failures += 1
-            if better is not None:
-                current = better
-                if self.found(better):
-                    failures = 0
+            if better is None or (admitted := self.door.admit(better)) is None:
+                continue
+            current = admitted.starts  # of equal worth, too: from elsewhere there may be a way on
+            if self.take_in(admitted):
+                failures = 0
 
     def _try_stretch(self, current: Starts, first: int, count: int, movers: frozenset[int], random: Random) -> tuple[Starts | None, bool]:
         """The schedule with one stretch planned anew, None when it is worse or breaks a limit; and whether that was easy."""
@@ -375,7 +408,9 @@ class Race:
         most = None if goal.max_stress is None else goal.max_stress - rest
         weights = (goal.time, goal.stress)
         if goal.stress == 0 and most is not None:
-            weights = (sum(max(way.stress for way in ways) for ways in stretch.instance.ways) + 1, 1)
+            hardest = sum(max(way.stress for way in ways) for ways in stretch.instance.ways)
+            if (hardest + 1) * upper + hardest <= MOST_COUNTED:
+                weights = (hardest + 1, 1)
         fresh, easy = plan_anew(stretch, upper, most_stress=most, weights=weights, seed=random.randrange(1 << 30))
         if fresh is None:
             return None, easy
@@ -428,6 +463,8 @@ class Race:
             if self.stopped:
                 return cp_model.UNKNOWN
             status: int = int(solver.solve(plan.model, watcher))  # type: ignore[call-overload]
+            if status == cp_model.MODEL_INVALID:
+                raise RuntimeError(f"the constraint solver refuses the model: {plan.model.validate()}")
             if status in (cp_model.UNKNOWN, cp_model.FEASIBLE) and watcher is not None:
                 watcher.on_bound(solver.best_objective_bound)
             return status
@@ -452,8 +489,7 @@ class _Watcher(cp_model.CpSolverSolutionCallback):
 
     def on_solution_callback(self) -> None:
         starts = self.plan.read(self.value)
-        self.race.found(starts)
-        self.mine = self.race.goal.value(*measures(self.race.instance, starts))
+        self.mine = self.race.proposed(starts, round(self.objective_value))
         self._look()
 
     def on_bound(self, bound: float) -> None:
@@ -464,6 +500,6 @@ class _Watcher(cp_model.CpSolverSolutionCallback):
     def _look(self) -> None:
         race = self.race
         overtaken = race.value is not None and (self.mine is None or race.value < self.mine)
-        if race.over or (overtaken and monotonic() - self.began > self.patience):
+        if race.over or race.door.refused or (overtaken and monotonic() - self.began > self.patience):
             self.outdated = not race.over
             self.solver.stop_search()

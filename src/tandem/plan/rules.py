@@ -13,11 +13,11 @@ from tandem.cell.model import Cell
 from tandem.errors import NothingFoundError
 from tandem.plan.bounds import least_makespan, least_stress, load_prices
 from tandem.plan.decode import Layout, State, Step
+from tandem.plan.door import Door
 from tandem.plan.greedy import Score, by_rank, by_score, clockwise
 from tandem.plan.instance import Instance
 from tandem.plan.question import Method, Progress, Question
 from tandem.plan.result import Bound, Front, Result, Status
-from tandem.schedule.checker import faults
 from tandem.schedule.model import Schedule
 
 Priority = Callable[[Layout, Random], list[float]]
@@ -161,11 +161,11 @@ def method(
     began = perf_counter()
     layout = Layout.of(Instance.of(cell))
     bound = Bound(layout.instance.seconds(least_makespan(layout)), layout.instance.stress(least_stress(layout) or 0))
-    keeper = Keeper(cell, question, bound)
+    keeper = Keeper(Door(cell, layout.instance, question), bound)
     interrupted = False
     try:
         for state in attempts(layout, SPECS[name], Random(seed), question, lambda: bool(keeper.found)):
-            if state is not None and keeper.offer(layout.instance.schedule(state.starts())) and on_solution is not None:
+            if state is not None and keeper.offer(state.starts()) and on_solution is not None:
                 on_solution(Progress(keeper.results(), bound.makespan, perf_counter() - began))
             if time_limit is not None and perf_counter() - began > time_limit:
                 break
@@ -183,15 +183,16 @@ RULES: dict[str, Method] = {name: partial(method, name) for name in SPECS}
 class Keeper:
     """Keeps the schedules that answer a question and that none of the others beats."""
 
-    def __init__(self, cell: Cell, question: Question, bound: Bound) -> None:
-        self.cell, self.question, self.bound = cell, question, bound
+    def __init__(self, door: Door, bound: Bound) -> None:
+        self.door, self.question, self.bound = door, door.question, bound
         self.found: list[Result] = []
 
-    def offer(self, schedule: Schedule) -> bool:
+    def offer(self, starts: Sequence[tuple[int, int]]) -> bool:
         """Takes the schedule when it is sound, within the limits and better than what is there; says whether it did."""
-        result = Result(self.cell, schedule, Status.FEASIBLE, self.bound)
-        if faults(self.cell, schedule, max_makespan=self.question.max_makespan, max_stress=self.question.max_stress):
+        admitted = self.door.admit(starts)
+        if admitted is None:
             return False
+        result = Result(self.door.cell, admitted.schedule, Status.FEASIBLE, self.bound)
         point = self._rank(result)
         if self.question.minimize == "front":
             if any(other.makespan <= result.makespan and other.stress <= result.stress for other in self.found):

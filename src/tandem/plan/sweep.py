@@ -24,6 +24,7 @@ from math import inf
 from queue import SimpleQueue
 
 from tandem.plan.archive import Archive, Gap
+from tandem.plan.door import Door
 from tandem.plan.race import Effort, Goal, Inbox, Race, hear
 
 FIRST_WORK = 0.25
@@ -37,8 +38,8 @@ WIDE = 8
 class Sweep:
     """Works on the gaps of an archive. `effort` says until when, with how many workers, from which seed, and to whom schedules are offered."""
 
-    def __init__(self, archive: Archive, effort: Effort) -> None:
-        self.archive, self.effort = archive, effort
+    def __init__(self, archive: Archive, door: Door, effort: Effort) -> None:
+        self.archive, self.door, self.effort = archive, door, effort
         self.limits = archive.limits
         self.round = -1
         self.asked = 0
@@ -64,13 +65,18 @@ class Sweep:
     def _deal(self) -> bool:
         """Gives every free worker something to do; says whether anybody got any."""
         dealt = False
-        while len(self.running) < self.effort.workers and self.effort.left() > 0:
+        while len(self.running) < self.effort.workers and not self._is_over:
             goal = self._next()
             if goal is None:
                 break
             self._ask(goal)
             dealt = True
         return dealt
+
+    @property
+    def _is_over(self) -> bool:
+        """Time is up; or there is no end to it, since a model that was wrong proves nothing any more."""
+        return self.effort.left() <= 0 or (bool(self.door.refused) and self.effort.until is None)
 
     def _next(self) -> Goal | None:
         """The next question of the round, or of the next round; one that is being worked on when there is no other; None when all is closed."""
@@ -183,7 +189,7 @@ class Sweep:
         self.asked += 1
         self.tried.add(goal)
         layout, known = self.archive.layout, self._known(goal)
-        race = Race(layout.instance, layout, goal, effort, self.archive.best(goal), int(known), self.inbox)
+        race = Race(self.door, layout, goal, effort, self.archive.best(goal), int(known), self.inbox)
         self.running[race] = goal
         race.start()
 
@@ -196,7 +202,7 @@ class Sweep:
         for race, goal in self.running.items():
             best = self.archive.best(goal)
             if best is not None:
-                race.found(best)
+                race.take_in(best)
             known = self._known(goal)
             if known == inf:
                 race.stop()

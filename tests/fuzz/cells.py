@@ -1,0 +1,155 @@
+"""Random small cells with every feature, from a number: plain data, as a cell file holds it.
+
+Deadlines and releases stand in half of them each, since they are what methods get wrong.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+from random import Random
+from typing import Any
+
+STEPS = (1.0, 1.0, 0.5, 0.25, 0.1, 0.05)
+"""Seconds that all times of one cell are multiples of."""
+Data = dict[str, Any]
+
+
+def cell(random: Random) -> Data:
+    """One cell of one to five tasks and one to three operators. It may have no schedule; it may even be refused as a cell."""
+    fine = random.random() < 0.1
+    step = 0.000001 if fine else random.choice(STEPS)
+    clock = _Clock(random, step, 8_000_000 if fine else 8)
+    operators = _operators(random, clock)
+    tools, zones = _tools(random, clock, list(operators)), _zones(random)
+    names = [f"t{place}" for place in range(random.choices((1, 2, 3, 4, 5), (1, 3, 5, 4, 1))[0])]
+    tasks: Data = {}
+    for place, name in enumerate(names):
+        tasks[name] = _task(random, clock, operators, names[:place], fine)
+        for key, things in (("tool", tools), ("zone", zones)):
+            if things and random.random() < 0.5:
+                tasks[name][key] = random.choice(list(things))
+    if len(names) > 1 and random.random() < 0.15:
+        tasks[names[-1]] = dict(tasks[names[-2]])  # twins, which searches like to tell apart or not
+    for operator in operators.values():
+        if tools and random.random() < 0.3:
+            operator["tool"] = random.choice(list(tools))
+    _windows(random, clock, tasks)
+    data: Data = {"operators": operators, "tasks": tasks, "tools": tools, "zones": zones}
+    if len(names) > 1 and random.random() < 0.2:
+        data["same_operator"] = [random.sample(names, 2)]
+    if random.random() < 0.12:
+        data["stress_of_set"] = _table(random, tasks, operators)
+    elif random.random() < 0.3:
+        data["tasks"] = {name: tasks[name] for name in random.sample(names, len(names))}
+    return data
+
+
+class _Clock:
+    """Draws times of one cell: multiples of its step."""
+
+    def __init__(self, random: Random, step: float, most: int) -> None:
+        self.random, self.step, self.most = random, step, most
+
+    def seconds(self, low: float = 0.125, high: float = 1.0) -> float:
+        """From `low` to `high` of the longest time that a task takes, at least one step unless low is 0."""
+        first = max(round(low * self.most), 1 if low else 0)
+        return self.at(self.random.randint(first, max(first, round(high * self.most))))
+
+    def at(self, steps: int) -> float:
+        return round(steps * self.step, 6)
+
+
+def _operators(random: Random, clock: _Clock) -> Data:
+    operators: Data = {}
+    for place in range(random.choices((1, 2, 3), (2, 6, 2))[0]):
+        kind = random.choice(("human", "human", "robot"))
+        operator: Data = {"kind": kind}
+        if random.random() < 0.3:
+            off = clock.seconds(0)
+            back = round(off + clock.seconds(0.125, 0.5), 6)
+            operator["breaks"] = [[off, back]]
+            if random.random() < 0.3:
+                later = round(back + clock.seconds(0.125), 6)
+                operator["breaks"].append([later, round(later + clock.seconds(0.125, 0.25), 6)])
+        if kind == "human" and random.random() < 0.25:
+            operator["stress_limit"] = random.choice((0, 2, 3, 4.5, 6, 9))
+        operators[f"{kind}{place}"] = operator
+    return operators
+
+
+def _tools(random: Random, clock: _Clock, operators: list[str]) -> Data:
+    tools: Data = {}
+    for name in ("driver", "wrench", "press")[: random.choices((0, 1, 2, 3), (5, 2, 3, 1))[0]]:
+        changing = random.sample(operators, random.randint(0, len(operators)))
+        tools[name] = {
+            "capacity": random.choice((1, 1, 2)),
+            "changeover": {who: clock.seconds(0, 0.5) for who in changing},
+        }
+    return tools
+
+
+def _zones(random: Random) -> Data:
+    count = random.choices((0, 1, 2), (5, 2, 1))[0]
+    return {name: {"capacity": random.choice((1, 1, 2))} for name in ("jig", "bench")[:count]}
+
+
+def _task(random: Random, clock: _Clock, operators: Data, earlier: list[str], fine: bool) -> Data:
+    groups = [group for size in range(2, len(operators) + 1) for group in combinations(operators, size)]
+    joint = random.sample(groups, random.randint(1, min(2, len(groups)))) if groups and random.random() < 0.25 else []
+    alone = random.sample(list(operators), random.randint(0 if joint else 1, len(operators)))
+    task: Data = {"time": {who: clock.seconds() for who in alone}, "stress": _stress(random, operators, fine)}
+    if joint:
+        task["together"] = [_together(random, clock, operators, group, fine) for group in joint]
+    if earlier and random.random() < 0.5:
+        task["after"] = random.sample(earlier, random.randint(1, min(2, len(earlier))))
+    return task
+
+
+def _together(random: Random, clock: _Clock, operators: Data, group: tuple[str, ...], fine: bool) -> Data:
+    joint: Data = {"operators": random.sample(group, len(group)), "time": clock.seconds()}
+    if random.random() < 0.5:
+        joint["stress"] = _stress(random, {who: operators[who] for who in group}, fine)
+    return joint
+
+
+def _stress(random: Random, operators: Data, fine: bool) -> float | dict[str, float]:
+    def amount() -> float:
+        if fine:
+            return round(random.random() * 10, 6)
+        return random.choice((0, 1, 2, 3, 4, 0.5, 1.25, 0.1, 0.3))
+
+    humans = [name for name, operator in operators.items() if operator["kind"] == "human"]
+    if humans and random.random() < 0.25:
+        return {name: amount() for name in random.sample(humans, random.randint(1, len(humans)))}
+    return amount()
+
+
+def _windows(random: Random, clock: _Clock, tasks: Data) -> None:
+    """Releases in half of all cells, deadlines in half of all cells, tight and loose ones."""
+    if random.random() < 0.5:
+        for task in tasks.values():
+            if random.random() < 0.4:
+                task["release"] = clock.seconds(0, 1.25)
+    if random.random() < 0.5:
+        for task in tasks.values():
+            if random.random() < 0.5:
+                quickest = min([*task["time"].values(), *(joint["time"] for joint in task.get("together", ()))])
+                spare = clock.seconds(0, random.choice((0.25, 1.0, 2.0, 3.0)))
+                task["deadline"] = round(task.get("release", 0) + quickest + spare, 6)
+
+
+def _table(random: Random, tasks: Data, operators: Data) -> dict[str, float]:
+    """Stress of every set of tasks that humans may do, not additive; a few sets are left out and so forbidden."""
+    weights = {
+        name: random.randint(0, 6)
+        for name, task in tasks.items()
+        if any(operators[who]["kind"] == "human" for who in (*task["time"], *(w for j in task.get("together", ()) for w in j["operators"])))
+    }
+    sets = [names for size in range(len(weights) + 1) for names in combinations(weights, size)]
+    missing = random.sample(sets, min(len(sets) - 1, random.randint(0, 2)))
+    bend = random.choice((0, 0.5, 1.5))
+    return {
+        ",".join(names): sum(weights[name] for name in names) + bend * max((weights[name] for name in names), default=0) * len(names)
+        for names in sets
+        if names not in missing
+    }

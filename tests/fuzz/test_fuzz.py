@@ -1,0 +1,81 @@
+"""The fuzzing programs themselves: a short run finds nothing, and a fault that is planted is found."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from random import Random
+
+from tests.fuzz import judges
+from tests.fuzz.cells import cell as random_cell
+from tests.plan.brute_force import front_in_order, front_of_all, worth
+from tests.schedule.cells import thesis, thesis_schedule
+
+from tandem.cell.model import Cell
+from tandem.plan.methods import METHODS
+
+
+def test_exact_and_exhaustive_search_answer_random_cells_as_brute_force_does():
+    total = judges.judge_all(range(1, 151), until=float("inf"))
+    assert total.findings == []
+    assert total.cells == 150
+    assert total.with_deadlines > 50
+    assert total.with_releases > 40
+    assert total.every_moment > 20
+    assert sum(total.questions.values()) > 600
+
+
+def test_the_cells_have_every_feature():
+    cells = [random_cell(Random(seed)) for seed in range(300)]
+    text = json.dumps(cells)
+    for word in ("breaks", "stress_limit", "changeover", "capacity", "together", "same_operator", "stress_of_set", "release", "deadline", "after"):
+        assert text.count(f'"{word}"') > 20, word
+    assert any(
+        str(time).startswith("0.00000") or len(str(time)) > 7 for data in cells for task in data["tasks"].values() for time in task["time"].values()
+    )
+
+
+def test_a_judge_that_leaves_out_a_point_is_caught(monkeypatch, tmp_path, capsys):
+    def forgetful(*arguments, **options):
+        front = METHODS["exhaustive"](*arguments, **options)
+        return replace(front, results=front.results[:1])
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(judges.METHODS, "exact", forgetful)
+    total = judges.run(20, seed=1, minutes=60, workers=1)
+    assert total.findings
+    found = total.findings[0]
+    assert f"python3 dev.py fuzz judges --cells 1 --seed {found.seed}" in capsys.readouterr().out
+    stored = json.loads((tmp_path / "tandem-out" / "fuzz" / f"judges-{found.seed}-exact-front.json").read_text(encoding="utf-8"))
+    assert Cell.of(stored["cell"])
+    assert stored["said"] != stored["right"]
+    assert judges.judge(found.seed).findings  # one cell alone repeats it
+    assert judges.judge(found.seed).findings[0].cell == found.cell
+
+
+def test_a_judge_that_crashes_is_caught(monkeypatch):
+    def broken(*_, **__):
+        raise OverflowError("too large")
+
+    monkeypatch.setitem(judges.METHODS, "exhaustive", broken)
+    assert any("OverflowError: too large" in finding.said for finding in judges.judge(1).findings + judges.judge(2).findings)
+
+
+def test_brute_force_knows_the_thesis():
+    rows = [(a.task, a.start, a.end, a.operators) for a in thesis_schedule()]
+    data = thesis().to_dict()
+    assert worth(data, rows) == (23, 7)
+    assert worth(data, [(name, start + (name == "2"), end + (name == "2"), who) for name, start, end, who in rows]) is None
+    assert front_in_order(data) == [(23, 7), (24, 3), (34, 2)]
+    two = {**data, "tasks": {name: data["tasks"][name] for name in "12"}}
+    assert front_of_all(two) == front_in_order(two) == [(9, 11), (10, 10), (16, 0)]
+
+
+def test_it_runs_as_a_command_and_says_what_it_did(tmp_path):
+    command = [sys.executable, "-m", "tests.fuzz.judges", "--cells", "12", "--seed", "5", "--workers", "2", "--out", str(tmp_path / "out.json")]
+    ended = subprocess.run(command, capture_output=True, text=True, check=True)
+    said = json.loads(ended.stdout)
+    assert said == json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
+    assert (said["cells"], said["differ"]) == (12, 0)
