@@ -75,8 +75,8 @@ class Sweep:
 
     @property
     def _is_over(self) -> bool:
-        """Time is up; or there is no end to it, since a model that was wrong proves nothing any more."""
-        return self.effort.left() <= 0 or (bool(self.door.refused) and self.effort.until is None)
+        """Time is up, or a model was wrong: then no question can be answered any more."""
+        return self.effort.left() <= 0 or bool(self.door.refused)
 
     def _next(self) -> Goal | None:
         """The next question of the round, or of the next round; one that is being worked on when there is no other; None when all is closed."""
