@@ -290,7 +290,8 @@ class Race:
         better schedules, and a search through all states if they are near the bound.
         """
         seed = self.effort.seed
-        self.relax(seed)
+        if not self._is_small:
+            self.relax(seed)
         if not self.over and (work >= LEAST_WORK or len(self.instance.tasks) < LARGE):
             self.prove(1, seed, work=work)
         if self.best is None or self._is_small:
