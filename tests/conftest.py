@@ -5,8 +5,9 @@ from __future__ import annotations
 import atexit
 import os
 import shutil
+import sys
 import tempfile
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from typing import Any
 
 import pytest
@@ -23,6 +24,16 @@ if "PYTEST_XDIST_WORKER" not in os.environ and "JAX_COMPILATION_CACHE_DIR" not i
 
 settings.register_profile("tandem", deadline=None)  # a busy machine is no fault of the code
 settings.load_profile("tandem")
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _room_for_what_the_next_module_compiles() -> Iterator[None]:
+    """A run in one process compiles more than the memory maps of a process hold; what follows is a segmentation fault."""
+    yield
+    if "jax" in sys.modules:
+        from tandem.learn.room import make_room
+
+        make_room()
 
 
 @pytest.hookimpl(wrapper=True)

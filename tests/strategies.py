@@ -101,17 +101,17 @@ def _task(draw: st.DrawFn, operators: dict[str, Any], earlier: list[str], step: 
     alone = draw(st.lists(st.sampled_from(names), unique=True, min_size=0 if together else 1))
     task: dict[str, Any] = {"time": {name: draw(_seconds(step)) for name in alone}}
 
-    def stress() -> Any:
-        if humans and draw(_seldom()):
-            return {name: draw(_stress()) for name in draw(st.lists(st.sampled_from(humans), unique=True))}
+    def stress(among: list[str]) -> Any:
+        if among and draw(_seldom()):
+            return {name: draw(_stress()) for name in draw(st.lists(st.sampled_from(among), unique=True))}
         return draw(_stress())
 
-    task["stress"] = stress()
+    task["stress"] = stress(humans)
     task["together"] = []
     for group in together:
         joint: dict[str, Any] = {"operators": draw(st.permutations(group)), "time": draw(_seconds(step))}
         if draw(st.booleans()):
-            joint["stress"] = stress()
+            joint["stress"] = stress([name for name in humans if name in group])
         task["together"].append(joint)
     if earlier:
         task["after"] = draw(st.lists(st.sampled_from(earlier), unique=True, max_size=2))

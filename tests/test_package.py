@@ -45,6 +45,14 @@ def test_asking_the_command_for_help_is_quick_and_loads_neither_solver_nor_pictu
     assert (HEAVY - {"click", "rich", "pydantic"}) & {name.partition(".")[0] for name in runs[0][1]} == set()
 
 
+@pytest.mark.parametrize("arguments", [("--help",), ("plan", "--help"), ("check", "no-such-file.yaml"), ("--version",)])
+def test_the_package_runs_as_a_module_under_its_own_name(arguments: tuple[str, ...]) -> None:
+    ran = python("-m", "tandem", *arguments)
+    assert "tandem" in ran.stdout + ran.stderr
+    assert "__main__" not in ran.stdout + ran.stderr
+    assert ran.returncode == (3 if "check" in arguments else 0)
+
+
 def test_the_face_is_sorted_and_every_name_on_it_is_there() -> None:
     assert list(tandem.__all__) == sorted(tandem.__all__)
     assert set(tandem.__all__) <= set(dir(tandem))
@@ -123,3 +131,18 @@ def test_in_ci_a_test_without_its_program_has_failed(tmp_path: Path, ci: str, en
     )
     done = python("-m", "pytest", "-q", "-p", "no:cacheprovider", "--rootdir", str(tmp_path), str(tmp_path), TANDEM_CI=ci)
     assert ending in done.stdout.splitlines()[-1]
+
+
+def test_comments_docstrings_and_pages_name_only_files_that_exist() -> None:
+    """`tests/...`, `src/...`, `docs/...`, `examples/...` and `benchmarks/...` wherever they are written. The page that adds files says so itself."""
+    texts = [file for room in ("src", "tests", "benchmarks", "examples") for file in (ROOT / room).rglob("*.py")]
+    texts += [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+    added = set(re.findall(r"^# (src/\S+)", (ROOT / "docs" / "add-a-method.md").read_text(), re.MULTILINE))
+    named = re.compile(r"(?<![\w/.-])(?:tests|src|docs|examples|benchmarks)/[\w/-]+\.(?:py|md|yaml)\b")
+    gone = {
+        (str(file.relative_to(ROOT)), name)
+        for file in texts
+        for name in named.findall(file.read_text(encoding="utf-8"))
+        if name not in added and not (ROOT / name).exists() and not (file.parent / name).exists()
+    }
+    assert gone == set()

@@ -29,6 +29,10 @@ class Fault:
         return f"{where}: {self.message}" if where else self.message
 
 
+class NotReadWarning(UserWarning):
+    """Something stands in a file that was read and has no place in a cell: what it says is lost. Names the file and the line."""
+
+
 class TandemError(Exception):
     """Anything that Tandem refuses; `exit_code` is what the command line ends with."""
 

@@ -57,7 +57,6 @@ def test_any_name_survives_a_file(name, other):
         "- a",
         "a: b",
         "a #b",
-        " x ",
         "é",
         "[",
         "'",

@@ -63,6 +63,26 @@ def test_the_same_events_again_are_known_and_garbage_is_answered(dispatch: Any, 
     assert (replayed.code, replayed.out) == (0, "8 entries, 2 events taken, 3 decisions: the same.\n")
 
 
+IN_WINDOWS = '{"event":"tick","at":1,"id":"MÜ-1"}\n{"event":"tick","at":1,"id":"MÖ-1"}\n'
+
+
+@pytest.mark.parametrize("coding", ["cp1252", "utf-16", "utf-16-le"])
+@pytest.mark.parametrize("from_file", [True, False], ids=["a file", "a pipe"])
+def test_events_that_are_not_utf_8_are_refused_line_by_line(coding: str, from_file: bool, dispatch: Any, tmp_path: Path) -> None:
+    raw = IN_WINDOWS.encode(coding)
+    (tmp_path / "events.jsonl").write_bytes(raw)
+    said = dispatch("--events", tmp_path / "events.jsonl") if from_file else dispatch(lines=raw)
+    assert said.code == 0
+    assert len(said.of("answer")) >= 2
+    assert all("this line is not UTF-8" in answer["reasons"][0] for answer in said.of("answer"))
+    assert said.documents[-1]["events"] == 0
+
+
+def test_a_mark_of_byte_order_is_no_part_of_the_first_event(dispatch: Any) -> None:
+    said = dispatch(lines=b"\xef\xbb\xbf" + TWO.encode())
+    assert [answer["accepted"] for answer in said.of("answer")] == [True, True]
+
+
 def test_a_robot_is_unplugged_and_a_human_refuses(dispatch: Any) -> None:
     lines = [
         {"event": "started", "at": 0, "task": "1", "operator": "robot"},
@@ -114,7 +134,7 @@ def test_a_journal_keeps_what_the_shift_was_begun_with(dispatch: Any, tmp_path: 
     said = dispatch("--journal", journal, "--seed", "8", "--weights", "1,2")
     assert said.code == 2
     assert "--seed is 8, the shift was begun with 7." in said.err
-    assert "--weights is (1.0, 2.0), the shift was begun with (1.0, 0.0)." in said.err
+    assert "--weights is 1,2, the shift was begun with 1,0." in said.err
     assert dispatch("--journal", journal).of("shift")[0]["seed"] == 7
 
 

@@ -8,7 +8,9 @@ from typing import Any
 from tandem.cell.files import load
 from tandem.cell.model import Cell
 
-THESIS = load(Path(__file__).resolve().parents[2] / "examples" / "thesis.yaml")
+ROOT = Path(__file__).resolve().parents[2]
+
+THESIS = load(ROOT / "examples" / "thesis.yaml")
 
 
 def station(*, together: bool = False, zone: bool = False, limit: bool = False) -> Cell:

@@ -11,6 +11,8 @@ from typing import Any
 import pytest
 from tests.dispatch.stations import THESIS
 
+from tandem.cell.generators import layered
+from tandem.cell.model import Cell
 from tandem.cli.root import run
 from tandem.dispatch.deciders.table import POLICIES
 from tandem.dispatch.judge.trial import Trial, judge, split_people
@@ -152,6 +154,91 @@ def test_the_command_prints_one_document_or_a_list(tmp_path: Path, capsys: Captu
 def test_bad_input_ends_with_one_message_and_its_code(arguments: list[str], code: int, said: str, capsys: Capture) -> None:
     assert run(["simulate", CELL, "-q", *arguments]) == code
     assert said in capsys.readouterr().err
+
+
+def with_changeovers(**more: Any) -> Cell:
+    """Two tasks that need different tools, which exact values cannot hold; with what else stands in it."""
+    return Cell.of(
+        {
+            "name": "Two tools",
+            "operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}},
+            "tools": {"driver": {"changeover": {"human": 2}}, "wrench": {"changeover": {"human": 2}}},
+            "tasks": {
+                "screw": {"time": {"human": 4, "robot": 9}, "tool": "driver"},
+                "bolt": {"time": {"human": 3}, "tool": "wrench"},
+            },
+            **more,
+        }
+    )
+
+
+def written(cell: Cell, folder: Path) -> str:
+    (folder / "cell.json").write_text(json.dumps(cell.to_dict()))
+    return str(folder / "cell.json")
+
+
+@pytest.mark.parametrize(
+    ("cell", "policy", "reason"),
+    [
+        (with_changeovers(), "expected", "exact values cannot hold changeovers"),
+        (with_changeovers(), "minimax", "exact values cannot hold changeovers"),
+        (layered(15, seed=0), "expected", "at most 14 tasks, this one has 15"),
+        (THESIS, "learned", "name a trained policy with --learned FILE"),
+    ],
+)
+def test_who_cannot_hold_the_cell_is_left_out_and_the_others_are_judged(
+    cell: Cell, policy: str, reason: str, tmp_path: Path, capsys: Capture
+) -> None:
+    """First or last of those named, with one kind of people or two."""
+    file = written(cell, tmp_path)
+    for names in (f"{policy},spt,lpt", f"spt,lpt,{policy}"):
+        assert run(["simulate", file, "--policy", names, "--people", "compliant,random:0.5", "--episodes", "2", "--json", "-q"]) == 0
+        said = capsys.readouterr()
+        for document in json.loads(said.out):
+            assert [one["policy"] for one in document["policies"]] == ["spt", "lpt"]
+            assert document["compared_with"] == "spt"
+            assert "difference" in row(document, "lpt")
+            [left] = document["left_out"]
+            assert left["policy"] == policy
+            assert reason in left["reason"]
+        assert said.err.count(f"{policy} is left out: ") == 1, "said once, also when nothing else is"
+
+
+def test_a_policy_file_that_is_not_there_leaves_out_who_wanted_it(tmp_path: Path, capsys: Capture) -> None:
+    asked = ["--policy", "spt,learned", "--learned", str(tmp_path / "none.policy"), "--episodes", "2", "--json", "-q"]
+    assert run(["simulate", CELL, *asked]) == 0
+    [left] = json.loads(capsys.readouterr().out)["left_out"]
+    assert "none.policy" in left["reason"]
+
+
+def test_who_has_no_plan_that_keeps_the_deadlines_is_left_out() -> None:
+    """Each task alone could keep its deadline, both cannot."""
+    tasks = {name: {"time": {"human": 5}, "deadline": 6} for name in ("one", "other")}
+    cell = with_changeovers(tasks=tasks, tools={})
+    (document,) = judge(cell, Trial(("fixed", "spt"), ("compliant",), 2, 0))
+    assert [(one["policy"], "no schedule" in one["reason"]) for one in document["left_out"]] == [("fixed", True)]
+
+
+def test_where_nobody_is_left_all_reasons_are_said_and_the_code_is_the_first_s(tmp_path: Path, capsys: Capture) -> None:
+    asked = ["simulate", written(with_changeovers(), tmp_path), "--episodes", "2", "-q", "--policy"]
+    assert run([*asked, "expected,learned"]) == 3
+    said = capsys.readouterr().err
+    assert "- expected: tools: exact values cannot hold changeovers" in said
+    assert "- learned: name a trained policy" in said
+    assert run([*asked, "learned,expected"]) == 2
+    assert run([*asked, "minimax"]) == 3
+
+
+def test_the_document_says_what_plan_was_carried_out(capsys: Capture, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    (document,) = judge(THESIS, Trial(("fixed", "spt"), ("compliant",), 2, 0))
+    assert row(document, "fixed")["plan"] == {"makespan": 23, "stress": 7, "status": "optimal", "bound": {"makespan": 23, "stress": 7}}
+    assert "plan" not in row(document, "spt")
+    monkeypatch.setattr("tandem.dispatch.deciders.fixed.PLANNING_S", 1e-6)
+    file = written(layered(40, seed=1), tmp_path)
+    assert run(["simulate", file, "--policy", "fixed", "--episodes", "2", "--json", "-q"]) == 0
+    said = capsys.readouterr()
+    assert row(json.loads(said.out), "fixed")["plan"]["status"] == "feasible"
+    assert "not proven the best" in said.err
 
 
 def test_the_table_of_deciders_is_listed(capsys: Capture) -> None:

@@ -15,6 +15,7 @@ from tandem.dispatch.deciders.policy import Decision
 from tandem.dispatch.journal import Journal, JournalError
 from tandem.dispatch.shift.live import Settings, Shift
 from tandem.dispatch.shift.replay import replay
+from tandem.dispatch.situation.events import LONGEST_LINE
 from tandem.dispatch.situation.model import Situation
 
 STARTED, DONE = line("started", 0, task="base", operator="cobot", id="a"), line("done", 4.5, task="base", id="b")
@@ -192,3 +193,39 @@ def test_a_replay_with_another_decider_tells_each_difference() -> None:
     assert replay(GEARBOX, shift.journal, decider=in_time()).differences == ()
     other = replay(GEARBOX, shift.journal, decider=in_time(Saying(Decision((), {}, (), 0.0, "no", "other"))))
     assert 'entry 0: the decision\'s \'announced\' was {"anna": "base"}, and is now {}.' in other.differences
+
+
+LATIN_1 = '{"event": "tick", "at": 1, "id": "MÄ-1"}'.encode("latin-1")
+
+
+@pytest.mark.parametrize(
+    "raw", [LATIN_1, "\ud800".encode(errors="surrogatepass"), b"\xff\xfe{\x00", b"\x00", b"\xff" * 300_000, "ä".encode() * 128_001], ids=len
+)
+def test_a_line_that_is_not_utf_8_is_kept_as_it_came_and_replayed(raw: bytes, tmp_path: Path) -> None:
+    with Journal(tmp_path / "shift.db") as journal:
+        shift = opened(journal)
+        [answer] = shift.take(raw)
+        assert (answer["accepted"], answer["number"]) == (False, 1)
+        shift.take(STARTED)
+        assert replay(GEARBOX, journal, decider=in_time()).differences == ()
+        kept = [entry.line for entry in journal.entries()][1]
+        assert kept in (raw, raw.decode(errors="replace")) or len(kept) > LONGEST_LINE
+    with Journal(tmp_path / "shift.db") as journal:
+        assert opened(journal).number == 2
+
+
+def test_ids_that_differ_in_a_byte_alone_are_not_merged() -> None:
+    """A gateway that writes Windows-1252: both were taken for one, and the second event was dropped."""
+    shift = opened()
+    answers = [shift.take(text.encode("cp1252"))[0] for text in ('{"event":"tick","at":1,"id":"MÜ-1"}', '{"event":"tick","at":1,"id":"MÖ-1"}')]
+    assert [answer["accepted"] for answer in answers] == [False, False]
+    assert all("this line is not UTF-8: byte 31 is 0xd" in answer["reasons"][0] for answer in answers)
+    again = [shift.take(text)[0] for text in ('{"event":"tick","at":1,"id":"MÜ-1"}', '{"event":"tick","at":1,"id":"MÖ-1"}')]
+    assert [(answer["accepted"], "duplicate_of" in answer) for answer in again] == [(True, False)] * 2
+
+
+def test_half_a_character_in_a_text_is_refused_and_kept() -> None:
+    shift = opened()
+    [answer] = shift.take('{"event": "tick", "at": 1, "id": "\ud800"}')
+    assert "not UTF-8" in answer["reasons"][0]
+    assert replay(GEARBOX, shift.journal, decider=in_time()).differences == ()

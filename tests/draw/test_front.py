@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import pytest
-from tests.draw.cells import front_of, layered_front, thesis, thesis_front, thesis_schedules
+from tests.draw.cells import front_of, layered_front, rows, thesis, thesis_front, thesis_schedules
 
 from tandem.draw.front import plot_front, staircase
 from tandem.draw.overview import overview
+from tandem.errors import UsageError
 from tandem.plan.result import Front
 
 
@@ -75,3 +76,20 @@ def test_the_overview_has_the_front_and_the_gantt_chart_of_the_knee() -> None:
 
 def test_front_plot_is_this_chart() -> None:
     assert [dot[:2] for dot in dots(thesis_front().plot())] == thesis_front().points
+
+
+def test_a_german_overview_has_german_words_and_a_decimal_comma() -> None:
+    cell = thesis().replace(name="Zelle", tasks={"1": {"time": {"robot": 2.5, "human": 1.25}, "stress": 0.75}})
+    front = front_of(cell, [rows(("1", "human", 0, 1.25)), rows(("1", "robot", 0, 2.5))])
+    upper, lower = overview(front, language="de").axes
+    upper.figure.canvas.draw()
+    assert (upper.get_xlabel(), upper.get_ylabel(), lower.get_xlabel()) == ("Dauer [s]", "Belastung", "Zeit [s]")
+    assert upper.get_title(loc="left") == "2 Punkte, vollständig und bewiesen"
+    assert {"1,25 s; 0,75", "2,5 s; 0"} <= {text.get_text() for text in upper.texts}
+    assert {text.get_text() for text in upper.get_legend().get_texts()} == {"bewiesen", "empfohlen", "dominiert"}
+    assert not [label for axis in (upper.xaxis, upper.yaxis, lower.xaxis) for label in axis.get_ticklabels() if "." in label.get_text()]
+
+
+def test_a_language_that_pictures_do_not_speak_is_refused() -> None:
+    with pytest.raises(UsageError, match=r"'fr': reports speak de, en\."):
+        overview(thesis_front(), language="fr")

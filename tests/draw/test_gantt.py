@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.patches import Rectangle
@@ -147,3 +149,25 @@ def test_drawing_needs_no_pyplot() -> None:
         del sys.modules[name]
     plot_gantt(*CASES["thesis"])
     assert "matplotlib.pyplot" not in sys.modules
+
+
+def test_a_german_picture_has_german_words_and_a_decimal_comma() -> None:
+    cell = gearbox()
+    ax = plot_gantt(cell, greedy(cell), language="de")
+    said = [text.get_text() for text in (*ax.texts, *ax.get_yticklabels(), *ax.get_legend().get_texts())]
+    assert ax.get_xlabel() == "Zeit [s]"
+    assert re.fullmatch(r"Dauer \d+(,\d+)? s, Belastung \d+(,\d+)?", ax.get_title(loc="left"))
+    assert {"kritischer Pfad", "gemeinsamer Vorgang"} <= set(said)
+    assert not any(re.search(r"\d\.\d|busy|break|task", words) for words in said)
+    assert any(re.search(r"\d,\d s beschäftigt", words) for words in said)
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_no_word_of_the_legend_is_cut_off(language: str) -> None:
+    """With all marks that there are; German ones are longer."""
+    cell = gearbox()
+    ax = plot_gantt(cell, greedy(cell), figure_for(cell, greedy(cell)).axes[0], language=language)
+    FigureCanvasAgg(ax.figure).draw()
+    words = ax.get_legend().get_texts()
+    assert len(words) >= 6
+    assert all(ax.figure.bbox.x0 <= word.get_window_extent().x0 and word.get_window_extent().x1 <= ax.figure.bbox.x1 for word in words)

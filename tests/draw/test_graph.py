@@ -12,6 +12,7 @@ from tests.draw.cells import desk, gearbox, layered, thesis
 from tandem.cell.model import Cell
 from tandem.draw.figure import figure_for
 from tandem.draw.graph import chips, plot_graph, who_can
+from tandem.draw.language import words
 from tandem.draw.layers import critical_chain, layers, reduced
 
 
@@ -81,13 +82,13 @@ def test_every_task_has_a_node_and_every_kept_precedence_an_arrow(cell: Cell) ->
 
 
 def test_nodes_say_who_can_and_how_long() -> None:
-    assert [chip.words for chip in chips(thesis(), "1")] == ["R 9", "H 10"]
-    assert [chip.words for chip in chips(gearbox(), "housing")] == ["A 6.5", "A+C1 8"]
+    assert [chip.words for chip in chips(thesis(), "1", words())] == ["R 9", "H 10"]
+    assert [chip.words for chip in chips(gearbox(), "housing", words())] == ["A 6.5", "A+C1 8"]
     assert who_can(gearbox())["cover"] == ("ben", "cobot2")
     crowd = Cell.model_validate(
         {"operators": {f"r{i}": {"kind": "robot"} for i in range(9)}, "tasks": {"a": {"time": {f"r{i}": 2 for i in range(9)}}}}
     )
-    assert [chip.words for chip in chips(crowd, "a")] == ["R0 2", "R1 2", "R2 2", "+6"]
+    assert [chip.words for chip in chips(crowd, "a", words())] == ["R0 2", "R1 2", "R2 2", "+6"]
 
 
 def test_a_large_cell_gets_room_for_every_node() -> None:

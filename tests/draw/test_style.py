@@ -6,7 +6,8 @@ import pytest
 from tests.draw.cells import gearbox, layered, thesis
 
 from tandem.cell.model import Cell
-from tandem.draw.style import FAINT_INK, INK, contrast, looks, number, share, shorten
+from tandem.cell.written import number, share
+from tandem.draw.style import FAINT_INK, INK, contrast, looks, shorten
 
 
 def cell_of(*operators: tuple[str, str]) -> Cell:

@@ -1,9 +1,9 @@
-"""The chessboard's PettingZoo face: the official suite, turns, masks, troubles."""
+"""The chessboard's PettingZoo face: turns, masks, illegal columns, troubles."""
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
-from pettingzoo.test import parallel_api_test, parallel_seed_test
 
 import tandem.envs
 from tandem.cell.chessboard import Board, desk, random_board
@@ -12,20 +12,6 @@ from tandem.envs.chessboard.chance import Chance
 from tandem.errors import CellError, UsageError
 
 SMALL = random_board(4, 4, 3, 2, 5, 6, seed=3)
-
-
-class Masked(tandem.envs.parallel_env("chessboard", SMALL).__class__):
-    """For the official suite, which samples actions without looking at masks in some of its tests: an illegal one is made legal."""
-
-    def step(self, actions):
-        masks = self.action_masks() if self.agents else {}
-        legal = {agent: action if masks[agent][action] else int(masks[agent].argmax()) for agent, action in actions.items() if agent in masks}
-        return super().step(legal)
-
-
-def test_the_official_suite_passes():
-    parallel_api_test(Masked(SMALL), num_cycles=200)
-    parallel_seed_test(lambda: Masked(SMALL, chance=Chance(0.3, 5, 0.3)), num_cycles=100)
 
 
 def leftmost(env):
@@ -55,8 +41,22 @@ def test_a_cell_and_a_file_will_do_and_what_is_no_board_is_refused(tmp_path):
         tandem.envs.parallel_env("chessboard", "examples/thesis.yaml")
 
 
-def test_an_illegal_column_is_refused_and_the_others_word_does_not_count():
+def test_an_illegal_column_becomes_the_leftmost_legal_one_and_is_told():
     env = tandem.envs.parallel_env("chessboard", SMALL)
+    env.reset()
+    masks = env.action_masks()
+    mover = next(agent for agent, mask in masks.items() if not mask[0])
+    forbidden = np.flatnonzero(masks[mover] == 0)[-1]
+    _, _, _, _, infos = env.step(dict.fromkeys(env.agents, forbidden))
+    taken = env.state()
+    assert {agent for agent, info in infos.items() if info["illegal"]} == {mover}
+    env.reset()
+    env.step({agent: int(mask.argmax()) for agent, mask in masks.items()})
+    np.testing.assert_array_equal(env.state(), taken)
+
+
+def test_a_strict_board_refuses_an_illegal_column_and_the_others_word_does_not_count():
+    env = tandem.envs.parallel_env("chessboard", SMALL, strict=True)
     env.reset()
     masks = env.action_masks()
     mover = next(agent for agent, mask in masks.items() if not mask[0])

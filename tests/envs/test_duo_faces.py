@@ -75,6 +75,15 @@ def test_what_the_mask_forbids_is_said_and_not_done() -> None:
     assert infos["human_0"]["is_success"]
 
 
+def test_a_strict_face_refuses_what_the_mask_forbids_and_nothing_happens() -> None:
+    env = tandem.envs.parallel_env("duo", PAIR, strict=True)
+    env.reset(seed=0)
+    env.step({"robot_0": 0, "human_0": 1})
+    with pytest.raises(UsageError, match=r"illegal at 4 s: human_0 named 1 \(a by human\); legal are 2, 3\. Take an action"):
+        env.step({"robot_0": 0, "human_0": 1})
+    assert env.step({"robot_0": 0, "human_0": 2})[4]["human_0"]["time"] == 4 + 5
+
+
 def test_bad_options_and_cells_are_named() -> None:
     with pytest.raises(UsageError, match="change 3"):
         tandem.envs.parallel_env("duo", PAIR, change=3)

@@ -145,7 +145,7 @@ def test_the_human_comes_first_when_both_name_one_task(thesis: Cell):
     names = env.game.names
     both = {"robot_0": 1 + names.way("1", ["robot"]), "human_0": 1 + names.way("1", ["human"])}
     _, _, _, _, infos = env.step(both)
-    assert (infos["human_0"]["task_started"], infos["robot_0"]["task_started"], infos["robot_0"]["illegal"]) == ("1", None, False)
+    assert (infos["human_0"]["task_started"], infos["robot_0"]["task_started"], infos["robot_0"]["illegal"]) == ("1", "", False)
 
 
 def test_an_illegal_action_waits_and_is_told_or_raises_when_strict(thesis: Cell):

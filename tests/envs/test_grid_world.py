@@ -208,6 +208,19 @@ def test_the_face_says_what_was_reached_and_draws_it():
     assert env.render() == "rrR\n.#.\nH.W"
 
 
+@pytest.mark.parametrize("none", [-1, -2, 5, 10**6])
+def test_what_is_no_action_moves_nobody_and_costs_whoever_names_it(none):
+    jax = pytest.importorskip("jax")
+    data = grid(layout(ROOM))
+    for xp in (np, jax.numpy):
+        _, reward, _, illegal = step(jax.tree.map(xp.asarray, data), Rewards(), jax.tree.map(xp.asarray, reset(data)), xp.array([none, WAIT]))
+        np.testing.assert_allclose(reward, [-0.1 - 1.0, 0.0], rtol=1e-6)
+        assert illegal.tolist() == [1, 0]
+        after, reward, _, illegal = step(jax.tree.map(xp.asarray, data), Rewards(), jax.tree.map(xp.asarray, reset(data)), xp.array([WAIT, none]))
+        np.testing.assert_allclose(reward, [-0.1 - 0.2, -1.0], rtol=1e-6)
+        assert (illegal.tolist(), after.position.tolist()) == ([0, 1], data.start.tolist())
+
+
 def test_impossible_moves_raise_only_when_strict_and_wrong_options_are_named_together():
     env = tandem.envs.parallel_env("grid", ROOM, strict=True)
     env.reset()

@@ -120,7 +120,7 @@ def test_one_decision_at_a_time_asks_the_human_first_and_time_stands_still(thesi
     observation, _ = env.reset()
     assert observation["observation"][:2].tolist() == [0, 1]
     observation, reward, _, _, info = env.step(1)
-    assert (reward, info["time"], info["task_started"]) == (0, 0, (None, None))
+    assert (reward, info["time"], info["task_started"]) == (0, 0, ("", ""))
     assert observation["observation"][:10].tolist() == [1, 0, 0, 1, 0, 0, 0, 0, 0, 0]
     assert observation["action_mask"].tolist() == [1, 0, 1, 0, 0, 0, 0, 0]
     _, reward, _, _, info = env.step(2)
@@ -144,6 +144,25 @@ def test_an_illegal_action_costs_what_the_rewards_say_and_is_told(pair):
     _, rewards, _, _, infos = env.step({"robot_0": 3, "human_0": 2})
     assert rewards == {"robot_0": -10 - 20, "human_0": -10}
     assert (infos["robot_0"]["illegal"], infos["human_0"]["illegal"]) == (True, False)
+
+
+def test_a_task_that_there_is_not_breaks_one_rule_and_two_while_busy(pair):
+    env = tandem.envs.parallel_env("thesis", pair)
+    env.reset()
+    assert env.step({"robot_0": -1, "human_0": 4})[1] == {"robot_0": -10 - 10, "human_0": -10 - 10}
+    env.step({"robot_0": 1, "human_0": 0})
+    _, rewards, _, _, infos = env.step({"robot_0": 10**12, "human_0": 0})
+    assert rewards["robot_0"] == -10 - 20
+    assert infos["robot_0"]["illegal"]
+
+
+@pytest.mark.parametrize("action", [-1, 4, 10**9])
+def test_a_human_who_names_no_task_is_not_shown_to_the_robot_as_naming_one(pair, action):
+    env = gymnasium.make("tandem/Thesis-v0", cell=pair).unwrapped
+    env.reset()
+    observation, reward, _, _, info = env.step(action)
+    assert (reward, info["illegal"], observation["observation"][:6].tolist()) == (0, True, [1, 0, 0, 0, 0, 0])
+    assert env.step(1)[1] == -60 - 10, "three ticks of both, and the rule that the human broke"
 
 
 def test_strict_raises_with_what_is_legal(pair):

@@ -62,7 +62,13 @@ class Finding:
 
 @dataclass
 class Tally:
-    """What was asked, and what was found."""
+    """What was asked, and what was found.
+
+    Attributes:
+      cells: drawn. `refused` of them are no sound cells, which is right when they have no schedule.
+      infeasible: cells without a schedule, as the brute force says.
+      every_moment: cells small enough for the second brute force, which tries all moments.
+    """
 
     cells: int = 0
     infeasible: int = 0
@@ -101,7 +107,7 @@ def judge(seed: int) -> Tally:
     for question in questions(random, right):
         for method in JUDGES:
             tally.questions[f"{method} {_kind(question)}"] += 1
-            if (said := wrong(data, cell, method, question, right)) is not None:
+            if (said := wrong(data, cell, method, question, right, workers=1 + seed % 2)) is not None:
                 wanted = str(wanted_points(question, right))
                 tally.findings.append(Finding(seed, method, question.to_dict(), said, wanted, data))
     return tally
@@ -143,13 +149,13 @@ def wanted_points(question: Question, front: list[Point]) -> list[Point]:
     return [p for p, value in zip(kept, cost, strict=True) if value == min(cost)]
 
 
-def wrong(data: Mapping[str, Any], cell: Cell, method: str, question: Question, front: list[Point]) -> str | None:
+def wrong(data: Mapping[str, Any], cell: Cell, method: str, question: Question, front: list[Point], workers: int = 1) -> str | None:
     """What the method said that is not right; None when all of it is."""
     wanted = wanted_points(question, front)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", RefusedScheduleWarning)
-            said = METHODS[method](cell, question, time_limit=60, workers=1)
+            said = METHODS[method](cell, question, time_limit=60, workers=workers)
     except InfeasibleError:
         return "infeasible" if wanted else None
     except NothingFoundError as error:
@@ -225,6 +231,7 @@ def summary(total: Tally, seed: int, wall_s: float) -> dict[str, Any]:
     return {
         "command": f"python3 dev.py fuzz judges --cells {total.cells} --seed {seed}",
         "first_seed": seed,
+        "judged": total.cells - total.refused,
         **kept,
         "questions": dict(sorted(total.questions.items())),
         "differ": len(total.findings),

@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 from random import Random
 
 from tests.fuzz import judges
@@ -14,6 +15,7 @@ from tests.plan.brute_force import front_in_order, front_of_all, worth
 from tests.schedule.cells import thesis, thesis_schedule
 
 from tandem.cell.model import Cell
+from tandem.plan import exact, race
 from tandem.plan.methods import METHODS
 
 
@@ -25,6 +27,14 @@ def test_exact_and_exhaustive_search_answer_random_cells_as_brute_force_does():
     assert total.with_releases > 40
     assert total.every_moment > 20
     assert sum(total.questions.values()) > 600
+
+
+def test_what_works_on_large_cells_is_right_on_small_ones(monkeypatch):
+    """Neighbourhoods, the search along the clock and the front in two steps have their turn in cells that brute force can answer."""
+    monkeypatch.setattr(exact, "SMALL", 0)
+    monkeypatch.setattr(race, "SMALL", 0)
+    for seed in range(1001, 1081, 2):  # odd ones are planned by two workers
+        assert judges.judge(seed).findings == []
 
 
 def test_the_cells_have_every_feature():
@@ -79,3 +89,13 @@ def test_it_runs_as_a_command_and_says_what_it_did(tmp_path):
     said = json.loads(ended.stdout)
     assert said == json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
     assert (said["cells"], said["differ"]) == (12, 0)
+
+
+def test_the_verb_lists_the_programs_and_refuses_others():
+    root = Path(__file__).parents[2]
+    listed = subprocess.run([sys.executable, "dev.py", "fuzz"], cwd=root, capture_output=True, text=True)
+    assert listed.returncode == 0
+    assert "python3 dev.py fuzz judges" in listed.stdout
+    unknown = subprocess.run([sys.executable, "dev.py", "fuzz", "jugdes"], cwd=root, capture_output=True, text=True)
+    assert unknown.returncode == 2
+    assert "nothing is called 'jugdes'; there are judges" in unknown.stderr

@@ -19,6 +19,7 @@ from tandem.learn import ppo
 from tandem.learn.agents import PPO
 from tandem.learn.config import Config, Stage
 from tandem.learn.policy import Policy
+from tandem.learn.settings import read
 from tandem.learn.stations import StationWorld
 
 
@@ -148,6 +149,6 @@ def test_a_recipe_in_episodes_takes_no_number_of_steps():
 
 
 def test_what_a_configuration_must_be_is_said_all_at_once():
-    with pytest.raises(UsageError, match=r"(?s)stage 1: says neither.*horizon 0.*clip 2.*activation 'swish'"):
+    with pytest.raises(UsageError, match=r"(?s)stages.0.episodes and steps: says neither.*horizon 0.*clip 2.*activation 'swish'"):
         Config(stages=(Stage(),), horizon=0, clip=2, activation="swish")
-    assert Config.from_dict(json.loads(json.dumps(tiny.RECIPE.config.to_dict()))) == tiny.RECIPE.config
+    assert read(Config, json.loads(json.dumps(tiny.RECIPE.config.to_dict()))) == tiny.RECIPE.config

@@ -19,7 +19,7 @@ from tandem.learn.alphazero import config as alphazero
 from tandem.learn.alphazero.recipes import SearchRecipe, YuRecipe
 from tandem.learn.dqn.config import Config as DqnConfig
 from tandem.learn.dqn.recipes import ValueRecipe
-from tandem.learn.recipes import KINDS, RECIPES, changed
+from tandem.learn.recipes import RECIPES, changed, recipe_from
 from tandem.learn.runs import RunFolder
 
 pytestmark = pytest.mark.usefixtures("quickly_compiled")
@@ -119,7 +119,7 @@ def test_the_board_refuses_what_it_cannot_hold(tmp_path):
 @pytest.mark.parametrize("name", RECIPES)
 def test_a_recipe_comes_back_from_what_a_run_writes_down(name):
     recipe = RECIPES[name]
-    assert KINDS[recipe.algorithm].from_dict(json.loads(json.dumps(recipe.to_dict()))) == recipe
+    assert recipe_from(recipe.algorithm, json.loads(json.dumps(recipe.to_dict()))) == recipe
 
 
 def test_settings_of_a_recipe_are_changed_by_name_and_faults_come_all_at_once():
@@ -128,5 +128,5 @@ def test_settings_of_a_recipe_are_changed_by_name_and_faults_come_all_at_once():
     plain = RECIPES["alphazero"]
     search = replace(plain.config.search, kind="puct", simulations=64, depth=3)
     assert recipe == replace(plain, waiting=False, config=replace(plain.config, search=search))
-    with pytest.raises(UsageError, match=r"(?s)--set x=3: .*has no such setting.*--set waiting=3: must be like true"):
+    with pytest.raises(UsageError, match=r"(?s)--set x=3: .*has no such setting.*--set waiting 3: must be true or false"):
         changed(RECIPES["alphazero"], ["x=3", "waiting=3"])

@@ -204,9 +204,11 @@ def _front_in_order(plain: Plain) -> list[Pair]:
     found: list[Pair] = []
 
     def beaten(done: tuple[Step, ...]) -> bool:
-        stress = plain.stress(done) if plain.table is None else -1
-        makespan = max((step.end for step in done), default=0)
-        return any(time <= makespan and load <= (stress or 0) for time, load in found)
+        """Whether no schedule that goes on from here is wanted any more; by a table, stress may still fall."""
+        if plain.table is not None:
+            return False
+        stress, makespan = plain.stress(done) or 0, max(step.end for step in done)
+        return any(time <= makespan and load <= stress for time, load in found)
 
     def grow(done: tuple[Step, ...]) -> None:
         if len(done) == len(plain.jobs):

@@ -62,14 +62,14 @@ def test_the_recommended_plan_is_open_at_first_and_a_click_opens_another(opened:
     page = opened(thesis_front())
     assert visible_plans(page) == ["plan-2"]
     page.locator("svg a.point .target").nth(2).click()
-    page.wait_for_function("!document.getElementById('plan-3').hidden")
+    page.locator("#plan-3").wait_for(state="visible")
     assert visible_plans(page) == ["plan-3"]
     assert page.locator("svg a.point[aria-current]").get_attribute("data-plan") == "3"
     page.locator("tr[data-plan='1'] td").first.click()
-    page.wait_for_function("!document.getElementById('plan-1').hidden")
+    page.locator("#plan-1").wait_for(state="visible")
     assert visible_plans(page) == ["plan-1"]
     page.go_back()
-    page.wait_for_function("!document.getElementById('plan-3').hidden")
+    page.locator("#plan-3").wait_for(state="visible")
     page.get_by_role("button", name="Show all plans").click()
     assert visible_plans(page) == ["plan-1", "plan-2", "plan-3"]
 
@@ -78,7 +78,7 @@ def test_the_keyboard_reaches_every_point(opened: Callable[..., Any]) -> None:
     page = opened(thesis_front())
     page.locator("svg a.point").first.focus()
     page.keyboard.press("Enter")
-    page.wait_for_function("!document.getElementById('plan-1').hidden")
+    page.locator("#plan-1").wait_for(state="visible")
     assert visible_plans(page) == ["plan-1"]
 
 
@@ -124,7 +124,7 @@ def test_the_page_looks_like_something(opened: Callable[..., Any], tmp_path: Pat
     colours = {"#{:02X}{:02X}{:02X}".format(*colour) for count, colour in image.getcolors(2**24) if count > 1500}
     assert {look.tint for look in looks(thesis()).values()} <= colours
     page.locator("svg a.point .target").first.click()
-    page.wait_for_function("!document.getElementById('plan-1').hidden")
+    page.locator("#plan-1").wait_for(state="visible")
     assert page.screenshot(full_page=True) != first
 
 

@@ -208,11 +208,11 @@ def test_who_waits_for_whom() -> None:
     front, t = thesis_front(), words("en")
     robot = {turn.task: turn for turn in turns(front.cell, front[0].schedule, "robot", t)}
     human = {turn.task: turn for turn in turns(front.cell, front[0].schedule, "human", t)}
-    assert human["6"].wait == ("4 is done (robot)",)
-    assert robot["4"].hands_to == ("6 (human)",)
+    assert human["6"].wait == tuple(f"{task} is done (signal from robot)" for task in "124")
+    assert robot["4"].hands_to == ("human, for 6",)
     assert robot["1"].wait == ("at once",)
-    assert robot["1"].hands_to == ()
-    assert "6 is done (human)" in robot["7"].wait
+    assert robot["1"].hands_to == ("human, for 6",)
+    assert robot["7"].wait == tuple(f"{task} is done (call from human)" for task in "356")
 
 
 # --- other programs -----------------------------------------------------------------------------------------------------------

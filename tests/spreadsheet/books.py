@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import itertools
 import struct
 import zipfile
 from collections.abc import Sequence
@@ -256,10 +257,18 @@ def unicode_text(path: Path) -> Path:
     return path
 
 
-def ods(path: Path, rows: Sequence[Sequence[Any]], broken: bool = False) -> Path:
-    """As LibreOffice writes it: empty cells as repeats, and with `broken` a formula without result in B2 and an error in B3."""
+def ods(path: Path, rows: Sequence[Sequence[Any]], broken: bool = False, merged: Sequence[tuple[int, int, int, int]] = ()) -> Path:
+    """As LibreOffice writes it: empty cells as repeats, and with `broken` a formula without result in B2 and an error in B3.
+
+    Args:
+      rows: values; a pair is a number and how it is shown, `(1.5, "1,50 min")`.
+      merged: areas `(top, left, bottom, right)`, counted from 0.
+    """
 
     def cell(value: Any) -> str:
+        if isinstance(value, tuple):
+            number, text = value
+            return f'<table:table-cell office:value-type="float" office:value="{number}"><text:p>{escape(text)}</text:p></table:table-cell>'
         if value is None:
             return '<table:table-cell table:number-columns-repeated="1"/>'
         if isinstance(value, int | float):
@@ -267,6 +276,11 @@ def ods(path: Path, rows: Sequence[Sequence[Any]], broken: bool = False) -> Path
         return f'<table:table-cell office:value-type="string"><text:p>{escape(value)}</text:p></table:table-cell>'
 
     lines = [[cell(value) for value in row] for row in rows]
+    for top, left, bottom, right in merged:
+        spans = f'table:number-rows-spanned="{bottom - top + 1}" table:number-columns-spanned="{right - left + 1}"'
+        for row, column in itertools.product(range(top, bottom + 1), range(left, right + 1)):
+            first = lines[top][left].replace("<table:table-cell", f"<table:table-cell {spans}", 1)
+            lines[row][column] = first if (row, column) == (top, left) else "<table:covered-table-cell/>"
     if broken:
         lines[1][1] = '<table:table-cell table:formula="of:=[.A1]*2"/>'
         error = 'office:value-type="string" office:string-value=""><text:p>#REF!</text:p>'

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import io
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import openpyxl
 import pytest
 from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
 from tests.spreadsheet import books
 from tests.strategies import cells
 
@@ -17,7 +20,7 @@ from tandem.cell.spreadsheet import import_cell
 from tandem.cell.spreadsheet.reading import read_book
 from tandem.cell.spreadsheet.template import export_cell, lost, to_workbook, write_template
 from tandem.cell.spreadsheet.workbook import book_of
-from tandem.errors import CellError, UsageError
+from tandem.errors import UsageError
 
 
 @pytest.mark.parametrize("lang", ["en", "de"])
@@ -55,14 +58,71 @@ def test_the_template_checks_what_is_typed(tmp_path: Path) -> None:
     assert [sheet.title for sheet in book] == ["Tasks", "Operators", "Tools", "Zones", "Cell", "Help"]
 
 
-@settings(max_examples=40, deadline=None, phases=[Phase.explicit, Phase.reuse, Phase.generate])
-@given(cells(max_tasks=6))
-def test_export_and_import_give_the_same_cell_or_say_what_differs(cell: Cell) -> None:
-    content = to_workbook(cell)
+ODD_NAMES = (
+    *("Anna", "time lord", "b+c", "UR-5", "stress", "Werker 1", "Bens Hand", "and", "with", "Team", "beide", "Zeit [s]", "human / robot", "1", "-"),
+    *("Maschinenzeit", "Vorgänger", "x", "no", "robot", "REBA", "100 %", "Summe", "together", "s", "alle", "A & B", "time per piece", "Σ"),
+)
+ODD_TASKS = (
+    *("=A1", "010", "10", "1.1", "1", "1.2", "a; b", "1-3", "2FS", "Summe", "total", "x", "-", "3 + 4", "Task", "Vorgang 2", "Ü", "none", "TRUE"),
+    *("1e3", "Milestone 1", "von", "Predecessors", "Fügen A/B", "2.1.1", "2"),
+)
+
+
+@st.composite
+def dressed(draw: st.DrawFn) -> Cell:
+    """A random cell with every feature whose operators and tasks bear names that look like something else, and with labels and parts."""
+    data = draw(cells(max_tasks=6)).to_dict()
+    people = dict(zip(data["operators"], draw(st.permutations(ODD_NAMES)), strict=False)) if draw(st.booleans()) else {}
+    steps = dict(zip(data["tasks"], draw(st.permutations(ODD_TASKS)), strict=False)) if draw(st.booleans()) else {}
+    return Cell.model_validate(_renamed(data, people, steps, lambda: draw(st.sampled_from((None, None, "cover", "=1+1", "12", "Summe")))))
+
+
+def _renamed(data: dict[str, Any], people: dict[str, str], steps: dict[str, str], text: Callable[[], str | None]) -> dict[str, Any]:
+    def by_who(value: Any) -> Any:
+        return {people.get(who, who): amount for who, amount in value.items()} if isinstance(value, dict) else value
+
+    tasks = {}
+    for name, task in data["tasks"].items():
+        for what in ("time", "stress", "difficulty", "spread"):
+            if what in task:
+                task[what] = by_who(task[what])
+        for joint in task.get("together", ()):
+            joint["operators"] = [people.get(who, who) for who in joint["operators"]]
+            if "stress" in joint:
+                joint["stress"] = by_who(joint["stress"])
+        task["after"] = [steps.get(first, first) for first in task.get("after", ())]
+        tasks[steps.get(name, name)] = {**task, "label": text(), "part": text()}
+    for tool in data.get("tools", {}).values():
+        tool["changeover"] = by_who(tool.get("changeover", {}))
+    sets = data.get("stress_of_set")
+    return {
+        **data,
+        "operators": by_who(data["operators"]),
+        "tasks": tasks,
+        "same_operator": [[steps.get(name, name) for name in pair] for pair in data.get("same_operator", ())],
+        "stress_of_set": sets and {",".join(steps.get(name, name) for name in key.split(",")) if key else "": value for key, value in sets.items()},
+    }
+
+
+def spelled_out(cell: Cell) -> Any:
+    """All that a cell says, however it says it: a stress of 0 and none, a table and a number that are alike."""
+    data = {**cell.to_dict(), "same_operator": sorted(map(tuple, cell.same_operator))}
+    for name, task in data["tasks"].items():
+        task["ways"] = sorted((sorted(mode.operators), mode.time, sorted(mode.stress.items())) for mode in cell.modes(name))
+        for what in ("time", "together", "stress"):
+            task.pop(what, None)
+        if not task.get("spread"):
+            task.pop("spread", None)
+    return data
+
+
+@settings(max_examples=150, deadline=None, phases=[Phase.explicit, Phase.reuse, Phase.generate])
+@given(st.one_of(cells(max_tasks=6), dressed()), st.sampled_from(("en", "de")))
+def test_export_and_import_give_the_same_cell(cell: Cell, lang: str) -> None:
+    """Also in German, and under names that look like totals, groups, lists or joint ways."""
+    content = to_workbook(cell, lang=lang)  # type: ignore[arg-type]
     back = read_book(book_of(Path("x.xlsx"), content)).cell()
-    assert lost(cell, content) or back == cell
-    if not lost(cell, content):
-        assert back.digest == cell.digest
+    assert spelled_out(back) == spelled_out(cell)
 
 
 def test_names_that_look_like_something_else_survive() -> None:
@@ -85,15 +145,10 @@ def test_names_that_look_like_something_else_survive() -> None:
 
 
 def test_what_the_form_cannot_keep_is_said(tmp_path: Path) -> None:
-    cell = books.THESIS.replace(tasks={"1": {"time": {"human": 1.00004}}, "2": {"time": {"human": 1}, "label": "two  blanks"}})
+    cell = books.THESIS.replace(tasks={"1": {"time": {"human": 1.00004}}, "2": {"time": {"human": 1}, "label": "two \u200dblanks"}})
     sentences = export_cell(cell, tmp_path / "x.xlsx")
-    assert "tasks.2.label: 'two  blanks' becomes 'two blanks'." in sentences
+    assert "tasks.2.label: 'two \\u200dblanks' becomes 'two blanks'." in sentences
     assert any(sentence.startswith("tasks.1.time.human: 1.00004 becomes 1") for sentence in sentences)
-
-
-def test_control_characters_are_refused() -> None:
-    with pytest.raises(CellError, match="control characters"):
-        to_workbook(books.THESIS.replace(name="a\x01b"))
 
 
 def test_unknown_language() -> None:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import datetime
 from decimal import Decimal
+from typing import Any
 
 import pytest
 
 from tandem.cell.spreadsheet.references import References, UnknownTaskError
-from tandem.cell.spreadsheet.values import UnreadableError, cannot, decimal_mark, number, seconds
+from tandem.cell.spreadsheet.values import Marks, UnreadableError, cannot, marks_of, number, seconds
 
 
 @pytest.mark.parametrize(
@@ -32,8 +33,8 @@ from tandem.cell.spreadsheet.values import UnreadableError, cannot, decimal_mark
         ("1234,567", None, "1234.567"),
     ],
 )
-def test_numbers(value: object, mark: str | None, expected: str) -> None:
-    assert number(value, mark).value == Decimal(expected)  # type: ignore[arg-type]
+def test_numbers(value: object, mark: Any, expected: str) -> None:
+    assert number(value, Marks(mark, grouped=True) if mark else Marks()).value == Decimal(expected)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("value", ["1.234", "1,234", "12 apples", "10:30", "~5", True, datetime.date(2024, 2, 1), datetime.time(12, 30), "1,2,3x"])
@@ -51,11 +52,20 @@ def test_a_unit_behind_the_number_counts_more_than_the_header() -> None:
 
 
 def test_decimal_mark_needs_evidence() -> None:
-    assert decimal_mark(["10,5", "1.234"]) == ","
-    assert decimal_mark(["10.5", "1,234"]) == "."
-    assert decimal_mark(["1.234"]) is None
-    assert decimal_mark(["10,5", "10.5"]) is None
-    assert decimal_mark([10.5, "x"]) is None
+    assert marks_of(["10,5", "1.234"]) == Marks(",")
+    assert marks_of(["10.5", "1,234"]) == Marks(".")
+    assert marks_of(["1.234"]) == Marks()
+    assert marks_of(["10,5", "10.5"]) == Marks()
+    assert marks_of([10.5, "x", "10.5 and 3"]) == Marks()
+
+
+def test_thousands_need_evidence_too() -> None:
+    assert marks_of(["1.234,5", "1.234"]) == Marks(",", grouped=True)
+    assert marks_of(["1.200.000"]) == Marks(",", grouped=True)
+    assert number("1.234", Marks(",", grouped=True)).value == 1234
+    assert number("1.234", Marks(".")).value == Decimal("1.234")
+    with pytest.raises(UnreadableError, match=r"may be 1234 or 1\.234"):
+        number("1.234", Marks(","))
 
 
 @pytest.mark.parametrize(

@@ -5,11 +5,13 @@ Times are compared in whole microseconds: seconds have at most six decimals, so 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from bisect import bisect_right
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import TYPE_CHECKING
 
+from tandem.cell.written import number
 from tandem.errors import Fault
 
 if TYPE_CHECKING:
@@ -32,13 +34,13 @@ def breaks_are_apart(cell: Cell) -> Iterator[Fault]:
             if end > start:
                 good.append((start, end, place))
                 continue
-            remedy = f"write [{_short(end)}, {_short(start)}]" if end < start else "a break must last a while"
-            yield Fault(f"operator {who!r}: the break [{_short(start)}, {_short(end)}] ends before or when it starts; {remedy}.", (*here, place))
+            remedy = f"write [{number(end)}, {number(start)}]" if end < start else "a break must last a while"
+            yield Fault(f"operator {who!r}: the break [{number(start)}, {number(end)}] ends before or when it starts; {remedy}.", (*here, place))
         good.sort()
         for (a, b, _), (c, d, place) in pairwise(good):
             if c < b:
-                both = f"[{_short(a)}, {_short(b)}] and [{_short(c)}, {_short(d)}]"
-                yield Fault(f"operator {who!r}: the breaks {both} overlap. Make them one: [{_short(a)}, {_short(max(b, d))}].", (*here, place))
+                both = f"[{number(a)}, {number(b)}] and [{number(c)}, {number(d)}]"
+                yield Fault(f"operator {who!r}: the breaks {both} overlap. Make them one: [{number(a)}, {number(max(b, d))}].", (*here, place))
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,7 @@ def a_deadline_can_be_met(cell: Cell) -> Iterator[Fault]:
     """No task is bound to be late: its predecessors and itself, each in its quickest way, from the release on, around breaks."""
     if all(task.deadline is None for task in cell.tasks.values()):
         return
-    rest = {who: _rests(cell.operators[who].breaks) for who in cell.operators}
+    rest = _Rests(cell)
     found: dict[str, Earliest] = {}
     for name in _in_order(cell):
         task = cell.tasks[name]
@@ -76,7 +78,44 @@ def a_deadline_can_be_met(cell: Cell) -> Iterator[Fault]:
             found[name] = Earliest(deadline, min(soonest.chain_end, deadline), soonest.first, soonest.operators)
 
 
-def _earliest(cell: Cell, name: str, found: Mapping[str, Earliest], rest: Mapping[str, Sequence[tuple[int, int]]]) -> Earliest | None:
+class _Rests:
+    """When operators are off, alone and together, in whole microseconds."""
+
+    def __init__(self, cell: Cell):
+        self.of_each = {who: [(_micro(a), _micro(b)) for a, b in operator.breaks if b > a] for who, operator in cell.operators.items()}
+        self._joint: dict[tuple[str, ...], list[tuple[int, int]]] = {}
+
+    def __contains__(self, who: str) -> bool:
+        return who in self.of_each
+
+    def soonest_end(self, start: int, length: int, operators: tuple[str, ...]) -> int:
+        """The soonest end of something that lasts so long, starts then or later and touches no break of those who do it."""
+        rests = self._joint.get(operators)
+        if rests is None:
+            rests = self._joint[operators] = _apart(rest for who in operators for rest in self.of_each[who])
+        for a, b in islice(rests, bisect_right(rests, start, key=_end), None):
+            if a >= start + length:
+                break
+            start = b
+        return start + length
+
+
+def _end(rest: tuple[int, int]) -> int:
+    return rest[1]
+
+
+def _apart(rests: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
+    """The same times in order, those that touch or overlap made one."""
+    joined: list[tuple[int, int]] = []
+    for a, b in sorted(rests):
+        if joined and a <= joined[-1][1]:
+            joined[-1] = (joined[-1][0], max(b, joined[-1][1]))
+        else:
+            joined.append((a, b))
+    return joined
+
+
+def _earliest(cell: Cell, name: str, found: Mapping[str, Earliest], rest: _Rests) -> Earliest | None:
     task = cell.tasks[name]
     ways = [((who,), time) for who, time in task.time.items()] + [(joint.operators, joint.time) for joint in task.together]
     ways = [(who, time) for who, time in ways if all(one in rest for one in who)]
@@ -90,16 +129,8 @@ def _earliest(cell: Cell, name: str, found: Mapping[str, Earliest], rest: Mappin
     else:
         first = None
     chain_start = max([chain_start, *(found[one].chain_end for one in before)])
-    end, operators = min((_fit(start, _micro(time), [rest[one] for one in who]), tuple(who)) for who, time in ways)
+    end, operators = min((rest.soonest_end(start, _micro(time), tuple(who)), tuple(who)) for who, time in ways)
     return Earliest(end, chain_start + min(_micro(time) for _, time in ways), first, operators)
-
-
-def _fit(start: int, length: int, rests: Sequence[Sequence[tuple[int, int]]]) -> int:
-    """The soonest end of something that lasts so long, starts then or later and touches none of the breaks."""
-    for a, b in sorted(rest for one in rests for rest in one):
-        if a < start + length and b > start:
-            start = b
-    return start + length
 
 
 def _too_late(cell: Cell, name: str, found: Mapping[str, Earliest]) -> str:
@@ -113,16 +144,16 @@ def _too_late(cell: Cell, name: str, found: Mapping[str, Earliest]) -> str:
     deadline, end = cell.tasks[name].deadline, found[name].end
     around = " around the breaks" if found[name].chain_end <= _micro(deadline or 0.0) else ""
     return (
-        f"task {name!r} can never keep its deadline of {_short(deadline or 0.0)} s: {steps} ends at {_short(end / MICRO)} s at the soonest{around}. "
-        f"Set the deadline to {_short(end / MICRO)} or later, or make what goes before it quicker."
+        f"task {name!r} can never keep its deadline of {number(deadline or 0.0)} s: {steps} ends at {number(end / MICRO)} s at the soonest{around}. "
+        f"Set the deadline to {number(end / MICRO)} or later, or make what goes before it quicker."
     )
 
 
 def _step(cell: Cell, name: str) -> str:
     task = cell.tasks[name]
     quickest = min([*task.time.values(), *(joint.time for joint in task.together)])
-    release = f", released at {_short(task.release)} s" if task.release else ""
-    return f"{name!r} ({_short(quickest)} s{release})"
+    release = f", released at {number(task.release)} s" if task.release else ""
+    return f"{name!r} ({number(quickest)} s{release})"
 
 
 def _in_order(cell: Cell) -> list[str]:
@@ -226,13 +257,5 @@ def _values(value: float | Mapping[str, float]) -> list[float]:
     return list(value.values()) if isinstance(value, Mapping) else [value]
 
 
-def _rests(breaks: Sequence[tuple[float, float]]) -> list[tuple[int, int]]:
-    return sorted((_micro(a), _micro(b)) for a, b in breaks if b > a)
-
-
 def _micro(seconds: float) -> int:
     return round(seconds * MICRO)
-
-
-def _short(seconds: float) -> str:
-    return f"{seconds:.{DECIMALS}f}".rstrip("0").rstrip(".")

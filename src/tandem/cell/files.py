@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import re
 import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from tandem.cell.formats.table import FORMATS, detected
@@ -14,7 +18,7 @@ from tandem.cell.names import Known
 from tandem.cell.pretty import escaped, to_yaml
 from tandem.cell.reading import cell_of
 from tandem.cell.storing import store
-from tandem.errors import CellError, Fault, UsageError
+from tandem.errors import CellError, Fault, NotReadWarning, UsageError
 
 LARGEST = 20_000_000
 """Bytes that a cell file may have: a cell of 10,000 tasks has about one million."""
@@ -28,7 +32,9 @@ def load(path: str | os.PathLike[str], format: str | None = None) -> Cell:
 
     Args:
       path: the file.
-      format: a name from `FORMATS`, such as "yaml", "json" or "fjs"; told from the content when not given.
+      format: a name from `FORMATS`, such as "yaml", "json" or "fjs"; told from the content, and the ending, when not given.
+
+    Warns `NotReadWarning` of what stands in the file and has no place in a cell.
 
     Raises:
       CellError: the file cannot be read, is not of its form, or describes no sound cell; with every fault at its line and column.
@@ -52,8 +58,24 @@ def loads(text: str, format: str | None = None, source: str = "text") -> Cell:
     _refuse_control_characters(text, source)
     if not text.strip():
         raise CellError([Fault("the file is empty. A cell file has `operators` and `tasks`.", (), source)])
-    document = FORMATS[format or detected(text)].read(text, source)
-    return cell_of(document.plain(), document.place, document.faults)
+    with _uncollected():
+        document = FORMATS[format or detected(text, source)].read(text, source)
+        cell = cell_of(document.plain(), document.place, document.faults)
+    for note in document.notes:
+        warnings.warn(str(note), NotReadWarning, stacklevel=2)
+    return cell
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """No search for circular rubbish meanwhile: a tree of a million values has none, and looking through it takes half of the time."""
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collects:
+            gc.enable()
 
 
 def dumps(cell: Cell, format: str = "yaml") -> str:
@@ -112,7 +134,7 @@ def _text(data: bytes, source: str, format: str | None) -> str:
         return data.decode()
     except UnicodeDecodeError as error:
         text = data.decode("latin-1")
-        if (known := FORMATS.get(format or detected(text))) is not None and known.numbers:
+        if (known := FORMATS.get(format or detected(text, source))) is not None and known.numbers:
             return text
         before = data[: error.start]
         place = f"{source}:{before.count(10) + 1}:{error.start - before.rfind(10)}"

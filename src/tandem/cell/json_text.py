@@ -7,7 +7,7 @@ import re
 from bisect import bisect_right
 from typing import Any
 
-from tandem.cell.marked import DEPTH, Document, Entry, Node, repeated
+from tandem.cell.marked import DEPTH, MOST_VALUES, Document, Entry, Node, enter, too_many
 from tandem.errors import CellError, Fault
 
 BLANK = re.compile(r"[ \t\r\n]*")
@@ -41,6 +41,7 @@ class _Reader:
         self.source = source
         self.starts = [0, *(found.end() for found in re.finditer("\n", text))]
         self.faults: list[Fault] = []
+        self.values = 0
 
     def where(self, place: int) -> tuple[int, int]:
         line = bisect_right(self.starts, place)
@@ -56,6 +57,9 @@ class _Reader:
 
     def value(self, place: int, depth: int) -> tuple[Node, int]:
         line, column = self.where(place)
+        self.values += 1
+        if self.values > MOST_VALUES:
+            raise too_many(self.source, line, column)
         sign = self.text[place : place + 1]
         if sign in ("{", "["):
             if depth == DEPTH:
@@ -97,10 +101,8 @@ class _Reader:
             key, place = self.string(place)
             place = self.skip(self.expect(":", self.skip(place), "a colon is missing after the key"))
             node, place = self.value(place, depth + 1)
-            if key in table:
-                self.faults.append(repeated(self.source, key, table[key], line, column))
-            else:
-                table[key] = Entry(line, column, node)
+            if fault := enter(table, key, Entry(line, column, node, key), self.source):
+                self.faults.append(fault)
             place = self.skip(place)
             if self.text[place : place + 1] == "}":
                 return table, place + 1

@@ -6,12 +6,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from tandem.errors import Fault
+from tandem.cell.names import clean
+from tandem.errors import CellError, Fault
 
 Path = tuple[str | int, ...]
 
 DEPTH = 30
 """Levels that a file may nest; a cell needs six."""
+MOST_VALUES = 500_000
+"""Keys and values that a file may have; a cell of 10,000 tasks has about a hundred thousand."""
 
 
 class Place(NamedTuple):
@@ -39,11 +42,12 @@ class Node:
 
 
 class Entry(NamedTuple):
-    """One key of a mapping, with the place of the key, and its value."""
+    """One key of a mapping, with the place of the key, its value, and the key as it was written."""
 
     line: int
     column: int
     node: Node
+    written: str
 
 
 @dataclass
@@ -53,11 +57,13 @@ class Document:
     Attributes:
       source: what the file is called in messages.
       faults: what is wrong with the text itself though it could be read, such as a key that is stated twice.
+      notes: what has no place in a cell though it is no fault; a cell file has none.
     """
 
     source: str
     root: Node
     faults: list[Fault] = field(default_factory=list)
+    notes: list[Fault] = field(default_factory=list)
 
     def plain(self) -> Any:
         """The values alone. Where a name belongs, a number is taken as it was written: task 1.10 is not task 1.1."""
@@ -68,7 +74,7 @@ class Document:
         line, column, node = self.root.line, self.root.column, self.root
         for step in path:
             if isinstance(node.value, dict) and str(step) in node.value:
-                line, column, node = node.value[str(step)]
+                line, column, node, _ = node.value[str(step)]
             elif isinstance(node.value, list) and isinstance(step, int) and step < len(node.value):
                 node = node.value[step]
                 line, column = node.line, node.column
@@ -82,11 +88,20 @@ def entries(node: Node) -> Iterator[tuple[str, Node]]:
     return ((key, entry.node) for key, entry in node.value.items())
 
 
-def repeated(source: str, key: str, first: Entry, line: int, column: int) -> Fault:
-    """The fault of a key that is stated twice in one mapping."""
-    return Fault(
-        f"{key!r} is stated twice, first in line {first.line} and again here in line {line}. Keep one of them.", (), f"{source}:{line}:{column}"
-    )
+def too_many(source: str, line: int, column: int) -> CellError:
+    """The fault of a file that goes on and on."""
+    message = f"more than {MOST_VALUES:,} keys and values have been read up to here, the most that a cell file may have. Split the cell."
+    return CellError([Fault(message, (), f"{source}:{line}:{column}")])
+
+
+def enter(table: dict[str, Entry], key: str, entry: Entry, source: str) -> Fault | None:
+    """Puts the entry under its key in the one spelling of names; the fault of a key that stands in the mapping already."""
+    name = clean(key)
+    if (first := table.setdefault(name, entry)) is entry:
+        return None
+    remedy = "Keep one of them." if first.written == key else "The two are written differently but look alike. Rename or remove one of them."
+    message = f"{name!r} is stated twice, first in line {first.line} and again here in line {entry.line}. {remedy}"
+    return Fault(message, (), f"{source}:{entry.line}:{entry.column}")
 
 
 def _plain(node: Node, path: Path) -> Any:

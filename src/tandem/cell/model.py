@@ -8,14 +8,16 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Strict, Tag, WithJsonSchema, model_validator
+from pydantic_core import PydanticCustomError
 
 from tandem.cell import soundness
+from tandem.cell.names import clean, clean_title, harm_in
 from tandem.errors import CellError
 
 V = TypeVar("V")
@@ -36,19 +38,41 @@ class Table(dict[str, V]):
         return type(self), (dict(self),)
 
 
-def _whole_number_names(value: object) -> object:
-    """Names are text; a whole number is taken as its digits, so that `after: [1, 2]` need no quotes."""
-    return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
+def _spelled(value: object, spelling: Callable[[str], str] = clean) -> object:
+    """Text in its one spelling; a whole number is taken as its digits, so that `after: [1, 2]` need no quotes."""
+    if not isinstance(value, str):
+        return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
+    text = spelling(value)
+    if (harm := harm_in(text)) is not None:
+        raise PydanticCustomError("harmful_sign", "{harm}", {"harm": harm})
+    return text
 
+
+def _titled(value: object) -> object:
+    return _spelled(value, clean_title)
+
+
+def _each_name_once(value: object) -> object:
+    """Two keys that are spelled alike once they are clean would silently become one."""
+    if isinstance(value, Mapping):
+        seen: dict[str, object] = {}
+        for key in value:
+            first = seen.setdefault(clean(str(key)), key)
+            if first is not key:
+                raise PydanticCustomError("twins", "{name}: {first}, {again}", {"first": ascii(first), "again": ascii(key), "name": clean(str(key))})
+    return value
+
+
+OneEntryAName = BeforeValidator(_each_name_once)
 
 Name = Annotated[
     str,
-    BeforeValidator(_whole_number_names),
+    BeforeValidator(_spelled),
     Field(min_length=1, max_length=200, pattern=r"\S"),
     WithJsonSchema({"type": ["string", "number"], "minLength": 1, "maxLength": 200, "pattern": r"\S"}),
 ]
-"""A name. Files may write one without quotes though it looks like a number; it is taken as it is written."""
-Text = Annotated[str, BeforeValidator(_whole_number_names), Field(max_length=500), WithJsonSchema({"type": ["string", "number"], "maxLength": 500})]
+"""A name. Files may write one without quotes though it looks like a number; it is taken as it is written, in the one spelling of `names.clean`."""
+Text = Annotated[str, BeforeValidator(_titled), Field(max_length=500), WithJsonSchema({"type": ["string", "number"], "maxLength": 500})]
 """A title for people; it may look like a number, too."""
 Seconds = Annotated[float, Strict(), Field(gt=0, le=1e7, allow_inf_nan=False)]
 """A duration: more than 0 s."""
@@ -56,9 +80,11 @@ Moment = Annotated[float, Strict(), Field(ge=0, le=1e7, allow_inf_nan=False)]
 """A point on the clock, or a duration that may be 0 s."""
 Amount = Annotated[float, Strict(), Field(ge=0, le=1e7, allow_inf_nan=False)]
 """Ergonomic stress, difficulty or a spread: 0 or more."""
+MOST_BREAKS = 2_000
+"""Times off of one operator: more than a year of shifts has."""
 Places = Annotated[int, Strict(), Field(ge=1, le=10_000)]
 
-PerOperator = Annotated[Mapping[Name, Amount], AfterValidator(Table)]
+PerOperator = Annotated[Mapping[Name, Amount], OneEntryAName, AfterValidator(Table)]
 
 
 def _form(value: object) -> str:
@@ -81,7 +107,9 @@ class Operator(Frozen):
     kind: Literal["human", "robot"] = Field(description="Stress counts for humans only.")
     label: Text | None = Field(default=None, description="What charts and messages call the operator; the name when absent.")
     breaks: tuple[tuple[Moment, Seconds], ...] = Field(
-        default=(), description="Times off, each `[from, to]` in seconds since the start. No task and no changeover runs into one."
+        default=(),
+        max_length=MOST_BREAKS,
+        description="Times off, each `[from, to]` in seconds since the start. No task and no changeover runs into one.",
     )
     stress_limit: Amount | None = Field(default=None, description="The most stress that this human may collect in all.")
     tool: Name | None = Field(
@@ -109,7 +137,7 @@ class Task(Frozen):
 
     label: Text | None = Field(default=None, description="What charts and messages call the task; its name when absent.")
     part: Text | None = Field(default=None, description="The part or product that it mounts.")
-    time: Annotated[Mapping[Name, Seconds], AfterValidator(Table)] = Field(
+    time: Annotated[Mapping[Name, Seconds], OneEntryAName, AfterValidator(Table)] = Field(
         default_factory=Table, description="Operator to seconds. An operator that is missing cannot do the task."
     )
     together: tuple[Together, ...] = Field(default=(), description="Alternatives that occupy several operators at once.")
@@ -165,16 +193,18 @@ class Cell(Frozen):
 
     format: Literal[1] = Field(default=1, description="Version of this file format.")
     name: Text = Field(default="", description="What charts and reports call the cell.")
-    operators: Annotated[Mapping[Name, Operator], Field(min_length=1, description="Who works here: name to operator."), AfterValidator(Table)]
-    tasks: Annotated[Mapping[Name, Task], Field(min_length=1, description="What is to be done: name to task."), AfterValidator(Table)]
-    tools: Annotated[Mapping[Name, Tool], AfterValidator(Table)] = Field(
+    operators: Annotated[Mapping[Name, Operator], OneEntryAName, AfterValidator(Table)] = Field(
+        min_length=1, description="Who works here: name to operator."
+    )
+    tasks: Annotated[Mapping[Name, Task], OneEntryAName, AfterValidator(Table)] = Field(min_length=1, description="What is to be done: name to task.")
+    tools: Annotated[Mapping[Name, Tool], OneEntryAName, AfterValidator(Table)] = Field(
         default_factory=Table, description="What is special about a tool. One that is not listed exists once and costs no changeover."
     )
-    zones: Annotated[Mapping[Name, Zone], AfterValidator(Table)] = Field(
+    zones: Annotated[Mapping[Name, Zone], OneEntryAName, AfterValidator(Table)] = Field(
         default_factory=Table, description="What is special about a zone. One that is not listed holds one operator at a time."
     )
     same_operator: tuple[tuple[Name, Name], ...] = Field(default=(), description="Pairs of tasks that must be done by the same operators.")
-    stress_of_set: Annotated[Mapping[Annotated[str, BeforeValidator(_whole_number_names)], Amount], AfterValidator(Table)] | None = Field(
+    stress_of_set: Annotated[Mapping[Annotated[str, BeforeValidator(_spelled)], Amount], OneEntryAName, AfterValidator(Table)] | None = Field(
         default=None,
         description=(
             "Stress by table instead of by sum, for methods that do not add up (such as the Strain Index): the tasks done by humans, in the "

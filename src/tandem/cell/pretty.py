@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from tandem.cell.model import Cell
+from tandem.cell.written import number
 from tandem.cell.yaml_text import SPECIAL
 
 WIDTH = 120
@@ -29,23 +30,24 @@ def to_yaml(cell: Cell) -> str:
 def _lines(data: dict[str, Any]) -> Iterator[str]:
     for key, value in data.items():
         if not isinstance(value, Mapping):
-            yield f"{key}: {_flow(value, key in NAMES)}"
+            yield f"{key}: {flow(value, key in NAMES)}"
             continue
         yield f"{key}:" if value else f"{key}: {{}}"
         for name, entry in value.items():
-            line = f"  {_name(name)}: {_flow(entry)}"
+            line = f"  {_name(name)}: {flow(entry)}"
             if len(line) <= WIDTH or not isinstance(entry, Mapping):
                 yield line
                 continue
             yield f"  {_name(name)}:"
-            yield from (f"    {_name(inner)}: {_flow(item, inner in NAMES)}" for inner, item in entry.items())
+            yield from (f"    {_name(inner)}: {flow(item, inner in NAMES)}" for inner, item in entry.items())
 
 
-def _flow(value: Any, name: bool = False) -> str:
+def flow(value: Any, name: bool = False) -> str:
+    """A value on one line, as a cell file has it; `name` for text where names belong."""
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{_name(key)}: {_flow(item, key in NAMES)}" for key, item in value.items()) + "}"
+        return "{" + ", ".join(f"{_name(key)}: {flow(item, key in NAMES)}" for key, item in value.items()) + "}"
     if isinstance(value, list):
-        return "[" + ", ".join(_flow(item, name) for item in value) + "]"
+        return "[" + ", ".join(flow(item, name) for item in value) + "]"
     if isinstance(value, str):
         return _name(value) if name else _text(value)
     return _number(value)
@@ -54,7 +56,7 @@ def _flow(value: Any, name: bool = False) -> str:
 def _number(value: float | int | None) -> str:
     if value is None:
         return "null"
-    return str(value) if isinstance(value, int) else f"{value:.6f}".rstrip("0").rstrip(".")
+    return str(value) if isinstance(value, int) else number(value)
 
 
 def _name(text: str) -> str:

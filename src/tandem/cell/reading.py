@@ -9,12 +9,15 @@ from pydantic import ValidationError
 
 from tandem.cell.marked import Path, Place
 from tandem.cell.model import Cell
+from tandem.cell.names import clean
 from tandem.cell.repair import repaired
 from tandem.cell.wording import Flaw, flaws
 from tandem.errors import CellError, Fault
 
 MOST = 50
 """Faults told of one by one; nobody reads more before mending some."""
+MOST_FLAWS = 2_000
+"""Values that are not well formed which are put into words; of a file that holds more, the rest is only counted."""
 
 
 def cell_of(data: Any, place: Callable[[Path], Place] | None = None, faults: Iterable[Fault] = ()) -> Cell:
@@ -29,18 +32,20 @@ def cell_of(data: Any, place: Callable[[Path], Place] | None = None, faults: Ite
       CellError: with every fault, of form and of fit, in the order of their places; at most `MOST` and how many more there are.
     """
     found = [(_written_place(fault), fault) for fault in faults]
+    uncounted = 0
     try:
         cell = Cell.model_validate(_named(data))
     except CellError as error:
         found += _placed(error.faults, place)
     except ValidationError as error:
-        known = flaws(error)
-        found += _placed([flaw.fault for flaw in known] + _misfits(data, known), place)
+        known = flaws(error, MOST_FLAWS)
+        uncounted = max(0, error.error_count() - MOST_FLAWS)
+        found += _placed([flaw.fault for flaw in known] + ([] if uncounted else _misfits(data, known)), place)
     else:
         if not found:
             return cell
     found.sort(key=lambda entry: entry[0])
-    raise CellError(_cut(list(dict.fromkeys(fault for _, fault in found))))
+    raise CellError(_cut(list(dict.fromkeys(fault for _, fault in found)), uncounted))
 
 
 def _misfits(data: Any, known: list[Flaw]) -> list[Fault]:
@@ -78,14 +83,16 @@ def _written_place(fault: Fault) -> tuple[int, int]:
     return (int(line), int(column)) if line.isdigit() and column.isdigit() else (0, 0)
 
 
-def _cut(faults: list[Fault]) -> list[Fault]:
-    if len(faults) <= MOST + 1:
+def _cut(faults: list[Fault], uncounted: int) -> list[Fault]:
+    if len(faults) + uncounted <= MOST + 1:
         return faults
-    return [*faults[:MOST], Fault(f"and {len(faults) - MOST} more. Mend these first.")]
+    return [*faults[:MOST], Fault(f"and {len(faults) - MOST + uncounted} more. Mend these first.")]
 
 
 def _named(data: Any) -> Any:
-    """Whole numbers as keys become names, so that `{1: ...}` in Python means what it means in a file."""
+    """Keys become names, so that `{1: ...}` in Python means what it means in a file. Two that would become one are left for the model to refuse."""
     if isinstance(data, Mapping):
-        return {str(key) if type(key) is int else key: _named(item) for key, item in data.items()}
+        names = {key: clean(str(key)) if type(key) in (int, str) else key for key in data}
+        kept = names if len(set(names.values())) == len(names) else {key: key for key in data}
+        return {kept[key]: _named(item) for key, item in data.items()}
     return [_named(item) for item in data] if type(data) in (list, tuple) else data

@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING
 
 from tandem.cell.clock import a_deadline_can_be_met, breaks_are_apart, exact_planning_can_count_it, numbers_have_few_decimals
 from tandem.cell.cycles import no_task_waits_for_itself
-from tandem.cell.names import Known
+from tandem.cell.names import Known, difference, twins
+from tandem.cell.slips import slips
+from tandem.cell.written import number
 from tandem.errors import Fault
 
 if TYPE_CHECKING:
@@ -33,6 +35,27 @@ def operators_are_known(cell: Cell) -> Iterator[Fault]:
     for path, name, what in _operators_named(cell):
         if name not in known:
             yield Fault(f"{what} names {name!r}, who is no operator of the cell. {known.hint(name)}", path)
+
+
+def names_can_be_told_apart(cell: Cell) -> Iterator[Fault]:
+    """No two tasks, operators, tools or zones look alike though they are made of other signs, such as a Cyrillic letter."""
+    used: dict[str, dict[str, Path]] = {"operators": {}, "tasks": {}, "tools": {}, "zones": {}}
+    for name, task in cell.tasks.items():
+        if task.tool is not None:
+            used["tools"].setdefault(task.tool, ("tasks", name, "tool"))
+        if task.zone is not None:
+            used["zones"].setdefault(task.zone, ("tasks", name, "zone"))
+    for who, operator in cell.operators.items():
+        if operator.tool is not None:
+            used["tools"].setdefault(operator.tool, ("operators", who, "tool"))
+    for key, named in used.items():
+        stated: Mapping[str, object] = getattr(cell, key)
+        for first, name in twins([*stated, *named]):
+            yield Fault(
+                f"{key[:-1]} {name!r} looks like {key[:-1]} {first!r} but is written with other signs ({difference(first, name)}). "
+                "Spell both alike if they are one, else rename one of them.",
+                (key, name) if name in stated else named[name],
+            )
 
 
 def tasks_are_known(cell: Cell) -> Iterator[Fault]:
@@ -72,7 +95,7 @@ def a_group_names_each_operator_once(cell: Cell) -> Iterator[Fault]:
                 continue
             first = seen.setdefault(frozenset(joint.operators), place)
             if first != place:
-                times = f"{_number(task.together[first].time)} s and {_number(joint.time)} s"
+                times = f"{number(task.together[first].time)} s and {number(joint.time)} s"
                 yield Fault(f"task {name!r}: the group {_listed(joint.operators)} is stated twice, with {times}. Keep one of them.", path)
 
 
@@ -114,6 +137,22 @@ def stress_is_put_on_humans(cell: Cell) -> Iterator[Fault]:
             yield Fault(
                 f"operator {who!r} is a robot and has a stress_limit. Only humans have stress; take it out.", ("operators", who, "stress_limit")
             )
+
+
+def stress_of_a_group_is_put_on_its_members(cell: Cell) -> Iterator[Fault]:
+    """A group's stress per human names humans who take part; a number for anybody else would count for nobody."""
+    for name, task in cell.tasks.items():
+        for place, joint in enumerate(task.together):
+            if not isinstance(joint.stress, Mapping):
+                continue
+            for who in joint.stress:
+                known = who in cell.operators and cell.operators[who].kind == "human"
+                if known and who not in joint.operators:
+                    yield Fault(
+                        f"task {name!r}: together: stress is stated for {who!r}, who takes no part. Taking part are "
+                        f"{_listed(joint.operators)}; take {who!r} out of the stress, or into the group.",
+                        ("tasks", name, "together", place, "stress", who),
+                    )
 
 
 def pairs_have_a_common_way(cell: Cell) -> Iterator[Fault]:
@@ -171,6 +210,32 @@ def listed_tools_and_zones_are_not_misspelled(cell: Cell) -> Iterator[Fault]:
                 yield Fault(f"{key[:-1]} {name!r} is listed but never used, while {meant!r} is used but not listed. Spell both alike.", (key, name))
 
 
+def tools_and_zones_are_spelled_alike(cell: Cell) -> Iterator[Fault]:
+    """Tools, and zones, that differ by capitals or one letter are one; listing both says that they are two.
+
+    A name that is listed and used by nobody is left to the rule above.
+    """
+    tools: dict[str, Path] = {}
+    zones: dict[str, Path] = {}
+    for name, task in cell.tasks.items():
+        if task.tool is not None:
+            tools.setdefault(task.tool, ("tasks", name, "tool"))
+        if task.zone is not None:
+            zones.setdefault(task.zone, ("tasks", name, "zone"))
+    for who, operator in cell.operators.items():
+        if operator.tool is not None:
+            tools.setdefault(operator.tool, ("operators", who, "tool"))
+    for kind, used, listed in (("tool", tools, cell.tools), ("zone", zones, cell.zones)):
+        in_order = sorted(used, key=lambda name: name not in listed)  # a listed name is the one that is meant
+        for name, meant in slips(in_order).items():
+            if name not in listed:
+                yield Fault(
+                    f"{kind} {name!r} is spelled almost like {kind} {meant!r}, so that they count as two. Did you mean {meant!r}? "
+                    f"If they are two, list both under `{kind}s`.",
+                    used[name],
+                )
+
+
 def _operators_named(cell: Cell) -> Iterator[tuple[Path, str, str]]:
     for name, task in cell.tasks.items():
         here: Path = ("tasks", name)
@@ -215,11 +280,8 @@ def _listed(names: object) -> str:
     return quoted[0] if len(quoted) == 1 else f"{', '.join(quoted[:-1])} and {quoted[-1]}"
 
 
-def _number(value: float) -> str:
-    return f"{value:.6f}".rstrip("0").rstrip(".")
-
-
 RULES: tuple[Callable[[Cell], Iterator[Fault]], ...] = (
+    names_can_be_told_apart,
     operators_are_known,
     tasks_are_known,
     no_task_comes_after_itself,
@@ -227,11 +289,13 @@ RULES: tuple[Callable[[Cell], Iterator[Fault]], ...] = (
     a_group_names_each_operator_once,
     someone_can_do_each_task,
     stress_is_put_on_humans,
+    stress_of_a_group_is_put_on_its_members,
     breaks_are_apart,
     a_deadline_can_be_met,
     pairs_have_a_common_way,
     sets_are_spelled_in_order,
     listed_tools_and_zones_are_not_misspelled,
+    tools_and_zones_are_spelled_alike,
     numbers_have_few_decimals,
     exact_planning_can_count_it,
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -9,11 +10,14 @@ from typing import Any
 from pydantic import ValidationError
 
 from tandem.cell.model import Cell, Operator, Task, Together, Tool, Zone
-from tandem.cell.names import Known
+from tandem.cell.names import Known, clean, harm_in
+from tandem.cell.written import number
 from tandem.errors import Fault
 
 Path = tuple[str | int, ...]
 
+LARGEST_SHOWN, LONGEST_SHOWN = 10**16, 60
+"""Numbers above the one are too long to be read; of a text a message shows so many characters at most."""
 MEANT = {
     "predecessors": "after", "depends_on": "after", "needs": "after", "requires": "after", "before": "after",
     "duration": "time", "durations": "time", "seconds": "time", "joint": "together", "type": "kind",
@@ -38,10 +42,10 @@ class Flaw:
     meant: str | None = None
 
 
-def flaws(error: ValidationError) -> list[Flaw]:
-    """Everything that pydantic found, one entry for each place."""
+def flaws(error: ValidationError, most: int | None = None) -> list[Flaw]:
+    """Everything that pydantic found, or so much of it, one entry for each place."""
     found: dict[Path, Flaw] = {}
-    for item in error.errors(include_url=False):
+    for item in error.errors(include_url=False)[:most]:
         path = _path(item["loc"])
         kind = "key" if item["loc"][-1:] == ("[key]",) else item["type"]
         if kind == "too_short" and path in (("operators",), ("tasks",)) and item["input"]:
@@ -78,15 +82,15 @@ def _model(path: Path) -> tuple[type[Any], str]:
     """The part of a cell that a path leads into, and what a person calls it."""
     match path:
         case ("operators", name, _, *_):
-            return Operator, f"operator {name!r}"
+            return Operator, f"operator {shown(name)}"
         case ("tasks", name, "together", int(), _, *_):
-            return Together, f"task {name!r}: together"
+            return Together, f"task {shown(name)}: together"
         case ("tasks", name, _, *_):
-            return Task, f"task {name!r}"
+            return Task, f"task {shown(name)}"
         case ("tools", name, _, *_):
-            return Tool, f"tool {name!r}"
+            return Tool, f"tool {shown(name)}"
         case ("zones", name, _, *_):
-            return Zone, f"zone {name!r}"
+            return Zone, f"zone {shown(name)}"
     return Cell, ""
 
 
@@ -98,11 +102,15 @@ def _what(path: Path) -> str:
     """What a value is called: "time of 'robot'", "after", "the 2nd break"."""
     match path:
         case (*_, "time" | "stress" | "difficulty" | "spread" | "changeover" as key, str(who)) if len(path) > 3:
-            return f"{key} of {who!r}"
+            return f"{key} of {shown(who)}"
         case ("stress_of_set", name):
-            return f"stress_of_set of {name!r}"
+            return f"stress_of_set of {shown(name)}"
         case ("operators" | "tasks" | "tools" | "zones" as table, name):
-            return f"{table[:-1]} {name!r}"
+            return f"{table[:-1]} {shown(name)}"
+        case (*_, "breaks", int(place)):
+            return f"break {place + 1}"
+        case (*_, "breaks", int(place), int(side)):
+            return f"the {('beginning', 'end')[min(side, 1)]} of break {place + 1}"
     words = [str(step) for step in path if not isinstance(step, int)]
     return words[-1] if words else "the file"
 
@@ -114,27 +122,38 @@ def _meant(path: Path) -> str | None:
 
 
 def shown(value: object) -> str:
-    """A value as a message shows it: short, and telling text from numbers."""
-    if isinstance(value, float) and value.is_integer() and abs(value) < 1e16:
-        return str(int(value))
-    if value is None:
-        return "empty"
-    if isinstance(value, Mapping):
-        return "a mapping"
-    if isinstance(value, list | tuple):
-        return "a list"
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
+    """A value as a message shows it: as a file has it, short, and telling text from numbers."""
+    match value:
+        case None:
+            return "empty"
+        case bool():
+            return str(value).lower()
+        case int() | float() if not math.isfinite(value) or abs(value) < LARGEST_SHOWN:
+            return number(value) if isinstance(value, float) else str(value)
+        case int() | float():
+            return "a number of more than 16 digits"
+        case str():
+            return repr(value if len(value) <= LONGEST_SHOWN else f"{value[: LONGEST_SHOWN - 3]}...")
+        case Mapping():
+            return "a mapping"
+        case list() | tuple():
+            return "a list"
+    return f"neither text nor a number ({type(value).__name__})"
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= LONGEST_SHOWN else f"{text[: LONGEST_SHOWN - 3]}..."
 
 
 def _unknown_key(path: Path, _: Any) -> str:
     key, keys = str(path[-1]), _model(path)[0].model_fields
     meant = _meant(path)
-    return f"{key!r} is no key that is known here. " + (f"Did you mean {meant!r}?" if meant else f"Known: {', '.join(keys)}.")
+    return f"{shown(key)} is no key that is known here. " + (f"Did you mean {meant!r}?" if meant else f"Known: {', '.join(keys)}.")
 
 
 def _comma(path: Path, _: Any) -> str:
-    return f"{path[-1]!r} stands here like a key without a value. If it is the rest of a number with a decimal comma, write the number with a point."
+    remedy = "If it is the rest of a number with a decimal comma, write the number with a point."
+    return f"{shown(path[-1])} stands here like a key without a value. {remedy}"
 
 
 def _missing(path: Path, item: Any) -> str:
@@ -148,14 +167,14 @@ def _missing(path: Path, item: Any) -> str:
             return "a break needs two numbers, `[from, to]` in seconds."
         case ("same_operator", _, _):
             return "same_operator holds pairs of tasks, such as `[[1, 2]]`; here the second is missing."
-    return f"`{path[-1]}` is missing."
+    return f"`{path[-1]}` is missing. Write it, as in `{{operators: [robot, human], time: 12}}`."
 
 
 def _too_small(path: Path, item: Any) -> str:
     value = f"{_what(path)} is {shown(item['input'])}"
     match path:
         case ("tasks", _, "time", who):
-            return f"{value}, but a time is more than 0 s. Leave {who!r} out of `time` if they cannot do it."
+            return f"{value}, but a time is more than 0 s. Leave {shown(who)} out of `time` if they cannot do it."
         case ("tasks", _, "together", _, "time"):
             return f"{value}, but a time is more than 0 s. Leave the group out if it cannot do it."
         case ("tasks", _, "deadline"):
@@ -166,6 +185,10 @@ def _too_small(path: Path, item: Any) -> str:
 
 def _too_large(path: Path, item: Any) -> str:
     return f"{_what(path)} is {shown(item['input'])}, but at most {shown(item['ctx']['le'])} can be planned."
+
+
+def _too_large_to_count(path: Path, item: Any) -> str:
+    return f"{_what(path)} is {shown(item['input'])}, more than can be counted. Write a smaller number."
 
 
 def _not_finite(path: Path, item: Any) -> str:
@@ -180,8 +203,9 @@ def _no_number(path: Path, item: Any) -> str:
     if isinstance(value, str):
         unquoted = value.strip().replace(",", ".", 1).replace("_", "")
         if _is_number(unquoted):
-            return f"{_what(path)} is {value!r}, which is text, but {needed}. Write {unquoted}{'' if unquoted != value else ' without quotes'}."
-    return f"{_what(path)} is {shown(value)}, but {needed}."
+            remedy = f"Write {_short(unquoted)}{'' if unquoted != value else ' without quotes'}."
+            return f"{_what(path)} is {shown(value)}, which is text, but {needed}. {remedy}"
+    return f"{_what(path)} is {shown(value)}, but {needed}. Write it in digits, such as {3 if whole else 2.5}."
 
 
 def _is_number(text: str) -> bool:
@@ -206,7 +230,8 @@ def _no_mapping(path: Path, item: Any) -> str:
         "zones": "{press: {capacity: 1}}", "stress_of_set": '{"": 0, "1": 2.5}', "difficulty": "{human: 2}", "changeover": "{human: 3}",
     }  # fmt: skip
     if not path:
-        return f"the file holds {_of(item['input'])}. A cell file is a mapping with the keys `operators` and `tasks`."
+        held = "nothing" if item["input"] is None else _of(item["input"])
+        return f"the file holds {held}. A cell file is a mapping with the keys `operators` and `tasks`."
     key = str(path[-1])
     if len(path) == 2:
         example = {"operators": "{kind: human}", "tasks": "{time: {human: 10}}"}.get(str(path[0]), "{capacity: 1}")
@@ -226,8 +251,8 @@ def _no_list(path: Path, item: Any) -> str:
     key = next((str(step) for step in reversed(path) if isinstance(step, str)), "")
     value = item["input"]
     remedy = f"`{key}: {examples.get(key, '[]')}`"
-    if key == "after" and isinstance(value, str | int | float) and not isinstance(value, bool):
-        remedy = f"`after: [{value}]`"
+    if key == "after" and isinstance(value, str | int) and not isinstance(value, bool):
+        remedy = f"`after: [{_short(str(value))}]`"
     return f"{_what(path)} is {_of(value)}, but a list is needed, such as {remedy}" + (", or leave the key out." if value is None else ".")
 
 
@@ -250,24 +275,41 @@ def _too_few(path: Path, item: Any) -> str:
 
 def _too_many(path: Path, item: Any) -> str:
     most = item["ctx"]["max_length"]
+    if path[-1] == "breaks":
+        return f"{_what(path)} holds {item['ctx'].get('actual_length') or 'more'}, at most {most:,} can be planned. Keep those of one shift."
     if isinstance(item["input"], str):
         return f"{_what(path)} has {len(item['input'])} characters, at most {most} are kept. Shorten it."
     return f"{_what(path)} holds {item['ctx'].get('actual_length') or 'more'} values, but {most} are needed."
 
 
+def _harmful(path: Path, item: Any) -> str:
+    return f"{_what(path)} is {shown(item['input'])} and holds {harm_in(clean(item['input']))}, which no name may have. Take it out."
+
+
+def _twins(path: Path, item: Any) -> str:
+    found = item["ctx"]
+    return f"{_what(path)} states {found['name']!r} twice, as {found['first']} and as {found['again']}. Keep one of them, or rename one."
+
+
 def _bad_key(path: Path, item: Any) -> str:
     key = item["input"]
-    if isinstance(key, str) and len(key) > 60:
+    if item["type"] == "invalid_key" or not isinstance(key, str):  # from Python alone: keys of files are text
+        return f"the key {str(path[-1]).lower()} is no name. Write it as text."
+    if (harm := harm_in(clean(key))) is not None:
+        return f"the name {shown(key)} holds {harm}, which no name may have. Take it out."
+    if len(key) > 60:
         return f"the name {key[:57]!r}... has {len(key)} characters, at most 200 are kept. Shorten it."
     return f"{key!r} is no name. A name has at least one visible sign."
 
 
 def _other(path: Path, item: Any) -> str:
-    return f"{_what(path)} is {shown(item['input'])}: {item['msg']}."
+    """A kind that has no sentence yet: pydantic's own, and its name so that one can be written."""
+    return f"{_what(path)} is {shown(item['input'])}, which cannot stand here ({item['msg']})."
 
 
 _SENTENCES: dict[str, Callable[[Path, Any], str]] = {
     "key": _bad_key,
+    "invalid_key": _bad_key,
     "comma": _comma,
     "extra_forbidden": _unknown_key,
     "missing": _missing,
@@ -279,6 +321,7 @@ _SENTENCES: dict[str, Callable[[Path, Any], str]] = {
     "float_parsing": _no_number,
     "int_type": _no_number,
     "int_parsing": _no_number,
+    "int_parsing_size": _too_large_to_count,
     "int_from_float": _no_number,
     "literal_error": _no_choice,
     "dict_type": _no_mapping,
@@ -293,4 +336,6 @@ _SENTENCES: dict[str, Callable[[Path, Any], str]] = {
     "string_too_short": _too_few,
     "too_long": _too_many,
     "string_too_long": _too_many,
+    "harmful_sign": _harmful,
+    "twins": _twins,
 }

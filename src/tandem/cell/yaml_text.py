@@ -1,7 +1,7 @@
 """YAML as people write it by hand, read strictly.
 
 Scalars follow YAML 1.2: only `true` and `false` are truth values, `010` is ten, `1:30` and `1_000` are text. Keys are
-text as written. Tags, anchors and aliases are refused: they can run code or grow without end, and a cell needs none.
+text, in the one spelling of names. Tags, anchors and aliases are refused: they can run code or grow without end, and a cell needs none.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Any
 
 import yaml
 
-from tandem.cell.marked import DEPTH, Document, Entry, Node, repeated
+from tandem.cell.marked import DEPTH, MOST_VALUES, Document, Entry, Node, enter, too_many
 from tandem.errors import CellError, Fault
 
 INTEGER = re.compile(r"[-+]?[0-9]+")
@@ -50,6 +50,7 @@ class _Reader:
         self.parser = _Parser(text)
         self.refused: list[Fault] = []
         self.faults: list[Fault] = []
+        self.values = 0
 
     def document(self) -> Document:
         self.parser.get_event()  # the stream begins
@@ -63,6 +64,9 @@ class _Reader:
 
     def node(self, event: Any, depth: int) -> Node:
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
+        self.values += 1
+        if self.values > MOST_VALUES:
+            raise too_many(self.source, line, column)
         if isinstance(event, yaml.AliasEvent):
             self.refuse(event, f"*{event.anchor} repeats an anchored value. Cell files know no anchors; write the value out.")
             return Node(line, column, None)
@@ -91,10 +95,8 @@ class _Reader:
                     self.refuse(event, "a key must be a plain name, not a list or a mapping.")
                 continue
             name = key.text or ""
-            if name in table:
-                self.faults.append(repeated(self.source, name, table[name], key.line, key.column))
-            else:
-                table[name] = Entry(key.line, key.column, value)
+            if fault := enter(table, name, Entry(key.line, key.column, value, name), self.source):
+                self.faults.append(fault)
         return table
 
     def refuse(self, event: Any, message: str) -> None:

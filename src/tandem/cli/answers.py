@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tandem.cell.written import number, signed
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
@@ -170,7 +171,8 @@ def _compare_results(before: dict[str, Any], after: dict[str, Any], point: int |
         return
     if before.get("cell_digest") != after.get("cell_digest"):
         click.echo("the two results belong to different cells, or to different versions of one.")
-    click.echo(f"makespan {rows[0]['makespan']:g} s -> {rows[1]['makespan']:g} s, stress {rows[0]['stress']:g} -> {rows[1]['stress']:g}")
+    times, loads = ([number(row[key]) for row in rows] for key in ("makespan", "stress"))
+    click.echo(f"makespan {times[0]} s -> {times[1]} s, stress {loads[0]} -> {loads[1]}")
     click.echo("\n".join(map(str, moved)) if moved else "every task is done by the same operators at the same time.")
     if moved and len(moved) < len(moves):
         click.echo(f"{len(moves) - len(moved)} of {len(moves)} tasks stay as they were.")
@@ -287,11 +289,11 @@ def difference_lines(base: Front, other: Front) -> list[str]:
     table: list[tuple[str, ...]] = [("point", "makespan", "stress", "at the same stress", "in the same time")]
     for place, change in enumerate(changes(base, other), 1):
         time, load = change.makespan_then, change.stress_then
-        faster = "not possible" if time is None else f"{time:g} s ({_signed(change.seconds)} s)"
-        easier = "not possible" if load is None else f"stress {load:g} ({_signed(change.more_stress)})"
-        table.append((str(place), f"{change.makespan:g} s", f"{change.stress:g}", faster, easier))
+        faster = "not possible" if time is None else f"{number(time)} s ({_signed(change.seconds)} s)"
+        easier = "not possible" if load is None else f"stress {number(load)} ({_signed(change.more_stress)})"
+        table.append((str(place), f"{number(change.makespan)} s", f"{number(change.stress)}", faster, easier))
     lines = aligned(table)
-    points = ", ".join(f"({time:g} s, {load:g})" for time, load in other.points)
+    points = ", ".join(f"({number(time)} s, {number(load)})" for time, load in other.points)
     lines.append(f"front then: {points}{'' if other.complete else ', not complete'}")
     if not (base.complete and other.complete):
         lines.append("not everything is proven: the differences are between what was found.")
@@ -339,9 +341,14 @@ def _effect_lines(found: Sensitivity) -> list[str]:
             continue
         mark = "" if effect.proven else " (not complete)"
         table.append(
-            (_effect_name(found, effect), f"{effect.share:+.0%}", f"{effect.floor:g} s ({_signed(effect.seconds)} s)", f"{effect.gain:+.1%}{mark}")
+            (
+                _effect_name(found, effect),
+                f"{effect.share:+.0%}",
+                f"{number(effect.floor)} s ({_signed(effect.seconds)} s)",
+                f"{effect.gain:+.1%}{mark}",
+            )
         )
-    base = f"{len(found.front)} point{'s' * (len(found.front) != 1)}, least makespan {found.front[0].makespan:g} s"
+    base = f"{len(found.front)} point{'s' * (len(found.front) != 1)}, least makespan {number(found.front[0].makespan)} s"
     return [f"the front of the cell as it is: {base}{'' if found.front.complete else ' (not complete)'}", "", *aligned(table)]
 
 
@@ -372,7 +379,7 @@ def aligned(rows: list[tuple[str, ...]]) -> list[str]:
 
 
 def _signed(value: float | None) -> str:
-    return "?" if value is None else f"{value:+g}" if value else "±0"
+    return "?" if value is None else signed(value)
 
 
 def _print(document: dict[str, Any]) -> None:

@@ -6,6 +6,7 @@ import json
 import signal
 import sys
 import time
+from codecs import BOM_UTF8
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import datetime
@@ -129,32 +130,44 @@ def dispatch_command(ctx: click.Context, /, **given: Any) -> int:
 
 
 def _run(ctx: click.Context, cell: Cell, journal: Journal, given: dict[str, Any], show: Show) -> int:
+    from tandem.dispatch.deciders.memory import settled_memory
     from tandem.dispatch.shift.documents import summary
     from tandem.dispatch.shift.live import Shift
-    from tandem.dispatch.situation.model import Situation
 
     sys.setswitchinterval(0.001)  # a decider that is late and still computes leaves the processor to the rule sooner
     _same_as_kept(ctx, journal, given)
     floor = None if given["people"] is None else _floor(cell, given)
     shift = Shift.open(cell, journal, _settings(given), given["start"])
-    show(shift, shift.hello())
-    show(shift, shift.decision)
-    if floor is None:
-        with _events(given["events"]) as file:
-            for line in _lines(file):
-                for document in shift.take(line):
-                    show(shift, document)
-    else:
-        floor.catch_up(Situation.of(cell, taking_apart=given["taking_apart"]), journal.entries())
-        for line in _simulated(floor, shift, given["speed"]):
-            for document in shift.take(line):
-                show(shift, document)
+    if shift.basis is not None and shift.basis.doubt:
+        click.echo(f"{shift.settings.policy}: {shift.basis.doubt}", err=True)
+    with settled_memory() as settle:
+        _live(shift, floor, given, show, settle)
     show(shift, summary(shift.situation, journal.entries()))
     if not shift.situation.is_over and given["journal"] and given["people"] is None:
         click.echo(
             f"the events have ended, the shift has not. Go on with: tandem dispatch {given['cell_file']} --journal {given['journal']}", err=True
         )
     return 0
+
+
+def _live(shift: Shift, floor: Floor | None, given: dict[str, Any], show: Show, between: Callable[[], None]) -> None:
+    """Says where the shift stands, and takes line by line until no more come. `between`: called after each answer, when nobody waits."""
+    from tandem.dispatch.situation.model import Situation
+
+    show(shift, shift.hello())
+    show(shift, shift.decision)
+    if floor is None:
+        with _events(given["events"]) as file:
+            for came in _lines(file):
+                for document in shift.take(came):
+                    show(shift, document)
+                between()
+    else:
+        floor.catch_up(Situation.of(shift.cell, taking_apart=given["taking_apart"]), shift.journal.entries())
+        for line in _simulated(floor, shift, given["speed"]):
+            for document in shift.take(line):
+                show(shift, document)
+            between()
 
 
 def _settings(given: dict[str, Any]) -> Settings:
@@ -194,10 +207,30 @@ def _same_as_kept(ctx: click.Context, journal: Journal, given: dict[str, Any]) -
         "taking_apart": kept.taking_apart,
     }
     stated = [key for key in there if ctx.get_parameter_source(key) is click.core.ParameterSource.COMMANDLINE]
-    wrong = [f"--{key.replace('_', '-')} is {given[key]!r}, the shift was begun with {there[key]!r}." for key in stated if given[key] != there[key]]
+    wrong = [
+        f"--{key.replace('_', '-')} is {_stated(given[key])}, the shift was begun with {_stated(there[key])}."
+        for key in stated
+        if given[key] != there[key]
+    ]
     if wrong:
         raise UsageError("\n".join([*wrong, f"{journal.path}: go on without these options, or name another journal."]))
     given |= there
+
+
+def _stated(value: Any) -> str:
+    """The value of an option as it is written on the command line."""
+    from tandem.dispatch.deciders.policy import prior_words
+
+    match value:
+        case None:
+            return "not stated"
+        case dict():
+            return prior_words(value)
+        case tuple():
+            return ",".join(f"{part:g}" for part in value)
+        case float():
+            return f"{value:g}"
+    return str(value)
 
 
 def _floor(cell: Cell, given: dict[str, Any]) -> Floor:
@@ -239,18 +272,17 @@ def _events(name: str) -> Iterator[IO[bytes]]:
     yield sys.stdin.buffer
 
 
-def _lines(file: IO[bytes]) -> Iterator[str]:
-    """Lines that are not blank, as text. Of a line that is longer than any event only the beginning is kept."""
-    from tandem.dispatch.situation.events import LONGEST_LINE
+def _lines(file: IO[bytes]) -> Iterator[bytes]:
+    """Lines that are not blank, as they came. Of a line that is longer than any event only the beginning is kept."""
+    from tandem.dispatch.situation.events import MOST_BYTES
 
-    most = 4 * LONGEST_LINE + 8
+    most = MOST_BYTES + 8
     while line := file.readline(most):
         rest = line
         while len(rest) == most and not rest.endswith(b"\n"):
             rest = file.readline(most)
-        text = line.decode(errors="replace").removeprefix("\ufeff").strip()
-        if text:
-            yield text
+        if line.removeprefix(BOM_UTF8).strip():
+            yield line.strip()
 
 
 @contextmanager

@@ -76,7 +76,7 @@ def train_command(
         raise UsageError("give a CELL to train on, or --resume RUN to go on with a run; one of the two.")
     with _Bar(quiet) as bar:
         if resume is not None:
-            document = trainer.resume(resume, tensorboard=tensorboard, on_progress=bar)
+            document = trainer.resume(resume, tensorboard=tensorboard, on_progress=bar, on_notice=_notice)
         else:
             assert cell_file is not None
             document = trainer.train(
@@ -98,6 +98,10 @@ def train_command(
         click.echo(f"interrupted and saved. Go on with: tandem train --resume {document['run']}", err=True)
         return 130
     return 0
+
+
+def _notice(text: str) -> None:
+    click.echo(f"tandem: {text}", err=True)
 
 
 class _Bar:
@@ -198,7 +202,10 @@ def evaluate_command(
         from tandem.learn.pictures import plot_training
         from tandem.learn.runs import RunFolder
 
-        save(plot_training(RunFolder(run).rows()), curves)
+        rows = RunFolder(run).figures()
+        if not rows:
+            raise UsageError(f"--curves: {run} has no figures yet; they come with the first interval of the training.")
+        save(plot_training(rows), curves)
     if report:
         _write_report(found, report)
     for picture in filter(None, (gantt, curves, report)):

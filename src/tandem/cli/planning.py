@@ -51,9 +51,9 @@ class Weights(click.ParamType):  # type: ignore[type-arg]  # older releases of c
 @click.option(
     "--minimize", type=click.Choice(["makespan", "stress"]), help="Only the one schedule that is best in this and, among those, in the other."
 )
-@click.option("--weights", type=Weights(), help="Only the one schedule with the least TIME * makespan + STRESS * stress.")
+@click.option("--weights", type=Weights(), help="Only the one schedule with the least TIME * makespan (s) + STRESS * stress.")
 @click.option("--max-stress", type=float, help="Only schedules of at most this stress.")
-@click.option("--max-makespan", type=float, help="Only schedules of at most so many seconds.")
+@click.option("--max-makespan", type=float, help="Only schedules whose makespan is at most so many seconds.")
 @click.option("--time-limit", type=float, default=60.0, show_default=True, help="Seconds; what is found by then is given with its bounds.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
 @click.option("--workers", type=int, help="Threads; one per core when absent. With 1, a run that ends before its limit repeats exactly.")
@@ -69,7 +69,13 @@ class Weights(click.ParamType):  # type: ignore[type-arg]  # older releases of c
 )
 @variant_options
 @click.option("--report", type=click.Path(dir_okay=False, path_type=Path), help="Write the report: one HTML file that opens offline.")
-@click.option("--lang", type=click.Choice(["en", "de"]), default="en", show_default=True, help="Language of reports.")
+@click.option(
+    "--lang",
+    type=click.Choice(["en", "de"]),
+    default="en",
+    show_default=True,
+    help="Language of the report, workbook, Markdown, MS Project file and pictures; what the terminal shows is English.",
+)
 @click.option("-q", "--quiet", is_flag=True, help="No progress on stderr.")
 def plan_command(
     cell_file: str,
@@ -102,7 +108,8 @@ def plan_command(
 
     With --set, --without or --force the variant is planned, and what becomes of each point of CELL's own front is said.
 
-    Ctrl-C ends the search: what was found so far is printed with its bounds and saved, and the exit code is 130.
+    Ctrl-C ends the search: what was found so far is printed with its bounds and saved (in CELL.interrupted.json when no .json file
+    was asked for), and the exit code is 130.
     """
     from tandem.cell.files import load
     from tandem.explain.variant import variant
@@ -225,9 +232,14 @@ def _document(path: Path) -> dict[str, Any]:
         document: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
         schedules_of(document)
     except OSError as error:
-        raise CellError([Fault(f"cannot be read: {error.strerror}.", (), str(path))]) from error
-    except (ValueError, KeyError, TypeError) as error:
-        raise CellError([Fault(f"is no result document of `tandem plan --json` ({type(error).__name__}: {error}).", (), str(path))]) from error
+        raise CellError([Fault(f"cannot be read: {(error.strerror or 'unknown').lower()}. Name another file.", (), str(path))]) from error
+    except json.JSONDecodeError as error:
+        place = f"{path}:{error.lineno}:{error.colno}"
+        raise CellError([Fault("is no result document: no well-formed JSON here. Give what `tandem plan CELL --json` prints.", (), place)]) from error
+    except (UnicodeDecodeError, RecursionError, ValueError) as error:
+        raise CellError([Fault("is no result document: no JSON text. Give what `tandem plan CELL --json` prints.", (), str(path))]) from error
+    except CellError as error:
+        raise CellError([fault.at(str(path)) for fault in error.faults]) from error
     return document
 
 

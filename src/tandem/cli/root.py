@@ -7,36 +7,37 @@ import importlib
 import io
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
 import click
 
 import tandem as package
-from tandem.errors import CellError, InfeasibleError, TandemError
+from tandem.errors import CellError, InfeasibleError, NotReadWarning, TandemError
 
-VERBS: dict[str, tuple[str, str]] = {
-    "init": ("tandem.cli.project", "init_command"),
-    "plan": ("tandem.cli.planning", "plan_command"),
-    "check": ("tandem.cli.planning", "check_command"),
-    "explain": ("tandem.cli.answers", "explain_command"),
-    "compare": ("tandem.cli.answers", "compare_command"),
-    "sensitivity": ("tandem.cli.answers", "sensitivity_command"),
-    "train": ("tandem.cli.learn", "train_command"),
-    "evaluate": ("tandem.cli.learn", "evaluate_command"),
-    "reproduce": ("tandem.cli.laboratory", "reproduce_command"),
-    "dispatch": ("tandem.cli.dispatch", "dispatch_command"),
-    "simulate": ("tandem.cli.simulate", "simulate_command"),
-    "policies": ("tandem.cli.simulate", "policies_command"),
-    "methods": ("tandem.cli.planning", "methods_command"),
-    "generate": ("tandem.cli.cells", "generate"),
-    "board": ("tandem.cli.boards", "board_command"),
-    "convert": ("tandem.cli.cells", "convert_command"),
-    "schema": ("tandem.cli.cells", "schema_command"),
-    "import": ("tandem.cli.sheets", "import_command"),
-    "template": ("tandem.cli.sheets", "template_command"),
+VERBS: dict[str, tuple[str, str, str]] = {
+    "init": ("tandem.cli.project", "init_command", "Lay out a project: a cell, variants, a place for results."),
+    "plan": ("tandem.cli.planning", "plan_command", "Find every compromise of time and stress, with proof."),
+    "check": ("tandem.cli.planning", "check_command", "Say whether a cell is sound, and a result keeps to it."),
+    "explain": ("tandem.cli.answers", "explain_command", "Say why a schedule is so, and what else would cost."),
+    "compare": ("tandem.cli.answers", "compare_command", "Say what changed between two cells or two results."),
+    "sensitivity": ("tandem.cli.answers", "sensitivity_command", "Say which task time moves the front most."),
+    "train": ("tandem.cli.learn", "train_command", "Train agents by trial and error, one for each operator."),
+    "evaluate": ("tandem.cli.learn", "evaluate_command", "Play what a run has learned, beside the exact front."),
+    "reproduce": ("tandem.cli.laboratory", "reproduce_command", "Run a published system beside ours and the exact one."),
+    "dispatch": ("tandem.cli.dispatch", "dispatch_command", "Run a shift: events in, decisions out."),
+    "simulate": ("tandem.cli.simulate", "simulate_command", "Judge who decides, over many assemblies beside people."),
+    "policies": ("tandem.cli.simulate", "policies_command", "List the policies: who can decide live."),
+    "methods": ("tandem.cli.planning", "methods_command", "List the methods of planning."),
+    "generate": ("tandem.cli.cells", "generate", "Make a cell: random layers, chessboards, or a desk."),
+    "board": ("tandem.cli.boards", "board_command", "Put a cell on the chessboard of Yu et al. (2020)."),
+    "convert": ("tandem.cli.cells", "convert_command", "Turn a file of a public format into a cell file."),
+    "schema": ("tandem.cli.cells", "schema_command", "Print the JSON Schema of cell files or of a shift."),
+    "import": ("tandem.cli.sheets", "import_command", "Turn a planner's workbook into a cell file."),
+    "template": ("tandem.cli.sheets", "template_command", "Write a workbook to fill in, or a cell as one."),
 }
-"""Verb -> the module and the name of its command, which is loaded when it is needed. A new verb is a line here."""
+"""Verb -> the module and the name of its command, which is loaded when it is needed, and what it does in a line. A new verb is a line here."""
 
 MOST_FAULTS = 50
 
@@ -50,9 +51,14 @@ class Verbs(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in VERBS:
             return None
-        module, name = VERBS[cmd_name]
+        module, name, _ = VERBS[cmd_name]
         command: click.Command = getattr(importlib.import_module(module), name)
         return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """The verbs, each in one line that is never cut; no command is loaded for it."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(verb, what) for verb, (_, _, what) in VERBS.items()])
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
         if args and args[0] not in VERBS and (args[0].endswith((".yaml", ".yml", ".json")) or os.path.exists(args[0])):
@@ -60,7 +66,16 @@ class Verbs(click.Group):
         return super().resolve_command(ctx, args)
 
 
-@click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+EXIT_CODES = """\b
+Exit codes: 0 done, 1 a bug of ours, 2 wrong usage, 3 bad input file,
+4 proven infeasible, 5 nothing found within the limit, 6 a schedule that
+breaks its cell, 7 a device or server not reachable, 130 interrupted.
+Answers go to stdout, everything else to stderr.
+
+`tandem VERB --help` says more about each verb."""
+
+
+@click.group(cls=Verbs, epilog=EXIT_CODES, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(package.__version__, prog_name="tandem")
 def tandem() -> None:
     """Plan the work that people and collaborative robots share.
@@ -86,7 +101,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def run(arguments: Sequence[str] | None = None) -> int:
     """Runs the command line; returns the exit code. Everything expected is told in one message on stderr, without a traceback."""
     try:
-        result: Any = tandem.main(args=None if arguments is None else list(arguments), prog_name="tandem", standalone_mode=False)
+        with warnings.catch_warnings():
+            _tell_what_is_not_read()
+            result: Any = tandem.main(args=None if arguments is None else list(arguments), prog_name="tandem", standalone_mode=False)
         return result if isinstance(result, int) else 0
     except click.exceptions.Exit as exit_:
         return exit_.exit_code
@@ -113,6 +130,20 @@ def run(arguments: Sequence[str] | None = None) -> int:
             "Please report it with the command and the cell file. With TANDEM_DEBUG=1 in the environment the traceback is shown.",
             1,
         )
+
+
+def _tell_what_is_not_read() -> None:
+    """Whatever command loads a file: what has no place in the cell is named on stderr, one line each."""
+    warnings.simplefilter("always", NotReadWarning)
+    show_others = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *rest: Any, **named: Any) -> None:
+        if issubclass(category, NotReadWarning):
+            click.echo(f"tandem: {message}", err=True)
+        else:
+            show_others(message, category, *rest, **named)
+
+    warnings.showwarning = show
 
 
 def _message(error: TandemError) -> str:

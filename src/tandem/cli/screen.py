@@ -45,7 +45,7 @@ class Screen:
                     self._say(line)
                 for reason in document.get("stuck", []):
                     self._say(f"stuck      {reason}", "red")
-                before, self.paces = self.paces, [f"  {'pace':<9}{human} needs {pace.words}" for human, pace in believed.items() if pace.seen]
+                before, self.paces = self.paces, [f"  {'pace':<8} {human} needs {pace.words}" for human, pace in believed.items() if pace.seen]
                 for line in self.paces:
                     if line not in before:
                         self._say(line)
@@ -82,7 +82,7 @@ def orders(situation: Situation, decision: dict[str, Any], believed: Mapping[str
     asked = [f"{human}, please {named(task)}" for human, task in decision["announced"].items()]
     withdrawn = [f"{' and '.join(row['operators'])} not {row['task']!r} after all" for row in decision["revoked"]]
     rows = [("now", now), ("next", [*told, *asked]), ("withdrawn", withdrawn)]
-    return [*(f"  {label:<9}{' · '.join(words)}" for label, words in rows if words), f"  {'why':<9}{decision['why']}"]
+    return [*(f"  {label:<8} {' · '.join(words)}" for label, words in rows if words), f"  {'why':<8} {decision['why']}"]
 
 
 def _latency(document: dict[str, Any]) -> str:

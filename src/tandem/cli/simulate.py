@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import click
 
+from tandem.cell.written import number
 from tandem.cli.compiled import needs_jax
 from tandem.cli.planning import FORMAT, Weights
 from tandem.errors import UsageError
@@ -107,6 +109,8 @@ def simulate_command(
         raise UsageError(f"--chart {chart}: a picture's name ends in .svg, .png or .pdf.")
     trial = _trial(_split(policies), split_people(people), given)
     documents = judge(cell, trial, (lambda _: None) if quiet else _tell)
+    for remark in dict.fromkeys(remark for one in documents for remark in _remarks(one)):
+        _tell(remark)
     document: Any = documents[0] if len(documents) == 1 else documents
     if output is not None:
         from tandem.cell.storing import store
@@ -123,6 +127,19 @@ def simulate_command(
     else:
         for one in documents:
             _show(one)
+
+
+def _remarks(document: dict[str, Any]) -> Iterator[str]:
+    """Who was left out, and whose plan is not proven: what nobody should overlook."""
+    from tandem.dispatch.deciders.policy import Basis
+
+    for row in document["left_out"]:
+        yield f"{row['policy']} is left out: {row['reason']}"
+    for row in document["policies"]:
+        plan = row.get("plan")
+        if plan is not None and plan["status"] != "optimal":
+            basis = Basis(plan["makespan"], plan["stress"], False, plan["bound"]["makespan"], plan["bound"]["stress"])
+            yield f"{row['policy']}: {basis.doubt}"
 
 
 def _trial(policies: tuple[str, ...], people: tuple[str, ...], given: dict[str, Any]) -> Any:
@@ -180,7 +197,8 @@ def _show(document: dict[str, Any]) -> None:
             "" if difference is None else _with_half(difference),
         )
     console = Console(highlight=False)
-    best = "" if document["optimum"] is None else f", exact optimum {document['optimum']:g}"
+    unit = " s" if document["weights"] == [1, 0] else ""
+    best = "" if document["optimum"] is None else f", exact optimum {number(document['optimum'])}{unit}"
     console.print(f"beside {document['people']}: {document['episodes']} episodes, seed {document['seed']}{best}", soft_wrap=True)
     console.print(table)
 

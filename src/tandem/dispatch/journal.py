@@ -57,7 +57,7 @@ class Entry:
     Attributes:
       number: 0 for the opening, then counting up without gaps.
       received: wall clock, ISO 8601. Nothing depends on it.
-      line: as it came; cut where it was longer than any event.
+      line: as it came; cut where it was longer than any event. Bytes where it was not UTF-8.
       event: as plain values when it was taken; None when it changed nothing.
       answer: what the floor was told; None for the opening.
       decision: what was decided; None when nothing was.
@@ -66,7 +66,7 @@ class Entry:
 
     number: int
     received: str
-    line: str
+    line: str | bytes
     event: Mapping[str, Any] | None
     answer: Mapping[str, Any] | None
     decision: Mapping[str, Any] | None

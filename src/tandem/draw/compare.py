@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from tandem.cell.model import Cell
+from tandem.cell.written import number, seconds
 from tandem.draw.figure import axes_or_new, compare_size
 from tandem.draw.gantt import HALF, axis_end, draw_lanes, lane_name
 from tandem.draw.lanes import Lane, lanes
-from tandem.draw.style import ACCENT, FAINT_INK, INK, RULE, looks, number, seconds
+from tandem.draw.language import words
+from tandem.draw.style import ACCENT, FAINT_INK, INK, RULE, looks
 from tandem.schedule.measures import makespan, stress
 from tandem.schedule.model import Assignment, Schedule
 
@@ -71,8 +73,8 @@ def plot_compare(cell: Cell, before: Schedule, after: Schedule, ax: Axes | None 
     below = len(upper) + GAP
     ax.set_xlim(0, end)
     ax.set_ylim(below + len(lower) - 0.45, -0.95)
-    draw_lanes(ax, upper, deadlines=False)
-    draw_lanes(ax, lower, at=below, deadlines=False)
+    draw_lanes(ax, upper, words(), deadlines=False)
+    draw_lanes(ax, lower, words(), at=below, deadlines=False)
     found = changes(before, after)
     _mark(ax, found, cell, below)
     for schedule, top, name in ((before, 0.0, names[0]), (after, below, names[1])):
@@ -137,7 +139,7 @@ def _dress(ax: Axes, upper: tuple[Lane, ...], lower: tuple[Lane, ...], below: fl
     from matplotlib.ticker import MaxNLocator
 
     ticks = [*range(len(upper)), *(below + y for y in range(len(lower)))]
-    ax.set_yticks(ticks, [lane_name(lane) for lane in (*upper, *lower)], fontsize=10)
+    ax.set_yticks(ticks, [lane_name(lane, words()) for lane in (*upper, *lower)], fontsize=10)
     ax.tick_params(axis="y", length=0)
     ax.xaxis.set_major_locator(MaxNLocator(nbins=12, steps=[1, 2, 5, 10]))
     ax.set_xlabel("time [s]")

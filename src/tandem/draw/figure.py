@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from tandem.cell.model import Cell
+from tandem.draw.language import Words
 from tandem.draw.layers import Layers, layers
 from tandem.schedule.model import Schedule
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
 NODE = (1.5, 0.62)
@@ -19,6 +21,8 @@ NODE = (1.5, 0.62)
 PITCH = (2.1, 0.84)
 """Inches from one task to the next, across and down."""
 MOST_INCHES = 40.0
+MARK, LETTER, BESIDE = 0.62, 0.07, 1.3
+"""Inches that a legend's mark and one letter of its words take, and what lies to the left of the axes under which it stands."""
 
 
 def figure_for(cell: Cell, schedule: Schedule | None = None, *, kind: str = "gantt") -> Figure:
@@ -66,12 +70,18 @@ def axes_or_new(ax: Axes | None, size: tuple[float, float]) -> Axes:
     return ax if ax is not None else blank(*size).axes[0]
 
 
+def numbers_in(axis: Axis, t: Words) -> None:
+    """Writes the numbers along an axis as the language does."""
+    axis.set_major_formatter(lambda value, _: t.number(value))
+
+
 def legend_below(ax: Axes, entries: Sequence[tuple[Artist, str]], *, inches: float = 0.52) -> None:
     """A legend that far under the axes, in as many columns as its figure is wide for."""
     from matplotlib.transforms import ScaledTranslation
 
     figure = ax.figure
-    columns = max(1, min(len(entries), int(figure.bbox.width / figure.dpi / 1.75)))
+    wide = MARK + LETTER * max((len(label) for _, label in entries), default=0)
+    columns = max(1, min(len(entries), int((figure.bbox.width / figure.dpi - BESIDE) / wide)))
     below = ax.transAxes + ScaledTranslation(0, -inches, figure.dpi_scale_trans)
     handles, labels = [handle for handle, _ in entries], [label for _, label in entries]
     ax.legend(handles, labels, loc="upper left", bbox_to_anchor=(0, 0), bbox_transform=below, ncols=columns, frameon=False, fontsize=9, borderpad=0)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from tandem.draw.figure import axes_or_new, legend_below
-from tandem.draw.style import INK, RULE, SHADE, number, seconds
+from tandem.draw.figure import axes_or_new, legend_below, numbers_in
+from tandem.draw.language import Words, words
+from tandem.draw.style import INK, RULE, SHADE
 from tandem.plan.result import Front, Result, Status
 
 if TYPE_CHECKING:
@@ -16,17 +17,21 @@ POINT = "#0072B2"
 MOST_LABELS = 40
 
 
-def plot_front(front: Front, ax: Axes | None = None) -> Axes:
+def plot_front(front: Front, ax: Axes | None = None, *, language: str = "en") -> Axes:
     """Draws every point with its numbers and returns the axes.
 
     What the points dominate is shaded, the knee has a ring, and a point that is not proven is hollow, with lines that reach to its bounds.
+    Raises UsageError when pictures do not speak the language.
     """
+    t = words(language)
     ax = axes_or_new(ax, (7.0, 4.8))
     left, right, low, high = window(front)
     ax.set_xlim(left, right)
     ax.set_ylim(low, high)
-    ax.set_xlabel("makespan [s]")
-    ax.set_ylabel("stress")
+    ax.set_xlabel(t("front.makespan"))
+    ax.set_ylabel(t("front.stress"))
+    numbers_in(ax.xaxis, t)
+    numbers_in(ax.yaxis, t)
     ax.grid(color=RULE, lw=0.6)
     ax.set_axisbelow(True)
     for side in ("top", "right"):
@@ -37,11 +42,11 @@ def plot_front(front: Front, ax: Axes | None = None) -> Axes:
             _point(ax, result)
         knee = front.knee
         ax.plot([knee.makespan], [knee.stress], ls="", marker="o", ms=17, mfc="none", mec=INK, mew=1.6, zorder=4, gid="knee")
-        _labels(ax, front)
-    proof = "complete and proven" if front.complete else "not complete: better points may exist"
-    ax.set_title(f"{len(front)} {'point' if len(front) == 1 else 'points'}, {proof}", loc="left", fontsize=11, fontweight="bold")
+        _labels(ax, front, t)
+    title = t("picture.complete" if front.complete else "picture.open", points=t.count("picture.points", len(front)))
+    ax.set_title(title, loc="left", fontsize=11, fontweight="bold")
     if len(front):
-        _legend(ax, front)
+        _legend(ax, front, t)
     return ax
 
 
@@ -79,7 +84,7 @@ def _point(ax: Axes, result: Result) -> None:
     ax.plot([x], [y], ls="", marker="o", ms=9, mfc=POINT if proven else "white", mec=POINT, mew=1.8, zorder=5)
 
 
-def _labels(ax: Axes, front: Front) -> None:
+def _labels(ax: Axes, front: Front, t: Words) -> None:
     """The knee and the ends first, then every other point whose label meets no other."""
     from matplotlib.transforms import Bbox
 
@@ -90,28 +95,30 @@ def _labels(ax: Axes, front: Front) -> None:
     taken: list[Bbox] = [Bbox.from_bounds(x - 5, y - 5, 10, 10) for x, y in dots]
     for place in order[: 3 * MOST_LABELS]:
         result, (x, y) = front[place], dots[place]
-        words = f"{seconds(result.makespan)}, {number(result.stress)}" + (" (knee)" if place == knee and len(front) > 2 else "")
+        key = "picture.point.knee" if place == knee and len(front) > 2 else "picture.point"
+        label = t(key, makespan=t.seconds(result.makespan), stress=t.number(result.stress))
         away = 10 if place == knee else 7
         # Above right of a point lies only what it dominates: the one side that is always free of other points.
-        box = Bbox.from_bounds(x + away, y + away - 2, 5.6 * len(words), 11)
+        box = Bbox.from_bounds(x + away, y + away - 2, 5.6 * len(label), 11)
         if place not in (knee, 0, len(front) - 1) and any(box.overlaps(other) for other in taken):
             continue
         taken.append(box)
         bold = "bold" if place == knee else "normal"
         at: dict[str, Any] = {"textcoords": "offset points", "fontsize": 9.5, "color": INK, "fontweight": bold, "zorder": 6}
-        ax.annotate(words, (result.makespan, result.stress), (away, away - 2), **at)
+        ax.annotate(label, (result.makespan, result.stress), (away, away - 2), **at)
 
 
-def _legend(ax: Axes, front: Front) -> None:
+def _legend(ax: Axes, front: Front, t: Words) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     marks: dict[str, Any] = {"ls": "", "marker": "o", "mec": POINT, "mew": 1.8}
     entries: list[tuple[Artist, str]] = []
     if any(r.status == Status.OPTIMAL for r in front):
-        entries.append((Line2D([], [], mfc=POINT, ms=8, **marks), "proven"))
+        entries.append((Line2D([], [], mfc=POINT, ms=8, **marks), t("picture.proven")))
     if any(r.status != Status.OPTIMAL for r in front):
-        entries.append((Line2D([], [], mfc="white", ms=8, **marks), "not proven, with bounds"))
-    entries.append((Line2D([], [], ls="", marker="o", mfc="none", mec=INK, mew=1.6, ms=12), "knee: recommended" if len(front) > 2 else "recommended"))
-    entries.append((Patch(facecolor=SHADE, edgecolor="#7A828A"), "dominated"))
+        entries.append((Line2D([], [], mfc="white", ms=8, **marks), t("picture.unproven")))
+    ring = Line2D([], [], ls="", marker="o", mfc="none", mec=INK, mew=1.6, ms=12)
+    entries.append((ring, t("picture.knee" if len(front) > 2 else "picture.recommended")))
+    entries.append((Patch(facecolor=SHADE, edgecolor="#7A828A"), t("picture.dominated")))
     legend_below(ax, entries)

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell
-from tandem.draw.figure import axes_or_new, gantt_size, legend_below
+from tandem.draw.figure import axes_or_new, gantt_size, legend_below, numbers_in
 from tandem.draw.lanes import Bar, Lane, lanes
-from tandem.draw.style import ACCENT, FAINT_INK, INK, RULE, SHADE, number, seconds, share
+from tandem.draw.language import Words, words
+from tandem.draw.style import ACCENT, FAINT_INK, INK, RULE, SHADE
 from tandem.schedule.critical import critical_path
 from tandem.schedule.measures import makespan, stress
 from tandem.schedule.model import Schedule
@@ -32,6 +33,7 @@ def plot_gantt(
     until: float | None = None,
     title: str | None = None,
     legend: bool = True,
+    language: str = "en",
 ) -> Axes:
     """Draws the schedule and returns the axes.
 
@@ -45,20 +47,26 @@ def plot_gantt(
       until: where the axis ends, seconds, so that several charts can be compared; a little behind the makespan when absent.
       title: what stands above; makespan and stress when absent, nothing when empty.
       legend: whether marks are explained below the chart; only those that occur.
+      language: of the words and the decimal mark.
+
+    Raises UsageError when pictures do not speak the language.
     """
+    t = words(language)
     ax = axes_or_new(ax, gantt_size(cell, schedule))
     end = until if until is not None else axis_end(schedule, limit)
     rows = lanes(cell, schedule, until=end, critical=critical)
     ax.set_xlim(0, end)
     ax.set_ylim(len(rows) - 0.45, -0.55)
-    draw_lanes(ax, rows)
+    draw_lanes(ax, rows, t)
     if critical:
         _critical_links(ax, cell, schedule)
     _joint_links(ax, rows)
-    _end_line(ax, makespan(schedule), limit)
-    _dress(ax, rows, title if title is not None else f"makespan {seconds(makespan(schedule))}, stress {number(stress(cell, schedule))}")
+    _end_line(ax, makespan(schedule), limit, t)
+    if title is None:
+        title = t("picture.plan", makespan=t.seconds(makespan(schedule)), stress=t.number(stress(cell, schedule)))
+    _dress(ax, rows, title, t)
     if legend:
-        draw_legend(ax, rows, critical=critical and len(schedule) > 0)
+        draw_legend(ax, rows, t, critical=critical and len(schedule) > 0)
     return ax
 
 
@@ -67,13 +75,13 @@ def axis_end(schedule: Schedule, limit: float | None = None) -> float:
     return 1.03 * max(makespan(schedule), limit or 0.0, 1e-3)
 
 
-def draw_lanes(ax: Axes, rows: Sequence[Lane], *, at: float = 0.0, deadlines: bool = True) -> None:
+def draw_lanes(ax: Axes, rows: Sequence[Lane], t: Words, *, at: float = 0.0, deadlines: bool = True) -> None:
     """Bars, breaks and changeovers of every lane, the first lane at height `at`; from a task's end to its deadline a line if wanted."""
     for place, lane in enumerate(rows):
         y = at + place
         ax.axhspan(y - HALF - 0.08, y + HALF + 0.08, color="#F6F7F8", zorder=0, lw=0)
         for off in lane.breaks:
-            _shaded(ax, off.start, off.end, y, "break", "xxxx")
+            _shaded(ax, off.start, off.end, y, t("picture.break"), "xxxx")
         for swap in lane.changeovers:
             _shaded(ax, swap.start, swap.end, y, swap.why, "....")
         for bar in lane.bars:
@@ -150,22 +158,23 @@ def _joint_links(ax: Axes, rows: Sequence[Lane]) -> None:
             ax.plot([middle] * len(ends), ends, ls="", marker="o", ms=4.5, color=INK, zorder=6)
 
 
-def _end_line(ax: Axes, end: float, limit: float | None) -> None:
+def _end_line(ax: Axes, end: float, limit: float | None, t: Words) -> None:
     ax.axvline(end, color=INK, lw=1.2, zorder=1.6)
     at: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "va": "bottom", "fontsize": 9.5}
-    ax.annotate(seconds(end), (end, 1), (-3, 3), ha="right", **at)
+    ax.annotate(t.seconds(end), (end, 1), (-3, 3), ha="right", **at)
     if limit is not None:
         ax.axvline(limit, color=ACCENT, lw=1.4, ls=(0, (5, 2)), zorder=6)
-        ax.annotate(f"limit {seconds(limit)}", (limit, 1), (-3, 15), ha="right", color=ACCENT, **at)
+        ax.annotate(t("picture.limit", limit=t.seconds(limit)), (limit, 1), (-3, 15), ha="right", color=ACCENT, **at)
 
 
-def _dress(ax: Axes, rows: Sequence[Lane], title: str) -> None:
+def _dress(ax: Axes, rows: Sequence[Lane], title: str, t: Words) -> None:
     from matplotlib.ticker import MaxNLocator
 
-    ax.set_yticks(range(len(rows)), [lane_name(lane) for lane in rows], fontsize=10)
+    ax.set_yticks(range(len(rows)), [lane_name(lane, t) for lane in rows], fontsize=10)
     ax.tick_params(axis="y", length=0)
     ax.xaxis.set_major_locator(MaxNLocator(nbins=12, steps=[1, 2, 5, 10]))
-    ax.set_xlabel("time [s]")
+    ax.set_xlabel(t("gantt.axis"))
+    numbers_in(ax.xaxis, t)
     ax.grid(axis="x", color=RULE, lw=0.6, zorder=0.5)
     ax.set_axisbelow(True)
     for side in ("top", "right", "left"):
@@ -174,12 +183,13 @@ def _dress(ax: Axes, rows: Sequence[Lane], title: str) -> None:
         ax.set_title(title, loc="left", fontsize=11, fontweight="bold", pad=20, parse_math=False)
 
 
-def lane_name(lane: Lane) -> str:
+def lane_name(lane: Lane, t: Words) -> str:
     """The operator, and below how busy it is."""
-    return f"{lane.look.label}\n{seconds(lane.busy)} busy, {share(lane.utilisation)}".replace("$", r"\$")
+    busy = t("gantt.busy", seconds=t.seconds(lane.busy), share=t.share(lane.utilisation))
+    return f"{lane.look.label}\n{busy}".replace("$", r"\$")
 
 
-def draw_legend(ax: Axes, rows: Sequence[Lane], *, critical: bool) -> None:
+def draw_legend(ax: Axes, rows: Sequence[Lane], t: Words, *, critical: bool) -> None:
     """Explains, below the axes, the marks that occur."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
@@ -188,15 +198,16 @@ def draw_legend(ax: Axes, rows: Sequence[Lane], *, critical: bool) -> None:
     for kind in ("human", "robot"):
         look = next((lane.look for lane in rows if lane.look.kind == kind), None)
         if look:
-            entries.append((Patch(facecolor=look.tint, edgecolor=look.colour, hatch=look.hatch), f"{kind} ({'hatched' if look.hatch else 'plain'})"))
+            fill = "hatched" if look.hatch else "plain"
+            entries.append((Patch(facecolor=look.tint, edgecolor=look.colour, hatch=look.hatch), t(f"picture.{kind}.{fill}")))
     if critical:
-        entries.append((Patch(fill=False, edgecolor=INK, lw=2.2), "critical path"))
+        entries.append((Patch(fill=False, edgecolor=INK, lw=2.2), t("picture.critical")))
     if any(bar.joint for lane in rows for bar in lane.bars):
-        entries.append((Line2D([], [], color=INK, ls=(0, (1, 1)), marker="o", ms=4.5), "joint task"))
+        entries.append((Line2D([], [], color=INK, ls=(0, (1, 1)), marker="o", ms=4.5), t("picture.joint")))
     if any(lane.breaks for lane in rows):
-        entries.append((Patch(facecolor=SHADE, edgecolor="#9AA0A6", hatch="xxxx", lw=0), "break"))
+        entries.append((Patch(facecolor=SHADE, edgecolor="#9AA0A6", hatch="xxxx", lw=0), t("picture.break")))
     if any(lane.changeovers for lane in rows):
-        entries.append((Patch(facecolor=SHADE, edgecolor="#9AA0A6", hatch="....", lw=0), "tool changeover"))
+        entries.append((Patch(facecolor=SHADE, edgecolor="#9AA0A6", hatch="....", lw=0), t("picture.changeover")))
     if any(bar.deadline is not None for lane in rows for bar in lane.bars):
-        entries.append((Line2D([], [], color=ACCENT, lw=1.4), "until a task's deadline"))
+        entries.append((Line2D([], [], color=ACCENT, lw=1.4), t("picture.deadline")))
     legend_below(ax, entries)

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell
+from tandem.cell.written import seconds
 from tandem.draw.figure import NODE, PITCH, axes_or_new, graph_size, legend_below
+from tandem.draw.language import Words, words
 from tandem.draw.layers import Layers, layers
-from tandem.draw.style import INK, Look, looks, number, seconds, task_label
+from tandem.draw.style import INK, Look, looks, task_label
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -30,11 +32,11 @@ class Chip:
     looks: tuple[Look, ...]
 
 
-def chips(cell: Cell, task: str) -> tuple[Chip, ...]:
+def chips(cell: Cell, task: str, t: Words) -> tuple[Chip, ...]:
     """Every way of doing the task; when there are too many for a node, letters without times, then only how many."""
     shown = looks(cell)
     modes = cell.modes(task)
-    timed = tuple(Chip(f"{'+'.join(shown[o].letters for o in m.operators)} {number(m.time)}", tuple(shown[o] for o in m.operators)) for m in modes)
+    timed = tuple(Chip(f"{'+'.join(shown[o].letters for o in m.operators)} {t.number(m.time)}", tuple(shown[o] for o in m.operators)) for m in modes)
     if len(timed) <= MOST_CHIPS:
         return timed
     first = timed[: MOST_CHIPS - 1]
@@ -118,7 +120,7 @@ def _node(ax: Axes, cell: Cell, task: str, at: tuple[float, float], *, critical:
     fitted_text(
         ax, (left, top, left + width, middle), [f"{task}: {label}" if label != task else task, label, task], size=9.5, turn=False, fontweight="bold"
     )
-    found = chips(cell, task)
+    found = chips(cell, task, words())
     gap, inner = 0.03 * width, 0.94 * width
     each = (inner - gap * (len(found) - 1)) / len(found)
     for place, chip in enumerate(found):

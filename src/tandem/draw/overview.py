@@ -8,15 +8,18 @@ from typing import TYPE_CHECKING
 from tandem.draw.figure import gantt_size
 from tandem.draw.front import plot_front
 from tandem.draw.gantt import plot_gantt
-from tandem.draw.style import number, seconds
+from tandem.draw.language import words
 from tandem.plan.result import Front
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def overview(front: Front) -> Figure:
-    """The front and the Gantt chart of its knee on one figure; the front alone when it is empty."""
+def overview(front: Front, *, language: str = "en") -> Figure:
+    """The front and the Gantt chart of its knee on one figure; the front alone when it is empty.
+
+    Raises UsageError when pictures do not speak the language.
+    """
     from matplotlib.figure import Figure
 
     width, height = gantt_size(front.cell, front.knee.schedule) if len(front) else (10.0, 0.0)
@@ -27,16 +30,17 @@ def overview(front: Front) -> Figure:
             "\n".join(textwrap.wrap(front.cell.name, int(9 * width))), x=0.01, ha="left", fontsize=14, fontweight="bold", parse_math=False
         )
     if not len(front):
-        plot_front(front, figure.add_subplot())
+        plot_front(front, figure.add_subplot(), language=language)
         return figure
     grid = figure.add_gridspec(2, 1, height_ratios=[4.4, height])
-    plot_front(front, figure.add_subplot(grid[0]))
-    knee = front.knee
-    name = "Recommended: " if len(front) > 1 else ""
+    plot_front(front, figure.add_subplot(grid[0]), language=language)
+    knee, t = front.knee, words(language)
+    key = "picture.plan.recommended" if len(front) > 1 else "picture.plan"
     plot_gantt(
         front.cell,
         knee.schedule,
         figure.add_subplot(grid[1]),
-        title=f"{name}makespan {seconds(knee.makespan)}, stress {number(knee.stress)}",
+        title=t(key, makespan=t.seconds(knee.makespan), stress=t.number(knee.stress)),
+        language=language,
     )
     return figure

@@ -69,22 +69,6 @@ def task_label(cell: Cell, task: str) -> str:
     return cell.tasks[task].label or task
 
 
-def number(value: float) -> str:
-    """A number as a person would write it: no trailing zeros, no noise of binary fractions."""
-    return f"{round(value, 6):.12g}"
-
-
-def seconds(value: float) -> str:
-    """A time with its unit."""
-    return f"{number(value)} s"
-
-
-def share(value: float) -> str:
-    """A share of 1 as a percentage; below 10 % with one decimal."""
-    percent = 100 * value
-    return f"{percent:.1f} %" if 0 < percent < 10 and round(percent, 1) != round(percent) else f"{percent:.0f} %"
-
-
 def shorten(text: str, length: int, ellipsis: str = "…") -> str:
     """At most `length` characters; an ellipsis stands for what was cut."""
     if len(text) <= length:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from tandem.cell.written import number
 from tandem.draw.figure import axes_or_new, legend_below
-from tandem.draw.style import INK, RULE, number, shorten
+from tandem.draw.style import INK, RULE, shorten
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

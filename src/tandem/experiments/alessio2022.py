@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from importlib import resources
 from pathlib import Path
 from statistics import fmean
 from typing import TYPE_CHECKING, Any
@@ -20,9 +19,9 @@ from tandem.envs.grid import exact, robots
 from tandem.envs.grid.layout import Layout, layout
 from tandem.envs.thesis.station import station, whole_ticks
 from tandem.envs.thesis.world import Station
-from tandem.errors import CellError, Fault
 from tandem.experiments import alessio_cells, alessio_grid, alessio_table
 from tandem.experiments.alessio_grid import ADVERSARIAL, DESCRIBED, PLAIN
+from tandem.experiments.records import read_record, stored_document
 from tandem.experiments.significance import interval, larger, rank_sum
 from tandem.learn.runs import versions
 
@@ -71,13 +70,8 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
 
 
 def stored() -> dict[str, Any]:
-    """The document of the long run that ships with the package. Raises CellError when this copy has none."""
-    file = resources.files("tandem.experiments") / "results" / STORED
-    try:
-        document: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise CellError([Fault("the stored result is not there; run `tandem reproduce alessio2022`.", (), str(file))]) from error
-    return document
+    """The document of the long run that ships with the package. Raises CellError when this copy has none, or a damaged one."""
+    return stored_document("alessio2022")
 
 
 def runs_on(cell: Cell) -> Station:
@@ -161,7 +155,7 @@ class _Kept:
             self.tell(name)
             self.folder.mkdir(parents=True, exist_ok=True)
             store(file, json.dumps(make()) + "\n")
-        return json.loads(file.read_text(encoding="utf-8"))
+        return read_record(file)
 
 
 def _trained(grid: str, trainings: Sequence[str], number: int, quick: bool, kept: _Kept) -> Iterator[dict[str, Any]]:

@@ -21,8 +21,8 @@ from tandem.cell.model import Cell
 from tandem.cell.storing import store
 from tandem.envs.finite import policy_values, reaching_states, sure_states, value_iteration
 from tandem.envs.repair import Repair, repair
-from tandem.errors import CellError, Fault
 from tandem.experiments.origin import origin
+from tandem.experiments.records import read_record, stored_document
 from tandem.experiments.systems import Features, Played
 from tandem.experiments.thesis_runs import thesis_cell
 from tandem.learn import qlearning
@@ -116,8 +116,8 @@ def _kept(file: Path, asked: Mapping[str, Any], make: Callable[[], Any]) -> Any:
     """What was found when the same was asked before; made and written down else."""
     question = json.loads(json.dumps(asked))
     if file.exists():
-        record = json.loads(file.read_text(encoding="utf-8"))
-        if record["asked"] == question:
+        record = read_record(file)
+        if isinstance(record, dict) and record.get("asked") == question and "found" in record:
             return record["found"]
     file.parent.mkdir(parents=True, exist_ok=True)
     found = make()
@@ -126,13 +126,8 @@ def _kept(file: Path, asked: Mapping[str, Any], make: Callable[[], Any]) -> Any:
 
 
 def stored() -> dict[str, Any]:
-    """The document of the long run that ships with the package. Raises CellError when this copy has none."""
-    file = resources.files("tandem.experiments") / "results" / STORED
-    try:
-        document: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise CellError([Fault("the stored result is not there; run `tandem reproduce antonelli2021`.", (), str(file))]) from error
-    return document
+    """The document of the long run that ships with the package. Raises CellError when this copy has none, or a damaged one."""
+    return stored_document("antonelli2021")
 
 
 def on_cell(cell: Cell, chances: Sequence[float], seeds: Sequence[int], ours: Config = OURS) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from tandem.experiments.antonelli2021 import own_cell
 from tandem.experiments.features import PROBES, Entry, base, features, other_cells, tooled
 from tandem.experiments.systems import SYSTEMS, System
 from tandem.experiments.thesis_runs import thesis_cell
+from tandem.learn.room import make_room
 from tandem.learn.runs import versions
 from tandem.report.from_markdown import html_of
 from tandem.report.markup import Markup, tag
@@ -70,6 +71,7 @@ def compare(
     for name, system in (SYSTEMS if systems is None else systems).items():
         if not system.published:
             continue
+        make_room()
         experiment, document, missing = system.load(), None, ""
         try:
             document = experiment.stored() if stored else experiment.reproduce(folder / name, quick=quick, seeds=seeds, tell=tell)
@@ -124,7 +126,14 @@ STYLE = """
 .figures figure { margin: 0; break-inside: avoid; }
 .figures img { width: 100%; height: auto; max-height: 32rem; object-fit: contain; object-position: left top; }
 .matrix td { max-width: 12rem; overflow-wrap: anywhere; }
-@media print { .figures { grid-template-columns: 1fr 1fr; } .figures img { max-height: 85mm; } .matrix table { font-size: 8.5pt; } }
+/* The widest table has a dozen columns: as narrow as their words on a screen, which scrolls when that is not enough; on paper nothing scrolls. */
+.wide table { font-size: .93rem; }
+.wide tbody th { min-width: 0; }
+@media print {
+  .figures { grid-template-columns: 1fr 1fr; }
+  .figures img { max-height: 85mm; }
+  .wide table { font-size: 8.5pt; }
+}
 """
 
 

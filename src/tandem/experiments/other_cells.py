@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from importlib import resources
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -13,6 +12,7 @@ from tandem.cell.files import load
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.cell.storing import store
+from tandem.experiments.records import stored_document
 from tandem.learn.runs import versions
 
 RANDOM_TASKS, RANDOM_SEEDS = 12, (0, 1)
@@ -56,9 +56,11 @@ def reproduce(
 
 
 def stored() -> dict[str, Any]:
-    """The document that ships with the package: the random cells and two case studies of Pearce (2015)."""
-    document: dict[str, Any] = json.loads((resources.files("tandem.experiments") / "results" / STORED).read_text(encoding="utf-8"))
-    return document
+    """The document that ships with the package: the random cells and two case studies of Pearce (2015).
+
+    Raises CellError when this copy of the package has none, or a damaged one.
+    """
+    return stored_document("cells")
 
 
 def run(cases: Sequence[Path] = (), *, seeds: int = SEEDS, tell: Callable[[str], None] = lambda _: None) -> list[dict[str, Any]]:

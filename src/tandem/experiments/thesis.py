@@ -6,7 +6,6 @@ import json
 import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +14,8 @@ from tandem.envs.thesis.optimal import return_optimal
 from tandem.envs.thesis.rewards import reward_set
 from tandem.envs.thesis.station import station, whole_ticks
 from tandem.envs.thesis.world import State, Station
-from tandem.errors import CellError, Fault
 from tandem.experiments.origin import origin
+from tandem.experiments.records import read_record, stored_document
 from tandem.experiments.systems import Features, Played
 from tandem.experiments.thesis_runs import FACTORS, OURS, PUBLISHED, VARIANTS, run_all, run_ours, run_thesis, thesis_cell
 from tandem.learn.recipes import TANDEM, longer
@@ -48,7 +47,7 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
         records = run_ours(range(SEEDS_OF_OURS))
         for file in run_all(folder / "records", list(VARIANTS), range(seeds or SEEDS_OF_THE_THESIS)):
             tell(f"{file.name}")
-            records.append(json.loads(file.read_text(encoding="utf-8")))
+            records.append(read_record(file))
     document = assemble(records, quick=quick)
     folder.mkdir(parents=True, exist_ok=True)
     store(folder / STORED, json.dumps(document, separators=(",", ":")) + "\n")
@@ -56,16 +55,8 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
 
 
 def stored() -> dict[str, Any]:
-    """The document of the long run that ships with the package.
-
-    Raises CellError when this copy of the package has none.
-    """
-    file = resources.files("tandem.experiments") / "results" / STORED
-    try:
-        document: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise CellError([Fault("the stored result is not there; run `tandem reproduce thesis`.", (), str(file))]) from error
-    return document
+    """The document of the long run that ships with the package. Raises CellError when this copy has none, or a damaged one."""
+    return stored_document("thesis")
 
 
 def assemble(records: Sequence[Mapping[str, Any]], *, quick: bool = False) -> dict[str, Any]:

@@ -7,7 +7,6 @@ import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from functools import partial
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -18,11 +17,11 @@ from tandem.cell.model import Cell
 from tandem.envs.chessboard.chance import Chance, fate
 from tandem.envs.chessboard.layout import layout
 from tandem.envs.chessboard.play import play as play_one
-from tandem.errors import CellError, Fault
 from tandem.experiments import yu2020_games as games
 from tandem.experiments import yu2020_runs as runs
 from tandem.experiments.origin import origin
 from tandem.experiments.quick import compiled_quickly
+from tandem.experiments.records import kept_record, read_record, stored_document
 from tandem.experiments.systems import Features, Played
 from tandem.experiments.thesis import mean
 from tandem.learn.runs import versions
@@ -74,24 +73,24 @@ def _document(records: Path, quick: bool, seeds: Sequence[int], tell: Callable[[
         "seeds": list(seeds),
         "versions": versions(),
         "published": PUBLISHED,
-        "exact": runs.kept(records / "exact.json", lambda: _exact_results(test, games.FIRST[: 3 if quick else None])),
+        "exact": kept_record(records / "exact.json", lambda: _exact_results(test, games.FIRST[: 3 if quick else None])),
     }
     tell("plain players")
-    document["plain"] = runs.kept(records / "plain.json", lambda: games.plain(test, games=random_games, desk_games=desk_games, seed=0))
+    document["plain"] = kept_record(records / "plain.json", lambda: games.plain(test, games=random_games, desk_games=desk_games, seed=0))
     files = list(runs.run_all(records, seeds, boards, sizes, tell))
     untrained = [
-        runs.kept(records / f"{recipe.replace(' ', '-')}_untrained.json", partial(runs.untrained_record, recipe, 0, boards, sizes))
+        kept_record(records / f"{recipe.replace(' ', '-')}_untrained.json", partial(runs.untrained_record, recipe, 0, boards, sizes))
         for recipe in runs.RECIPES
     ]
-    document["records"] = [*untrained, *(json.loads(file.read_text(encoding="utf-8")) for file in files)]
+    document["records"] = [*untrained, *(read_record(file) for file in files)]
     # These ask the networks of the first seed only, however many there are.
-    document["decisions"] = runs.kept(records / "decisions.json", partial(runs.decisions, records, sizes))
-    document["films"] = runs.kept(records / "films.json", partial(runs.films, records, sizes))
+    document["decisions"] = kept_record(records / "decisions.json", partial(runs.decisions, records, sizes))
+    document["films"] = kept_record(records / "films.json", partial(runs.films, records, sizes))
 
     def troubles() -> list[dict[str, Any]]:
         return games.troubled(test[:many], few, runs.learned_deciders(records, boards[:many], few, sizes), seed=1, tell=tell)
 
-    document["troubles"] = runs.kept(records / "troubles.json", troubles)
+    document["troubles"] = kept_record(records / "troubles.json", troubles)
     return {**document, "summary": summary(document)}
 
 
@@ -100,16 +99,8 @@ def _exact_results(test: Sequence[int], first: Sequence[int]) -> dict[str, Any]:
 
 
 def stored() -> dict[str, Any]:
-    """The document of the long run that ships with the package.
-
-    Raises CellError when this copy of the package has none.
-    """
-    file = resources.files("tandem.experiments") / "results" / STORED
-    try:
-        document: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise CellError([Fault("the stored result is not there; run `tandem reproduce yu2020`.", (), str(file))]) from error
-    return document
+    """The document of the long run that ships with the package. Raises CellError when this copy has none, or a damaged one."""
+    return stored_document("yu2020")
 
 
 def summary(document: Mapping[str, Any]) -> list[dict[str, Any]]:

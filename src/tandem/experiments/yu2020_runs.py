@@ -5,7 +5,6 @@ A record is plain data and lies in a file of its own beside the weights, so that
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -16,11 +15,11 @@ from typing import Any
 from numpy.typing import NDArray
 
 from tandem.cell.chessboard import Board, desk
-from tandem.cell.storing import store
 from tandem.envs.chessboard.optimal import optimum, replanning
 from tandem.envs.chessboard.play import by_rule
 from tandem.envs.chessboard.play import play as play_one
 from tandem.envs.chessboard.players import PLAYERS
+from tandem.experiments.records import kept_record
 from tandem.experiments.yu2020_games import HELD, TRAINING, Decider, Tell, boards
 from tandem.learn.alphazero.config import Config, Search, YuConfig, YuSearch
 
@@ -92,16 +91,8 @@ def run_all(folder: Path, seeds: Sequence[int], test: Sequence[Board], sizes: Si
     """Every training that has no record in `folder` yet; yields each record's file. The weights lie beside it."""
     for recipe, place, seed in wanted(seeds, sizes):
         file = folder / f"{recipe.replace(' ', '-')}_{place}_{seed}.json"
-        kept(file, partial(run, recipe, place, seed, test, sizes, weights_of(file), tell))
+        kept_record(file, partial(run, recipe, place, seed, test, sizes, weights_of(file), tell))
         yield file
-
-
-def kept(file: Path, make: Callable[[], Any]) -> Any:
-    """What the file holds; made, and written whole or not at all, when there is none yet."""
-    if not file.exists():
-        file.parent.mkdir(parents=True, exist_ok=True)
-        store(file, json.dumps(make()))
-    return json.loads(file.read_text(encoding="utf-8"))
 
 
 def weights_of(record: Path) -> Path:

@@ -12,7 +12,6 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
-from importlib import resources
 from pathlib import Path
 from statistics import fmean
 from tempfile import TemporaryDirectory
@@ -21,8 +20,8 @@ from typing import Any
 from tandem.cell.chessboard import ROBOT, desk
 from tandem.cell.model import Cell
 from tandem.cell.storing import store
-from tandem.errors import CellError, Fault
 from tandem.experiments.quick import compiled_quickly
+from tandem.experiments.records import stored_document
 from tandem.experiments.systems import Features, Played
 from tandem.learn.alphazero.recipes import ALPHAZERO, SearchRecipe
 from tandem.learn.dqn.recipes import YU_2021, ValueRecipe
@@ -164,7 +163,7 @@ def _trained(cell: Cell, recipe: ValueRecipe | SearchRecipe, seeds: Sequence[int
         result = run.result()
     if result["interrupted"]:
         raise KeyboardInterrupt
-    rows = run.rows()
+    rows = run.figures()
     return result, [[[row["steps"], row["greedy_makespan"]] for row in rows if row["seed"] == seed] for seed in seeds]
 
 
@@ -176,13 +175,8 @@ def _random(cell: Cell) -> list[float]:
 
 
 def stored() -> dict[str, Any]:
-    """The document of the long run that ships with the package. Raises CellError when this copy has none."""
-    file = resources.files("tandem.experiments") / "results" / STORED
-    try:
-        document: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise CellError([Fault("the stored result is not there; run `tandem reproduce yu2021`.", (), str(file))]) from error
-    return document
+    """The document of the long run that ships with the package. Raises CellError when this copy has none, or a damaged one."""
+    return stored_document("yu2021")
 
 
 def table(document: Mapping[str, Any]) -> str:

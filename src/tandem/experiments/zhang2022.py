@@ -8,7 +8,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ from tandem.cell.model import Cell
 from tandem.cell.storing import store
 from tandem.envs.duo.setting import AGENTS, Duo, duo
 from tandem.envs.duo.yardstick import best_rule, exact_front, matching
-from tandem.errors import CellError, Fault
+from tandem.experiments.records import kept_record, stored_document
 from tandem.experiments.systems import Features, Played
 from tandem.experiments.thesis_runs import thesis_cell
 from tandem.experiments.zhang2022_runs import ARMS, FACTORS, QUICK, Arm, Record, Size, alternator, random_player, run
@@ -46,10 +45,11 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
     rows: list[Record] = []
     for recipe in dict.fromkeys(arm.recipe for arm in ARMS):
         arms = [arm for arm in ARMS if arm.recipe == recipe]
-        rows += _kept(folder / "records" / f"{_file(recipe)}-{size.seeds}-{size.steps}.json", partial(run, cell, arms, size, front.points, tell))
+        file = folder / "records" / f"{_file(recipe)}-{size.seeds}-{size.steps}.json"
+        rows += kept_record(file, partial(run, cell, arms, size, front.points, tell))
     document = assemble(rows, cell, front.points, front.complete, random_player(cell, FACTORS, size), quick=quick, seeds=size.seeds)
     kept = [(name, folder / "records" / f"{_file(name)}-{size.seeds}-{size.steps}.json") for name in OTHERS]
-    document["other_cells"] = [_kept(file, partial(_on, name, size, tell)) for name, file in kept]
+    document["other_cells"] = [kept_record(file, partial(_on, name, size, tell)) for name, file in kept]
     folder.mkdir(parents=True, exist_ok=True)
     store(folder / STORED, json.dumps(document, separators=(",", ":")) + "\n")
     return document
@@ -90,16 +90,8 @@ def assemble(
 
 
 def stored() -> dict[str, Any]:
-    """The document of the long run that ships with the package.
-
-    Raises CellError when this copy of the package has none.
-    """
-    file = resources.files("tandem.experiments") / "results" / STORED
-    try:
-        document: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise CellError([Fault("the stored result is not there; run `tandem reproduce zhang2022`.", (), str(file))]) from error
-    return document
+    """The document of the long run that ships with the package. Raises CellError when this copy has none, or a damaged one."""
+    return stored_document("zhang2022")
 
 
 def draw_figures(document: Mapping[str, Any], folder: Path) -> list[Path]:
@@ -131,14 +123,6 @@ def _on(name: str, size: Size, tell: Callable[[str], None]) -> dict[str, Any]:
         "greedy": [[row["greedy"]["makespan"], row["greedy"]["difficulty"]] for row in rows],
         "gaps": [row["greedy"]["gap"] for row in rows],
     }
-
-
-def _kept(file: Path, make: Callable[[], Any]) -> Any:
-    """What the file holds; made and written first when it is not there."""
-    if not file.exists():
-        file.parent.mkdir(parents=True, exist_ok=True)
-        store(file, json.dumps(make()) + "\n")
-    return json.loads(file.read_text(encoding="utf-8"))
 
 
 def _file(name: str) -> str:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tandem.cell.model import Cell, Mode, plain
+from tandem.cell.written import number, signed
 from tandem.errors import CellError, InfeasibleError, NothingFoundError
 from tandem.explain.variant import force_modes
 from tandem.plan import exact
@@ -144,13 +145,14 @@ def sentence(cell: Cell, found: Alternative) -> str:
     """What a person wants to know about the alternative."""
     who = " + ".join(found.operators)
     if not found.possible:
-        return f"{who} ({found.time:g} s): no schedule allows it."
+        return f"{who} ({number(found.time)} s): no schedule allows it."
     if found.open == EVERYTHING:
-        return f"{who} ({found.time:g} s): not looked at, time was short."
+        return f"{who} ({number(found.time)} s): not looked at, time was short."
     if better := found.better:
-        return f"{who} ({found.time:g} s): a better schedule, found only now, does it so: {better.makespan:g} s, stress {better.stress:g}."
+        size = f"{number(better.makespan)} s, stress {number(better.stress)}"
+        return f"{who} ({number(found.time)} s): a better schedule, found only now, does it so: {size}."
     if found.costs_nothing:
-        return f"{who} ({found.time:g} s): costs nothing, another schedule of the same makespan and stress does it so."
+        return f"{who} ({number(found.time)} s): costs nothing, another schedule of the same makespan and stress does it so."
     parts = []
     if found.at_same_stress:
         parts.append(f"{_more(found.at_same_stress.seconds, ' s')} ({_size(found.at_same_stress, 'makespan')} s) at no more stress")
@@ -158,19 +160,21 @@ def sentence(cell: Cell, found: Alternative) -> str:
         parts.append(f"{_more(found.in_same_time.more_stress, ' stress')} ({_size(found.in_same_time, 'stress')}) in no more time")
     if found.otherwise:
         cost = found.otherwise
-        parts.append(f"at best {cost.makespan:g} s and stress {cost.stress:g} ({_more(cost.seconds, ' s')}, {_more(cost.more_stress, ' stress')})")
+        parts.append(
+            f"at best {number(cost.makespan)} s and stress {number(cost.stress)} ({_more(cost.seconds, ' s')}, {_more(cost.more_stress, ' stress')})"
+        )
     if not found.at_same_stress and TIME not in found.open and found.in_same_time:
         parts[-1] += "; no schedule keeps the stress"
     if not found.in_same_time and STRESS not in found.open and found.at_same_stress:
         parts[-1] += "; no schedule keeps the time"
     parts += [f"{question}: not known yet" for question in found.open]
-    return f"{who} ({found.time:g} s): {', or '.join(parts)}."
+    return f"{who} ({number(found.time)} s): {', or '.join(parts)}."
 
 
 def _size(cost: Cost, what: str) -> str:
     value: float = getattr(cost, what)
-    return f"{value:g}" if cost.proven or cost.bound >= value else f"{cost.bound:g} to {value:g}"
+    return f"{number(value)}" if cost.proven or cost.bound >= value else f"{number(cost.bound)} to {number(value)}"
 
 
 def _more(value: float, unit: str) -> str:
-    return f"{value:+g}{unit}"
+    return f"{signed(value)}{unit}"

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from tandem.cell.model import Cell, plain
+from tandem.cell.pretty import flow
+from tandem.cell.written import number
 from tandem.schedule.measures import exact
 from tandem.schedule.model import Assignment, Schedule
 
@@ -52,14 +54,20 @@ def _sentence(change: Change) -> str:
             return f"{room[:-1]} {name}: {what}" + (f" ({_ways(after)})" if room == "tasks" and after else "")
         case ("tasks", name, "time", who):
             if after is None:
-                return f"task {name}: {who} can no longer do it (took {before:g} s)"
+                return f"task {name}: {who} can no longer do it (took {number(before)} s)"
             return (
-                f"task {name}: {who} can do it now, in {after:g} s"
+                f"task {name}: {who} can do it now, in {number(after)} s"
                 if before is None
-                else f"task {name}: {who} takes {after:g} s instead of {before:g} s"
+                else f"task {name}: {who} takes {number(after)} s instead of {number(before)} s"
             )
         case ("tasks", name, "after"):
             return f"task {name}: {_list_change('waits for', before or [], after or [])}"
+        case ("tasks", name, "together"):
+            if not before or not after:
+                return (
+                    f"task {name}: {'can be done together now, by' if after else 'can no longer be done together, as by'} {_joint(after or before)}"
+                )
+            return f"task {name}: done together by {_joint(after)} instead of {_joint(before)}"
     where = (
         f"{path[0][:-1]} {path[1]}: {' of '.join(path[2:])}"
         if path[0] in ("tasks", "operators", "tools", "zones") and len(path) > 2
@@ -69,8 +77,8 @@ def _sentence(change: Change) -> str:
 
 
 def _ways(task: Mapping[str, Any]) -> str:
-    times = [f"{who} {seconds:g} s" for who, seconds in task.get("time", {}).items()]
-    return ", ".join([*times, *(f"{' + '.join(map(str, way['operators']))} {way['time']:g} s" for way in task.get("together", ()))])
+    times = [f"{who} {number(seconds)} s" for who, seconds in task.get("time", {}).items()]
+    return ", ".join([*times, *(f"{' + '.join(map(str, way['operators']))} {number(way['time'])} s" for way in task.get("together", ()))])
 
 
 def _list_change(verb: str, before: list[Any], after: list[Any]) -> str:
@@ -81,8 +89,21 @@ def _list_change(verb: str, before: list[Any], after: list[Any]) -> str:
     return " and ".join(said) or f"{verb} the same in another order"
 
 
+def _joint(ways: list[Mapping[str, Any]] | None) -> str:
+    """Joint ways in words: "anna + cobot in 12 s, stress 3"."""
+    said = []
+    for way in ways or ():
+        load = way.get("stress")
+        stress = "" if load is None else f", stress {_shown(load)}"
+        said.append(f"{' + '.join(map(str, way['operators']))} in {number(way['time'])} s{stress}")
+    return " or ".join(said)
+
+
 def _shown(value: Any) -> str:
-    return "nothing" if value is None else f"{value:g}" if isinstance(value, float | int) and not isinstance(value, bool) else repr(value)
+    """A value as the cell file has it; text in quotes."""
+    if isinstance(value, str):
+        return repr(value)
+    return "nothing" if value is None else flow(plain(value), name=True)
 
 
 # --- schedules ----------------------------------------------------------------------------------------------------------------
@@ -118,11 +139,11 @@ class Move:
             row = self.before or self.after
             assert row is not None
             when = "only before" if self.after is None else "only after"
-            return f"task {self.task}: {when}, {' + '.join(row.operators)}, {row.start:g} to {row.end:g} s"
+            return f"task {self.task}: {when}, {' + '.join(row.operators)}, {number(row.start)} to {number(row.end)} s"
         who = f"{' + '.join(self.before.operators)} -> {' + '.join(self.after.operators)}, " if self.other_operators else ""
         return (
             f"task {self.task}: {who or ' + '.join(self.after.operators) + ', '}"
-            f"{self.before.start:g} to {self.before.end:g} s -> {self.after.start:g} to {self.after.end:g} s"
+            f"{number(self.before.start)} to {number(self.before.end)} s -> {number(self.after.start)} to {number(self.after.end)} s"
         )
 
     def to_dict(self) -> dict[str, Any]:

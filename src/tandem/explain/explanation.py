@@ -10,7 +10,8 @@ from time import monotonic
 from typing import Any
 
 from tandem.cell.model import Cell, plain
-from tandem.cell.names import Known
+from tandem.cell.names import Known, clean
+from tandem.cell.written import number
 from tandem.errors import UsageError
 from tandem.explain.alternatives import EVERYTHING, Alternative, alternative, sentence
 from tandem.explain.floor import Floor, floor, listed
@@ -46,7 +47,7 @@ class TaskAnswer:
         """Who and when, why then, and each alternative."""
         a = self.assignment
         label = self.cell.tasks[a.task].label
-        head = f"task {a.task}{f' ({label})' if label else ''}: {' + '.join(a.operators)}, {a.start:g} to {a.end:g} s; {self.waiting}"
+        head = f"task {a.task}{f' ({label})' if label else ''}: {' + '.join(a.operators)}, {number(a.start)} to {number(a.end)} s; {self.waiting}"
         others = [f"  instead {sentence(self.cell, other)}" for other in self.alternatives]
         return [head, *(others or ["  nobody else can do it"])]
 
@@ -120,6 +121,7 @@ def explain(
       NothingFoundError: none was found in the time.
     """
     began = monotonic()
+    task = None if task is None else clean(task)
     if task is not None and task not in cell.tasks:
         raise UsageError(f"there is no task {task!r}. {Known(cell.tasks).hint(task)}")
     threads = workers or os.cpu_count() or 1
@@ -185,4 +187,4 @@ def heading(front: Front, place: int) -> str:
     """One sentence about the point that is explained."""
     result = front[place - 1]
     who = "; ".join(f"{name} does {listed([a.task for a in rows], '')}" for name in front.cell.operators if (rows := result.schedule.of(name)))
-    return f"point {place} of {len(front)}: makespan {result.makespan:g} s, stress {result.stress:g} ({result.status}). {who}."
+    return f"point {place} of {len(front)}: makespan {number(result.makespan)} s, stress {number(result.stress)} ({result.status}). {who}."

@@ -9,6 +9,7 @@ from time import monotonic
 from typing import Any, Literal
 
 from tandem.cell.model import Cell, plain
+from tandem.cell.written import number
 from tandem.errors import CellError, InfeasibleError, NothingFoundError
 from tandem.plan import exact
 from tandem.plan.instance import Instance
@@ -242,23 +243,25 @@ def _sooner(cell: Cell, limit: float, max_stress: float | None, seconds: float, 
 
 def sentences(found: Floor) -> list[str]:
     """The floor as a person would explain it."""
-    cap = "" if found.max_stress is None else f" with a stress of at most {found.max_stress:g}"
+    cap = "" if found.max_stress is None else f" with a stress of at most {number(found.max_stress)}"
     if found.kind == "open":
-        return [f"{found.makespan:g} s is the quickest found{cap}. What is proven so far is that nothing takes less than {found.bound:g} s."]
-    head = f"{found.makespan:g} s is the floor{cap}"
+        return [
+            f"{number(found.makespan)} s is the quickest found{cap}. What is proven so far is that nothing takes less than {number(found.bound)} s."
+        ]
+    head = f"{number(found.makespan)} s is the floor{cap}"
     names = listed(found.tasks)
     if found.kind == "chain":
-        parts = " + ".join(f"{seconds:g}" for seconds in found.least.values())
-        begin = f" from {found.rest[0]:g} s on" if found.rest[0] else ""
+        parts = " + ".join(f"{number(seconds)}" for seconds in found.least.values())
+        begin = f" from {number(found.rest[0])} s on" if found.rest[0] else ""
         whole = f"{names} must follow one another{begin} and take {parts} s even when each is done in its quickest way"
         if len(found.tasks) == 1:
             whole = f"{names} alone takes {parts} s{begin} in its quickest way"
         return [f"{head}: {whole}."]
     if found.kind == "load":
         who, total = found.operators[0], sum(found.least.values())
-        ahead = f"not before {found.rest[0]:g} s, " if found.rest[0] else ""
-        behind = f", and {found.rest[1]:g} s must follow" if found.rest[1] else ""
-        return [f"{head}: only {who} can take part in {names}, {ahead}at least {total:g} s of work{behind}."]
+        ahead = f"not before {number(found.rest[0])} s, " if found.rest[0] else ""
+        behind = f", and {number(found.rest[1])} s must follow" if found.rest[1] else ""
+        return [f"{head}: only {who} can take part in {names}, {ahead}at least {number(total)} s of work{behind}."]
     return [f"{head}: {stretches(found.cell, found.schedule)}.", *_group_sentences(found, names)]
 
 
@@ -271,7 +274,7 @@ def _group_sentences(found: Floor, names: str) -> list[str]:
         said = ["No other way is quicker; every task has its share in it." if found.smallest else "No other way is quicker."]
     if found.needs_order is False:
         said.append("They would take as long if they could be done in any order: it is the work itself that cannot be shared out better.")
-    shorter = [f"{task}: {seconds:g} s" for task, seconds in found.without.items()]
+    shorter = [f"{task}: {number(seconds)} s" for task, seconds in found.without.items()]
     if shorter:
         said.append(f"Without one of them the others could be done sooner ({', '.join(shorter)}).")
     return said
@@ -285,9 +288,9 @@ def stretches(cell: Cell, schedule: Schedule) -> str:
     for who, links in runs:
         names = listed([link.assignment.task for link in links], "")
         verb = "keep" if len(links) > 1 else "keeps"
-        said.append(f"{names} {verb} {' and '.join(who)} busy until {links[-1].assignment.end:g} s")
+        said.append(f"{names} {verb} {' and '.join(who)} busy until {number(links[-1].assignment.end)} s")
     begin = path[0].assignment.start if path else 0.0
-    after = f"from {begin:g} s on " if begin else ""
+    after = f"from {number(begin)} s on " if begin else ""
     return f"{after}task{'s' if path and len(runs[0][1]) > 1 else ''} " + ", then ".join(said)
 
 

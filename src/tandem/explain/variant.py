@@ -7,7 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from tandem.cell.model import Cell, Mode, Table, Task, plain
-from tandem.cell.names import Known
+from tandem.cell.names import Known, clean
+from tandem.cell.pretty import flow
 from tandem.cell.reading import cell_of
 from tandem.errors import UsageError
 from tandem.schedule.measures import exact
@@ -28,9 +29,9 @@ def variant(cell: Cell, sets: Iterable[str] = (), without: Iterable[str] = (), f
     """
     data = cell.to_dict()
     wrong: list[str] = []
-    for text in sets:
+    for text in map(clean, sets):
         wrong += _set(data, text)
-    for name in without:
+    for name in map(clean, without):
         if name not in data["operators"]:
             wrong.append(f"--without {name}: there is no such operator. {Known(data['operators']).hint(name)}")
         else:
@@ -41,7 +42,7 @@ def variant(cell: Cell, sets: Iterable[str] = (), without: Iterable[str] = (), f
         raise UsageError("\n".join(wrong))
     changed = cell_of(data)
     choices: dict[str, Mode] = {}
-    for text in force:
+    for text in map(clean, force):
         task, mode, complaint = _forced(changed, text)
         if complaint:
             wrong.append(complaint)
@@ -115,7 +116,7 @@ def _set(data: dict[str, Any], text: str) -> list[str]:
 
 
 def _pieces(path: str) -> list[str]:
-    return [quoted or plain_key for quoted, plain_key in re.findall(r'"([^"]*)"|([^.]+)', path)]
+    return [clean(quoted or plain_key) for quoted, plain_key in re.findall(r'"([^"]*)"|([^.]+)', path)]
 
 
 def _walk(data: Any, pieces: list[str]) -> tuple[Any, Any, str]:
@@ -133,7 +134,7 @@ def _walk(data: Any, pieces: list[str]) -> tuple[Any, Any, str]:
             key = found if found is not None else pieces[0]
             taken = joined[::-1].index(found) + 1 if found is not None else 1
         else:
-            return None, None, f"{way} is {at!r} and has no {pieces[0]!r}."
+            return None, None, f"{way} is {_written(at)} and has no {pieces[0]!r}."
         way = f"{way}.{key}" if way else str(key)
         pieces = pieces[taken:]
         if not pieces:
@@ -146,13 +147,18 @@ def _walk(data: Any, pieces: list[str]) -> tuple[Any, Any, str]:
         at = at[key]
 
 
+def _written(value: Any) -> str:
+    """A value as the cell file has it."""
+    return "nothing" if value is None else flow(plain(value), name=True)
+
+
 def _value(text: str, old: Any) -> tuple[Any, str]:
     """The value that a text means; None for taking the key out."""
     if text.lower() in ("none", "null"):
         return None, ""
     if found := re.fullmatch(r"([-+−]\d+(?:\.\d+)?)\s*%", text):
         if not isinstance(old, int | float) or isinstance(old, bool):
-            return None, f"{text} changes a number, but {'nothing' if old is None else repr(old)} stands there."
+            return None, f"{text} changes a number, but {_written(old)} stands there."
         share = exact(float(found[1].replace("−", "-"))) / 100 + 1
         return plain(float(round(exact(float(old)) * share, 6))), ""
     if re.fullmatch(r"[-+]?\d+", text):

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tandem.cell.model import Cell, plain
+from tandem.cell.written import number
 from tandem.schedule.critical import Link, critical_path, links, slack
 from tandem.schedule.model import Schedule
 
@@ -27,7 +28,7 @@ class Waiting:
 
     def __str__(self) -> str:
         reasons = list(dict.fromkeys(_reason(link) for link in self.links)) or ["could start earlier"]
-        free = ", on the critical path" if self.critical else f", may slip by {self.slack:g} s" if self.slack else ", cannot slip"
+        free = ", on the critical path" if self.critical else f", may slip by {number(self.slack)} s" if self.slack else ", cannot slip"
         return " and ".join(reasons) + free
 
     def to_dict(self) -> dict[str, Any]:
@@ -48,7 +49,7 @@ def _reason(link: Link) -> str:
         case "start":
             return "starts at the beginning"
         case "release":
-            return f"starts at its release, {link.assignment.start:g} s"
+            return f"starts at its release, {number(link.assignment.start)} s"
         case "break":
             return f"waits for the end of {link.by}'s break"
         case "predecessor":

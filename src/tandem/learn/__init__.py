@@ -1,4 +1,4 @@
-"""Policies from experience: independent PPO, its recipes, its runs, and the players that decide without JAX."""
+"""Policies from experience: PPO, deep Q-learning, self-play with a search, best responses to people; their recipes, runs and players without JAX."""
 
 from tandem.learn.agents import PPO
 from tandem.learn.policy import Policy

@@ -2,58 +2,57 @@
 
 from __future__ import annotations
 
-import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from safetensors import SafetensorError
-from safetensors.numpy import load as read_tensors
-from safetensors.numpy import save as tensor_bytes
+from pydantic import Field
 
-from tandem.cell.storing import store
-from tandem.errors import CellError, Fault
+from tandem.learn.forms import Form, unreadable
+from tandem.learn.tensors import misfits, read_tensors, write_tensors
 
 Tree = TypeVar("Tree")
 
 
-def save(path: Path, tree: Any, notes: dict[str, Any]) -> None:
+class Notes(Form):
+    """What a checkpoint says beside its arrays: intervals done, and the CPU seconds that they took."""
+
+    interval: int = Field(ge=0, lt=2**53)
+    cpu_s: float = Field(ge=0)
+
+
+def save(path: Path, tree: Any, notes: Notes) -> None:
     """Writes the tree's arrays and the notes; the file is whole or what was there before."""
-    store(path, tensor_bytes(named_arrays(tree), metadata={"tandem": json.dumps(notes)}))
+    write_tensors(path, named_arrays(tree), notes.model_dump())
 
 
-def load(path: Path, like: Tree) -> tuple[Tree, dict[str, Any]]:
-    """The tree of the form of `like` (its values do not matter) and the notes.
+def load(path: Path, like: Tree) -> tuple[Tree, Notes]:
+    """The tree of the form of `like` (of which only shapes and dtypes matter) and the notes.
 
     Raises:
       CellError: the file cannot be read, is no checkpoint, or is one of another form; it says which arrays do not fit.
     """
-    try:
-        data = path.read_bytes()
-        arrays, notes = read_tensors(data), read_notes(data)
-    except (OSError, ValueError, KeyError, SafetensorError) as error:
-        raise CellError([Fault(f"is no checkpoint that can be read ({error}).", (), str(path))]) from error
-    wanted = named_arrays(like)
-    wrong = sorted(set(wanted) ^ set(arrays)) + [name for name in wanted if name in arrays and wanted[name].shape != arrays[name].shape]
-    if wrong:
-        raise CellError([Fault(f"does not fit this training: {', '.join(wrong[:5])}{' ...' if len(wrong) > 5 else ''}.", (), str(path))])
+    arrays, notes = read_tensors(path, Notes, "checkpoint")
+    if said := misfits(arrays, _named(like, lambda leaf: jax.eval_shape(_plain, leaf))):
+        raise unreadable(path, [f"does not fit this training: it {said}"])
     leaves, form = jax.tree_util.tree_flatten_with_path(like)
     return jax.tree.unflatten(form, [_restored(arrays[_name(place)], leaf) for place, leaf in leaves]), notes
 
 
-def read_notes(data: bytes) -> dict[str, Any]:
-    """What a file of `save` says beside its arrays: the header is JSON behind eight bytes of length."""
-    header = json.loads(data[8 : 8 + int.from_bytes(data[:8], "little")])
-    notes: dict[str, Any] = json.loads(header["__metadata__"]["tandem"])
-    return notes
-
-
 def named_arrays(tree: Any) -> dict[str, np.ndarray[Any, Any]]:
     """Every leaf as a NumPy array under the name of its place; random keys as the numbers they hold."""
-    leaves, _ = jax.tree_util.tree_flatten_with_path(tree)
-    return {_name(place): np.ascontiguousarray(jax.random.key_data(leaf) if _is_key(leaf) else leaf) for place, leaf in leaves}
+    return _named(tree, lambda leaf: np.ascontiguousarray(_plain(leaf)))
+
+
+def _named(tree: Any, of: Callable[[Any], Any]) -> dict[str, Any]:
+    return {_name(place): of(leaf) for place, leaf in jax.tree_util.tree_flatten_with_path(tree)[0]}
+
+
+def _plain(leaf: Any) -> Any:
+    return jax.random.key_data(leaf) if _is_key(leaf) else leaf
 
 
 def _restored(array: np.ndarray[Any, Any], like: Any) -> jax.Array:

@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, fields
-from typing import Any, NamedTuple, Self
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any, ClassVar, NamedTuple
 
-from tandem.errors import UsageError
+from pydantic import ConfigDict
+
+from tandem.learn.forms import STRICT
 from tandem.learn.networks import ACTIVATIONS
+from tandem.learn.settings import counts, must_hold, one_of
+
+MOST_STEPS = 2**22
+"""Steps of a rollout that are held at once; a few gigabytes for a cell of a dozen tasks."""
+
+MOST_LAYERS, MOST_UNITS = 16, 4096
+"""Of a network, and of one of its layers."""
 
 
 class StageValues(NamedTuple):
-    """One stage as numbers that a compiled loop reads; see `Stage`. `end_*` are what the stage ends at."""
+    """One stage as numbers that a compiled loop reads; see `Stage`. It ends at `episodes` or `steps`."""
 
     entropy: Any
     learning_rate: Any
@@ -42,14 +51,13 @@ class Stage:
     idle: float = 0.0
     normalise_advantages: bool = True
 
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
     def faults(self) -> Iterator[str]:
         """What is wrong with it."""
         if self.episodes is None and self.steps is None:
-            yield "says neither `episodes` nor `steps`, so it would never end."
-        for name in ("episodes", "steps"):
-            value = getattr(self, name)
-            if value is not None and not 0 < value < 2**31:
-                yield f"{name} {value}: must be a whole number, 1 or more."
+            yield "episodes and steps: says neither, so it would never end."
+        yield from counts(self, ("episodes", "steps"))
         if not (math.isfinite(self.entropy) and self.entropy >= 0):
             yield f"entropy {self.entropy}: must be a number, 0 or more."
         if not (math.isfinite(self.learning_rate) and self.learning_rate > 0):
@@ -111,21 +119,19 @@ class Config:
     share_actor: bool = False
     share_critic: bool = False
 
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
     def __post_init__(self) -> None:
-        if faults := list(self.faults()):
-            raise UsageError("The training's configuration does not hold:\n" + "\n".join(f"- {fault}" for fault in faults))
+        must_hold(self.faults())
 
     def faults(self) -> Iterator[str]:
         """Everything that is wrong with it."""
         if not self.stages:
             yield "stages: none given; a training needs at least one."
-        for place, stage in enumerate(self.stages, 1):
-            yield from (f"stage {place}: {fault}" for fault in stage.faults())
-        for name in ("environments", "horizon", "minibatch", "epochs"):
-            if getattr(self, name) < 1:
-                yield f"{name} {getattr(self, name)}: must be 1 or more."
-        if self.episode_limit is not None and self.episode_limit < 1:
-            yield f"episode_limit {self.episode_limit}: must be 1 or more, or None."
+        for place, stage in enumerate(self.stages):
+            yield from (f"stages.{place}.{fault}" for fault in stage.faults())
+        yield from counts(self, ("environments", "horizon", "minibatch"), most=MOST_STEPS)
+        yield from counts(self, ("epochs", "episode_limit"))
         for name in ("discount", "gae"):
             if not 0 <= getattr(self, name) <= 1:
                 yield f"{name} {getattr(self, name)}: must lie between 0 and 1."
@@ -133,22 +139,18 @@ class Config:
             yield f"clip {self.clip}: must lie between 0 and 1."
         if self.stop_at_end and self.environments != 1:
             yield f"stop_at_end: needs environments = 1, not {self.environments}."
-        if not self.stop_at_end and (self.environments * self.horizon) % self.minibatch:
+        for name, least in (("value_weight", 0), ("gradient_limit", 1e-9)):
+            value = getattr(self, name)
+            if value is not None and not least <= value < math.inf:
+                yield f"{name} {value}: must be {'0 or more' if least == 0 else 'more than 0, or null for no limit'}."
+        if self.environments * self.horizon > MOST_STEPS:
+            yield f"environments {self.environments} x horizon {self.horizon}: at most {MOST_STEPS:,} steps are held at once."
+        if not self.stop_at_end and self.minibatch > 0 and (self.environments * self.horizon) % self.minibatch:
             yield f"minibatch {self.minibatch}: must divide environments x horizon = {self.environments * self.horizon}."
-        if not self.hidden or min(self.hidden) < 1:
-            yield f"hidden {self.hidden}: needs one layer or more, each of 1 unit or more."
-        if self.activation not in ACTIVATIONS:
-            yield f"activation {self.activation!r}: choose {' or '.join(ACTIVATIONS)}."
+        if not 1 <= len(self.hidden) <= MOST_LAYERS or not 1 <= min(self.hidden) <= max(self.hidden) <= MOST_UNITS:
+            yield f"hidden {list(self.hidden)}: needs 1 to {MOST_LAYERS} layers, each of 1 to {MOST_UNITS:,} units."
+        yield from one_of(self, "activation", ACTIVATIONS)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, as a run keeps them."""
         return asdict(self)
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """The inverse of `to_dict`. Raises UsageError for a key it does not know or a value out of range."""
-        unknown = set(data) - {field.name for field in fields(cls)}
-        if unknown:
-            raise UsageError(f"configuration: unknown keys {sorted(unknown)}; it knows {sorted(field.name for field in fields(cls))}.")
-        stages = tuple(Stage(**stage) for stage in data.get("stages", ()))
-        return cls(**{**data, "stages": stages, "hidden": tuple(data.get("hidden", (64, 64)))})

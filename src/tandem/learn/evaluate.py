@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, get_args
 
 import numpy as np
+from pydantic import ConfigDict, Field
 
 from tandem.cell.model import Cell, plain
 from tandem.envs.thesis.decisions import after_human, choices
 from tandem.envs.thesis.episode import Episode, play
-from tandem.envs.thesis.rewards import reward_set
-from tandem.envs.thesis.station import whole_ticks
-from tandem.envs.thesis.world import HUMAN, ROBOT, Rewards, State, Station
+from tandem.envs.thesis.rewards import REWARDS, reward_set
+from tandem.envs.thesis.station import station, whole_ticks
+from tandem.envs.thesis.world import HUMAN, ROBOT, Rewards, State, Station, reset
 from tandem.envs.thesis.world import legal as legal_now
 from tandem.errors import NothingFoundError, UsageError
+from tandem.learn.forms import Form, key_of, parsed, unreadable
 from tandem.learn.gaps import relative_gap
 from tandem.learn.policy import Policy
 from tandem.learn.reached import Reached
-from tandem.learn.recipes import OBSERVATIONS
-from tandem.learn.runs import RunFolder
+from tandem.learn.recipes import OBSERVATIONS, Pace
+from tandem.learn.runs import RunFolder, asked_cell
 from tandem.plan.methods import plan
 from tandem.plan.result import Front
 from tandem.plan.rules import RULES
@@ -110,24 +113,58 @@ def evaluate(folder: str | Path, cell: Cell | None = None, *, seed: int | None =
     run = RunFolder(Path(folder))
     asked = run.asked()
     if seed is None:
-        seed = run.seeds[0] if run.seeds else asked["seeds"][0]
+        seed = run.seeds[0] if run.seeds else asked.seeds[0]
     if seed not in run.seeds:
         raise UsageError(f"{folder}: has no policy of seed {seed}; there are {', '.join(map(str, run.seeds)) or 'none yet'}.")
-    plays_on = cell or Cell.model_validate(asked["cell"])
-    if (algorithm := asked.get("algorithm", "ppo")) != "ppo":
-        return _judge_turns(algorithm, run.policy(seed), plays_on, asked, seed, episodes, front_limit)
-    return judge(Policy.load(run.policy(seed)), plays_on, seed=seed, episodes=episodes, front_limit=front_limit)
+    plays_on = cell or asked_cell(run, asked)
+    if asked.algorithm != "ppo":
+        return _judge_turns(run, plays_on, seed, episodes, front_limit)
+    policy = _policy_of_the_station(run.policy(seed), None if cell else plays_on)
+    return judge(policy, plays_on, seed=seed, episodes=episodes, front_limit=front_limit)
 
 
-def _judge_turns(algorithm: str, path: Path, cell: Cell, asked: dict[str, Any], seed: int, episodes: int, front_limit: float) -> Evaluation:
+class _Played(Form):
+    """What a policy must say of itself to be played on the thesis's station."""
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="allow", allow_inf_nan=False)
+
+    pace: Annotated[str, key_of(get_args(Pace))]
+    sees: Annotated[str, key_of(OBSERVATIONS)]
+    rewards: Annotated[str, key_of(REWARDS)]
+    stress_factor: float = Field(ge=0)
+
+
+def _policy_of_the_station(path: Path, cell: Cell | None) -> Policy:
+    """The policy in a run's file; it is held against the run's own cell when that is given.
+
+    Raises CellError when it is none, does not say how it is played, or is another size than the cell's.
+    """
+    policy = Policy.load(path)
+    parsed(path, json.dumps(dict(policy.notes)), _Played, "is no policy of the thesis's station: notes")
+    if len(policy.agents) != len((ROBOT, HUMAN)):
+        raise unreadable(path, [f"is no policy of the thesis's station: it has {len(policy.agents)} agents instead of 2."])
+    if cell is not None:
+        size = OBSERVATIONS[policy.notes["sees"]](laid := station(cell, per_second=whole_ticks(cell)), reset(laid)).shape[1]
+        if (policy.observation_size, policy.actions) != (size, len(cell.tasks) + 1):
+            raise unreadable(
+                path,
+                [
+                    f"does not fit the run's cell: it sees {policy.observation_size} numbers and chooses among {policy.actions} actions; "
+                    f"{len(cell.tasks)} tasks have {size} to show and {len(cell.tasks) + 1} actions."
+                ],
+            )
+    return policy
+
+
+def _judge_turns(run: RunFolder, cell: Cell, seed: int, episodes: int, front_limit: float) -> Evaluation:
     """`evaluate` for an algorithm that plays a game of turns: its own players, beside the rules and a random player of the same game."""
     from tandem.learn.algorithms import ALGORITHMS
     from tandem.learn.trainer import Order
     from tandem.learn.turns import at_random, paid
 
-    order = Order.from_dict(asked)
+    order = Order.of(run)
     front, weights = _front(cell, front_limit), paid(order.stress_factor)
-    found = dict(import_module(ALGORITHMS[algorithm]).players(path, cell, order, seed=seed, episodes=episodes))
+    found = dict(import_module(ALGORITHMS[order.recipe.algorithm]).players(run.policy(seed), cell, order, seed=seed, episodes=episodes))
     lines = [_line(cell, front, weights, player, reached) for player, reached in found.items()]
     rule = _best_rule(cell, front, weights)
     by_chance = _line(cell, front, weights, "random", at_random(cell, order, games=episodes, seed=seed))

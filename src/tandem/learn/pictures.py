@@ -15,7 +15,7 @@ def plot_training(rows: Sequence[dict[str, Any]], ax: Axes | None = None, *, tit
     """Return per agent and the critics' value of the first state over episodes, as the thesis's figure 6-2; mean over the seeds.
 
     Args:
-      rows: `RunFolder.rows()`.
+      rows: `RunFolder.figures()`.
     """
     seeds = sorted({row["seed"] for row in rows})
     agents = [name.removeprefix("mean_return_") for name in rows[0] if name.startswith("mean_return_")]

@@ -3,18 +3,48 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import ConfigDict, Field
 
-from tandem.cell.storing import store
-from tandem.errors import CellError, Fault, UsageError
-from tandem.learn.networks import Network, forward, masked_log_softmax, sample
+from tandem.errors import UsageError
+from tandem.learn.forms import Form, key_of, parsed, unreadable
+from tandem.learn.networks import ACTIVATIONS, Network, forward, masked_log_softmax, sample
+from tandem.learn.tensors import read_tensors, write_tensors
 
 Array = np.ndarray[Any, Any]
+
+
+class Notes(Form):
+    """Where a policy comes from, as far as it says so; whoever needs more than a default asks for it."""
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="allow", allow_inf_nan=False)
+
+    cell: str = ""
+    digest: str = ""
+    kind: str = ""
+    recipe: str = "tandem"
+    seed: int = Field(default=0, ge=0)
+    stress_factor: float = Field(default=0.0, ge=0)
+    pace: str = ""
+    sees: str = ""
+    rewards: str = ""
+    people: str = ""
+
+
+class _About(Form):
+    """The document beside a policy's arrays."""
+
+    format: Literal["tandem policy 1"]
+    agents: tuple[str, ...] = Field(min_length=1)
+    activation: Annotated[str, key_of(ACTIVATIONS)]
+    masked: bool
+    shared: bool
+    notes: dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -41,6 +71,11 @@ class Policy:
     def observation_size(self) -> int:
         """Numbers that each agent must be given."""
         return int(self.actor["0"]["weight"].shape[-2]) - (len(self.agents) if self.shared else 0)
+
+    @property
+    def actions(self) -> int:
+        """Actions that each agent has, `K`."""
+        return int(self.actor[str(len(self.actor) - 1)]["weight"].shape[-1])
 
     def logits(self, observation: Any, agent: str | None = None) -> Array:
         """`[A, K]` from `[A, D]`, or `[K]` from one agent's `[D]`.
@@ -88,8 +123,6 @@ class Policy:
 
     def save(self, path: str | Path) -> Path:
         """One safetensors file; returns where."""
-        from safetensors.numpy import save
-
         about = {
             "format": "tandem policy 1",
             "agents": list(self.agents),
@@ -98,8 +131,8 @@ class Policy:
             "shared": self.shared,
             "notes": dict(self.notes),
         }
-        arrays = {f"{layer}/{part}": np.ascontiguousarray(array) for layer, parts in self.actor.items() for part, array in parts.items()}
-        store(path, save(arrays, metadata={"tandem": json.dumps(about)}))
+        arrays = {f"{layer}/{part}": array for layer, parts in self.actor.items() for part, array in parts.items()}
+        write_tensors(path, arrays, about)
         return Path(path)
 
     @classmethod
@@ -107,23 +140,17 @@ class Policy:
         """What `save` wrote.
 
         Raises:
-          CellError: the file cannot be read, or is no policy.
+          CellError: the file cannot be read, is no policy, or holds no network; with everything that is wrong.
         """
-        from safetensors import SafetensorError, safe_open
-
-        try:
-            with safe_open(str(path), "numpy") as file:
-                about = json.loads((file.metadata() or {})["tandem"])
-                arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 (not a dictionary)
-            if about["format"] != "tandem policy 1":
-                raise ValueError(f"its format is {about['format']!r}")
-        except (OSError, ValueError, KeyError, SafetensorError) as error:
-            raise CellError([Fault(f"is no policy that can be read ({type(error).__name__}: {error}).", (), str(path))]) from error
+        arrays, about = read_tensors(path, _About, "policy")
+        notes = parsed(Path(path), json.dumps(about.notes), Notes, "is no policy: notes").model_dump(exclude_unset=True)
+        if faults := list(_faults(arrays, len(about.agents), about.shared)):
+            raise unreadable(path, [f"is no policy: {fault}" for fault in faults])
         actor: Network = {}
         for name, array in arrays.items():
             layer, part = name.split("/")
             actor.setdefault(layer, {})[part] = array
-        return cls(tuple(about["agents"]), actor, about["activation"], about["masked"], about["shared"], about["notes"])
+        return cls(about.agents, actor, about.activation, about.masked, about.shared, notes)
 
     def _row(self, agent: str) -> int:
         if agent not in self.agents:
@@ -135,3 +162,31 @@ class Policy:
 
     def _input(self, seen: Array, row: int) -> Array:
         return np.concatenate([seen, np.eye(len(self.agents), dtype=np.float32)[row]]) if self.shared else seen
+
+
+def _faults(arrays: Mapping[str, Array], agents: int, shared: bool) -> Iterator[str]:
+    """What keeps arrays from being the layers of an actor, one behind the other, with a leading axis of agents unless they share it."""
+    layers = len(arrays) // 2
+    wanted = {f"{layer}/{part}" for layer in range(layers) for part in ("weight", "bias")}
+    if not layers or set(arrays) != wanted:
+        yield f"its arrays are {', '.join(sorted(arrays)[:6]) or 'none'}; a network has weight and bias of layers 0, 1, ... and nothing else."
+        return
+    lead = () if shared else (agents,)
+    for name, array in arrays.items():
+        if array.dtype != np.float32:
+            yield f"{name} holds {array.dtype} instead of float32."
+        elif not np.isfinite(array).all():
+            yield f"{name} holds numbers that are not finite."
+    inputs = None
+    for layer in range(layers):
+        weight, bias = arrays[f"{layer}/weight"].shape, arrays[f"{layer}/bias"].shape
+        fits = len(weight) == len(lead) + 2 and weight[: len(lead)] == lead and min(weight) > 0
+        if not fits or inputs not in (None, weight[-2]):
+            before = f" behind a layer of {inputs}" if inputs else ""
+            yield f"{layer}/weight has the shape {list(weight)}, which is no layer of {agents} agents{' that share it' * shared}{before}."
+            return
+        if bias != (*lead, weight[-1]):
+            yield f"{layer}/bias has the shape {list(bias)} instead of {[*lead, weight[-1]]}."
+        inputs = weight[-1]
+    if shared and arrays["0/weight"].shape[-2] <= agents:
+        yield f"0/weight sees nothing but whose turn it is among {agents} agents."

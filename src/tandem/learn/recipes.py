@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from typing import Any, ClassVar, Literal, Protocol, Self
+from typing import Any, ClassVar, Literal, Protocol, get_args
+
+from pydantic import ConfigDict
 
 from tandem.envs.thesis.observations import observe, observe_normalised, observe_scaled
+from tandem.envs.thesis.rewards import REWARDS
 from tandem.errors import UsageError
 from tandem.learn.alphazero.recipes import ALPHAZERO, YU_2020, SearchRecipe, YuRecipe
 from tandem.learn.config import Config, Stage
 from tandem.learn.dqn.recipes import DQN, YU_2021, ValueRecipe
+from tandem.learn.forms import STRICT, SettingsError
 from tandem.learn.response.recipes import RESPONSE, ResponseRecipe
+from tandem.learn.settings import must_hold, one_of, read
 
 OBSERVATIONS: dict[str, Callable[..., Any]] = {"thesis": observe, "scaled": observe_scaled, "normalised": observe_normalised}
 """What a recipe's `sees` means: station and state to `[2, D]`, in NumPy and JAX alike."""
+
+
+Pace = Literal["ticks", "decisions"]
 
 
 class AnyRecipe(Protocol):
@@ -33,10 +41,6 @@ class AnyRecipe(Protocol):
     def to_dict(self) -> dict[str, Any]:
         """Plain values, as a run keeps them."""
 
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """The inverse of `to_dict`."""
-
 
 @dataclass(frozen=True)
 class Recipe:
@@ -50,18 +54,24 @@ class Recipe:
     """
 
     config: Config
-    pace: Literal["ticks", "decisions"]
+    pace: Pace
     sees: str
     rewards: str = "appendix"
 
     algorithm: ClassVar[str] = "ppo"
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
+    def __post_init__(self) -> None:
+        must_hold(self.faults())
+
+    def faults(self) -> Iterator[str]:
+        """Everything that is wrong with it, beside its `config`."""
+        yield from one_of(self, "pace", get_args(Pace))
+        yield from one_of(self, "sees", OBSERVATIONS)
+        yield from one_of(self, "rewards", REWARDS)
 
     def to_dict(self) -> dict[str, Any]:
         return {"pace": self.pace, "sees": self.sees, "rewards": self.rewards, "config": self.config.to_dict()}
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        return cls(**{**data, "config": Config.from_dict(data["config"])})
 
 
 THESIS = Recipe(
@@ -156,29 +166,75 @@ def longer(base: Recipe, factor: float) -> Recipe:
     return replace(base, config=replace(base.config, stages=tuple(stretched(stage) for stage in base.config.stages)))
 
 
+def recipe_from(algorithm: str, data: Any) -> AnyRecipe:
+    """The recipe that `to_dict` wrote down.
+
+    Raises SettingsError with everything that does not fit. Assumes that `KINDS` holds the algorithm.
+    """
+    return read(KINDS[algorithm], data)
+
+
 def changed(base: AnyRecipe, settings: Sequence[str]) -> AnyRecipe:
     """The recipe with settings such as `waiting=false` or `config.search.simulations=64`; values are JSON, or words.
 
     Raises UsageError, with all faults at once, for what is no setting of the recipe or does not fit it.
     """
-    data, faults = json.loads(json.dumps(base.to_dict())), []
+    if not settings:
+        return base
+    data, faults = _plain(base), []
+    names = [setting.partition("=")[0] for setting in settings]
     for setting in settings:
-        name, is_one, value = setting.partition("=")
-        *parents, last = name.split(".")
-        part: Any = data
-        for parent in parents:
-            part = part.get(parent) if isinstance(part, dict) else None
-        if not is_one or not isinstance(part, dict) or last not in part:
-            faults.append(f"--set {setting}: the recipe has no such setting; it has {', '.join(_names(data))}.")
-            continue
-        new = _value(value)
-        if type(new) is not type(part[last]) and not (part[last] is None or new is None or (isinstance(part[last], float) and type(new) is int)):
-            faults.append(f"--set {setting}: must be like {json.dumps(part[last])}.")
-            continue
-        part[last] = new
+        if not _put(data, setting):
+            faults.append(f"{_short(setting)}: the recipe has no such setting; it has {', '.join(_names(_plain(base)))}.")
+    faults += [f"{name}: is set {names.count(name)} times." for name in dict.fromkeys(names) if names.count(name) > 1]
+    try:
+        made = recipe_from(base.algorithm, data)
+    except SettingsError as error:
+        faults += list(error.faults)
+        faults += [fault for setting in settings for fault in _alone(base, setting) if fault not in faults]
     if faults:
-        raise UsageError("\n".join(faults))
-    return KINDS[base.algorithm].from_dict(data) if settings else base
+        raise UsageError("\n".join(f"--set {fault}" for fault in faults))
+    return made
+
+
+def _alone(base: AnyRecipe, setting: str) -> list[str]:
+    """What is wrong with a setting itself, whatever the others are: a part that does not hold keeps what stands around it from being judged."""
+    data = _plain(base)
+    _put(data, setting)
+    try:
+        recipe_from(base.algorithm, data)
+    except SettingsError as error:
+        return [fault for fault in error.faults if fault.startswith(f"{setting.partition('=')[0]} ")]
+    return []
+
+
+def _plain(base: AnyRecipe) -> dict[str, Any]:
+    data: dict[str, Any] = json.loads(json.dumps(base.to_dict()))
+    return data
+
+
+def _put(data: dict[str, Any], setting: str) -> bool:
+    """Writes the value of `NAME=VALUE` where its name leads; False when that is nowhere. A number leads into a list."""
+    name, is_one, value = setting.partition("=")
+    *parents, last = name.split(".")
+    part: Any = data
+    for parent in parents:
+        part = part[_key(part, parent)] if _key(part, parent) is not None else None
+    key = _key(part, last)
+    if not is_one or key is None:
+        return False
+    part[key] = _value(value)
+    return True
+
+
+def _key(part: Any, word: str) -> str | int | None:
+    if isinstance(part, list) and word.isdecimal() and int(word) < len(part):
+        return int(word)
+    return word if isinstance(part, dict) and word in part else None
+
+
+def _short(setting: str) -> str:
+    return setting if len(setting) <= 80 else f"{setting[:77]}..."
 
 
 def _names(data: Mapping[str, Any], place: str = "") -> list[str]:
@@ -188,5 +244,5 @@ def _names(data: Mapping[str, Any], place: str = "") -> list[str]:
 def _value(text: str) -> Any:
     try:
         return json.loads(text)
-    except ValueError:
+    except (ValueError, RecursionError):
         return text

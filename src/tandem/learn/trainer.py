@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+import warnings
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import jax
 import numpy as np
 
 from tandem.cell.model import Cell
-from tandem.errors import NothingFoundError, UsageError
+from tandem.cell.wording import shown
+from tandem.errors import CellError, NothingFoundError, UsageError
 from tandem.learn import checkpoint
 from tandem.learn.algorithms import Algorithm, Learners, Row, algorithm
-from tandem.learn.recipes import KINDS, AnyRecipe, recipe
-from tandem.learn.runs import RunFolder, new_folder
+from tandem.learn.forms import SettingsError, unreadable
+from tandem.learn.recipes import AnyRecipe, recipe, recipe_from
+from tandem.learn.room import make_room
+from tandem.learn.runs import RunFolder, asked_cell, new_folder
 from tandem.plan.methods import plan
 from tandem.plan.result import Front
 
@@ -52,9 +57,13 @@ class Order:
 
     def __post_init__(self) -> None:
         if not self.seeds or len(set(self.seeds)) < len(self.seeds):
-            raise UsageError(f"seeds {list(self.seeds)}: give one or more, each once.")
+            raise UsageError(f"seeds {', '.join(map(str, self.seeds)) or 'empty'}: give one or more, each once.")
+        if not all(0 <= seed < 2**32 for seed in self.seeds):
+            raise UsageError(f"seeds {shown(self.seeds[0])} ...: each is a whole number from 0 to {2**32 - 1}.")
         if not (np.isfinite(self.stress_factor) and self.stress_factor >= 0):
             raise UsageError(f"stress factor {self.stress_factor}: must be a number, 0 or more.")
+        if not (np.isfinite(self.front_limit) and self.front_limit > 0):
+            raise UsageError(f"front limit {self.front_limit}: must be a number of seconds above 0.")
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""
@@ -69,10 +78,26 @@ class Order:
         }
 
     @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Order:
-        """The inverse of `to_dict`."""
-        made = KINDS[data.get("algorithm", "ppo")].from_dict(data["settings"])
-        return cls(Cell.model_validate(data["cell"]), made, data["recipe"], tuple(data["seeds"]), data["stress_factor"], data["front_limit"])
+    def of(cls, run: RunFolder) -> Order:
+        """What a run was asked.
+
+        Raises CellError when the folder holds no run, or one whose cell or settings do not hold; with everything that is wrong.
+        """
+        asked, faults = run.asked(), list[str]()
+        try:
+            cell = asked_cell(run, asked)
+        except CellError as error:
+            faults += [fault.message for fault in error.faults]
+        try:
+            made = recipe_from(asked.algorithm, asked.settings)
+        except SettingsError as error:
+            faults += [f"settings.{fault}" for fault in error.faults]
+        if faults:
+            raise unreadable(run.path / "run.json", faults)
+        try:
+            return cls(cell, made, asked.recipe, asked.seeds, asked.stress_factor, asked.front_limit)
+        except UsageError as error:
+            raise unreadable(run.path / "run.json", [str(error)]) from None
 
 
 @dataclass
@@ -136,17 +161,32 @@ def train(
     return _go_on(training, tensorboard, on_progress)
 
 
-def resume(folder: str | Path, *, tensorboard: bool = False, on_progress: Callable[[Progress], None] | None = None) -> dict[str, Any]:
+def resume(
+    folder: str | Path,
+    *,
+    tensorboard: bool = False,
+    on_progress: Callable[[Progress], None] | None = None,
+    on_notice: Callable[[str], None] = warnings.warn,
+) -> dict[str, Any]:
     """Goes on with a run from its newest checkpoint, to the same end (bit by bit, on the same machine) as without the stop.
 
-    Raises CellError when the folder holds no run, or one whose checkpoint cannot be read.
+    When the newest checkpoint is damaged and the one before it is not, it goes on from that and says so with `on_notice`.
+
+    Raises CellError when the folder holds no run, or one that is damaged beyond that; nothing has been changed then.
     """
     run = RunFolder(Path(folder))
-    order = Order.from_dict(run.asked())
-    learner = algorithm(order)
-    learners, notes = checkpoint.load(run.checkpoint, learner.begin())
-    run.back_to(notes["interval"])
-    training = Training(order, run, learner, exact_front(order.cell, order.front_limit), learners, notes["interval"], notes["cpu_s"])
+    order = Order.of(run)
+    try:
+        learner = algorithm(order)
+    except UsageError as error:
+        raise unreadable(run.path / "run.json", str(error).splitlines()) from None
+    run.rows()  # before anything is written: figures that cannot be read must not be forgotten
+    like = jax.eval_shape(learner.begin)
+    (learners, notes), notice = run.newest_checkpoint(lambda path: checkpoint.load(path, like))
+    if notice:
+        on_notice(notice)
+    run.back_to(notes.interval)
+    training = Training(order, run, learner, exact_front(order.cell, order.front_limit), learners, notes.interval, notes.cpu_s)
     return _go_on(training, tensorboard, on_progress)
 
 
@@ -165,6 +205,7 @@ def _go_on(training: Training, tensorboard: bool, on_progress: Callable[[Progres
         from tensorboardX import SummaryWriter
 
         training.tensorboard = SummaryWriter(str(training.folder.path / "tensorboard"))
+    make_room()
     interrupted = False
     try:
         while training.share < 1:
@@ -217,7 +258,8 @@ def _to_tensorboard(writer: Any, rows: Sequence[Row]) -> None:
 
 
 def _save(training: Training) -> None:
-    checkpoint.save(training.folder.checkpoint, training.learners, {"interval": training.interval, "cpu_s": training.spent()})
+    notes = checkpoint.Notes(interval=training.interval, cpu_s=training.spent())
+    training.folder.keep_checkpoint(lambda path: checkpoint.save(path, training.learners, notes))
 
 
 def _save_policies(training: Training) -> None:

@@ -17,6 +17,7 @@ from random import Random
 from time import perf_counter
 
 from tandem.cell.model import Cell
+from tandem.cell.written import number
 from tandem.errors import InfeasibleError, NothingFoundError
 from tandem.plan.along_clock import Key, Moves, Node
 from tandem.plan.bounds import heads, least_makespan, least_stress, load_prices
@@ -74,9 +75,9 @@ def limits(question: Question) -> str:
     """The limits of a question in words, with the cell's own."""
     words = ["the cell's own limits"]
     if question.max_makespan is not None:
-        words.append(f"a makespan of at most {question.max_makespan:g} s")
+        words.append(f"a makespan of at most {number(question.max_makespan)} s")
     if question.max_stress is not None:
-        words.append(f"a stress of at most {question.max_stress:g}")
+        words.append(f"a stress of at most {number(question.max_stress)}")
     return " and ".join(words)
 
 

@@ -13,6 +13,7 @@ from time import monotonic
 from typing import Any
 
 from tandem.cell.model import Cell, Tool, Zone
+from tandem.cell.written import number
 from tandem.errors import CellError, InfeasibleError, NothingFoundError
 from tandem.plan import exact
 from tandem.plan.question import Question
@@ -51,15 +52,15 @@ def reasons(cell: Cell, question: Question, *, seconds: float = 30.0) -> list[st
 def limits(cell: Cell, question: Question) -> Iterator[Limit]:
     """Everything that could be lifted: the question's limits first, then the cell's."""
     if question.max_makespan is not None:
-        yield Limit(f"the limit on the makespan ({question.max_makespan:g} s)", ("question", "max_makespan"))
+        yield Limit(f"the limit on the makespan ({number(question.max_makespan)} s)", ("question", "max_makespan"))
     if question.max_stress is not None:
-        yield Limit(f"the limit on stress ({question.max_stress:g})", ("question", "max_stress"))
+        yield Limit(f"the limit on stress ({number(question.max_stress)})", ("question", "max_stress"))
     for name, operator in cell.operators.items():
         if operator.stress_limit is not None:
-            yield Limit(f"the stress limit of {name} ({operator.stress_limit:g})", ("operators", name, "stress_limit"))
+            yield Limit(f"the stress limit of {name} ({number(operator.stress_limit)})", ("operators", name, "stress_limit"))
     for name, task in cell.tasks.items():
         if task.deadline is not None:
-            yield Limit(f"the deadline of task {name} ({task.deadline:g} s)", ("tasks", name, "deadline"))
+            yield Limit(f"the deadline of task {name} ({number(task.deadline)} s)", ("tasks", name, "deadline"))
     if cell.stress_of_set is not None:
         yield Limit("the list of allowed sets of human tasks (stress_of_set)", ("stress_of_set",))
     for one, two in cell.same_operator:
@@ -69,7 +70,7 @@ def limits(cell: Cell, question: Question) -> Iterator[Limit]:
             yield Limit(f"the breaks of {name}", ("operators", name, "breaks"))
     for name, task in cell.tasks.items():
         if task.release > 0:
-            yield Limit(f"the release of task {name} ({task.release:g} s)", ("tasks", name, "release"))
+            yield Limit(f"the release of task {name} ({number(task.release)} s)", ("tasks", name, "release"))
     for kind, used in (("zones", {t.zone for t in cell.tasks.values()}), ("tools", {t.tool for t in cell.tasks.values()})):
         for name in sorted(x for x in used if x):
             shared = getattr(cell, kind).get(name)
@@ -136,4 +137,4 @@ def _without(cell: Cell, question: Question, limit: Limit) -> str:
         result = exact.solve(variant, replace(asked, minimize="makespan"), time_limit=EACH_S)[0]
     except (InfeasibleError, NothingFoundError, CellError):
         return f"Lifting {limit.words} alone does not help."
-    return f"Without {limit.words} it works: {result.makespan:g} s with a stress of {result.stress:g}."
+    return f"Without {limit.words} it works: {number(result.makespan)} s with a stress of {number(result.stress)}."

@@ -3,39 +3,55 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from difflib import get_close_matches
 
 from tandem.cell.model import Cell
-from tandem.errors import InfeasibleError, UsageError
+from tandem.errors import CellError, Fault, InfeasibleError, UsageError
 from tandem.plan import exact, exhaustive
 from tandem.plan.infeasible import reasons
 from tandem.plan.question import Method, Progress, Question
 from tandem.plan.result import Front
-from tandem.plan.rules import RULES
+from tandem.plan.rules import RULES, SPECS
 from tandem.schedule.model import Schedule
 
-METHODS: dict[str, Method] = {"exact": exact.solve, "exhaustive": exhaustive.solve, **RULES}
+
+@dataclass(frozen=True)
+class Entry:
+    """A line of the table: what the method does, in a line, and the method; it is called like the method itself."""
+
+    what: str
+    solve: Method
+
+    def __call__(
+        self,
+        cell: Cell,
+        question: Question = Question(),
+        *,
+        time_limit: float | None = None,
+        seed: int = 0,
+        workers: int | None = None,
+        hint: Schedule | None = None,
+        on_solution: Callable[[Progress], None] | None = None,
+    ) -> Front:
+        return self.solve(cell, question, time_limit=time_limit, seed=seed, workers=workers, hint=hint, on_solution=on_solution)
+
+
+METHODS: dict[str, Entry] = {
+    "exact": Entry("CP-SAT beside large-neighbourhood search: the complete front with proof", exact.solve),
+    "exhaustive": Entry("dynamic programming, no constraint solver: the complete front of small cells with proof", exhaustive.solve),
+    **{name: Entry(SPECS[name].what, solve) for name, solve in RULES.items()},
+}
 """Name -> method. A new one is a file and a line here."""
 
-WHAT = {
-    "exact": "CP-SAT beside large-neighbourhood search: the complete front with proof",
-    "exhaustive": "dynamic programming, no constraint solver: the complete front of small cells with proof",
-    "random": "tasks in random order",
-    "spt": "shortest task first",
-    "lpt": "longest task first",
-    "longest-tail": "the task with the longest chain behind it first",
-    "earliest-completion": "whatever can be finished first",
-    "heft": "by upward rank over mean times (Topcuoglu et al. 2002)",
-    "least-stress": "the way with the least stress, then the longest tail",
-    "balanced": "longest tail, work to whom it suits at the price of each operator's time",
-    "weighted": "longest tail, stress weighed against time; one schedule for each of several weights",
-    "best-of-n": "the best of 100 randomised schedules of the rule 'balanced'",
-}
+
+MOST_TASKS = 20_000
+"""With more, even the first schedule takes minutes, and no time limit could be kept."""
 
 
 def describe(method: str) -> str:
     """What a method does, in a line."""
-    return WHAT[method]
+    return METHODS[method].what
 
 
 def plan(
@@ -66,6 +82,7 @@ def plan(
 
     Raises:
       UsageError: an unknown method, or an option out of range.
+      CellError: the cell has more than `MOST_TASKS` tasks.
       InfeasibleError: it is proven that no schedule answers the question; its `reasons` say, in the cell's words, what stands in the way.
       NothingFoundError: none was found within the limit.
     """
@@ -77,6 +94,8 @@ def plan(
         raise UsageError(f"time limit {time_limit}: must be more than 0 seconds.")
     if workers is not None and workers < 1:
         raise UsageError(f"workers {workers}: must be 1 or more.")
+    if len(cell.tasks) > MOST_TASKS:
+        raise CellError([Fault(f"the cell has {len(cell.tasks):,} tasks, and at most {MOST_TASKS:,} can be planned. Split it.", ("tasks",))])
     if question is None:
         question = Question(minimize, weights, max_makespan, max_stress)  # type: ignore[arg-type]
     try:

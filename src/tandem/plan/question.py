@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from tandem.cell.model import Cell, plain
+from tandem.cell.written import number
 from tandem.errors import UsageError
 from tandem.schedule.model import Schedule
 
@@ -35,18 +36,18 @@ class Question:
         if self.minimize not in ("front", "makespan", "stress", "weighted"):
             raise UsageError(f"cannot minimize {self.minimize!r}: choose front, makespan, stress or weighted.")
         if any(not math.isfinite(w) or w < 0 for w in self.weights) or not any(self.weights):
-            raise UsageError(f"weights {self.weights}: both must be 0 or more, and one of them more than 0.")
+            raise UsageError(f"weights {','.join(map(number, self.weights))}: both must be 0 or more, and one of them more than 0.")
         for name in ("max_makespan", "max_stress"):
             limit = getattr(self, name)
             if limit is not None and not (math.isfinite(limit) and limit >= 0):
-                raise UsageError(f"{name} {limit}: must be a number, 0 or more.")
+                raise UsageError(f"{name} {number(limit)}: must be a number, 0 or more.")
 
     @property
     def limits(self) -> tuple[str, ...]:
         """The limits on every schedule, as messages and reports say them."""
         return (
-            *([f"a makespan of at most {self.max_makespan:g} s"] if self.max_makespan is not None else []),
-            *([f"a stress of at most {self.max_stress:g}"] if self.max_stress is not None else []),
+            *([f"a makespan of at most {number(self.max_makespan)} s"] if self.max_makespan is not None else []),
+            *([f"a stress of at most {number(self.max_stress)}"] if self.max_stress is not None else []),
         )
 
     def to_dict(self) -> dict[str, Any]:

@@ -28,6 +28,7 @@ class Rule:
     """How a rule builds a schedule.
 
     Attributes:
+      what: it does, in a line.
       build: the order of building: along the clock, down a list, or by score.
       priority: per task, least first.
       time, stress: what a step's end (ticks) and its stress (units) weigh when the step is chosen.
@@ -37,6 +38,7 @@ class Rule:
       samples: so many schedules are drawn, the priorities shaken by `temperature`; the first one is not shaken.
     """
 
+    what: str
     build: Callable[[Layout, Sequence[float], Score], State | None]
     priority: Priority
     time: float = 1.0
@@ -84,18 +86,20 @@ def latest_start(layout: Layout, _: Random) -> list[float]:
 
 
 SPECS: dict[str, Rule] = {
-    "random": Rule(clockwise, _shuffled),
-    "spt": Rule(clockwise, _shortest),
-    "lpt": Rule(clockwise, _longest),
-    "longest-tail": Rule(clockwise, _longest_tail),
-    "earliest-completion": Rule(by_score, _longest_tail),
-    "heft": Rule(by_rank, _upward_rank),
-    "least-stress": Rule(clockwise, _longest_tail, time=1e-6, stress=1.0),
-    "balanced": Rule(clockwise, _longest_tail, prices=8.0),
-    "weighted": Rule(clockwise, _longest_tail, stress=1.0, sweeps=True),
-    "best-of-n": Rule(clockwise, _longest_tail, prices=8.0, sweeps=True, samples=100, temperature=0.3),
+    "random": Rule("tasks in random order", clockwise, _shuffled),
+    "spt": Rule("shortest task first", clockwise, _shortest),
+    "lpt": Rule("longest task first", clockwise, _longest),
+    "longest-tail": Rule("the task with the longest chain behind it first", clockwise, _longest_tail),
+    "earliest-completion": Rule("whatever can be finished first", by_score, _longest_tail),
+    "heft": Rule("by upward rank over mean times (Topcuoglu et al. 2002)", by_rank, _upward_rank),
+    "least-stress": Rule("the way with the least stress, then the longest tail", clockwise, _longest_tail, time=1e-6, stress=1.0),
+    "balanced": Rule("longest tail, work to whom it suits at the price of each operator's time", clockwise, _longest_tail, prices=8.0),
+    "weighted": Rule("longest tail, stress weighed against time", clockwise, _longest_tail, stress=1.0, sweeps=True),
+    "best-of-n": Rule(
+        "the best of 100 randomised schedules of the rule 'balanced'", clockwise, _longest_tail, prices=8.0, sweeps=True, samples=100, temperature=0.3
+    ),
 }
-"""Every rule by its name."""
+"""Every rule by its name. A new one is a line here: it is then a method of planning and decides live, too."""
 
 SWEEP = (0.0, 0.03, 0.07, 0.12, 0.2, 0.3, 0.45, 0.65, 1.0, 1.5, 2.2, 3.3, 5.0, 10.0, 1e6)
 """Weights of stress against time that a sweep tries, in the cell's own mean time per mean stress of a task."""
@@ -234,7 +238,7 @@ def attempts(layout: Layout, rule: Rule, random: Random, question: Question, eno
     for attempt in range(REPAIRS):
         if enough():
             return
-        repair = Rule(by_rank if attempt % 3 == 2 else clockwise, latest_start if attempt % 2 else _longest_tail)
+        repair = Rule("a repair", by_rank if attempt % 3 == 2 else clockwise, latest_start if attempt % 2 else _longest_tail)
         yield build(layout, repair, random, stress=SWEEP[-1 - attempt // 2 % len(SWEEP)] * _exchange(layout), temperature=0.02 * attempt)
 
 

@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from tandem.cell.storing import store
+from tandem.cell.written import number
 from tandem.draw.saving import save
-from tandem.draw.style import number, task_label
+from tandem.draw.style import task_label
 from tandem.errors import UsageError
 from tandem.plan.result import Front
 from tandem.report.html import write_html
@@ -31,7 +32,7 @@ def write(front: Front, path: str | os.PathLike[str], *, command: str = "", date
 
     `.json` is the result document, `.csv` has one row for each task of each point, `.svg`, `.png` and `.pdf` show the front above the knee's
     Gantt chart, `.html` is the report, `.md` the same for wikis, `.xlsx` a workbook that `tandem import` reads too, `.xml` the knee's plan for
-    MS Project. `command`, `date` and `language` are for the reports.
+    MS Project. `command` and `date` are for the reports, `language` for them and the pictures; `.json` and `.csv` are the same in every language.
 
     Raises:
       UsageError: the name has none of these endings.
@@ -45,7 +46,7 @@ def write(front: Front, path: str | os.PathLike[str], *, command: str = "", date
     if ending in REPORTS:
         store(path, REPORTS[ending](front, command, date, language))
     else:
-        WRITERS[ending](front, path)
+        WRITERS[ending](front, path, language)
     return Path(path)
 
 
@@ -109,23 +110,23 @@ def _harmless(name: str) -> str:
     return "'" + name if risky else name
 
 
-def _write_json(front: Front, path: str | os.PathLike[str]) -> None:
+def _write_json(front: Front, path: str | os.PathLike[str], _: str) -> None:
     store(path, to_json(front))
 
 
-def _write_csv(front: Front, path: str | os.PathLike[str]) -> None:
+def _write_csv(front: Front, path: str | os.PathLike[str], _: str) -> None:
     text = to_csv(front)
     # Excel takes a CSV file for the local 8-bit encoding unless it begins with this mark; plain ASCII does without.
     store(path, text if text.isascii() else text.encode("utf-8-sig"))
 
 
-def _write_picture(front: Front, path: str | os.PathLike[str]) -> None:
+def _write_picture(front: Front, path: str | os.PathLike[str], language: str) -> None:
     from tandem.draw.overview import overview
 
-    save(overview(front), path)
+    save(overview(front, language=language), path)
 
 
-WRITERS: dict[str, Callable[[Front, Any], None]] = {
+WRITERS: dict[str, Callable[[Front, Any, str], None]] = {
     ".json": _write_json,
     ".csv": _write_csv,
     ".svg": _write_picture,

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from tandem.cell.model import Cell
 from tandem.cell.storing import store
-from tandem.draw.style import Look, looks, number, seconds, share
+from tandem.draw.style import Look, looks
 from tandem.plan.result import Front, Result, Status
 from tandem.report.instruction_sheet import sheets
 from tandem.report.language import Words, words
@@ -87,16 +87,16 @@ def summary(front: Front, t: Words) -> list[str]:
     operators = t("and", first=people[0], last=people[1]) if len(people) == 2 else people[0]
     first = t("summary.cell", tasks=t.count("task", len(cell.tasks)), operators=operators)
     asked = front.question
-    limits = [] if asked.max_makespan is None else [t("summary.limit.makespan", limit=seconds(asked.max_makespan))]
-    limits += [] if asked.max_stress is None else [t("summary.limit.stress", limit=number(asked.max_stress))]
+    limits = [] if asked.max_makespan is None else [t("summary.limit.makespan", limit=t.seconds(asked.max_makespan))]
+    limits += [] if asked.max_stress is None else [t("summary.limit.stress", limit=t.number(asked.max_stress))]
     first = " ".join([first, *limits])
     if not len(front):
         return [first, t("summary.none")]
     if len(front) == 1:
-        found = t("summary.one", makespan=seconds(front[0].makespan), stress=number(front[0].stress))
+        found = t("summary.one", makespan=t.seconds(front[0].makespan), stress=t.number(front[0].stress))
     else:
-        ends = {"first_makespan": seconds(front[0].makespan), "first_stress": number(front[0].stress)}
-        ends |= {"last_makespan": seconds(front[len(front) - 1].makespan), "last_stress": number(front[len(front) - 1].stress)}
+        ends = {"first_makespan": t.seconds(front[0].makespan), "first_stress": t.number(front[0].stress)}
+        ends |= {"last_makespan": t.seconds(front[len(front) - 1].makespan), "last_stress": t.number(front[len(front) - 1].stress)}
         found = t("summary.many", n=len(front), **ends) + " " + _advice(front, t)
     proof = "proven" if front.complete else "answer" if all(r.status == Status.OPTIMAL for r in front) and len(front) == 1 else "open"
     sentences = [f"{first} {found}", t(f"summary.{proof}")]
@@ -105,12 +105,12 @@ def summary(front: Front, t: Words) -> list[str]:
 
 def _advice(front: Front, t: Words) -> str:
     knee, quickest = front.knee, front[0]
-    values = {"n": front.results.index(knee) + 1, "makespan": seconds(knee.makespan), "stress": number(knee.stress)}
+    values = {"n": front.results.index(knee) + 1, "makespan": t.seconds(knee.makespan), "stress": t.number(knee.stress)}
     if knee is quickest:
         return t("summary.knee.first", **values)
     longer, spared = knee.makespan - quickest.makespan, quickest.stress - knee.stress
-    part = share(spared / quickest.stress) if quickest.stress else "0 %"
-    return t("summary.knee", **values, longer=f"{seconds(longer)} ({share(longer / quickest.makespan)})", spared=f"{number(spared)} ({part})")
+    part = t.share(spared / quickest.stress) if quickest.stress else "0 %"
+    return t("summary.knee", **values, longer=f"{t.seconds(longer)} ({t.share(longer / quickest.makespan)})", spared=f"{t.number(spared)} ({part})")
 
 
 def _trade_off(front: Front, t: Words, players: Sequence[Player]) -> Markup:
@@ -124,7 +124,7 @@ def _trade_off(front: Front, t: Words, players: Sequence[Player]) -> Markup:
 
 def _plan(front: Front, place: int, t: Words) -> Markup:
     result = front[place]
-    values = {"n": place + 1, "makespan": seconds(result.makespan), "stress": number(result.stress)}
+    values = {"n": place + 1, "makespan": t.seconds(result.makespan), "stress": t.number(result.stress)}
     badge = [" ", tag("span", t("plan.recommended"), class_="badge")] if len(front) > 1 and result is front.knee else []
     return tag(
         "section",

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from tandem.draw.style import looks, number, seconds
+from tandem.draw.style import looks
 from tandem.plan.result import Front, Result
 from tandem.report.html import summary
-from tandem.report.instructions import turns
+from tandem.report.instructions import rules, times, turns
 from tandem.report.language import Words, words
 from tandem.report.sources import assumptions, made
 from tandem.report.tables import named, status
@@ -22,7 +22,7 @@ def markdown(front: Front, *, command: str = "", date: str = "", language: str =
     if len(front):
         parts += [f"## {t('front.title')}", _front(front, t)]
         knee = front.knee
-        title = t("plan.title", n=front.results.index(knee) + 1, makespan=seconds(knee.makespan), stress=number(knee.stress))
+        title = t("plan.title", n=front.results.index(knee) + 1, makespan=t.seconds(knee.makespan), stress=t.number(knee.stress))
         parts += [f"## {title}", _steps(knee, t)]
         parts += [part for operator in front.cell.operators for part in _instructions(knee, operator, t)]
     parts += [f"## {t('assume.title')}", "\n".join(f"- {_text(sentence)}" for sentence in assumptions(front, t))]
@@ -47,7 +47,7 @@ def _front(front: Front, t: Words) -> str:
     for place, result in enumerate(front, 1):
         mark = f"**{place}** ({t('plan.recommended')})" if len(front) > 1 and result is front.knee else str(place)
         does = [", ".join(a.task for a in result.schedule.of(name)) or "–" for name in front.cell.operators]
-        rows.append([mark, number(result.makespan), number(result.stress), status(result, t), *map(_text, does)])
+        rows.append([mark, t.number(result.makespan), t.number(result.stress), status(result, t), *map(_text, does)])
     return table(heads, rows)
 
 
@@ -57,10 +57,10 @@ def _steps(result: Result, t: Words) -> str:
     rows = []
     for a in schedule:
         mode = mode_of(cell, a)
-        load = number(sum(mode.stress.values())) if mode and mode.stress else "–"
-        late = t("plan.step.critical") if a.task in critical else number(free[a.task])
+        load = t.number(sum(mode.stress.values())) if mode and mode.stress else "–"
+        late = t("plan.step.critical") if a.task in critical else t.number(free[a.task])
         who = " + ".join(shown[o].label for o in a.operators)
-        rows.append([_text(named(cell, a.task)), _text(who), number(a.start), number(a.end), load, late])
+        rows.append([_text(named(cell, a.task)), _text(who), t.number(a.start), t.number(a.end), load, late])
     return table([t(f"plan.step.{key}") for key in ("task", "who", "start", "end", "stress", "slack")], rows)
 
 
@@ -70,13 +70,14 @@ def _instructions(result: Result, operator: str, t: Words) -> list[str]:
     if not found:
         return [title, t("steps.none")]
     extra = [key for key in ("part", "tool", "zone", "together_with") if any(getattr(turn, key) for turn in found)]
-    heads = [t(f"steps.{key}") for key in ("turn", "does", *(key.removeprefix("together_") for key in extra), "wait", "hands", "start", "end")]
+    words_of = (key.removeprefix("together_") for key in extra)
+    heads = [t(f"steps.{key}") for key in ("turn", "does", *words_of, "wait", "hands", *times(found))]
     rows = []
     for turn in found:
-        does = turn.does if turn.does == turn.task else f"{turn.task}: {turn.does}"
-        cells = [str(turn.number), does, *(getattr(turn, key) for key in extra), "; ".join(turn.wait), "; ".join(turn.hands_to)]
-        rows.append([*map(_text, cells), number(turn.start), number(turn.end)])
-    return [title, table(heads, rows)]
+        cells = [str(turn.number), turn.does, *(getattr(turn, key) for key in extra), "; ".join(turn.wait), "; ".join(turn.hands_to)]
+        seconds = [getattr(turn, key) for key in times(found)]
+        rows.append([*map(_text, cells), *("–" if value is None else t.number(value) for value in seconds)])
+    return [title, *map(_text, rules(result.cell, operator, t)), table(heads, rows)]
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

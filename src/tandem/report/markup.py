@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import html
+import re
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
-from tandem.draw.style import Look, number
+from tandem.cell.written import number
+from tandem.draw.style import Look
 
+CELLS = ("td", "th", "div", "span")
+"""Elements in which a table's cell holds its text."""
+LONGEST_WORD, PIECE = 12, 9
+"""A word with more letters than that may be broken between pieces of so many, so that a table never needs more room than paper has."""
 WIDE, NARROW = "mwMW%@—", "iljtfrI.,:;'|!()[]/ "
 
 
@@ -20,8 +26,23 @@ class Markup(str):
 def tag(name: str, *children: object, **attributes: object) -> Markup:
     """One element. `class_` and the like lose their last underscore, other underscores become hyphens; None and False leave an attribute out."""
     head = "".join(f' {_attribute(key)}="{_value(value)}"' for key, value in attributes.items() if value is not None and value is not False)
-    inside = join(children)
+    inside = join(map(_breakable, children) if name in CELLS else children)
     return Markup(f"<{name}{head}>{inside}</{name}>")
+
+
+def _breakable(child: object) -> object:
+    """Text of a cell with places where its long words may be broken; everything else as it is."""
+    if isinstance(child, Markup) or not isinstance(child, str):
+        return child
+    return join(Markup("<wbr>") if piece is None else piece for piece in _pieces(child))
+
+
+def _pieces(text: str) -> Iterator[str | None]:
+    """The text in pieces, None where a line may be broken within a word."""
+    for word in re.split(r"(\s+|(?<=[-/]))", text):
+        yield word[:PIECE] if len(word) > LONGEST_WORD else word
+        for place in range(PIECE, len(word), PIECE) if len(word) > LONGEST_WORD else ():
+            yield from (None, word[place : place + PIECE])
 
 
 def join(children: Iterable[object]) -> Markup:

@@ -10,7 +10,7 @@ from datetime import datetime, timedelta
 from xml.etree import ElementTree
 
 from tandem.cell.model import Cell
-from tandem.draw.style import looks, number, task_label
+from tandem.draw.style import looks, task_label
 from tandem.plan.result import Result
 from tandem.report.language import Words, words
 from tandem.schedule.critical import critical_path, slack
@@ -123,7 +123,7 @@ def _tasks(tasks: ElementTree.Element, result: Result, t: Words) -> None:
 
 def _notes(cell: Cell, a: Assignment, t: Words) -> str:
     who = " + ".join(looks(cell)[name].label for name in a.operators)
-    return f"{t('gantt.bar', task=a.task, who=who, start=number(a.start), end=number(a.end), span=number(_span(a)))}. {t('project.scale')}"
+    return f"{t('gantt.bar', task=a.task, who=who, start=t.number(a.start), end=t.number(a.end), span=t.number(_span(a)))}. {t('project.scale')}"
 
 
 def _resources(resources: ElementTree.Element, cell: Cell) -> None:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from tandem.cell.model import Cell
-from tandem.draw.style import number, seconds, share
 from tandem.report.language import Words
 from tandem.report.markup import Markup, join, tag
 from tandem.report.svg_gantt import gantt
@@ -38,13 +37,17 @@ def players_section(cell: Cell, players: Sequence[Player], t: Words) -> Markup:
         return Markup("")
     heads = [(t("players.name"), ""), (t("front.makespan"), "number"), (t("front.stress"), "number"), (t("players.gap"), "number")]
     rows = [
-        tag("tr", tag("th", t(f"player.{p.name}") if p.name in NAMED else p.name, scope="row"), *(tag("td", v, class_="number") for v in _values(p)))
+        tag(
+            "tr",
+            tag("th", t(f"player.{p.name}") if p.name in NAMED else p.name, scope="row"),
+            *(tag("td", v, class_="number") for v in _values(p, t)),
+        )
         for p in players
     ]
     shown = next((p for p in players if p.schedule is not None and p.makespan is not None), None)
     chart = Markup("")
     if shown is not None and shown.schedule is not None:
-        values = {"makespan": seconds(shown.makespan or 0.0), "stress": number(shown.stress or 0.0)}
+        values = {"makespan": t.seconds(shown.makespan or 0.0), "stress": t.number(shown.stress or 0.0)}
         chart = join([tag("h3", t("players.schedule", **values)), gantt(cell, shown.schedule, t, label=t("players.schedule", **values))])
     title, lead = tag("h2", t("players.title"), id="players"), tag("p", t("players.lead"))
     return tag("section", title, lead, table(heads, rows, t("players.title")), chart)
@@ -54,8 +57,8 @@ NAMED = ("greedy", "sampled", "random")
 """Players whose names are said in the reader's language."""
 
 
-def _values(player: Player) -> tuple[str, str, str]:
+def _values(player: Player, t: Words) -> tuple[str, str, str]:
     def shown(value: float | None) -> str:
-        return "–" if value is None else number(round(value, 2))
+        return "–" if value is None else t.number(round(value, 2))
 
-    return shown(player.makespan), shown(player.stress), "–" if player.gap is None else share(player.gap)
+    return shown(player.makespan), shown(player.stress), "–" if player.gap is None else t.share(player.gap)

@@ -8,7 +8,7 @@ import time
 from types import TracebackType
 from typing import TYPE_CHECKING, Self, TextIO
 
-from tandem.draw.style import number, seconds, share
+from tandem.cell.written import number, seconds, share
 from tandem.plan.question import Progress
 
 if TYPE_CHECKING:

@@ -13,12 +13,15 @@ from typing import Any
 from tandem.cell.files import dumps, load
 from tandem.cell.model import Cell
 from tandem.cell.storing import store
+from tandem.cell.wording import shown
 from tandem.errors import CellError, Fault, UsageError
 from tandem.schedule.checker import faults
 from tandem.schedule.model import Schedule
 
 CELL, VARIANTS, RESULTS, README = "cell.yaml", "variants", "results", "README.md"
 EXAMPLE_VARIANT = "faster.yaml"
+LATEST = 1e15
+"""No moment of a schedule is later, seconds: beyond it a float no longer holds microseconds."""
 ENDINGS = (".json", ".html")
 """Results that say which cell they belong to."""
 EMBEDDED = re.compile(r'<script type="application/json" id="result">(.*?)</script>', re.DOTALL)
@@ -156,7 +159,7 @@ def _standing(path: Path, cells: Mapping[Path, Cell], homes: Mapping[str, Path])
         return Standing(path, State.UNKNOWN)
     try:
         schedules = schedules_of(document)
-    except (ValueError, KeyError, TypeError):
+    except CellError:
         schedules = []
     home = homes.get(digest)
     if home is None:
@@ -192,8 +195,40 @@ def _document(path: Path) -> dict[str, Any]:
 
 
 def schedules_of(document: Mapping[str, Any]) -> list[Schedule]:
-    """The schedules of a result document. Raises KeyError, TypeError or ValueError when it is none."""
+    """The schedules of a result document. Raises CellError with everything that keeps it from being one."""
+    if wrong := list(_misshapen(document)):
+        raise CellError(wrong)
     return [Schedule.from_list(point["assignments"]) for point in document["front"]]
+
+
+def _misshapen(document: Any) -> Iterator[Fault]:
+    """What keeps a document from being the result of `tandem plan --json`, each with its place in it."""
+    if not isinstance(document, Mapping) or not isinstance(document.get("front"), list):
+        yield Fault(f"is no result document, but {shown(document)} without a list `front`. Give what `tandem plan CELL --json` prints.")
+        return
+    for place, point in enumerate(document["front"], 1):
+        here = f"point {place} of the front"
+        if not isinstance(point, Mapping) or not isinstance(point.get("assignments"), list):
+            yield Fault(f"{here} is {shown(point)} without a list `assignments`. Plan anew, or take the point out.")
+            continue
+        for number, row in enumerate(point["assignments"], 1):
+            if problem := _misshapen_row(row):
+                yield Fault(f"{here}, assignment {number}: {problem}.")
+
+
+def _misshapen_row(row: Any) -> str:
+    """What is wrong with one assignment; empty when nothing is."""
+    if not isinstance(row, Mapping):
+        return f'is {shown(row)}, but must be like {{"task": "1", "operators": ["robot"], "start": 0, "end": 9}}'
+    if missing := [key for key in ("task", "operators", "start", "end") if key not in row]:
+        return f"{' and '.join(f'`{key}`' for key in missing)} {'is' if len(missing) == 1 else 'are'} missing"
+    for key in ("start", "end"):
+        value = row[key]
+        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < LATEST:
+            return f"{key} is {shown(value)}, but must be a number of seconds"
+    if not isinstance(row["operators"], list) or not all(isinstance(who, str | int) for who in row["operators"]):
+        return f"operators is {shown(row['operators'])}, but must be a list of names"
+    return "" if isinstance(row["task"], str | int) else f"task is {shown(row['task'])}, but must be a name"
 
 
 def stale(document: Mapping[str, Any], cell: Cell) -> bool | None:

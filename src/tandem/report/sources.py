@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tandem
-from tandem.draw.style import looks, number
+from tandem.draw.style import looks
 from tandem.plan.result import Front, Status
 from tandem.report.language import Words
 
@@ -15,8 +15,8 @@ def assumptions(front: Front, t: Words) -> list[str]:
     found = [t("assume.units"), t("assume.table" if cell.stress_of_set is not None else "assume.sum"), t("assume.tasks"), t("assume.fixed")]
     used = {task.tool: None for task in cell.tasks.values() if task.tool}
     zones = {task.zone: None for task in cell.tasks.values() if task.zone}
-    breaks = [f"{shown[o].label} {number(a)}–{number(b)} s" for o, operator in cell.operators.items() for a, b in operator.breaks]
-    limits = [f"{shown[o].label} {number(operator.stress_limit)}" for o, operator in cell.operators.items() if operator.stress_limit is not None]
+    breaks = [f"{shown[o].label} {t.number(a)}–{t.number(b)} s" for o, operator in cell.operators.items() for a, b in operator.breaks]
+    limits = [f"{shown[o].label} {t.number(operator.stress_limit)}" for o, operator in cell.operators.items() if operator.stress_limit is not None]
     if any(task.together for task in cell.tasks.values()):
         found.append(t("assume.joint"))
     if used:
@@ -41,7 +41,7 @@ def made(front: Front, t: Words, command: str = "", date: str = "") -> list[tupl
         ("solver", front.solver),
         ("method", front.method),
         ("seed", str(front.seed)),
-        ("time", f"{number(round(front.wall_s, 3))} s"),
+        ("time", f"{t.number(round(front.wall_s, 3))} s"),
         ("cell", front.cell.name or t("unnamed")),
         ("digest", front.cell.digest),
         ("command", command),

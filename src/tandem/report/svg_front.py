@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tandem.draw.front import staircase, window
-from tandem.draw.style import number, seconds
 from tandem.plan.result import Front, Result, Status
 from tandem.report.language import Words
 from tandem.report.markup import Markup, figure, tag, text, ticks, width_of
@@ -37,7 +36,7 @@ def front_chart(front: Front, t: Words, players: Sequence[Player] = ()) -> Marku
     ]
     places = [at(r.makespan, r.stress) for r in front]
     knee = front.results.index(front.knee)
-    labelled = _labelled(front, places, knee)
+    labelled = _labelled(front, places, knee, t)
     for place, result in enumerate(front):
         bounds = at(result.bound.makespan, result.bound.stress)
         pieces.append(_point(place, result, places[place], bounds, t, knee=place == knee, label=place in labelled, many=len(front) > 2))
@@ -63,11 +62,11 @@ def _axes(low_x: float, high_x: float, low_y: float, high_y: float, at: object, 
     for value in ticks(low_x, high_x, 10):
         x, _ = at(value, low_y)
         pieces.append(tag("line", x1=x, x2=x, y1=TOP, y2=base + 5, class_="grid"))
-        pieces.append(text(x, base + 23, number(value), text_anchor="middle", class_="faint"))
+        pieces.append(text(x, base + 23, t.number(value), text_anchor="middle", class_="faint"))
     for value in ticks(low_y, high_y, 8):
         _, y = at(low_x, value)
         pieces.append(tag("line", x1=LEFT - 5, x2=WIDTH - RIGHT, y1=y, y2=y, class_="grid"))
-        pieces.append(text(LEFT - 10, y + 5.5, number(value), text_anchor="end", class_="faint"))
+        pieces.append(text(LEFT - 10, y + 5.5, t.number(value), text_anchor="end", class_="faint"))
     pieces.append(tag("path", d=f"M{LEFT:g},{TOP:g} V{base:g} H{WIDTH - RIGHT:g}", class_="axis"))
     pieces.append(text((LEFT + WIDTH) / 2, HEIGHT - 8, t("front.makespan"), text_anchor="middle"))
     middle = (TOP + base) / 2
@@ -76,16 +75,16 @@ def _axes(low_x: float, high_x: float, low_y: float, high_y: float, at: object, 
 
 
 def _label(result: Result, t: Words, *, knee: bool) -> str:
-    return f"{seconds(result.makespan)}, {number(result.stress)}" + (f" ({t('front.knee')})" if knee else "")
+    return f"{t.seconds(result.makespan)}, {t.number(result.stress)}" + (f" ({t('front.knee')})" if knee else "")
 
 
-def _labelled(front: Front, places: list[tuple[float, float]], knee: int) -> set[int]:
+def _labelled(front: Front, places: list[tuple[float, float]], knee: int, t: Words) -> set[int]:
     """The knee and the ends, then every other point whose label meets no other point or label."""
     boxes = [(x - 9, y - 9, x + 9, y + 9) for x, y in places]
     chosen: set[int] = set()
     for place in dict.fromkeys([knee, 0, len(front) - 1, *range(len(front))]):
         x, y = places[place]
-        box = (x + 17, y - 28, x + 19 + width_of(_label(front[place], _NO_WORDS, knee=False), 16) + (120 if place == knee else 0), y - 8)
+        box = (x + 17, y - 28, x + 19 + width_of(_label(front[place], t, knee=False), 16) + (120 if place == knee else 0), y - 8)
         free = not any(box[0] < b[2] and b[0] < box[2] and box[1] < b[3] and b[1] < box[3] for b in boxes)
         if free or place == knee:
             chosen.add(place)
@@ -112,17 +111,14 @@ def _diamond(names: str, at: tuple[float, float]) -> Markup:
     return tag("g", tag("title", names), tag("path", d=f"M{x:.2f},{y - 11:.2f} l11,11 l-11,11 l-11,-11 Z", class_="player"), label)
 
 
-_NO_WORDS = Words("", {})
-
-
 def _point(
     place: int, result: Result, at: tuple[float, float], bounds: tuple[float, float], t: Words, *, knee: bool, label: bool, many: bool
 ) -> Markup:
     x, y = at
     proven = result.status == Status.OPTIMAL
     key = "front.point.proven" if proven else "front.point.open"
-    values = {"makespan": seconds(result.makespan), "stress": number(result.stress)}
-    words = t(key, n=place + 1, low_makespan=seconds(result.bound.makespan), low_stress=number(result.bound.stress), **values)
+    values = {"makespan": t.seconds(result.makespan), "stress": t.number(result.stress)}
+    words = t(key, n=place + 1, low_makespan=t.seconds(result.bound.makespan), low_stress=t.number(result.bound.stress), **values)
     pieces = [tag("title", words)]
     if not proven:
         pieces.append(tag("path", d=f"M{bounds[0]:.2f},{y - 6:.2f} v12 m0,-6 H{x:.2f} V{bounds[1]:.2f} m-6,0 h12", class_="bounds"))

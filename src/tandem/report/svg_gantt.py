@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from tandem.cell.model import Cell
 from tandem.draw.gantt import wordings
 from tandem.draw.lanes import Bar, Lane, lanes
-from tandem.draw.style import Look, looks, number, seconds, share
+from tandem.draw.style import Look, looks
 from tandem.report.language import Words
 from tandem.report.markup import Markup, figure, fitting, hatch_id, tag, text, ticks, width_of
 from tandem.schedule.critical import slack
@@ -48,7 +48,7 @@ def panel_times(schedule: Schedule, width: float) -> list[tuple[float, float]]:
 
 
 def _busy(lane: Lane, t: Words) -> str:
-    return t("gantt.busy", seconds=seconds(lane.busy), share=share(lane.utilisation))
+    return t("gantt.busy", seconds=t.seconds(lane.busy), share=t.share(lane.utilisation))
 
 
 def _panel(
@@ -70,7 +70,7 @@ def _panel(
         for why, found in (("break", lane.breaks), ("changeover", lane.changeovers)):
             for off in found:
                 if off.end > begin and off.start < stop:
-                    words = t(f"gantt.{why}", why=off.why, start=number(off.start), end=number(off.end))
+                    words = t(f"gantt.{why}", why=off.why, start=t.number(off.start), end=t.number(off.end))
                     pieces.append(
                         tag(
                             "rect",
@@ -91,7 +91,7 @@ def _panel(
         pieces.append(tag("line", x1=middle, x2=middle, y1=min(ys) + 9 + BAR, y2=max(ys) + 9, class_="joint"))
     if begin < end <= stop:
         pieces.append(tag("line", x1=x(end), x2=x(end), y1=TOP - 8, y2=TOP + LANE * len(rows), class_="end"))
-        pieces.append(text(x(end), TOP - 12, seconds(end), text_anchor="end", class_="strong"))
+        pieces.append(text(x(end), TOP - 12, t.seconds(end), text_anchor="end", class_="strong"))
     return tag(
         "svg",
         *pieces,
@@ -107,10 +107,10 @@ def _panel(
 
 def _bar(look: Look, bar: Bar, x0: float, x1: float, y: float, slacks: dict[str, float], t: Words, fill: str) -> Markup:
     key = "gantt.bar.critical" if bar.critical else "gantt.bar"
-    details = t(key, task=bar.label, who=look.label, start=number(bar.start), end=number(bar.end), span=number(bar.end - bar.start))
-    details += "" if bar.critical else t("gantt.slack", slack=number(slacks[bar.task]))
+    details = t(key, task=bar.label, who=look.label, start=t.number(bar.start), end=t.number(bar.end), span=t.number(bar.end - bar.start))
+    details += "" if bar.critical else t("gantt.slack", slack=t.number(slacks[bar.task]))
     details += t("gantt.bar.joint") if bar.joint else ""
-    details += t("gantt.bar.deadline", deadline=number(bar.deadline)) if bar.deadline is not None else ""
+    details += t("gantt.bar.deadline", deadline=t.number(bar.deadline)) if bar.deadline is not None else ""
     pieces = [
         tag("title", details),
         tag("rect", x=x0, y=y, width=max(x1 - x0, 0.5), height=BAR, fill=f"url(#{fill})", class_="critical" if bar.critical else "bar"),
@@ -143,7 +143,7 @@ def _axis(begin: float, stop: float, x: object, count: int, t: Words) -> Markup:
     pieces = []
     for moment in ticks(begin, stop, 12):
         pieces.append(tag("line", x1=x(moment), x2=x(moment), y1=TOP, y2=low + 5, class_="grid"))
-        pieces.append(text(x(moment), low + 22, number(moment), text_anchor="middle", class_="faint"))
+        pieces.append(text(x(moment), low + 22, t.number(moment), text_anchor="middle", class_="faint"))
     middle = (x(begin) + x(stop)) / 2
     pieces.append(tag("line", x1=x(begin), x2=x(stop), y1=low, y2=low, class_="axis"))
     pieces.append(text(middle, low + 41, t("gantt.axis"), text_anchor="middle", class_="faint"))

@@ -7,7 +7,7 @@ import math
 from tandem.cell.model import Cell
 from tandem.draw.graph import HALF_HEIGHT, HALF_WIDTH, Chip, arrow_curve, chips, critical_pairs
 from tandem.draw.layers import Layers, layers
-from tandem.draw.style import looks, number, seconds, task_label
+from tandem.draw.style import looks, task_label
 from tandem.report.language import Words
 from tandem.report.markup import Markup, figure, fitting, hatch_id, tag, text, width_of
 
@@ -94,7 +94,7 @@ def _node(cell: Cell, task: str, at: tuple[float, float], t: Words, *, critical:
         tag("rect", x=x - half, y=y - high, width=2 * half, height=2 * high, rx=3, class_="node critical" if critical else "node"),
         text(x, y - high + 23, fitting([named, label, task], 2 * half - 10), text_anchor="middle", class_="strong"),
     ]
-    found = chips(cell, task)
+    found = chips(cell, task, t)
     each = (2 * half - 6 - 4 * (len(found) - 1)) / len(found)
     for place, chip in enumerate(found):
         pieces += _chip(cell, chip, x - half + 3 + place * (each + 4), y, each, high - 3, task)
@@ -117,4 +117,4 @@ def chain_words(cell: Cell, t: Words) -> str:
     """A sentence on the longest chain."""
     drawn = layers(cell)
     names = [*drawn.critical[:8], "…", *drawn.critical[-4:]] if len(drawn.critical) > 14 else list(drawn.critical)
-    return t("graph.chain", seconds=seconds(drawn.critical_s), chain=" → ".join(names), n=number(len(drawn.critical)))
+    return t("graph.chain", seconds=t.seconds(drawn.critical_s), chain=" → ".join(names), n=t.number(len(drawn.critical)))

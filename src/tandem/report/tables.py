@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from tandem.cell.model import Cell
-from tandem.draw.style import Look, looks, number, seconds, share, task_label
+from tandem.draw.style import Look, looks, task_label
 from tandem.plan.result import Front, Result, Status
 from tandem.report.language import Words
 from tandem.report.markup import Markup, hatch_id, join, tag
@@ -17,9 +17,10 @@ MOST_PLANS = 6
 """So many plans have a column of their own in the table of tasks."""
 
 
-def table(heads: Sequence[tuple[str, str]], rows: Iterable[Markup], label: str) -> Markup:
-    """A table that can be scrolled on a narrow screen. A head is (words, class)."""
-    head = tag("thead", tag("tr", *(tag("th", words, scope="col", class_=kind or None) for words, kind in heads)))
+def table(heads: Sequence[tuple[str, str]], rows: Iterable[Markup], label: str, *, on_paper: str = "") -> Markup:
+    """A table that can be scrolled on a narrow screen. A head is (words, class); `on_paper` is printed above the heads on every page."""
+    line = [tag("tr", tag("th", on_paper, colspan=len(heads)), class_="paper")] if on_paper else []
+    head = tag("thead", *line, tag("tr", *(tag("th", words, scope="col", class_=kind or None) for words, kind in heads)))
     return tag("div", tag("table", head, tag("tbody", *rows), aria_label=label), class_="wide", role="region", aria_label=label, tabindex="0")
 
 
@@ -33,7 +34,7 @@ def plans(front: Front, t: Words) -> Markup:
     for place, result in enumerate(front, 1):
         link = tag("a", str(place), href=f"#plan-{place}")
         mark = join([link, " ", tag("span", t("plan.recommended"), class_="badge")]) if len(front) > 1 and result is front.knee else link
-        cells = [tag("th", mark, scope="row"), _number(result.makespan), _number(result.stress), tag("td", status(result, t))]
+        cells = [tag("th", mark, scope="row"), _number(result.makespan, t), _number(result.stress, t), tag("td", status(result, t))]
         cells += [tag("td", tasks_of(result.schedule, look.operator, t)) for look in shown]
         rows.append(tag("tr", *cells, data_plan=place))
     return table(heads, rows, t("front.table"))
@@ -43,7 +44,7 @@ def status(result: Result, t: Words) -> str:
     """Proven, or the gap and the bounds."""
     if result.status == Status.OPTIMAL:
         return t("front.proven")
-    return t("front.gap", gap=share(result.gap), low_makespan=seconds(result.bound.makespan), low_stress=number(result.bound.stress))
+    return t("front.gap", gap=t.share(result.gap), low_makespan=t.seconds(result.bound.makespan), low_stress=t.number(result.bound.stress))
 
 
 def tasks_of(schedule: Schedule, operator: str, t: Words, most: int = 12) -> str:
@@ -63,12 +64,12 @@ def steps(cell: Cell, schedule: Schedule, t: Words) -> Markup:
     for a in schedule:
         mode = mode_of(cell, a)
         load = sum(mode.stress.values()) if mode else 0.0
-        late = t("plan.step.critical") if a.task in path else number(slacks[a.task])
+        late = t("plan.step.critical") if a.task in path else t.number(slacks[a.task])
         cells = [
             tag("th", named(cell, a.task), scope="row"),
             tag("td", " + ".join(shown[o].label for o in a.operators)),
-            *(_number(value) for value in (a.start, a.end, a.end - a.start)),
-            tag("td", number(load) if mode and mode.stress else "–", class_="number"),
+            *(_number(value, t) for value in (a.start, a.end, a.end - a.start)),
+            tag("td", t.number(load) if mode and mode.stress else "–", class_="number"),
             tag("td", late, class_="number"),
         ]
         rows.append(tag("tr", *cells, class_="critical" if a.task in path else None))
@@ -91,17 +92,17 @@ def balance(cell: Cell, schedule: Schedule, t: Words) -> Markup:
         load = (
             "–"
             if name not in loads
-            else number(loads[name])
+            else t.number(loads[name])
             if limit is None
-            else t("balance.limit", stress=number(loads[name]), limit=number(limit))
+            else t("balance.limit", stress=t.number(loads[name]), limit=t.number(limit))
         )
         bar = _spent(look, (busy[name], swaps[name], off, free[name]), total, t, hatch_id(look, looks(cell)))
         cells = [
             tag("th", look.label, scope="row"),
             tag("td", t(look.kind)),
-            _number(len(schedule.of(name))),
-            *(_number(value) for value in (busy[name], swaps[name], off, free[name])),
-            tag("td", tag("span", bar, share(used[name]), class_="key"), class_="number"),
+            _number(len(schedule.of(name)), t),
+            *(_number(value, t) for value in (busy[name], swaps[name], off, free[name])),
+            tag("td", tag("span", bar, t.share(used[name]), class_="key"), class_="number"),
             tag("td", load, class_="number"),
         ]
         rows.append(tag("tr", *cells))
@@ -111,7 +112,7 @@ def balance(cell: Cell, schedule: Schedule, t: Words) -> Markup:
 def _spent(look: Look, parts: tuple[float, float, float, float], total: float, t: Words, fill: str) -> Markup:
     """How an operator spends the makespan as a small bar: busy, changeovers, breaks, idle."""
     busy, swap, off, free = parts
-    words, x, pieces = t("balance.bar", busy=number(busy), changeover=number(swap), off=number(off), idle=number(free)), 0.0, []
+    words, x, pieces = t("balance.bar", busy=t.number(busy), changeover=t.number(swap), off=t.number(off), idle=t.number(free)), 0.0, []
     for value, paint in ((busy, f"url(#{fill})"), (swap, "url(#fill-changeover)"), (off, "url(#fill-break)")):
         width = 160 * value / total if total else 0.0
         pieces.append(tag("rect", x=x, y=0, width=width, height=18, fill=paint))
@@ -149,11 +150,11 @@ def tasks(front: Front, t: Words) -> Markup:
         cells = [tag("th", named(cell, name), scope="row"), *([tag("td", task.part or "")] if has_part else [])]
         cells += [
             tag("td", ", ".join(task.after) or "–"),
-            tag("td", ways(cell, name, shown), class_="ways"),
-            tag("td", _loads(cell, name, shown), class_="number ways"),
+            tag("td", ways(cell, name, shown, t), class_="ways"),
+            tag("td", _loads(cell, name, shown, t), class_="number ways"),
         ]
         cells += [tag("td", pieces(rules[name]))] if any(rules.values()) else []
-        cells += [tag("td", _choice(plan.get(name), shown), class_="choice") for plan in chosen]
+        cells += [tag("td", _choice(plan.get(name), shown, t), class_="choice") for plan in chosen]
         rows.append(tag("tr", *cells))
     note = tag("p", t("tasks.some", shown=len(columns), n=len(front)), class_="note") if len(columns) < len(front) else Markup("")
     return join([note, table(heads, rows, t("tasks.title"))])
@@ -165,9 +166,9 @@ def named(cell: Cell, task: str) -> str:
     return label if label == task else f"{task}: {label}"
 
 
-def ways(cell: Cell, task: str, shown: dict[str, Look]) -> Markup:
+def ways(cell: Cell, task: str, shown: dict[str, Look], t: Words) -> Markup:
     """Every way of doing a task in words: `Anna: 6.5 s, Anna + Cobot: 8 s`."""
-    return pieces(f"{' + '.join(shown[o].label for o in mode.operators)}: {seconds(mode.time)}" for mode in cell.modes(task))
+    return pieces(f"{' + '.join(shown[o].label for o in mode.operators)}: {t.seconds(mode.time)}" for mode in cell.modes(task))
 
 
 def pieces(found: Iterable[str]) -> Markup:
@@ -181,27 +182,27 @@ def conditions(cell: Cell, name: str, t: Words) -> list[str]:
     task = cell.tasks[name]
     found = [t("tasks.tool", tool=task.tool)] if task.tool else []
     found += [t("tasks.zone", zone=task.zone)] if task.zone else []
-    found += [t("tasks.release", release=number(task.release))] if task.release else []
-    return found + ([t("tasks.deadline", deadline=number(task.deadline))] if task.deadline is not None else [])
+    found += [t("tasks.release", release=t.number(task.release))] if task.release else []
+    return found + ([t("tasks.deadline", deadline=t.number(task.deadline))] if task.deadline is not None else [])
 
 
-def _loads(cell: Cell, task: str, shown: dict[str, Look]) -> Markup | str:
+def _loads(cell: Cell, task: str, shown: dict[str, Look], t: Words) -> Markup | str:
     """The stress of a task: one number when it is the same for everyone alone, else per human."""
     alone = {mode.operators[0]: next(iter(mode.stress.values())) for mode in cell.modes(task) if len(mode.operators) == 1 and mode.stress}
     joint = {mode.operators: sum(mode.stress.values()) for mode in cell.modes(task) if len(mode.operators) > 1 and mode.stress}
     if not joint and len(set(alone.values())) == 1:
-        return number(next(iter(alone.values())))
-    found = [f"{shown[who].label}: {number(load)}" for who, load in alone.items()]
-    found += [f"{' + '.join(shown[o].label for o in who)}: {number(load)}" for who, load in joint.items()]
+        return t.number(next(iter(alone.values())))
+    found = [f"{shown[who].label}: {t.number(load)}" for who, load in alone.items()]
+    found += [f"{' + '.join(shown[o].label for o in who)}: {t.number(load)}" for who, load in joint.items()]
     return pieces(found) if found else "–"
 
 
-def _choice(a: Assignment | None, shown: dict[str, Look]) -> Markup | str:
+def _choice(a: Assignment | None, shown: dict[str, Look], t: Words) -> Markup | str:
     if a is None:
         return "–"
-    lines = (" + ".join(shown[o].label for o in a.operators), f"{number(a.start)}–{number(a.end)} s")
+    lines = (" + ".join(shown[o].label for o in a.operators), f"{t.number(a.start)}–{t.number(a.end)} s")
     return join(tag("span", line, " ", class_="piece") for line in lines)
 
 
-def _number(value: float) -> Markup:
-    return tag("td", number(value), class_="number")
+def _number(value: float, t: Words) -> Markup:
+    return tag("td", t.number(value), class_="number")

@@ -14,8 +14,9 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from tandem.cell.model import Cell
+from tandem.cell.written import number, seconds, share
 from tandem.draw.lanes import Lane, lanes
-from tandem.draw.style import looks, number, seconds, share, shorten, task_label
+from tandem.draw.style import looks, shorten, task_label
 from tandem.plan.result import Front, Result, Status
 from tandem.schedule.critical import critical_path
 from tandem.schedule.measures import makespan

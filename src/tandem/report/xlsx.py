@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
 from tandem.cell.spreadsheet.template import to_workbook, workbook_bytes
-from tandem.draw.style import contrast, looks, number, task_label
+from tandem.draw.style import contrast, looks, task_label
 from tandem.plan.result import Front, Result
-from tandem.report.instructions import turns
+from tandem.report.instructions import rules, times, turns
 from tandem.report.language import Words, words
 from tandem.report.sources import assumptions, made
-from tandem.report.tables import shown_plans, status
+from tandem.report.tables import named, shown_plans, status
 from tandem.schedule.critical import critical_path, slack
 from tandem.schedule.measures import changeovers, exact, idle, makespan, mode_of, stress_by_human, working
 from tandem.schedule.model import Schedule
@@ -40,7 +40,6 @@ def xlsx(front: Front, *, command: str = "", date: str = "", language: str = "en
 
     Raises:
       UsageError: reports do not speak the language.
-      CellError: a name holds characters that no workbook can.
     """
     import openpyxl
 
@@ -90,7 +89,7 @@ def _plan(book: Workbook, result: Result, place: int, t: Words) -> None:
     """The steps of one plan, and below them the balance of its operators."""
     cell, schedule = result.cell, result.schedule
     sheet = book.create_sheet(t("sheet.plan", n=place))
-    _title(sheet, t("plan.title", n=place, makespan=f"{number(result.makespan)} s", stress=number(result.stress)))
+    _title(sheet, t("plan.title", n=place, makespan=f"{t.number(result.makespan)} s", stress=t.number(result.stress)))
     keys = ("task", "who", "start", "end", "stress", "slack")
     _header(sheet, 3, [t("plan.step.task"), *(t(f"plan.step.{key}") for key in keys[1:])], [36, 24, 11, 11, 11, 11])
     critical, free, shown = {link.assignment.task for link in critical_path(cell, schedule)}, slack(cell, schedule), looks(cell)
@@ -98,7 +97,7 @@ def _plan(book: Workbook, result: Result, place: int, t: Words) -> None:
         mode = mode_of(cell, a)
         load = float(sum(map(exact, mode.stress.values()))) if mode and mode.stress else None
         late: Any = t("plan.step.critical") if a.task in critical else free[a.task]
-        _row(sheet, row, [_named(cell, a.task), " + ".join(shown[o].label for o in a.operators), a.start, a.end, load, late], bold=a.task in critical)
+        _row(sheet, row, [named(cell, a.task), " + ".join(shown[o].label for o in a.operators), a.start, a.end, load, late], bold=a.task in critical)
     _balance(sheet, len(schedule) + 6, cell, schedule, t)
     sheet.freeze_panes = "B4"
 
@@ -120,7 +119,7 @@ def _gantt(book: Workbook, result: Result, place: int, t: Words) -> None:
 
     cell, schedule = result.cell, result.schedule
     sheet = book.create_sheet(t("sheet.gantt", n=place))
-    _title(sheet, t("plan.title", n=place, makespan=f"{number(result.makespan)} s", stress=number(result.stress)))
+    _title(sheet, t("plan.title", n=place, makespan=f"{t.number(result.makespan)} s", stress=t.number(result.stress)))
     slot = slot_seconds(result.makespan)
     count = max(ceil(round(result.makespan / slot, 6)), 1)
     sheet.column_dimensions["A"].width = 20
@@ -141,7 +140,7 @@ def _gantt(book: Workbook, result: Result, place: int, t: Words) -> None:
         for a in schedule.of(name):
             label = task_label(cell, a.task)
             _bar(sheet, row, a.start, a.end, slot, count, look.colour.lstrip("#"), label if label == a.task else f"{a.task} {label}", "")
-    _put(sheet, len(cell.operators) + 5, 1, t("sheet.slot", seconds=number(slot)))
+    _put(sheet, len(cell.operators) + 5, 1, t("sheet.slot", seconds=t.number(slot)))
     sheet.freeze_panes = "B4"
 
 
@@ -176,26 +175,29 @@ def _instructions(book: Workbook, result: Result, operator: str, t: Words) -> No
     sheet = book.create_sheet(_sheet_name(book, look.label))
     _title(sheet, t("steps.title", who=look.label))
     found = turns(result.cell, result.schedule, operator, t)
-    keys = ["turn", "does", "part", "tool", "zone", "with", "wait", "hands", "start", "end"]
-    widths = {"turn": 7, "does": 34, "wait": 30, "hands": 30, "start": 10, "end": 10}
+    keys = ["turn", "does", "part", "tool", "zone", "with", "wait", "hands", *times(found)]
+    widths = {"turn": 7, "does": 34, "wait": 42, "hands": 36, "start": 10, "end": 10, "deadline": 12}
     filled = {"part": "part", "tool": "tool", "zone": "zone", "with": "together_with"}
     keys = [key for key in keys if key not in filled or any(getattr(turn, filled[key]) for turn in found)]
     _header(sheet, 3, [t(f"steps.{key}") for key in keys], [widths.get(key, 16) for key in keys])
     for row, turn in enumerate(found, 4):
         values = {
             "turn": turn.number,
-            "does": turn.does if turn.does == turn.task else f"{turn.task}: {turn.does}",
+            "does": turn.does,
             "part": turn.part,
             "tool": turn.tool,
             "zone": turn.zone,
             "with": turn.together_with,
-            "wait": "; ".join(turn.wait),
-            "hands": "; ".join(turn.hands_to),
+            "wait": "\n".join(turn.wait),
+            "hands": "\n".join(turn.hands_to),
             "start": turn.start,
             "end": turn.end,
+            "deadline": turn.deadline,
         }
         _row(sheet, row, [values[key] for key in keys])
-    if not found:
+    if found:
+        _spread(sheet, 2, " ".join(rules(result.cell, operator, t)), len(keys))
+    else:
         _put(sheet, 4, 1, t("steps.none"))
 
 
@@ -239,8 +241,24 @@ def _row(sheet: Worksheet, row: int, values: Sequence[Any], bold: bool = False) 
         _put(sheet, row, column, value, bold)
         sheet.cell(row, column).border = _edge()
         sheet.cell(row, column).alignment = Alignment(wrap_text=isinstance(value, str), vertical="top")
-    lines = [len(str(value)) / (sheet.column_dimensions[_letter(column)].width * 0.95) for column, value in enumerate(values, 1) if value]
-    sheet.row_dimensions[row].height = 15 * max(ceil(max(lines, default=1)), 1)  # programs other than Excel do not find it out themselves
+    lines = [_lines(str(value), sheet.column_dimensions[_letter(column)].width) for column, value in enumerate(values, 1) if value]
+    sheet.row_dimensions[row].height = 15 * max(lines, default=1)  # programs other than Excel do not find it out themselves
+
+
+def _spread(sheet: Worksheet, row: int, text: str, columns: int) -> None:
+    """A text across so many columns, the row as high as it needs."""
+    from openpyxl.styles import Alignment
+
+    _put(sheet, row, 1, text)
+    sheet.cell(row, 1).alignment = Alignment(wrap_text=True, vertical="top")
+    sheet.merge_cells(start_row=row, end_row=row, start_column=1, end_column=columns)
+    width = sum(sheet.column_dimensions[_letter(column)].width for column in range(1, columns + 1))
+    sheet.row_dimensions[row].height = 15 * _lines(text, width)
+
+
+def _lines(text: str, width: float) -> int:
+    """Lines that a text takes in so many characters across."""
+    return sum(max(ceil(len(line) / (width * 0.95)), 1) for line in text.splitlines()) or 1
 
 
 def _title(sheet: Worksheet, text: str) -> None:
@@ -275,11 +293,6 @@ def _letter(column: int) -> str:
 
     letter: str = get_column_letter(column)
     return letter
-
-
-def _named(cell: Cell, task: str) -> str:
-    label = task_label(cell, task)
-    return label if label == task else f"{task}: {label}"
 
 
 def _sheet_name(book: Workbook, wanted: str) -> str:

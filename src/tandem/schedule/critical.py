@@ -8,6 +8,7 @@ from decimal import Decimal
 from typing import Literal, NamedTuple
 
 from tandem.cell.model import Cell
+from tandem.cell.written import number
 from tandem.schedule.measures import changeover_times, exact
 from tandem.schedule.model import Assignment, Schedule
 
@@ -44,7 +45,7 @@ class Link:
             "zone": f"when {self.waited_for} leaves zone {self.by}",
             "choice": "later than it could",
         }
-        return f"{self.assignment.task} at {self.assignment.start:g} s, {wait[self.reason]}"
+        return f"{self.assignment.task} at {number(self.assignment.start)} s, {wait[self.reason]}"
 
 
 def critical_path(cell: Cell, schedule: Schedule) -> tuple[Link, ...]:
@@ -178,8 +179,32 @@ class _Plan:
         return max(end, exact(a.end))
 
 
-def _hand_overs(cell: Cell, schedule: Schedule) -> Iterator[tuple[Reason, str, str, str]]:
-    """(reason, tool or zone, task before, task after) for every unit or place, given out in order of start: the one free the longest first."""
+class HandOver(NamedTuple):
+    """A unit of a tool, or a place in a zone, goes from one task to the next that uses it.
+
+    Attributes:
+      reason: "tool" or "zone".
+      name: of the tool or the zone.
+      before, after: the task that used it and the one that uses it next.
+    """
+
+    reason: Reason
+    name: str
+    before: str
+    after: str
+
+
+def hand_overs(cell: Cell, schedule: Schedule) -> tuple[HandOver, ...]:
+    """Which task gives every unit of a tool and every place in a zone to which. Assumes a sound schedule.
+
+    They are given out in order of start. Of those that are free, operators keep the one that they had last; else it is the one
+    free the longest. Whoever begins a task only when its hand-overs are done never uses more units than there are, however
+    late the others are.
+    """
+    return tuple(_hand_overs(cell, schedule))
+
+
+def _hand_overs(cell: Cell, schedule: Schedule) -> Iterator[HandOver]:
     kinds: tuple[tuple[Reason, Mapping[str, object]], ...] = (("tool", cell.tools), ("zone", cell.zones))
     for reason, places in kinds:
         users: dict[str, list[Assignment]] = {}
@@ -190,9 +215,16 @@ def _hand_overs(cell: Cell, schedule: Schedule) -> Iterator[tuple[Reason, str, s
         for name, rows in users.items():
             units: list[Assignment | None] = [None] * int(getattr(places.get(name), "capacity", 1))
             for a in rows:
-                units.sort(key=lambda last: Decimal(-1) if last is None else exact(last.end))
+                units.sort(key=lambda last: _claim(last, a))
                 for unit in range(min(len(a.operators), len(units))):
                     before = units[unit]
                     if before is not None:
-                        yield reason, name, before.task, a.task
+                        yield HandOver(reason, name, before.task, a.task)
                     units[unit] = a
+
+
+def _claim(last: Assignment | None, a: Assignment) -> tuple[bool, bool, Decimal]:
+    """Sorts units for a task by who used them last: free ones first, of these the own, of these the one free the longest."""
+    if last is None:
+        return False, True, Decimal(-1)
+    return exact(last.end) > exact(a.start), not set(last.operators) & set(a.operators), exact(last.end)

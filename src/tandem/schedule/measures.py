@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 
 from tandem.cell.model import Cell, Mode
+from tandem.cell.written import number
 from tandem.errors import UnsoundScheduleError
 from tandem.schedule.model import Assignment, Schedule
 
@@ -159,8 +160,8 @@ def _mode(cell: Cell, assignment: Assignment) -> Mode:
     if mode is None:
         raise UnsoundScheduleError(
             [
-                f"task {assignment.task!r}: {' and '.join(assignment.operators) or 'nobody'} from {assignment.start:g} s to {assignment.end:g} s "
-                "is no way of doing it; `faults` says what is wrong."
+                f"task {assignment.task!r}: {' and '.join(assignment.operators) or 'nobody'} "
+                f"from {number(assignment.start)} s to {number(assignment.end)} s is no way of doing it; `faults` says what is wrong."
             ]
         )
     return mode

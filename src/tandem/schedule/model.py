@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from tandem.cell.names import clean
+
 
 @dataclass(frozen=True, order=True)
 class Assignment:
@@ -48,8 +50,12 @@ class Schedule:
 
     @classmethod
     def from_list(cls, rows: list[Mapping[str, Any]]) -> Schedule:
-        """The inverse of `to_list`. Raises KeyError, TypeError or ValueError when a row is not of its form."""
-        return cls(tuple(Assignment(float(r["start"]), float(r["end"]), str(r["task"]), tuple(map(str, r["operators"]))) for r in rows))
+        """The inverse of `to_list`, names in their one spelling. Raises KeyError, TypeError or ValueError when a row is not of its form."""
+        return cls(tuple(Assignment(float(r["start"]), float(r["end"]), _name(r["task"]), tuple(map(_name, r["operators"]))) for r in rows))
+
+
+def _name(value: object) -> str:
+    return clean(str(value))
 
 
 def _short(seconds: float) -> float | int:

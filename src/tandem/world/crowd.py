@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tandem.cell.names import Known
+from tandem.cell.names import Known, clean
 from tandem.errors import UsageError
 from tandem.world.arrays import Arrays, Names
 from tandem.world.people import Person, compliant, harm, stacked
@@ -95,7 +95,7 @@ def traits(spec: str, names: Names) -> tuple[Trait, ...]:
       UsageError: with everything that is wrong with it, and how to mend it.
     """
     found, wrong = list[Trait](), list[str]()
-    for part in spec.split("+"):
+    for part in clean(spec).split("+"):
         kind, _, rest = part.strip().partition(":")
         if kind not in KINDS:
             wrong.append(f"{part.strip()!r}: there is no such kind of person. {Known(KINDS).hint(kind)}")

@@ -8,7 +8,7 @@ from __future__ import annotations
 from itertools import islice
 from typing import Any
 
-from tandem.cell.formats.lines import Row, Translated, broken, rows, seconds, title, whole
+from tandem.cell.formats.lines import Row, Translated, broken, few_enough, rows, seconds, title, whole
 from tandem.cell.marked import Path
 
 
@@ -32,6 +32,7 @@ def read(text: str, source: str) -> Translated:
     if len(times) < count or not times:
         raise broken(source, lines[0].line, f"{count} tasks are stated here, but {len(times)} lines follow.")
     workers = len(times[0].words)
+    few_enough(source, lines[0].line, workers, count)
     tasks: dict[str, Any] = {}
     places: dict[Path, int] = {}
     for number, row in enumerate(times, 1):

@@ -9,14 +9,17 @@ the spread: their mean as a share of the mean time.
 from __future__ import annotations
 
 import re
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from tandem.cell.formats.lines import Translated
 from tandem.cell.json_text import read as read_json
 from tandem.cell.marked import Document, Path, Place
+from tandem.cell.names import clean
 from tandem.errors import CellError, Fault
+
+_Name = Annotated[str, AfterValidator(clean)]
 
 
 class _Part(BaseModel):
@@ -24,12 +27,12 @@ class _Part(BaseModel):
 
 
 class _Agent(_Part):
-    id: str
+    id: _Name
     type: str
 
 
 class _Way(_Part):
-    agents: list[str] = Field(min_length=1)
+    agents: list[_Name] = Field(min_length=1)
     time: float
     sd_left: float | None = None
     sd_right: float | None = None
@@ -42,7 +45,7 @@ class _Way(_Part):
 
 
 class _Task(_Part):
-    id: str
+    id: _Name
     name: str | None = None
     product: str | None = None
     modes: list[_Way] = Field(min_length=1)
@@ -54,8 +57,8 @@ class _Case(_Part):
     name: str = ""
     agents: list[_Agent] = Field(min_length=1)
     tasks: list[_Task] = Field(min_length=1)
-    precedence: list[tuple[str, str]] = []
-    same_agent: list[tuple[str, str]] = []
+    precedence: list[tuple[_Name, _Name]] = []
+    same_agent: list[tuple[_Name, _Name]] = []
     strain_index_of_human_task_set: dict[str, float] | None = None
 
 
@@ -133,7 +136,7 @@ def _task(task: _Task, has_table: bool) -> dict[str, Any]:
 def _table(table: dict[str, float], order: list[str]) -> dict[str, float]:
     """The same sets, spelled in the order of the tasks; a set of unknown tasks stays as it is and is refused with the cell."""
     place = {name: number for number, name in enumerate(order)}
-    return {",".join(sorted(key.split(","), key=lambda name: place.get(name, -1))): round(value, 6) for key, value in table.items()}
+    return {",".join(sorted(map(clean, key.split(",")), key=lambda name: place.get(name, -1))): round(value, 6) for key, value in table.items()}
 
 
 def _other_lines(case: _Case, document: Document) -> dict[Path, tuple[int, int]]:

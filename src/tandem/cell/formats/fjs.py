@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from itertools import islice
 from typing import Any
 
-from tandem.cell.formats.lines import Row, Translated, broken, rows, seconds, title, whole
+from tandem.cell.formats.lines import Row, Translated, broken, few_enough, rows, seconds, title, whole
 from tandem.cell.marked import Path
 
 
@@ -39,6 +39,7 @@ def read(text: str, source: str) -> Translated:
     jobs, machines = (
         whole(source, head.line, word, what) for word, what in zip(head.words, ("the number of jobs", "the number of machines"), strict=False)
     )
+    few_enough(source, head.line, machines, 1)
     if len(lines) - 1 != jobs:
         raise broken(source, head.line, f"the first line states {jobs} jobs, but {len(lines) - 1} lines follow. There is one line for each job.")
     shop = [(row, list(_operations(source, row))) for row in lines[1:]]

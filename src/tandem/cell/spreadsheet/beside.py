@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from tandem.cell.spreadsheet.findings import Findings
-from tandem.cell.spreadsheet.grid import Grid, tidy
+from tandem.cell.spreadsheet.grid import Grid, blank, shown, tidy
 from tandem.cell.spreadsheet.header import Column, Table, best_table
 from tandem.cell.spreadsheet.references import References, UnknownTaskError
 from tandem.cell.spreadsheet.values import UnreadableError, number, seconds
@@ -77,8 +77,32 @@ def _column(table: Table, *what: str) -> Column | None:
     return next(iter(table.having(*what)), None)
 
 
-def _rows(table: Table, name: Column) -> list[int]:
-    return [row for row in range(table.first_row, len(table.grid.rows)) if tidy(str(table.grid.rows[row][name.index]))]
+def _rows(table: Table, name: Column, findings: Findings) -> list[int]:
+    """Rows with a name; values that stand beside no name are a fault."""
+    grid, rows = table.grid, []
+    for row in range(table.first_row, len(grid.rows)):
+        if not blank(grid.value(row, name.index)):
+            rows.append(row)
+        elif any(not blank(grid.rows[row][column.index]) for column in table.columns if column.meaning):
+            findings.fault(
+                f"is empty: the row has values and no name below {name.header!r}. Give it one, or clear the row.", grid.place(row, name.index)
+            )
+    return rows
+
+
+def tables_beside(grids: Mapping[str, Grid]) -> list[Table]:
+    """The sheets beside the tasks that hold numbers, as tables."""
+    words = {"operators": OPERATOR_WORDS, "tools": ("tool", "task", "capacity", "changeover"), "zones": ("zone", "task", "capacity")}
+    return [table for role, wanted in words.items() if role in grids and (table := _table(grids[role], *wanted))]
+
+
+def operators_named(grids: Mapping[str, Grid]) -> list[str]:
+    """The operators whom a sheet of their own lists."""
+    table = _table(grids["operators"], *OPERATOR_WORDS) if "operators" in grids else None
+    name = _column(table, "operator", "task") if table else None
+    if table is None or name is None:
+        return []
+    return [shown(value) for row in range(table.first_row, len(table.grid.rows)) if not blank(value := table.grid.value(row, name.index))]
 
 
 # --- operators ----------------------------------------------------------------------------------------------------------------
@@ -100,7 +124,7 @@ def _operators(grid: Grid, found: Beside, findings: Findings) -> None:
         findings.note("sheet", f"sheet {grid.name!r} was not read: it has no column 'operator'.", f"{grid.name}!A1")
         return
     _note_columns(table, findings)
-    for row in _rows(table, name):
+    for row in _rows(table, name, findings):
         who = findings.text(grid, row, name.index)
         if not who:
             continue
@@ -148,7 +172,7 @@ def _breaks(text: str, unit: str, place: str, findings: Findings) -> list[list[f
         try:
             if len(ends) != 2:
                 raise UnreadableError(f"holds {part!r}")
-            pairs.append([float(seconds(number(end, findings.mark), unit)[0]) for end in ends])
+            pairs.append([float(seconds(number(end, findings.marks), unit)[0]) for end in ends])
         except UnreadableError:
             findings.fault(f"holds {part!r}: write breaks as from-to since the start, several with semicolons, such as '300-600; 900-1000'.", place)
     return pairs
@@ -165,7 +189,7 @@ def _things(grid: Grid, role: str, names: tuple[str, ...], found: Beside, findin
         return
     _note_columns(table, findings)
     things = found.tools if role == "tools" else found.zones
-    for row in _rows(table, name):
+    for row in _rows(table, name, findings):
         thing = findings.text(grid, row, name.index)
         if not thing:
             continue
@@ -205,7 +229,7 @@ def read_sets(grid: Grid, names: list[str], findings: Findings) -> dict[str, flo
     for row in range(table.first_row, len(grid.rows)):
         amount = findings.amount(grid, row, amounts.index, "a number for stress")
         try:
-            members = sorted(references.read(grid.rows[row][tasks.index]), key=order.__getitem__)
+            members = sorted(references.read(grid.value(row, tasks.index)), key=order.__getitem__)
         except UnknownTaskError as error:
             findings.fault(str(error), grid.place(row, tasks.index))
             continue

@@ -9,7 +9,19 @@ from typing import Any
 
 from tandem.cell.model import plain
 from tandem.cell.spreadsheet.grid import Grid, Value, shown, tidy
-from tandem.cell.spreadsheet.values import FINEST_AMOUNT, FINEST_TIME, Mark, Number, UnreadableError, cannot, number, rounded, seconds
+from tandem.cell.spreadsheet.values import (
+    FINEST_AMOUNT,
+    FINEST_TIME,
+    NO_MARKS,
+    Marks,
+    Number,
+    UnreadableError,
+    cannot,
+    number,
+    rounded,
+    seconds,
+    unit_named,
+)
 from tandem.errors import Fault
 
 Path = tuple[str | int, ...]
@@ -33,20 +45,32 @@ class Note:
         return f"{self.place}: {self.message}" if self.place else self.message
 
 
+@dataclass(frozen=True)
+class Percent:
+    """What numbers are multiplied by under a header that says per cent: plain ones, and those that the sheet shows as "30 %" and holds as 0.3."""
+
+    of_numbers: Decimal
+    of_percentages: Decimal
+
+
+AS_SHOWN = Percent(Decimal(1), Decimal(100))
+AS_FRACTION = Percent(Decimal("0.01"), Decimal(1))
+
+
 @dataclass
 class Findings:
     """Collects while reading; nothing stops at the first fault.
 
     Attributes:
       places: path in the cell -> place in the sheet.
-      mark: the decimal mark of text numbers.
+      marks: how text numbers are written.
       shaky: paths whose value could not be read; a stand-in is checked in its stead, and never leaves this room.
     """
 
     notes: list[Note] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
     places: dict[Path, str] = field(default_factory=dict)
-    mark: Mark | None = None
+    marks: Marks = NO_MARKS
     rounded: list[str] = field(default_factory=list)
 
     def note(self, kind: str, message: str, place: str = "") -> None:
@@ -77,17 +101,40 @@ class Findings:
         value = grid.rows[top][left]
         return tidy(value) if isinstance(value, str) else shown(value)
 
-    def time(self, grid: Grid, row: int, column: int, unit: str, *, zero: bool = False) -> float | None:
-        """Seconds; None when the cell says "cannot" or is a fault. `zero` lets 0 pass, for moments."""
-        return self._amount(grid, row, column, lambda n: seconds(n, unit), "a time", zero, FINEST_TIME)
+    def time(self, grid: Grid, row: int, column: int, unit: str, *, zero: bool = False, told: bool = False) -> float | None:
+        """Seconds; None when the cell says "cannot" or is a fault.
 
-    def amount(self, grid: Grid, row: int, column: int, what: str) -> float | None:
-        """A number that is 0 or more, such as stress; None when the cell is empty or a fault."""
+        Args:
+          unit: for numbers that have none of their own, be it typed behind them or shown by their number format.
+          zero: lets 0 pass, for moments.
+          told: the unit is told by `--map`, which counts more than a number format.
+        """
+        row = grid.origin(row, column)
+        words = "" if told else grid.words.get((row, column), "")
+
+        def in_seconds(found: Number) -> tuple[Decimal, bool]:
+            if words and not unit_named(words):
+                raise UnreadableError(
+                    f"is shown with {words!r} by its number format, which is no unit of time: mend the format, or say the unit with --map"
+                )
+            return seconds(found, unit_named(words) or unit)
+
+        return self._amount(grid, row, column, in_seconds, "a time", zero, FINEST_TIME)
+
+    def amount(self, grid: Grid, row: int, column: int, what: str, percent: Percent | None = None) -> float | None:
+        """A number that is 0 or more, such as stress; None when the cell is empty or a fault.
+
+        Args:
+          percent: what becomes of numbers under a header that says per cent; without it, a percentage is its fraction, 0.3 for 30 %.
+        """
+        row = grid.origin(row, column)
+        words = grid.words.get((row, column), "")
 
         def unitless(found: Number) -> tuple[Decimal, bool]:
-            if found.unit:
-                raise UnreadableError(f"holds {shown(grid.rows[row][column])!r}, a time, where {what} is expected")
-            return rounded(found.value, FINEST_AMOUNT)
+            if found.unit or unit_named(words):
+                raise UnreadableError(f"holds {shown(grid.rows[row][column])} {words}".rstrip() + f", a time, where {what} is expected")
+            factor = Decimal(1) if percent is None else percent.of_percentages if words == "%" else percent.of_numbers
+            return rounded(found.value * factor, FINEST_AMOUNT)
 
         return self._amount(grid, row, column, unitless, what, True, FINEST_AMOUNT)
 
@@ -101,7 +148,7 @@ class Findings:
         if cannot(value) and not (zero and shown(value)[:1] == "0"):
             return None
         try:
-            found = number(value, self.mark)
+            found = number(value, self.marks)
             size, changed = convert(found)
         except UnreadableError as error:
             self.fault(f"{error}.", place)
@@ -115,6 +162,11 @@ class Findings:
         if changed:
             self.rounded.append(f"{place} {shown(value)} to {plain(float(size))}")
         return float(size)
+
+    def value(self, grid: Grid, row: int, column: int) -> Value | None:
+        """What stands there, the value of the area that is merged downwards included; None when it is broken, which is a fault."""
+        row = grid.origin(row, column)
+        return grid.rows[row][column] if self.sound(grid, row, column) else None
 
 
 def listed(items: Iterable[Any], most: int = 200) -> str:

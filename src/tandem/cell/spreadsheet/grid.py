@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import datetime
-import re
-import unicodedata
+import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
+
+from tandem.cell.names import clean
 
 Value = str | float | bool | datetime.date | datetime.time | datetime.timedelta
 """What one sheet cell holds; the empty text when it holds nothing."""
@@ -24,20 +26,26 @@ class Grid:
       name: of the sheet; of the file without its ending for CSV.
       rows: values from A1 on, every row equally long, empty ones as "".
       merged: merged areas, `(top, left, bottom, right)`, all counted from 0 and included.
+      words: `(row, column)` of numbers -> what their number format writes beside them: "min", "%", "€".
       odd: `(row, column)` of cells without a usable value -> what they hold, as the end of a sentence and the way out.
+      lengths: how many columns each row of a text file has of its own.
       hidden: the sheet itself is hidden.
       hidden_rows, hidden_columns: counted from 0.
+      indents: `(row, column)` -> how far the cell is indented by its format, where it is.
     """
 
     name: str
     rows: tuple[tuple[Value, ...], ...]
     merged: tuple[tuple[int, int, int, int], ...] = ()
     odd: Mapping[tuple[int, int], str] = field(default_factory=dict)
+    words: Mapping[tuple[int, int], str] = field(default_factory=dict)
+    lengths: tuple[int, ...] = ()
     hidden: bool = False
     hidden_rows: frozenset[int] = frozenset()
     hidden_columns: frozenset[int] = frozenset()
+    indents: Mapping[tuple[int, int], int] = field(default_factory=dict)
 
-    @property
+    @cached_property
     def width(self) -> int:
         return max((len(row) for row in self.rows), default=0)
 
@@ -51,10 +59,29 @@ class Grid:
 
     def spread_of(self, row: int, column: int) -> tuple[int, int, int, int]:
         """The merged area around a cell; the cell itself when it is not merged."""
+        return self._areas.get((row, column), (row, column, row, column))
+
+    @cached_property
+    def _areas(self) -> dict[tuple[int, int], tuple[int, int, int, int]]:
+        """Cell -> the merged area that it is part of, as far as the sheet reaches. Areas of a sound file never overlap."""
+        found: dict[tuple[int, int], tuple[int, int, int, int]] = {}
         for area in self.merged:
-            if area[0] <= row <= area[2] and area[1] <= column <= area[3]:
-                return area
-        return row, column, row, column
+            top, left, bottom, right = area
+            rows, columns = range(top, min(bottom + 1, len(self.rows))), range(left, min(right + 1, self.width))
+            for cell in itertools.product(rows, columns):
+                if cell in found:
+                    break  # so that a damaged file costs no more than its cells
+                found[cell] = area
+        return found
+
+    def origin(self, row: int, column: int) -> int:
+        """The row whose cell speaks for this one: the top of an area that is merged downwards, else the row itself."""
+        top, left, _, _ = self.spread_of(row, column)
+        return top if left == column else row
+
+    def value(self, row: int, column: int) -> Value:
+        """What stands there; the value of a merged area counts for every row of it, in its first column."""
+        return self.rows[self.origin(row, column)][column]
 
     def filled(self, row: int) -> Iterator[tuple[int, Value]]:
         """`(column, value)` of what is not blank in a row."""
@@ -95,10 +122,8 @@ def blank(value: Value) -> bool:
 
 
 def tidy(text: str) -> str:
-    """Blanks of every kind, line breaks and invisible marks as single spaces; letters with their accents in one piece."""
-    text = unicodedata.normalize("NFC", text)
-    text = "".join(" " if unicodedata.category(c) in ("Zs", "Zl", "Zp") else c for c in text if unicodedata.category(c) != "Cf")
-    return re.sub(r"\s+", " ", text).strip()
+    """The text as names are spelled everywhere: single blanks, no unseen signs, letters with their accents in one piece."""
+    return clean(text)
 
 
 def shown(value: Value) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,15 +10,21 @@ from typing import Any
 from pydantic import ValidationError
 
 from tandem.cell.model import Cell
-from tandem.cell.names import Known
-from tandem.cell.spreadsheet.beside import Beside, lists_operators, read_beside, read_sets, role_of
+from tandem.cell.names import Known, clean
+from tandem.cell.spreadsheet.beside import Beside, lists_operators, operators_named, read_beside, read_sets, role_of, tables_beside
 from tandem.cell.spreadsheet.findings import Findings, Note, listed
 from tandem.cell.spreadsheet.grid import Book, Grid, shown
-from tandem.cell.spreadsheet.header import Column, Table, find_table
+from tandem.cell.spreadsheet.header import TIMED, Column, Table, amounts_of, find_table
+from tandem.cell.spreadsheet.joint import with_joint_ways
 from tandem.cell.spreadsheet.mapping import check_overrides, overrides_from, settled
+from tandem.cell.spreadsheet.outline import with_outline
+from tandem.cell.spreadsheet.precedence import ABOUT_PRECEDENCE, is_about_precedence, listed_headers, with_precedence
+from tandem.cell.spreadsheet.repeats import once_a_column
+from tandem.cell.spreadsheet.scores import without_scores
 from tandem.cell.spreadsheet.tasks import Tasks, read_tasks, unit_of
-from tandem.cell.spreadsheet.values import decimal_mark
-from tandem.cell.spreadsheet.words import Kind, Meaning, key, kind_of
+from tandem.cell.spreadsheet.values import marks_of
+from tandem.cell.spreadsheet.who_can import is_table_of_abilities, restrict, with_time_of_each
+from tandem.cell.spreadsheet.words import Kind, Meaning, is_machine, key, kind_of
 from tandem.cell.spreadsheet.workbook import open_book, refused
 from tandem.cell.wording import flaws
 from tandem.errors import CellError, Fault, UsageError
@@ -109,22 +115,31 @@ def read_book(
     robots: Iterable[str] = (),
 ) -> Draft:
     """The same for an open book; see `read_workbook`."""
-    kinds: dict[str, Kind] = {**dict.fromkeys(humans, "human"), **dict.fromkeys(robots, "robot")}
+    kinds: dict[str, Kind] = {**dict.fromkeys(map(clean, humans), "human"), **dict.fromkeys(map(clean, robots), "robot")}
     overrides = overrides_from(columns or {})
-    findings = Findings(mark=decimal_mark(value for grid in book.grids for row in grid.rows for value in row))
+    findings = Findings()
     for remark in book.remarks:
         findings.note("assumed", remark, book.path.name)
     roles = {role: grid for grid in book.grids if (role := role_of(grid)) and grid.name != sheet}
-    beside = read_beside({role: grid for role, grid in roles.items() if _is_beside(grid)}, findings)
-    known = tuple(dict.fromkeys([*beside.operators, *kinds]))
-    raw = _task_table(book, sheet, known, overrides, findings)
+    sheets_beside = {role: grid for role, grid in roles.items() if _is_beside(grid)}
+    known = tuple(dict.fromkeys([*operators_named(sheets_beside), *kinds]))
+    raw, abilities = _task_table(book, sheet, known, overrides)
     check_overrides(overrides, raw)
+    findings.marks = marks_of(value for table in (raw, *tables_beside(sheets_beside)) for value in amounts_of(table))
+    beside = read_beside(sheets_beside, findings)
+    raw = with_time_of_each(raw, abilities)
+    raw = without_scores(raw, overrides, findings)
+    raw = with_joint_ways(with_precedence(with_outline(raw), findings), known, findings)
     table = settled(raw, tuple(beside.operators), findings)
-    tasks = read_tasks(table, findings)
+    others = _other_sheets(book, [table.grid.name, *(able.grid.name for able in abilities)], table, findings)
+    tasks = read_tasks(table, findings, others, known)
+    for able in abilities:
+        restrict(tasks.tasks, able, findings)
     document = _document(book, table, tasks, beside, kinds, roles, findings)
     _stress(table, document, findings)
+    _precedence(table, tasks, findings)
     _more_notes(book, table, findings)
-    faults = _all_faults(document, findings)
+    faults = _all_faults(table, document, findings)
     first_rows = table.grid.rows[table.first_row : table.first_row + PREVIEW_ROWS]
     return Draft(
         path=book.path,
@@ -152,28 +167,50 @@ def _is_beside(grid: Grid) -> bool:
     return table is None or not table.holds_tasks
 
 
-def _task_table(book: Book, sheet: str | None, known: tuple[str, ...], overrides: Mapping[str, Meaning | None], findings: Findings) -> Table:
-    if sheet is not None:
-        return _named_sheet(book, sheet, known, overrides)
+def _task_table(book: Book, sheet: str | None, known: tuple[str, ...], overrides: Mapping[str, Meaning | None]) -> tuple[Table, list[Table]]:
+    """The table of tasks, and those that say who can do them."""
     candidates = [grid for grid in book.grids if not grid.hidden and not _is_beside(grid)]
     tables = [table for grid in candidates if (table := find_table(grid, known, overrides)) and table.holds_tasks]
+    abilities = [table for table in tables if is_table_of_abilities(table)]
+    if sheet is not None:
+        return _named_sheet(book, sheet, known, overrides), [table for table in abilities if table.grid.name != sheet]
     if not tables:
         raise _no_task_sheet(book, known, overrides)
+    tables = [table for table in tables if table not in abilities] or tables
     if len(tables) > 1:
         names = [table.grid.name for table in tables]
         places = " and ".join(table.grid.place(table.header_row, 0) for table in tables)
         raise refused(book.path, f"holds several sheets that look like tasks ({places}). Choose one, such as --sheet {names[0]!r}.")
-    used = {tables[0].grid.name, *(grid.name for grid in book.grids if _is_beside(grid))}
+    return tables[0], [table for table in abilities if table is not tables[0]]
+
+
+def _other_sheets(book: Book, read: Sequence[str], table: Table, findings: Findings) -> list[Grid]:
+    """The sheets that may say what comes before what; the rest, apart from those beside the tasks, is noted as not read."""
+    found = []
     for grid in book.grids:
-        if grid.name not in used and grid.rows:
+        if grid.name in read or _is_beside(grid) or not grid.rows:
+            continue
+        if grid.hidden and ABOUT_PRECEDENCE.search(key(grid.name)):
+            message = f"sheet {grid.name!r} is hidden and was not read, though by its name it says what comes before what. Show it to have it read."
+            if table.having("after", "after rows", "before"):
+                findings.note("sheet", message, f"{grid.name}!A1")
+            else:
+                findings.fault(message, f"{grid.name}!A1")
+        elif not grid.hidden and is_about_precedence(grid):
+            found.append(grid)
+        else:
             findings.note("sheet", f"sheet {grid.name!r} {'is hidden and ' if grid.hidden else ''}was not read.", f"{grid.name}!A1")
     for name, why in book.passed_over.items():
-        findings.note("sheet", f"sheet {name!r} was not read: {why}.")
-    return tables[0]
+        message = f"sheet {name!r} was not read: {why}."
+        if ABOUT_PRECEDENCE.search(key(name)):
+            findings.fault(f"{message} By its name it says what comes before what.", book.path.name)
+        else:
+            findings.note("sheet", message)
+    return found
 
 
 def _named_sheet(book: Book, sheet: str, known: tuple[str, ...], overrides: Mapping[str, Meaning | None]) -> Table:
-    grid = next((grid for grid in book.grids if grid.name == sheet), None)
+    grid = next((grid for grid in book.grids if clean(grid.name) == clean(sheet)), None)
     if grid is None and sheet in book.passed_over:
         raise refused(book.path, f"sheet {sheet!r} cannot be read: {book.passed_over[sheet]}.")
     if grid is None:
@@ -264,6 +301,13 @@ def _kinds(operators: dict[str, dict[str, Any]], kinds: dict[str, Kind], finding
             data["kind"] = "human"
             unclear.append(name)
     for name in unclear:
+        if is_machine(name):
+            findings.fault(
+                f"operator {name!r} is a machine by its name. One that works on its own, such as a press or an oven, is no operator of a cell: leave "
+                f'it out (--map "HEADER=ignore" leaves out a column). If it is a robot, say --robot {_quoted(name)}.',
+                findings.places.get(("operators", name), ""),
+            )
+            continue
         findings.fault(
             f"operator {name!r}: is this a human or a robot? Say it with --human {_quoted(name)} or --robot {_quoted(name)}, "
             "or in a sheet 'Operators' with the columns 'operator' and 'kind'.",
@@ -292,6 +336,22 @@ def _stress(table: Table, document: Mapping[str, Any], findings: Findings) -> No
         findings.note("assumed", f"no stress is stated for tasks that a human can do, so it is 0: {listed(bare)}.", columns[0].place)
 
 
+def _precedence(table: Table, tasks: Tasks, findings: Findings) -> None:
+    """Says when every task may begin at once, because nothing in the workbook keeps it waiting."""
+    if tasks.linked:
+        return
+    columns = table.having("after", "after rows", "before")
+    if columns:
+        hold = "holds" if len(columns) == 1 else "hold"
+        message = f"{listed_headers(columns)} {hold} no task: nothing comes before anything, every task may begin at once."
+        findings.note("assumed", message, columns[0].place)
+    else:
+        findings.note(
+            "assumed",
+            "no column states what comes before what: every task may begin at once. A column 'Predecessors' or 'Vorgänger' makes it count.",
+        )
+
+
 def _who_can(task: Mapping[str, Any]) -> set[str]:
     return {*task.get("time", ()), *(who for joint in task.get("together", ()) for who in joint["operators"])}
 
@@ -304,13 +364,21 @@ def _more_notes(book: Book, table: Table, findings: Findings) -> None:
         findings.note("assumed", f"hidden columns were read all the same: {listed(map(repr, hidden))}.", table.grid.place(table.header_row, 0))
     if not book.sees_errors and book.path.suffix.lower() in (".xls", ".xlsb") and any(note.kind == "cannot" for note in findings.notes):
         findings.note("assumed", f"in {book.path.suffix} files an error such as #REF! cannot be told from an empty cell; save as .xlsx to be sure.")
+    if not book.sees_errors and (silent := [c for c in table.having(*TIMED) if c.meaning and not c.meaning.unit and not table.unit]):
+        findings.fault(
+            f"no unit is stated for {listed(repr(column.header) for column in silent)}, and in {book.path.suffix} files the unit that a number "
+            "format shows cannot be seen. Write [s], [min] or [1/100 min] into the header, or save as .xlsx.",
+            silent[0].place,
+        )
+    if book.path.suffix.lower() == ".xlsb":
+        findings.note("assumed", "in .xlsb files merged cells and number formats are not seen; save as .xlsx to be sure.")
     units = {unit_of(table, column) for column in table.having("time")}
     if units - {"s"}:
         findings.note("assumed", f"times were converted to seconds from {listed(sorted(units - {'s'}))}.")
 
 
-def _all_faults(document: Mapping[str, Any], findings: Findings) -> tuple[Fault, ...]:
-    """Those of the sheet, and those of the cell that it describes, placed in the sheet."""
+def _all_faults(table: Table, document: Mapping[str, Any], findings: Findings) -> tuple[Fault, ...]:
+    """Those of the sheet, and those of the cell that it describes, placed in the sheet; equal ones of a column told once."""
     faults = list(dict.fromkeys(findings.faults))
     touched = {fault.place for fault in faults}
     try:
@@ -325,4 +393,4 @@ def _all_faults(document: Mapping[str, Any], findings: Findings) -> tuple[Fault,
         place = findings.place_of(fault.path)
         if not (place and place in touched) and not (not document["tasks"] and faults):
             faults.append(fault.at(place or fault.place))
-    return tuple(faults)
+    return once_a_column(faults, {(table.grid.name, column.letter): column.header for column in table.columns})

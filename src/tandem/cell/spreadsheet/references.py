@@ -13,7 +13,10 @@ from tandem.cell.spreadsheet.grid import Value, blank, shown, tidy
 NO_TASK = {"-", "–", "—", "−", "/", "none", "no", "keine", "keiner", "kein", "nein", "n/a", "na", "n.a.", "k.a.", "start", "beginn", "0", "."}
 SEPARATORS = (r"[;\n]", r"[;\n,]", r"[;\n,/|+&]|\bund\b|\band\b", r"[;\n,/|+&\s]+|\bund\b|\band\b")
 """From the surest to the least sure; the first by which every part is a known task holds."""
-DAYS_AND_LAGS = re.compile(r"(.+?)\s*(FS|EA|SS|AA|FF|EE|SF|AE)\s*([+-].*)?", re.IGNORECASE)
+DAYS_AND_LAGS = re.compile(r"(.+?)\s*-?\s*(FS|EA|SS|AA|FF|EE|SF|AE)\s*([=+-].*)?", re.IGNORECASE)
+NO_LAG = re.compile(r"[=+-]+\s*P?T?0+([.,]0+)?\s*[^\W\d]*\.?", re.IGNORECASE)
+"""A wait of 0 behind a link, as project tools write it: "2FS+0 d", "2-FS=P0D"."""
+QUOTED = re.compile(r'"([^"]+)"')
 
 
 class UnknownTaskError(ValueError):
@@ -51,11 +54,14 @@ class References:
         self._whole = _unique((str(int(name)), name) for name in self.names if name.isdecimal() and name.isascii())
         self._labels = _unique((_fold(label), name) for label, name in self.labels.items() if label)
         self._blanks = any(" " in name for name in self.names)
+        self._dotted = {name.replace(".", ","): name for name in self.names if re.fullmatch(r"\d+(\.\d+)+", name)}
 
     def agree_on_numbers(self, values: Iterable[Value], sheet_rows: bool = False) -> None:
         """Decides for a whole column what bare numbers mean that name no task: the number behind a common prefix ("1" for "T1"), the
         place in the list, or the row of the sheet.
         """
+        if self._dotted and not sheet_rows:
+            return  # beside 1.1 and 1.2, a bare 1 is rather what they belong to
         free = sheet_rows or self.counted
         texts = [shown(value) for value in values]
         numbers = {piece for text in texts if free or not self.task(text) for piece in re.findall(r"(?<![\w.])\d+(?![\w.])", text)}
@@ -98,8 +104,13 @@ class References:
                 "format the cell as text and write the tasks with semicolons, such as '1; 2'"
             )
         text = shown(value)
-        if (name := self.task(text)) is not None:
-            return [name]
+        if isinstance(value, float) and (longer := [name for name in self._exact if re.fullmatch(rf"{re.escape(text)}0+", name)]) and "." in text:
+            raise UnknownTaskError(
+                f"holds the number {text}, which may be task {listed_or([text, *sorted(longer)])} (Excel drops the last 0): "
+                "format the cell as text and write the task"
+            )
+        if (name := self.task(text) or self._dotted.get(text)) is not None:
+            return [self._beyond_doubt(text, name)]
         if text.casefold() in NO_TASK:
             return []
         if isinstance(value, float) and not value.is_integer():
@@ -109,16 +120,28 @@ class References:
             )
         return list(dict.fromkeys(self._split(value if isinstance(value, str) else text)))
 
+    def _beyond_doubt(self, text: str, name: str) -> str:
+        """The task that a text names, be it with a decimal comma, "1,3" for 1.3, unless the parts at its commas are tasks too.
+
+        Raises:
+          UnknownTaskError: when it may be either.
+        """
+        parts = [part.strip() for part in text.split(",")]
+        if len(parts) > 1 and all(part in self._exact or part in self._whole for part in parts):
+            raise UnknownTaskError(f"holds {text!r}, which may be task {name} or tasks {' and '.join(parts)}: write several with semicolons")
+        return name
+
     def _split(self, text: str) -> list[str]:
+        text, quoted = _quotes_aside(text)
         for separator in SEPARATORS:
-            parts = [part for part in map(tidy, re.split(separator, text)) if part]
+            parts = _pieces(separator, text, quoted)
             try:
                 return [name for part in parts for name in self._part(part)]
             except LagError:
                 raise
             except UnknownTaskError:
                 continue
-        parts = [part for part in map(tidy, re.split(SEPARATORS[2 if self._blanks else 3], text)) if part]
+        parts = _pieces(SEPARATORS[2 if self._blanks else 3], text, quoted)
         complaints = []
         for part in parts:
             try:
@@ -128,11 +151,11 @@ class References:
         raise UnknownTaskError("; ".join(complaints))
 
     def _part(self, part: str) -> list[str]:
-        if (name := self.task(part)) is not None:
-            return [name]
+        if (name := self.task(part) or self._dotted.get(part)) is not None:
+            return [self._beyond_doubt(part, name)]
         if found := DAYS_AND_LAGS.fullmatch(part):
             name = self.task(found[1])
-            if name is not None and found[2].upper() in ("FS", "EA") and not found[3]:
+            if name is not None and found[2].upper() in ("FS", "EA") and (not found[3] or NO_LAG.fullmatch(found[3])):
                 return [name]
             if name is not None:
                 only = "Tandem knows only end-to-start (FS) without a lag"
@@ -155,9 +178,36 @@ class References:
         return [name for name, found in numbered.items() if found and found[1] == ends[0][1] and low <= int(found[2]) <= high]  # type: ignore[index]
 
 
+def unquoted(text: str) -> str:
+    """A name in double quotes stands for itself, though it looks like something else: a total, the number of a group."""
+    return text[1:-1] if len(text) > 2 and text[0] == text[-1] == '"' else text
+
+
+def _quotes_aside(text: str) -> tuple[str, list[str]]:
+    quoted = QUOTED.findall(text)
+    places = iter(range(len(quoted)))
+    return QUOTED.sub(lambda _: f"\x00{next(places)}\x00", text), quoted
+
+
+def _pieces(separator: str, text: str, quoted: Sequence[str]) -> list[str]:
+    """The parts of a list; names in double quotes, kept aside in `quoted`, stand for themselves whatever marks they hold."""
+    pieces = [tidy(piece) for piece in re.split(separator, text)]
+    return [_put_back(piece, quoted) for piece in pieces if piece]
+
+
+def _put_back(piece: str, quoted: Sequence[str]) -> str:
+    alone = re.fullmatch("\x00(\\d+)\x00", piece)
+    return quoted[int(alone[1])] if alone else re.sub("\x00(\\d+)\x00", lambda found: f'"{quoted[int(found[1])]}"', piece)
+
+
 def task_name(value: Value) -> str:
     """A task's name as the sheet shows it: 1.0 is "1"."""
     return shown(value)
+
+
+def listed_or(names: Sequence[str]) -> str:
+    """ "1.1 or 1.10"."""
+    return " or ".join(names)
 
 
 def _fold(text: str) -> str:

@@ -8,9 +8,11 @@ from collections.abc import Iterator
 from tandem.cell.spreadsheet.findings import Findings, listed
 from tandem.cell.spreadsheet.grid import Grid, blank, shown, tidy
 from tandem.cell.spreadsheet.header import Table
-from tandem.cell.spreadsheet.values import UnreadableError, cannot, number
+from tandem.cell.spreadsheet.values import Marks, UnreadableError, cannot, number
 from tandem.cell.spreadsheet.words import TOTALS, key
 
+ANY_MARK = Marks(".", grouped=True)
+"""Good enough to see whether a row sums up those above it."""
 AVERAGES = re.compile(r"mittelwerte?|durchschnitt|average|mean|min|max|minimum|maximum|taktzeit|cycle time", re.IGNORECASE)
 
 
@@ -43,8 +45,7 @@ def _no_task(table: Table, row: int, before: list[int], below_all: bool) -> str 
     grid = table.grid
     filled = list(grid.filled(row))
     texts = [tidy(value) for _, value in filled if isinstance(value, str)]
-    first = texts[0].rstrip(":. ") if texts else ""
-    if TOTALS.fullmatch(first) or (AVERAGES.fullmatch(first) and isinstance(filled[0][1], str)):
+    if _is_called_a_total(table, row, before):
         return f"{texts[0]!r} is a total, not a task"
     if _repeats_header(table, row):
         return "it repeats the header"
@@ -60,8 +61,28 @@ def _no_task(table: Table, row: int, before: list[int], below_all: bool) -> str 
     return None
 
 
+def _is_called_a_total(table: Table, row: int, before: list[int]) -> bool:
+    """The first word of the row says so; behind a name of its own, as in "14 | Summe", only if its numbers are the sums as well."""
+    grid = table.grid
+    filled = list(grid.filled(row))
+    first, value = next(((column, value) for column, value in filled if isinstance(value, str)), (-1, ""))
+    if not is_total(str(value)):
+        return False
+    words = {column.index for column in table.having("number", "task", "label")}
+    return first == filled[0][0] or (first in words and bool(TOTALS.fullmatch(_bare(str(value)))) and _are_sums(table, row, before))
+
+
+def is_total(text: str) -> bool:
+    """A word that stands before a total or an average instead of a task's name."""
+    return bool(TOTALS.fullmatch(_bare(text)) or AVERAGES.fullmatch(_bare(text)))
+
+
+def _bare(text: str) -> str:
+    return tidy(text).rstrip(":. ")
+
+
 def _has_a_time(table: Table, row: int) -> bool:
-    return any((row, c.index) in table.grid.odd or not cannot(table.grid.rows[row][c.index]) for c in table.having("time"))
+    return any((row, c.index) in table.grid.odd or not cannot(table.grid.value(row, c.index)) for c in table.having("time"))
 
 
 def _repeats_header(table: Table, row: int) -> bool:
@@ -75,7 +96,13 @@ def _sums_up(table: Table, row: int, before: list[int]) -> bool:
     """No name, no label, and every number is the sum of its column so far."""
     grid = table.grid
     names = table.having("number", "task", "label", "operator")
-    if len(before) < 2 or any(not blank(grid.rows[row][column.index]) for column in names):
+    return all(blank(grid.value(row, column.index)) for column in names) and _are_sums(table, row, before)
+
+
+def _are_sums(table: Table, row: int, before: list[int]) -> bool:
+    """Every number is the sum of its column so far."""
+    grid = table.grid
+    if len(before) < 2:
         return False
     sums = [(column, _number(grid, row, column.index)) for column in table.having("time", "stress") if not blank(grid.rows[row][column.index])]
     totals = [sum(_number(grid, r, column.index) or 0.0 for r in before) for column, _ in sums]
@@ -85,7 +112,7 @@ def _sums_up(table: Table, row: int, before: list[int]) -> bool:
 
 def _number(grid: Grid, row: int, column: int) -> float | None:
     try:
-        return float(number(grid.rows[row][column], ".").value)
+        return float(number(grid.rows[row][column], ANY_MARK).value)
     except UnreadableError:
         return None
 

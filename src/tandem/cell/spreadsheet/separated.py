@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections import Counter
+from dataclasses import dataclass
 from pathlib import Path
 
-from tandem.cell.spreadsheet.grid import MOST_ROWS, Book, Grid
+from tandem.cell.spreadsheet.grid import MOST_ROWS, Book, Grid, letters
 from tandem.errors import CellError, Fault
 
 SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas"}
@@ -27,17 +29,68 @@ def read(path: Path, content: bytes) -> Book:
         text = "\n" + "\n".join(lines[1:])  # keeps the row numbers
     else:
         separator = _separator(lines)
-    try:
-        rows = [row for row, _ in zip(csv.reader(io.StringIO(text, newline=""), delimiter=separator), range(MOST_ROWS + 1), strict=False)]
-    except csv.Error as error:
-        raise CellError([Fault(f"is no readable CSV: {error}.", place=path.name)]) from error
-    if len(rows) > MOST_ROWS:
-        message = f"has more than {MOST_ROWS:,} rows, the most that Tandem reads. Keep only the tasks of one station."
-        raise CellError([Fault(message, place=path.name)])
+    records = _records(path, text, separator)
+    _refuse_stray_quotes(path, text, separator, records)
+    rows = [record.fields for record in records]
     width = max(map(len, rows), default=0)
     full = tuple((*row, *[""] * (width - len(row))) for row in rows)
     remark = f"read as {encoding} text with columns separated by {SEPARATORS.get(separator, repr(separator))}."
-    return Book(path, (Grid(path.stem, full),), remarks=(remark,))
+    return Book(path, (Grid(path.stem, full, lengths=tuple(map(len, rows))),), remarks=(remark,))
+
+
+@dataclass(frozen=True)
+class Record:
+    """One row: its fields, and the lines of the file that it takes, counted from 0, the last one not included."""
+
+    fields: list[str]
+    first_line: int
+    end_line: int
+
+
+def _records(path: Path, text: str, separator: str) -> list[Record]:
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
+    records, line = [], 0
+    try:
+        for fields in reader:
+            records.append(Record(fields, line, reader.line_num))
+            line = reader.line_num
+            if len(records) > MOST_ROWS:
+                message = f"has more than {MOST_ROWS:,} rows, the most that Tandem reads. Keep only the tasks of one station."
+                raise CellError([Fault(message, place=path.name)])
+    except csv.Error as error:
+        raise CellError([Fault(f"is no readable CSV: {error}.", place=path.name)]) from error
+    return records
+
+
+def _refuse_stray_quotes(path: Path, text: str, separator: str, records: list[Record]) -> None:
+    """A quotation mark that opens a text and swallows the rows behind it, to the end of the file or to the next mark."""
+    lines = io.StringIO(text, newline="").readlines()
+    widest = max((len(record.fields) for record in records), default=1)
+    faults = []
+    for number, record in enumerate(records, 1):
+        own = lines[record.first_line : record.end_line]
+        is_open = record is records[-1] and _never_closed(own, separator)
+        swallowed = next((line for line in own[1:] if _reads_like_a_row(line, separator, widest)), None)
+        if is_open or swallowed is not None:
+            what = "is opened and never closed" if is_open else f"is opened and closed only in line {record.end_line}, which takes in rows"
+            way_out = "Close it or take it out; a quotation mark in a text is written twice."
+            line = f" (line {record.first_line + 1})" if record.first_line + 1 != number else ""
+            column = next((c for c, field in enumerate(record.fields) if "\n" in field or "\r" in field), len(record.fields) - 1)
+            faults.append(Fault(f"row {number}{line}: a quotation mark {what}. {way_out}", place=f"{path.stem}!{letters(column)}{number}"))
+    if faults:
+        raise CellError(faults)
+
+
+def _never_closed(lines: list[str], separator: str) -> bool:
+    """A further line becomes part of the last text instead of a row of its own."""
+    return len(list(csv.reader([*lines[:-1], lines[-1].rstrip("\r\n") + "\n", "end"], delimiter=separator))) == 1 if lines else False
+
+
+def _reads_like_a_row(line: str, separator: str, widest: int) -> bool:
+    """As far as the quotes reach, separators stand in it as between values: without a blank behind them, or as many as in a row."""
+    closed = re.match(r'(?:[^"]|"")*"', line)
+    inside = closed[0] if closed else line.rstrip("\r\n")
+    return re.search(rf"{re.escape(separator)}\S", inside) is not None or inside.count(separator) >= max(2, widest - 1)
 
 
 def _decode(path: Path, content: bytes) -> tuple[str, str]:

@@ -12,11 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, Task, plain
 from tandem.cell.spreadsheet.form import CHECKS, EXAMPLE, HEADERS, HELP, SHEETS, Language
+from tandem.cell.spreadsheet.outline import LEADING
 from tandem.cell.spreadsheet.reading import read_book
+from tandem.cell.spreadsheet.references import unquoted
+from tandem.cell.spreadsheet.rows import is_total
 from tandem.cell.spreadsheet.words import meaning
 from tandem.cell.spreadsheet.workbook import book_of
 from tandem.cell.storing import store
-from tandem.errors import CellError, Fault, UsageError
+from tandem.errors import UsageError
 
 if TYPE_CHECKING:
     from openpyxl import Workbook
@@ -58,7 +61,6 @@ def export_cell(cell: Cell, path: str | Path, *, lang: Language = "en") -> tuple
 
     Raises:
       OSError: it could not be written; an older file is then as it was.
-      CellError: a name holds characters that no workbook can.
       UsageError: there is no such language.
     """
     content = to_workbook(cell, lang=lang)
@@ -80,7 +82,7 @@ def _differences(path: tuple[str, ...], before: Any, after: Any) -> Iterable[str
             yield from _differences((*path, str(key)), before.get(key), after.get(key))
         if list(before) != list(after) and set(before) == set(after) and path in (("operators",), ("tasks",)):
             yield f"{'.'.join(path)}: the order {', '.join(before)} becomes {', '.join(after)}."
-    elif before != after:
+    elif before != after and not (before in (None, {}) and after in (None, {})):  # a table that names nobody says the same as none
         yield f"{'.'.join(path)}: {before!r} becomes {after!r}." if after is not None else f"{'.'.join(path)}: {before!r} has no place in the sheet."
 
 
@@ -91,26 +93,21 @@ def to_workbook(cell: Cell, *, lang: Language = "en", every_column: bool = False
       every_column: with the columns that planners often need, even if this cell leaves them empty.
 
     Raises:
-      CellError: a name holds characters that no workbook can.
       UsageError: there is no such language.
     """
     import openpyxl
-    from openpyxl.utils.exceptions import IllegalCharacterError
 
     if lang not in HEADERS:
         raise UsageError(f"there is no language {lang!r}: choose en or de.")
     book = openpyxl.Workbook()
     book.properties.title = cell.name or "Tandem cell"
     book.properties.creator = "Tandem"
-    try:
-        _tasks(book, cell, lang, every_column)
-        _operators(book, cell, lang)
-        _things(book, cell, lang, every_column)
-        _sets_and_name(book, cell, lang)
-        _help(book, lang)
-        return workbook_bytes(book)
-    except IllegalCharacterError as error:
-        raise CellError([Fault(f"a text of the cell holds control characters that no workbook can hold: {error}. Rename it.")]) from error
+    _tasks(book, cell, lang, every_column)
+    _operators(book, cell, lang)
+    _things(book, cell, lang, every_column)
+    _sets_and_name(book, cell, lang)
+    _help(book, lang)
+    return workbook_bytes(book)
 
 
 def workbook_bytes(book: Workbook) -> bytes:
@@ -149,7 +146,9 @@ def _fields(cell: Cell, lang: Language, every: bool) -> list[Field]:
     def any_task(has: Callable[[Task], Any]) -> bool:
         return any(has(task) for task in tasks)
 
-    fields = [Field(words["name"], lambda name, task: name, "name", 10)]
+    codes = {name: found[1] if (found := LEADING.match(name)) else name for name in cell.tasks}
+    above = {code[: dot.start()] for code in codes.values() for dot in re.finditer(r"\.", code)}
+    fields = [Field(words["name"], lambda name, task: _spelled(name) if _looks_like_no_task(name, task, codes[name], above) else name, "name", 10)]
     if every or any_task(lambda t: t.label):
         fields.append(Field(words["label"], lambda name, task: task.label, "", 34))
     if any_task(lambda t: t.part):
@@ -183,7 +182,7 @@ def _stress_fields(cell: Cell, words: Mapping[str, str], groups: list[tuple[str,
         values = [joint.stress for task in tasks for joint in task.together if set(joint.operators) == set(group)]
         if any(value is not None and not isinstance(value, Mapping) for value in values):
             fields.append(Field(_headed(words["joint stress"], "stress", group, cell), _joint_stress(group, None), "number", 22))
-        for who in _named(cell, values):
+        for who in _members_named(cell, group, values):
             others = " + ".join(_spelled(other) for other in group if other != who)
             header = words["joint stress of"].format(human=_spelled(who), others=others)
             fields.append(Field(header, _joint_stress(group, who), "number", 26))
@@ -212,6 +211,13 @@ def _named(cell: Cell, values: Iterable[Any]) -> list[str]:
     return [who for who in cell.operators if who in named]
 
 
+def _members_named(cell: Cell, group: tuple[str, ...], values: list[Any]) -> list[str]:
+    """The humans of a group who need a column of their own; all of them where a table names nobody, so that its 0 is written down."""
+    if any(isinstance(value, Mapping) and not value for value in values):
+        return [who for who in cell.humans if who in group]
+    return _named(cell, values)
+
+
 def _of(value: Any, who: str) -> float | None:
     return value.get(who) if isinstance(value, Mapping) else None
 
@@ -227,7 +233,9 @@ def _joint_time(group: tuple[str, ...]) -> Callable[[str, Task], Any]:
 def _joint_stress(group: tuple[str, ...], who: str | None) -> Callable[[str, Task], Any]:
     def of(name: str, task: Task) -> float | None:
         stress = next((joint.stress for joint in task.together if set(joint.operators) == set(group)), None)
-        return _of(stress, who) if who else None if isinstance(stress, Mapping) else stress
+        if who is None:
+            return None if isinstance(stress, Mapping) else stress
+        return 0.0 if isinstance(stress, Mapping) and not stress else _of(stress, who)
 
     return of
 
@@ -235,8 +243,8 @@ def _joint_stress(group: tuple[str, ...], who: str | None) -> Callable[[str, Tas
 def _headed(pattern: str, what: str, who: tuple[str, ...], cell: Cell) -> str:
     """The header in plain words, or with the names in quotes where plain words would be misread."""
     simple = pattern.format(who=" + ".join(who))
-    found = meaning(simple, tuple(cell.operators))
-    if found is not None and found.what == what and found.who == who and not found.human:
+    readings = [meaning(simple, known) for known in (tuple(cell.operators), ())]  # the sheets beside the tasks know no operators
+    if all(found is not None and (found.what, found.who, found.human, found.per_piece) == (what, who, "", False) for found in readings):
         return simple
     return pattern.format(who=" + ".join(map(_spelled, who)))
 
@@ -245,8 +253,14 @@ def _spelled(name: str) -> str:
     return f'"{name}"'
 
 
+def _looks_like_no_task(name: str, task: Task, code: str, above: set[str]) -> bool:
+    """A row that an import would take for a total or for the head of a group of tasks, or a name that is in quotes itself."""
+    return is_total(name) or is_total(task.label or "") or code.rstrip(".") in above or unquoted(name) != name
+
+
 def _list(names: Iterable[str]) -> str | None:
-    return "; ".join(names) or None
+    listed = list(names)
+    return "; ".join(_spelled(name) if len(listed) > 1 and ";" in name else name for name in listed) or None
 
 
 # --- the other sheets ---------------------------------------------------------------------------------------------------------
@@ -291,10 +305,11 @@ def _things(book: Workbook, cell: Cell, lang: Language, every: bool) -> None:
 def _sets_and_name(book: Workbook, cell: Cell, lang: Language) -> None:
     words = HEADERS[lang]
     if cell.stress_of_set is not None:
+        no_task = next((word for word in ("-", "none", "keine", "n/a", "k.a.") if word not in cell.tasks), None)
         sheet = book.create_sheet(SHEETS[lang]["sets"])
         _header(sheet, [words["sets"], words["stress"]], [40, 12])
         for row, (names, stress) in enumerate(cell.stress_of_set.items(), 2):
-            _put(sheet, row, 1, _list(names.split(",")) if names else "-")
+            _put(sheet, row, 1, _list(names.split(",")) if names else no_task)
             _put(sheet, row, 2, stress)
     sheet = book.create_sheet(SHEETS[lang]["cell"])
     _put(sheet, 1, 1, words["cell name"])

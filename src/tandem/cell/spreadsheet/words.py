@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import re
 import unicodedata
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import resources
 from typing import Literal
 
@@ -28,6 +28,15 @@ MEANS = {spelling: what for what, spellings in PHRASES.items() for spelling in s
 KINDS: dict[str, Kind] = {word: kind for kind, words in VOCABULARY["kinds"].items() for word in words}
 """Words in the name of an operator that say whether it is a human or a robot."""
 
+MACHINES = frozenset(VOCABULARY["machines"])
+"""Words for what works on its own and is neither a human nor a robot of the cell."""
+
+APPLIANCES = MACHINES | frozenset(VOCABULARY["appliances"])
+"""The same with words that are as likely a tool's name, so that they count only beside a word for time."""
+
+JOINT = frozenset(VOCABULARY["joint"])
+"""Words that say that several do it together, and not who."""
+
 FILLERS = frozenset(VOCABULARY["fillers"])
 """Words that say nothing beside a measure: "Zeit für den Roboter"."""
 
@@ -37,7 +46,7 @@ MEASURES: dict[str, str] = {
         r"(vorgabe|soll|bearbeitungs|ausfuehrungs|prozess|montage|stueck|grund|standard|fertigungs)zeit(en)?"
     ),
     "stress": (
-        r"stress|load|strain|(eaws|ergo|belastung|beanspruchung)\w*|points?|punkte?|score|niosh|reba|rula|owas|physical|koerperliche|bewertung"
+        r"stress|load|strain|(eaws|ergo|belastung|beanspruchung)\w*|points?|punkte?|score|niosh|reba|rula|owas|kim|lmm|ocra|leitmerkmal\w*|physical|koerperliche|bewertung"
     ),
     "difficulty": r"difficulty|schwierigkeit(sgrad)?",
     "spread": r"spread|streuung|cv|variation|variationskoeffizient",
@@ -48,9 +57,20 @@ MEASURES: dict[str, str] = {
 NO_OPERATOR = re.compile(
     r"ruest\w*|setup|set-up|wart\w*|wait\w*|idle|leer\w*|cycle|zyklus\w*|takt\w*|gesamt\w*|total|sum|summe|wege\w*|walk\w*|geh\w*|puffer\w*|buffer|"
     r"start\w*|end|ende|beginn|begin|finish|max\w*|mean|avg|average|mittel\w*|durchschnitt\w*|kum\w*|cum\w*|anteil|share|alt|old|std|"
-    r"abweichung|deviation|minimum|date|datum|liege\w*|slack|schlupf\w*|makespan|bound\w*|busy|utili[sz]ation|auslastung|transport\w*|lead|lag|durchlauf\w*|changeover|wechsel\w*|neben\w*|hilfs\w*|verteil\w*|erhol\w*|priority|prio\w*"
+    r"abweichung|deviation|minimum|date|datum|liege\w*|slack|schlupf\w*|makespan|bound\w*|busy|utili[sz]ation|auslastung|transport\w*|lead|lag|durchlauf\w*|changeover|wechsel\w*|neben\w*|hilfs\w*|verteil\w*|erhol\w*|priority|prio\w*|\w*einheit(en)?|units?|uom|dimension"
 )
 """Kinds of time that no single operator spends on the task: such columns are listed as not read."""
+
+PER_PIECE = re.compile(r"\s*(?:/|\b(?:je|pro|per)\b)\s*(?:stück|stueck|stk|piece|pieces|pcs?|unit|einheit|teil|part)\b\.?", re.IGNORECASE)
+"""Words that make a time that of one piece: "Zeit/Stück", "[s/pc]"."""
+
+ABOUT_LINKS = re.compile(
+    r"\b(anzahl|zahl|count|number of|no of|num|wie viele|how many|typ|type|art|lag|zeitabstand|abstand|time|zeit|dauer|duration|fertig|done|status)\b"
+)
+"""Words beside "predecessors" that make it something other than a list of tasks."""
+
+QUOTES = re.compile(r'"([^"]+)"')
+"""Names in a header that stand for themselves."""
 
 TOTALS = re.compile(r"(zwischen)?summen?|(sub-?|grand )?totals?|sum|σ|∑|Σ|gesamt.*|insgesamt|overall", re.IGNORECASE)
 """What planners write before a total."""
@@ -66,6 +86,9 @@ class Meaning:
       human: the human whose stress it is, within the joint way `who`.
       unit: the unit of time, when the header says one.
       sure: the words say so; a guess from the operator's name alone is not sure.
+      told: by `--map`, not by the header.
+      percent: the header gives the scale as per cent.
+      per_piece: a time that a piece takes, of which the task may have several.
     """
 
     what: str
@@ -73,11 +96,14 @@ class Meaning:
     human: str = ""
     unit: str | None = None
     sure: bool = True
+    told: bool = False
+    percent: bool = False
+    per_piece: bool = False
 
     def __str__(self) -> str:
         of = f" of {' + '.join(self.who)}" if self.who and not self.human else ""
         joint = f" of {self.human} in {' + '.join(self.who)}" if self.human else ""
-        return f"{self.what}{of}{joint}{f', {self.unit}' if self.unit else ''}"
+        return f"{self.what}{of}{joint}{f', {self.unit}' if self.unit else ''}{' per piece' if self.per_piece else ''}"
 
 
 def key(text: str) -> str:
@@ -102,15 +128,22 @@ def _words(name: str) -> list[str]:
 def is_kind_word(name: str) -> bool:
     """The name consists of nothing but kind words and digits: "Roboter", "robot 2"."""
     words = _words(name)
-    return bool(words) and any(word in KINDS and len(word) > 1 for word in words) and all(word in KINDS or word.isdigit() for word in words)
+    kinds = KINDS.keys() | MACHINES
+    return bool(words) and any(word in kinds and len(word) > 1 for word in words) and all(word in kinds or word.isdigit() for word in words)
+
+
+def is_machine(name: str) -> bool:
+    """The name is that of a machine, such as "Maschine 2", and not of a human or a robot."""
+    return kind_of(name) is None and any(word in APPLIANCES for word in _words(name))
 
 
 def split_unit(text: str) -> tuple[str, str | None]:
     """The header without its unit, and the unit: `t human [s]`, `Zeit (min)`, `Dauer in Minuten`, `time_s`."""
-    for bracket in re.finditer(r"[\[(]([^\[\]()]*)[\])]", text):
+    plain = QUOTES.sub(lambda name: "\x00" * len(name[0]), text)  # a name in quotes may hold brackets and units of its own
+    for bracket in re.finditer(r"[\[(]([^\[\]()]*)[\])]", plain):
         if unit := unit_named(re.sub(r"^in ", "", bracket[1].strip(), flags=re.IGNORECASE)):
             return tidy_marks(text[: bracket.start()] + " " + text[bracket.end() :]), unit
-    tail = re.search(r"(?:\s+in\s+|\s*[/,;:]\s*|[\s_]+)([^\s_]+|1/100 ?min\.?|hundertstel minuten)$", text, re.IGNORECASE)
+    tail = re.search(r"(?:\s+in\s+|\s*[/,;:]\s*|[\s_]+)([^\s_]+|1/100 ?min\.?|hundertstel minuten)$", plain, re.IGNORECASE)
     if tail and (unit := unit_named(tail[1])):
         return tidy_marks(text[: tail.start()]), unit
     return text, None
@@ -123,6 +156,10 @@ def meaning(header: str, known: tuple[str, ...] = ()) -> Meaning | None:
       known: operators that are known from elsewhere; their bare names count as times.
     """
     text, quoted = _without_quotes(tidy(header))
+    text, pieces = PER_PIECE.subn(" ", text)
+    if pieces:
+        found = meaning(_with_quotes(text, quoted), known)
+        return replace(found, per_piece=True) if found and found.what == "time" else None
     text, unit = split_unit(text)
     if text and (what := MEANS.get(key(text)) or _stem(key(text))):
         return Meaning(what, unit=unit)
@@ -137,16 +174,44 @@ def meaning(header: str, known: tuple[str, ...] = ()) -> Meaning | None:
         return Meaning(what, who, human, unit) if what == "stress" or not human else None
     if measures:
         return None
-    if who and (unit or all(name in known or is_kind_word(name) for name in who)):
+    if who and (unit or all(name in known or is_kind_word(name) or key(name) in JOINT - {"team", "all", "alle"} for name in who)):
         return Meaning("time", who, unit=unit, sure=bool(unit) or all(name in known for name in who))
     return None
 
 
+SCALE = re.compile(
+    r"(\d+([.,]\d+)?)?\s*(-|–|—|\.\.+|…|/|bis|to|%|‰)\s*(\d+([.,]\d+)?)?|pkte?|punkten?|pts?|prozent|percent|pct|skala|scale|n|nm|kg|kcal|bpm|watt|w"
+)
+"""Words that say in what a stress is counted: "0-10", "%", "Pkt."; a plain number may be somebody's."""
+
+
+def without_scale(header: str) -> tuple[str, str]:
+    """The header without what stands in brackets and without words of scale, and those: `Stress (0-10)` -> "Stress", "0-10"."""
+    taken: list[str] = []
+
+    def keep(found: re.Match[str]) -> str:
+        taken.append(found[0].strip("[](){}<> "))
+        return " "
+
+    rest = re.sub(r"\[[^\]]*\]?|\([^)]*\)?|\{[^}]*\}?|<[^>]*>?", keep, tidy(header))
+    words = rest.split()
+    taken += [word for word in words if SCALE.fullmatch(word.casefold().rstrip("."))]
+    kept = [word for word in words if not SCALE.fullmatch(word.casefold().rstrip("."))]
+    return " ".join(kept), ", ".join(taken)
+
+
 def _stem(plain: str) -> str | None:
-    """Lists of tasks under a longer header: "Predecessors (row)", "alle Vorgänger laut Graph"."""
-    if re.search(r"\b(predecess|vorgaenger)", plain):
+    """Lists of tasks under a longer header: "Predecessors (row)", "alle Vorgänger laut Graph", "Pred. 2"; their number or kind is none."""
+    if re.search(ABOUT_LINKS, plain):
+        return None
+    numbered = re.fullmatch(r"(.+?) ?\d+", plain)
+    if numbered and MEANS.get(numbered[1]) in ("after", "after rows", "before"):
+        return MEANS[numbered[1]]
+    if re.search(
+        r"\b(predecess|vorgaenger|vorlaeufer|preceding|precedence|prerequis|vorrangbez|depends on|dependenc|abhaengig von|abhaengigk)", plain
+    ):
         return "after rows" if re.search(r"\b(rows?|zeilen?(nr|nummern?)?)\b", plain) else "after"
-    return "before" if re.search(r"\b(success|nachfolger)", plain) else None
+    return "before" if re.search(r"\b(success|nachfolger|precedes|followed by|gefolgt von|folgevorg)", plain) else None
 
 
 def _without_quotes(text: str) -> tuple[str, list[str]]:
@@ -157,7 +222,11 @@ def _without_quotes(text: str) -> tuple[str, list[str]]:
         quoted.append(found[1])
         return f" \x00{len(quoted) - 1} "
 
-    return tidy_marks(re.sub(r'"([^"]+)"', keep, text)), quoted
+    return tidy_marks(QUOTES.sub(keep, text)), quoted
+
+
+def _with_quotes(text: str, quoted: list[str]) -> str:
+    return re.sub("\x00(\\d+)", lambda found: f'"{quoted[int(found[1])]}"', text)
 
 
 def tidy_marks(text: str) -> str:
@@ -190,7 +259,7 @@ def _compound(word: str) -> str | None:
     """The operator in a German compound: "roboterzeit", "maschinenzeit"."""
     if not (found := re.fullmatch(r"(..+)(zeit|dauer)", word)):
         return None
-    return next((found[1].removesuffix(link) for link in ("n", "en", "s", "") if found[1].removesuffix(link) in KINDS), None)
+    return next((found[1].removesuffix(link) for link in ("n", "en", "s", "") if found[1].removesuffix(link) in KINDS.keys() | APPLIANCES), None)
 
 
 def _measure(word: str) -> str | None:

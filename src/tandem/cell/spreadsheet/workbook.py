@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -79,6 +80,7 @@ def _calamine(path: Path, content: bytes) -> Book:
     except Exception as error:  # calamine has no common promise about what it raises on damaged files
         raise refused(path, f"cannot be read as a workbook ({error}). It may be cut off: copy it again, or open and save it anew.") from error
     sights, sees_errors = beneath.look(content) if zipped else ({}, False)
+    indents = beneath.indented(content) if zipped else {}
     grids, passed_over = [], {}
     for sheet in workbook.sheets_metadata:
         if sheet.typ != calamine.SheetTypeEnum.WorkSheet:
@@ -94,7 +96,7 @@ def _calamine(path: Path, content: bytes) -> Book:
             continue
         sight = sights.get(sheet.name, beneath.Sight())
         visible = sheet.visible == calamine.SheetVisibleEnum.Visible
-        grids.append(_grid(sheet.name, rows, merged, sight, not visible))
+        grids.append(replace(_grid(sheet.name, rows, merged, sight, not visible), indents=indents.get(sheet.name, {})))
     return Book(path, tuple(grids), passed_over, sees_errors=sees_errors)
 
 
@@ -102,7 +104,16 @@ def _grid(name: str, rows: list[list[Any]], merged: tuple[tuple[int, int, int, i
     height = max([len(rows), *(row + 1 for row, _ in sight.odd)])
     width = max([*(len(row) for row in rows), *(column + 1 for _, column in sight.odd)], default=0)
     full = [[*row, *[""] * (width - len(row))] for row in [*rows, *([[]] * (height - len(rows)))]]
-    return Grid(name, tuple(map(tuple, full)), merged, sight.odd, hidden, sight.hidden_rows, sight.hidden_columns)
+    return Grid(
+        name,
+        tuple(map(tuple, full)),
+        merged=merged or tuple(sight.merged),
+        odd=sight.odd,
+        words=sight.words,
+        hidden=hidden,
+        hidden_rows=sight.hidden_rows,
+        hidden_columns=sight.hidden_columns,
+    )
 
 
 def _rows(sheet: Any) -> list[list[Any]]:

@@ -54,7 +54,7 @@ class Auto:
             try:
                 return self._signed(policy.decide(situation), began, failed)
             except (TandemError, ArithmeticError, LookupError, ValueError) as error:
-                failed.append(f"{policy.name} could not decide ({type(error).__name__}: {error})")
+                failed.append(f"{policy.name} could not decide, {type(error).__name__}: {str(error).rstrip('.')}")
         return self._signed(self.rule.decide(situation), began, failed)
 
     def _signed(self, decision: Decision, began: float, failed: Sequence[str]) -> Decision:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
 from dataclasses import dataclass, field
 from random import Random
 from time import perf_counter
 
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Decision, Options
-from tandem.dispatch.deciders.reply import phrase, reply
-from tandem.dispatch.deciders.seen import Models, position
+from tandem.dispatch.deciders.reply import reply
+from tandem.dispatch.deciders.seen import Models, allowed, position
 from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.values.moves import Moves, Position
 from tandem.dispatch.values.objective import Objective
@@ -40,30 +41,29 @@ class ByRule:
         began = perf_counter()
         moves = self.models.of(situation, 1.0)
         here = position(moves, situation, {})
-        choice = self.choose(moves, here, situation.now)
-        why = f"{phrase(moves, choice)}: by the rule {self.name!r}."
-        return reply(self.name, moves, situation, here, choice, [(choice, None)], began=began, why=why)
+        choice = self.choose(moves, here, situation)
+        return reply(self.name, moves, situation, here, choice, [(choice, None)], began=began, because=f"by the rule {self.name!r}")
 
-    def choose(self, moves: Moves, here: Position, now: float) -> tuple[int, ...]:
+    def choose(self, moves: Moves, here: Position, situation: Situation) -> tuple[int, ...]:
         """The ways that start at once in the rule's schedule; the best of those that may when it starts none and nothing runs."""
         left = rest(moves, here, with_running=False)
         if left is None:
             return ()
         layout = Layout.of(left.instance)
         rule = SPECS[self.name]
-        random = Random(f"{self.seed} {now!r}")
+        legal = allowed(moves, situation)
+        random = Random(f"{self.seed} {situation.now!r}")
         found: list[State] = []
         for sample in range(rule.samples):
             state = build(layout, rule, random, stress=self._stress(layout) if rule.sweeps else None, temperature=rule.temperature if sample else 0.0)
             if state is not None:
                 found.append(state)
         if not found:
-            return _anything(moves, here)
+            return _anything(moves, here, legal)
         best = min(found, key=lambda state: self.objective.cost(state.makespan / moves.per_second, moves.instance.stress(state.stress)))
         begins = tuple(left.ways[t][way] for t, (way, start) in enumerate(best.starts()) if _begins(layout, best, t, start))
-        legal = set(moves.legal(here))
         kept = _compatible(moves, here, [_apart(moves, here, way) for way in begins], legal)
-        return kept or (() if here.running else _anything(moves, here))
+        return kept or (() if here.running else _anything(moves, here, legal))
 
     def _stress(self, layout: Layout) -> float:
         """What a unit of stress weighs against a tick, by the objective."""
@@ -84,7 +84,7 @@ def _apart(moves: Moves, here: Position, way: int) -> int:
     return way + moves.count if here.wrong >> moves.task[way] & 1 else way
 
 
-def _compatible(moves: Moves, here: Position, ways: list[int], legal: set[int]) -> tuple[int, ...]:
+def _compatible(moves: Moves, here: Position, ways: list[int], legal: Set[int]) -> tuple[int, ...]:
     """Those of the ways that may begin together now, the first ones first."""
     kept: list[int] = []
     for way in ways:
@@ -94,7 +94,6 @@ def _compatible(moves: Moves, here: Position, ways: list[int], legal: set[int]) 
     return tuple(sorted(kept))
 
 
-def _anything(moves: Moves, here: Position) -> tuple[int, ...]:
+def _anything(moves: Moves, here: Position, legal: Set[int]) -> tuple[int, ...]:
     """The legal way with the longest chain behind it: better than standing still."""
-    legal = moves.legal(here)
     return () if not legal or here.running else (max(legal, key=lambda way: (moves.tails[moves.task[way]], -moves.ticks[way], -way)),)

@@ -8,8 +8,8 @@ from time import perf_counter
 
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Decision, Options
-from tandem.dispatch.deciders.reply import phrase, reply
-from tandem.dispatch.deciders.seen import Models, cost_so_far, position
+from tandem.dispatch.deciders.reply import reply
+from tandem.dispatch.deciders.seen import Models, allowed, cost_so_far, position
 from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.values.exact import Human, Values, values
 from tandem.dispatch.values.moves import Moves, Position
@@ -79,12 +79,11 @@ class Table:
         here = position(moves, situation, dict.fromkeys(situation.cell.humans, STATED))
         found = self.values if moves.ways == self.values.moves.ways else self._with(moves)
         found.prepare(here)
-        choice, ranked = best(found, here)
+        choice, ranked = best(found, here, allowed(moves, situation))
         base = cost_so_far(self.objective, situation)
-        why = (
-            f"{phrase(moves, choice)}: the least cost {'whatever the human does' if found.human.spoils else 'on average'}, {base + ranked[0][1]:.4g}."
-        )
-        return reply(self.name, moves, situation, here, choice, [(ways, base + cost) for ways, cost in ranked], began=began, why=why)
+        ground = "whatever the human does" if found.human.spoils else "on average"
+        because = f"the least cost {ground}, {self.objective.words(base + ranked[0][1])}"
+        return reply(self.name, moves, situation, here, choice, [(ways, base + cost) for ways, cost in ranked], began=began, because=because)
 
     def _with(self, moves: Moves) -> Values:
         """The same values where somebody refuses something."""
@@ -93,13 +92,16 @@ class Table:
         return self._by_moves[id(moves)]
 
 
-def best(found: Values, here: Position) -> tuple[tuple[int, ...], list[tuple[tuple[int, ...], float]]]:
-    """The best choice, humans asked first and then the robots; and what the humans can be asked for, or else the robots begin, with their values."""
+def best(found: Values, here: Position, may: frozenset[int]) -> tuple[tuple[int, ...], list[tuple[tuple[int, ...], float]]]:
+    """The best choice among the allowed ways, humans asked first and then the robots.
+
+    With it, what the humans can be asked for, or else what the robots can begin, with the values.
+    """
     asked: list[int] = []
     ranked: list[tuple[tuple[int, ...], float]] = []
     moves, after = found.moves, here
     for turn, operator in enumerate(found.humans):
-        legal = [] if moves.busy(after) >> operator & 1 else moves.legal(after, 1 << operator)
+        legal = [] if moves.busy(after) >> operator & 1 else [way for way in moves.legal(after, 1 << operator) if way in may]
         if not legal:
             continue
         wishes = found.wishes(after, turn, legal) if not found.human.spoils else [(way, found.if_human(after, turn, way)) for way in legal]
@@ -108,7 +110,7 @@ def best(found: Values, here: Position) -> tuple[tuple[int, ...], list[tuple[tup
         if way is not None:
             after = moves.begin(after, way)
             asked.append(way)
-    options = _sorted(list(found.robot_choices(after)))
+    options = _sorted([(ways, value) for ways, value in found.robot_choices(after) if may.issuperset(ways)])
     return (*asked, *options[0][0]), ranked or options
 
 

@@ -1,71 +1,122 @@
-"""The plan for the stated times, executed robustly: who does what in which order stays, only the clock times give way."""
+"""The exact plan for the stated times, carried out: who does what in which order stays, only the clock gives way."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from time import perf_counter
 
 from tandem.cell.model import Cell
-from tandem.dispatch.deciders.policy import Decision, Options
-from tandem.dispatch.deciders.reply import phrase, reply
-from tandem.dispatch.deciders.seen import Models, position
+from tandem.dispatch.deciders.policy import Basis, Decision, Options, Start
+from tandem.dispatch.deciders.reply import reply
+from tandem.dispatch.deciders.seen import Models, numbered, position
+from tandem.dispatch.situation.after import beginning
+from tandem.dispatch.situation.legal import legal, next_change
 from tandem.dispatch.situation.model import Situation
-from tandem.dispatch.values.moves import Moves, Position
+from tandem.dispatch.values.moves import Moves
 from tandem.dispatch.values.objective import Objective
-from tandem.dispatch.values.rest import rest, solve
-from tandem.errors import InfeasibleError
+from tandem.plan.methods import plan
+from tandem.plan.result import Result
 
-PLANNING_S = 10.0
-"""The plan is made once, before the shift; so many seconds at the most."""
+PLANNING_S = 20.0
+"""The plan is made once, before the shift, and takes until it is proven; so many seconds at the most."""
 
 
 def fixed(cell: Cell, objective: Objective, options: Options) -> Fixed:
-    """Plans the cell by CP-SAT, once.
+    """Plans the cell as `tandem plan` does, once. One thread: a plan that is proven in time repeats.
 
     Raises:
       CellError: as `Moves.of` does.
-      InfeasibleError: no plan keeps the limits.
+      InfeasibleError: no plan keeps the limits and deadlines.
+      NothingFoundError: none was found within `PLANNING_S`.
     """
     models = Models(cell, objective.max_stress)
-    moves = models.of(Situation.of(cell), 1.0)
-    left = rest(moves, moves.root())
-    weights = (objective.time / moves.per_second, objective.stress / moves.instance.per_stress)
-    plan = None if left is None else solve(left, weights, seconds=PLANNING_S, seed=options.seed, ties=True)
-    if plan is None:
-        raise InfeasibleError("no plan keeps the cell's limits and the objective's.")
-    return Fixed(models, tuple(way for _, way in plan.begins))
+    models.of(Situation.of(cell), 1.0)
+    best = plan(cell, objective.question(), time_limit=PLANNING_S, seed=options.seed, workers=1)[0]
+    order = tuple((one.task, one.operators) for one in best.schedule)
+    return Fixed(models, order, _basis(best, objective))
+
+
+def _basis(best: Result, objective: Objective) -> Basis:
+    return Basis(best.makespan, best.stress, objective.is_proven(best), best.bound.makespan, best.bound.stress)
 
 
 @dataclass(frozen=True)
 class Fixed:
-    """A fixed plan: `order` holds its ways in order of start."""
+    """A fixed plan, carried out as soon as it can be.
+
+    A task waits until every task planned before it that wants one of its operators, its tool or its
+    zone has begun. So, while times are as stated and people do as they are asked, each task
+    begins no later than planned: by induction over the plan, what it needs is free by then.
+
+    Attributes:
+      order: the tasks with their operators, in order of their planned starts.
+      basis: what the plan comes to.
+    """
 
     models: Models
-    order: tuple[int, ...]
+    order: tuple[Start, ...]
+    basis: Basis
     name: str = "fixed"
 
     def decide(self, situation: Situation) -> Decision:
         """Each operator's next task of the plan, as soon as it may begin."""
         began = perf_counter()
         moves = self.models.of(situation, 1.0)
-        here = position(moves, situation, {})
-        choice = self.choose(moves, here)
-        why = f"{phrase(moves, choice)}: the next in the fixed plan."
-        return reply(self.name, moves, situation, here, choice, [(choice, None)], began=began, why=why)
+        begins, because = self._due(moves, situation), "the next in the fixed plan"
+        if not begins and _stands_still(situation):
+            begins, because = self._anything(situation), "what the fixed plan leads to cannot begin, and nothing else would"
+        choice = numbered(moves, situation, begins)
+        return reply(self.name, moves, situation, position(moves, situation, {}), choice, [(choice, None)], began=began, because=because)
 
-    def choose(self, moves: Moves, here: Position) -> tuple[int, ...]:
-        """The ways of the plan that are next for all their operators and legal; wrong work first; somebody else's when its operator refuses."""
-        begun = moves.begun(here) & ~here.wrong
-        blocked = moves.busy(here)
-        chosen: list[int] = []
-        for planned in self.order:
-            task = moves.task[planned]
-            if begun >> task & 1:
-                continue
-            way = planned if planned in moves.ways[task] else min(moves.ways[task], key=lambda other: moves.ticks[other])
-            wanted = way + moves.count if here.wrong >> task & 1 else way
-            if not moves.who[way] & blocked and wanted in moves.legal(here):
-                here = moves.begin(here, wanted)
-                chosen.append(wanted)
-            blocked |= moves.who[way]
-        return tuple(sorted(chosen))
+    def _due(self, moves: Moves, situation: Situation) -> list[Start]:
+        """What is next for all that it needs, and may begin now; wrong work comes off first, last in the plan first."""
+        order = [start for start in self.order if start[0] in situation.open]
+        comes_off = [start for start in reversed(order) if start[0] in situation.wrong]
+        begins: list[Start] = []
+        awaited: set[Need] = set()
+        for task, planned in [*comes_off, *(start for start in order if start not in comes_off)]:
+            start = (task, _willing(situation, task, planned))
+            needs = set(_needs(moves, *start))
+            if not needs & awaited and beginning(situation, [*begins, start]) == [*begins, start]:
+                begins.append(start)
+            else:
+                awaited |= needs
+        return begins
+
+    def _anything(self, situation: Situation) -> list[Start]:
+        """The first of the plan's tasks that may begin at all, as planned or else."""
+        may = legal(situation)
+        return [start for task, _ in self.order for start in may if start[0] == task][:1]
+
+
+Need = tuple[str, str | int]
+"""Something that one task at a time, or only so many, can have: an operator by name, a tool or a zone by number."""
+
+
+def _willing(situation: Situation, task: str, planned: tuple[str, ...]) -> tuple[str, ...]:
+    """Who is planned; where somebody of them refuses, the quickest others who can, if there are any."""
+
+    def refuses(operators: tuple[str, ...]) -> bool:
+        return any(situation.is_refused(who, task) for who in operators)
+
+    if not refuses(planned):
+        return planned
+    others = [way for way in situation.facts.ways[task] if not refuses(way.operators)]
+    return min(others, key=lambda way: way.time).operators if others else planned
+
+
+def _needs(moves: Moves, task: str, operators: tuple[str, ...]) -> Iterator[Need]:
+    """Its operators, and its tool and zone where these have fewer places than there are operators."""
+    yield from (("operator", who) for who in operators)
+    number, instance = moves.instance.tasks.index(task), moves.instance
+    tool, zone = instance.tool[number], instance.zone[number]
+    if tool is not None and moves.tool_places[tool]:
+        yield "tool", tool
+    if zone is not None and moves.zone_places[zone]:
+        yield "zone", zone
+
+
+def _stands_still(situation: Situation) -> bool:
+    """Nothing is under way or to come, not even the return of somebody: people have done what the plan did not foresee."""
+    return not situation.running and not situation.absent and not situation.failed and next_change(situation) is None

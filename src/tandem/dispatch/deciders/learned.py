@@ -11,13 +11,14 @@ import numpy as np
 
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Decision, Options
-from tandem.dispatch.deciders.reply import Ranked, phrase, reply
-from tandem.dispatch.deciders.seen import Models, position
+from tandem.dispatch.deciders.reply import Ranked, reply
+from tandem.dispatch.deciders.seen import Models, allowed, position
 from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.values.moves import Moves
 from tandem.dispatch.values.objective import Objective
-from tandem.errors import UsageError
+from tandem.errors import CellError, Fault, UsageError
 from tandem.learn.policy import Policy
+from tandem.learn.response import sight
 from tandem.learn.response.decider import worth
 from tandem.learn.runs import RunFolder
 from tandem.world import state as world
@@ -49,7 +50,21 @@ def learned(cell: Cell, objective: Objective, options: Options) -> Learned:
     if policy.notes.get("digest") != cell.digest:
         raise UsageError(f"{path}: was trained on {policy.notes.get('cell') or 'another cell'!r} as it was then; train it anew on this cell.")
     names = Names.of(cell)
-    return Learned(policy, names, names.arrays(undo=1.0), Models(cell, objective.max_stress))
+    arrays = names.arrays(undo=1.0)
+    size, choices = sight.observation_size(arrays), len(names.ways) + 1
+    if policy.shared or (len(policy.agents), policy.observation_size, policy.actions) != (1, size, choices):
+        raise CellError(
+            [
+                Fault(
+                    "does not fit the cell that it says it was trained on: "
+                    f"{len(policy.agents)} agents that see {policy.observation_size} numbers and choose among {policy.actions}, "
+                    f"where the cell has 1 decider, {size} numbers to see and {choices} choices.",
+                    (),
+                    str(path),
+                )
+            ]
+        )
+    return Learned(policy, names, arrays, Models(cell, objective.max_stress))
 
 
 @dataclass(frozen=True)
@@ -67,15 +82,16 @@ class Learned:
         began = perf_counter()
         moves = self.models.of(situation, 1.0)
         choice, ranked = self._choose(moves, situation)
-        why = f"{phrase(moves, choice)}: what the trained response is most for."
+        because = "what the trained response is most for"
         if ranked:
-            why = f"{phrase(moves, choice)}: what the trained response is most for ({ranked[0][1]:.0%} of its belief among {len(ranked)} choices)."
+            because += f" ({100 * ranked[0][1]:.0f} % of its belief among {len(ranked)} choices)"
         costless: Ranked = [(ways, None) for ways, _ in ranked]
-        return reply(self.name, moves, situation, position(moves, situation, {}), choice, costless, began=began, why=why)
+        return reply(self.name, moves, situation, position(moves, situation, {}), choice, costless, began=began, because=because)
 
     def _choose(self, moves: Moves, situation: Situation) -> tuple[tuple[int, ...], list[tuple[tuple[int, ...], float]]]:
         """The ways to begin, and the first one's alternatives with the network's belief in each."""
         arrays, state = self.arrays, state_of(self.names, self.arrays, situation)
+        may, waiting = allowed(moves, situation), len(self.names.ways)
         chosen: list[int] = []
         ranked: list[tuple[tuple[int, ...], float]] = []
         for _ in range(len(situation.cell.operators)):
@@ -84,9 +100,11 @@ class Learned:
             if turn < 0:
                 break
             sure = worth(self.policy, arrays, state, mask, turn)
-            way = int(np.argmax(sure))
+            barred = [way for way in np.flatnonzero(mask).tolist() if self._number(moves, state, way) not in may]
+            sure[barred] = -np.inf
+            way = int(np.argmax(sure)) if (sure > -np.inf).any() else waiting
             ranked = ranked or self._ranked(moves, state, sure)
-            if way == len(mask):
+            if way == waiting:
                 state = world.wait(state, turn)
                 continue
             chosen.append(self._number(moves, state, way))

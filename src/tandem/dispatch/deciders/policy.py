@@ -47,9 +47,47 @@ class Options:
         if not 0 <= self.random <= 1:
             raise UsageError(f"random {self.random:g}: a share lies between 0 and 1.")
         if not self.prior or any(not (pace > 0 and share >= 0) for pace, share in self.prior.items()) or not sum(self.prior.values()) > 0:
-            raise UsageError(f"prior {dict(self.prior)}: needs pace factors above 0, each with a probability of 0 or more.")
+            raise UsageError(f"prior {prior_words(self.prior)}: needs pace factors above 0, each with a probability of 0 or more.")
         if self.frozen_s < 0 or self.change_penalty < 0:
             raise UsageError(f"frozen {self.frozen_s:g} s, change penalty {self.change_penalty:g} s: neither can be negative.")
+
+
+def prior_words(prior: Mapping[float, float]) -> str:
+    """A prior as it is written on the command line: 0.6:1,1:3."""
+    return ",".join(f"{factor:g}:{weight:g}" for factor, weight in prior.items()) or "of nothing"
+
+
+@dataclass(frozen=True)
+class Basis:
+    """The plan that a decider carries out, made before the shift.
+
+    Attributes:
+      makespan, stress: what it comes to, s and the cell's measure.
+      proven: no plan is better by the objective.
+      least_makespan, least_stress: no plan falls below these.
+    """
+
+    makespan: float
+    stress: float
+    proven: bool
+    least_makespan: float
+    least_stress: float
+
+    @property
+    def doubt(self) -> str:
+        """What there is to say where it is not proven; empty where it is."""
+        if self.proven:
+            return ""
+        return (
+            f"the plan of {self.makespan:g} s and a stress of {self.stress:g} is the best found in the time given, not proven the best: "
+            f"no plan is shorter than {self.least_makespan:g} s or has less stress than {self.least_stress:g}."
+        )
+
+
+def basis_of(policy: Policy) -> Basis | None:
+    """The plan that the decider carries out; None for those who carry out none."""
+    basis = getattr(policy, "basis", None)
+    return basis if isinstance(basis, Basis) else None
 
 
 @dataclass(frozen=True)

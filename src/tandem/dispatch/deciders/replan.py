@@ -9,7 +9,7 @@ the rest after that choice (a hindsight optimum: Littman et al. 1995 call it QMD
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from itertools import product
 from math import inf
@@ -18,21 +18,26 @@ from time import perf_counter
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.by_rule import ByRule
 from tandem.dispatch.deciders.policy import Decision, Options
-from tandem.dispatch.deciders.reply import phrase, reply
-from tandem.dispatch.deciders.seen import Models, cost_so_far, position
+from tandem.dispatch.deciders.reply import reply
+from tandem.dispatch.deciders.seen import Models, allowed, cost_so_far, position
 from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.situation.pace import Pace, estimates
 from tandem.dispatch.values.moves import Moves, Position
 from tandem.dispatch.values.objective import Objective
-from tandem.dispatch.values.rest import Plan, rest, solve
+from tandem.dispatch.values.rest import Plan, build, rest, solve
 from tandem.dispatch.values.search import OutOfTimeError, Search
 
 TIE = 1e-6
 """Costs closer than this are equal."""
 STRETCHED = (0.85, 1.2)
 """Equally good choices are compared under these further factors on the humans' times. ASSUMPTION."""
-ALL_PACES, ONE_PACE = 0.5, 0.7
-"""Shares of the budget by which the choices must be valued under every belief, or else under the mean pace alone, or else CP-SAT plans."""
+ALL_PACES, ONE_PACE, PLANNED = 0.5, 0.65, 0.85
+"""Shares of the budget by which the choices must be valued under every belief, or else under the mean pace alone, or else
+CP-SAT must have planned; what is left is for a rule."""
+DEAR = 0.2
+"""Where the numbers of the cell under one pace take a larger share of the budget, stated times have to do."""
+MOST_SEARCHES = 40
+"""So many beliefs' values are kept at hand."""
 OVERDUE_TICKS = 2
 """A robot looks again so many ticks after a human could have finished: who finishes just then is heard of first."""
 MOST_SCENARIOS = 7
@@ -41,52 +46,69 @@ MOST_SCENARIOS = 7
 
 def plain(cell: Cell, objective: Objective, options: Options) -> Replan:
     """Re-planning by the stated times. Raises CellError as `Moves.of` does."""
-    return Replan(_models(cell, objective), objective, options, ByRule("longest-tail", _models(cell, objective), objective, options.seed))
+    models = _models(cell, objective)
+    return Replan(models, objective, options, ByRule("longest-tail", models, objective, options.seed), _building_s(models))
 
 
 def robust(cell: Cell, objective: Objective, options: Options) -> Robust:
     """Re-planning with estimated paces and ties broken. Raises CellError as `Moves.of` does. Values the first choices before the shift begins."""
-    made = Robust(_models(cell, objective), objective, options, ByRule("longest-tail", _models(cell, objective), objective, options.seed))
+    models = _models(cell, objective)
+    moves_s = _least_s(lambda: Models(cell, objective.max_stress).of(Situation.of(cell), 1.0))
+    made = Robust(models, objective, options, ByRule("longest-tail", models, objective, options.seed), _building_s(models), moves_s)
     made.warm_up()
     return made
 
 
 @dataclass(frozen=True)
 class Replan:
-    """Plans the rest anew at each event, with the stated times; the first plan found is carried out."""
+    """Plans the rest anew at each event, with the stated times; the first plan found is carried out.
+
+    Attributes:
+      building_s: what the model of the whole cell takes to be put together, which nothing can cut short.
+      clock: seconds, what the budget is counted by.
+    """
 
     models: Models
     objective: Objective
     options: Options
     rule: ByRule
+    building_s: float = 0.0
     name: str = "replan"
+    clock: Callable[[], float] = perf_counter
 
     def decide(self, situation: Situation) -> Decision:
         """What begins now in the plan."""
-        began = perf_counter()
+        began = self.clock()
         moves = self.models.of(situation, 1.0)
         here = position(moves, situation, {})
-        return by_plan(self, moves, situation, here, began, self.options.budget_ms / 1000)
+        return by_plan(self, moves, situation, here, began)
 
 
-def by_plan(policy: Replan | Robust, moves: Moves, situation: Situation, here: Position, began: float, seconds: float) -> Decision:
-    """The decision of the first plan that CP-SAT finds in the time; the rule's where it finds none."""
+def by_plan(policy: Replan | Robust, moves: Moves, situation: Situation, here: Position, began: float) -> Decision:
+    """The decision of the first plan that CP-SAT finds in the time; the rule's where it finds none.
+
+    `began`: the moment by the policy's clock at which the decision's budget began.
+    """
+    until = began + PLANNED * policy.options.budget_ms / 1000
     left = rest(moves, here)
-    plan = None if left is None else solve(left, _weights(policy.objective, moves), seconds=max(0.002, seconds * 0.8), seed=policy.options.seed)
-    choice = None if plan is None else starting(moves, here, plan)
+    is_time_to_build = left is not None and policy.clock() + policy.building_s * len(left.tasks) / len(moves.ways) < until
+    plan = None
+    if left is not None and is_time_to_build:
+        plan = solve(left, _weights(policy.objective, moves), seconds=until - policy.clock(), seed=policy.options.seed)
+    choice = None if plan is None else starting(moves, here, plan, allowed(moves, situation))
     if plan is None or choice is None:
-        choice = policy.rule.choose(moves, here, situation.now)
-        why = f"{phrase(moves, choice)}: by a rule, because no plan was found in {policy.options.budget_ms:g} ms."
-        return reply(policy.name, moves, situation, here, choice, [(choice, None)], began=began, why=why)
+        choice = policy.rule.choose(moves, here, situation)
+        because = f"by a rule, because no plan was found in {policy.options.budget_ms:g} ms"
+        return reply(policy.name, moves, situation, here, choice, [(choice, None)], began=began, because=because)
     cost = cost_so_far(policy.objective, situation) + _cost(policy.objective, moves, plan)
     end = situation.now + plan.ticks / moves.per_second
-    why = f"{phrase(moves, choice)}: so all is done at {end:.4g} s{' at the earliest' if plan.proven else ', the best plan found'}."
-    return reply(policy.name, moves, situation, here, choice, [(choice, cost)], began=began, why=why, later=next_tasks(moves, here, plan))
+    because = f"so that all is done at {end:.4g} s, {'at the earliest' if plan.proven else 'the best plan found'}"
+    return reply(policy.name, moves, situation, here, choice, [(choice, cost)], began=began, because=because, later=next_tasks(moves, here, plan))
 
 
-def starting(moves: Moves, here: Position, plan: Plan) -> tuple[int, ...] | None:
-    """The ways that the plan begins now, taking apart first; None when it would begin nothing although nothing runs."""
-    chosen, legal = [], set(moves.legal(here))
+def starting(moves: Moves, here: Position, plan: Plan, legal: Set[int]) -> tuple[int, ...] | None:
+    """Of the legal ways those that the plan begins now, taking apart first; None when it would begin nothing although nothing runs."""
+    chosen: list[int] = []
     for start, way in plan.begins:
         first = way + moves.count if here.wrong >> moves.task[way] & 1 else way
         change = max((row[o] for row in moves.changeover for o in range(len(row))), default=0) if moves.swaps else 0
@@ -109,32 +131,43 @@ def next_tasks(moves: Moves, here: Position, plan: Plan) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Robust:
-    """Values every choice that is open now under each pace that is still believed, and takes the one that is best on average."""
+    """Values every choice that is open now under each pace that is still believed, and takes the one that is best on average.
+
+    Attributes:
+      building_s, clock: as of `Replan`.
+      moves_s: what the numbers of the cell under one pace take, which nothing can cut short either.
+    """
 
     models: Models
     objective: Objective
     options: Options
     rule: ByRule
+    building_s: float = 0.0
+    moves_s: float = 0.0
     name: str = "replan-robust"
-    _searches: dict[object, Search] = field(default_factory=dict)
+    clock: Callable[[], float] = perf_counter
+    _searches: dict[int, Search] = field(default_factory=dict)
 
     def warm_up(self) -> None:
         """Values the first choices, so that the shift's first decision is as quick as the others; a few seconds at the most."""
-        until = perf_counter() + 3.0
+        until = self.clock() + 3.0
         situation = Situation.of(self.models.cell)
         with contextlib.suppress(OutOfTimeError):
             self.ranked(situation, estimates(situation, self.options.prior), until)
 
     def decide(self, situation: Situation) -> Decision:
         """What begins now."""
-        began = perf_counter()
+        began, budget = self.clock(), self.options.budget_ms / 1000
         paces = estimates(situation, self.options.prior)
-        budget = self.options.budget_ms / 1000
-        likely = {name: pace.mean for name, pace in paces.items()}
+        is_dear = self.moves_s > DEAR * budget
+        likely = {name: 1.0 if is_dear else pace.mean for name, pace in paces.items()}
         moves = self.models.of(situation, likely)
         here = position(moves, situation, likely)
-        if not moves.legal(here):
-            return reply(self.name, moves, situation, here, (), [((), None)], began=began, why="nothing can begin before something has ended.")
+        if not allowed(moves, situation).intersection(moves.legal(here)):
+            because = "nothing can begin before something has ended or somebody is there"
+            return reply(self.name, moves, situation, here, (), [((), None)], began=began, because=because)
+        if is_dear:
+            return by_plan(self, moves, situation, here, began)
         for beliefs, share in ((paces, ALL_PACES), ({name: _as_one(pace) for name, pace in paces.items()}, ONE_PACE)):
             try:
                 ranked, look = self.ranked(situation, beliefs, began + budget * share)
@@ -142,16 +175,16 @@ class Robust:
             except OutOfTimeError:
                 continue
         else:
-            return by_plan(self, moves, situation, here, began, budget - (perf_counter() - began) - 0.003)
+            return by_plan(self, moves, situation, here, began)
         choice = ranked[0][0]
         look_again = None if look is None else situation.now + look / moves.per_second
-        return reply(self.name, moves, situation, here, choice, ranked, began=began, why=self._why(moves, ranked, paces), look_again=look_again)
+        return reply(self.name, moves, situation, here, choice, ranked, began=began, because=self._because(ranked, paces), look_again=look_again)
 
     def ranked(self, situation: Situation, paces: Mapping[str, Pace], until: float) -> tuple[list[tuple[tuple[int, ...], float]], int | None]:
         """The choices that matter, best first, each with the expected cost of the whole assembly; and the ticks after which a robot that waits in
         the best one should look again although nothing has happened (None: it need not).
 
-        Raises OutOfTimeError.
+        Raises OutOfTimeError when it is later than `until` by the clock.
         """
         beliefs = [(share, *self._under(situation, factor, until)) for factor, share in scenarios(paces)]
         found = self._values(situation, beliefs, None)
@@ -162,28 +195,34 @@ class Robust:
         return [(choice, base + cost) for choice, cost in found], _look(beliefs, found[0][0]) if found else None
 
     def _under(self, situation: Situation, factor: tuple[tuple[str, float], ...], until: float) -> tuple[Search, Position]:
+        if self.clock() > until:
+            raise OutOfTimeError("the beliefs were not looked at in time.")
         moves = self.models.of(situation, dict(factor))
-        search = self._searches.get(id(moves))
+        search = self._searches.pop(id(moves), None)
         if search is None or search.moves is not moves:
-            if len(self._searches) > 40:
-                self._searches.clear()
-            search = self._searches[id(moves)] = Search(moves, _weights(self.objective, moves))
-        search.within(max(0.0, until - perf_counter()))
-        return search, position(moves, situation, dict(factor))
+            search = Search(moves, _weights(self.objective, moves), clock=self.clock)
+        if len(self._searches) >= MOST_SEARCHES:
+            del self._searches[next(iter(self._searches))]  # the one not used for longest; all at once would take too long
+        self._searches[id(moves)] = search
+        return search.by(until), position(moves, situation, dict(factor))
 
     def _values(
         self, situation: Situation, beliefs: Sequence[Belief], among: Iterable[tuple[int, ...]] | None
     ) -> list[tuple[tuple[int, ...], float]]:
         """(choice, expected cost still to come), best first; a choice that is surely worse than the best may be missing or stand with a bound."""
-        first = beliefs[0][1].moves
-        choices = list(first.choices(beliefs[0][2]) if among is None else among)
-        choices = self._kept(situation, first, beliefs[0][2], choices)
+        _, leading, here = beliefs[0]
+        first = leading.moves
+        if among is None:
+            legal = allowed(first, situation)
+            among = (choice for choice in first.choices(here, look=leading.look) if legal.issuperset(choice))
+        announced = self._announced(situation, first, here)
         bounds = []
-        for choice in choices:
+        for choice in self._kept(announced, list(among)):
+            leading.look()
             steps = _steps(beliefs, choice)
             if steps is not None:
                 floor = sum(share * bound for share, _, bound, _, _ in steps)
-                bounds.append((floor + self._penalty(situation, first, beliefs[0][2], choice), choice, steps))
+                bounds.append((floor + self._penalty(announced, choice), choice, steps))
         bounds.sort(key=lambda row: (row[0], [-way for way in row[1]]))
         best, found = inf, []
         for bound, choice, steps in bounds:
@@ -219,38 +258,40 @@ class Robust:
         except OutOfTimeError:
             pass
         moves = self.models.of(situation, 1.0)
-        here = position(moves, situation, {})
-        keeps = {choice: self._changes(situation, moves, here, choice) for choice in ties}
+        announced = self._announced(situation, moves, position(moves, situation, {}))
+        keeps = {choice: _changes(announced, choice) for choice in ties}
         stress = {choice: sum(moves.units[way] for way in choice) for choice in ties}
         first = sorted(ties, key=lambda choice: (extra[choice], keeps[choice], stress[choice], -len(choice)))
         value = dict(found)
         return [*((choice, value[choice]) for choice in first), *(row for row in found if row[0] not in extra)]
 
-    def _kept(self, situation: Situation, moves: Moves, here: Position, choices: list[tuple[int, ...]]) -> list[tuple[int, ...]]:
+    def _announced(self, situation: Situation, moves: Moves, here: Position) -> frozenset[int]:
+        """The ways that were announced to idle humans and could begin now."""
+        asked = {(task, (human,)) for human, task in situation.announced.items()}
+        return frozenset(way for way in moves.legal(here) if moves.named(way) in asked)
+
+    def _kept(self, announced: frozenset[int], choices: list[tuple[int, ...]]) -> list[tuple[int, ...]]:
         """Without the choices that change what was announced to a human and is due within the frozen horizon."""
         if not self.options.frozen_s:
             return choices
-        legal = {moves.named(way) for way in moves.legal(here)}
-        due = {(human, task) for human, task in situation.announced.items() if (task, (human,)) in legal}
-        kept = [choice for choice in choices if all(any(moves.named(way) == (task, (human,)) for way in choice) for human, task in due)]
-        return kept or choices
+        return [choice for choice in choices if announced.issubset(choice)] or choices
 
-    def _penalty(self, situation: Situation, moves: Moves, here: Position, choice: tuple[int, ...]) -> float:
-        changes = self._changes(situation, moves, here, choice) if self.options.change_penalty else 0
+    def _penalty(self, announced: frozenset[int], choice: tuple[int, ...]) -> float:
+        changes = _changes(announced, choice) if self.options.change_penalty else 0
         return self.options.change_penalty * self.objective.time * changes
 
-    def _changes(self, situation: Situation, moves: Moves, here: Position, choice: tuple[int, ...]) -> int:
-        """How many tasks that were announced to idle humans, and could begin now, they are not to begin now."""
-        may, chosen = {moves.named(way) for way in moves.legal(here)}, {moves.named(way) for way in choice}
-        return sum((task, (human,)) in may and (task, (human,)) not in chosen for human, task in situation.announced.items())
-
-    def _why(self, moves: Moves, ranked: Sequence[tuple[tuple[int, ...], float]], paces: Mapping[str, Pace]) -> str:
-        choice, cost = ranked[0]
+    def _because(self, ranked: Sequence[tuple[tuple[int, ...], float]], paces: Mapping[str, Pace]) -> str:
+        _, cost = ranked[0]
         known = ", ".join(f"{name} takes {pace.words}" for name, pace in paces.items() if pace.seen)
         ground = f"with what is known ({known})" if known else "over the paces that are likely"
         others = [other for _, other in ranked[1:] if other > cost + TIE]
-        gain = f", {others[0] - cost:.3g} less than the next best" if others else ", as good as any other choice"
-        return f"{phrase(moves, choice)}: expected cost {cost:.4g} {ground}{gain}."
+        gain = f", {self.objective.words(others[0] - cost, 3)} less than the next best" if others else ", as good as any other choice"
+        return f"expected cost {self.objective.words(cost)} {ground}{gain}"
+
+
+def _changes(announced: frozenset[int], choice: tuple[int, ...]) -> int:
+    """How many tasks that were announced to idle humans, and could begin now, they are not to begin now."""
+    return len(announced.difference(choice))
 
 
 def _as_one(pace: Pace) -> Pace:
@@ -322,6 +363,21 @@ def _product(shares: Iterable[float]) -> float:
     for share in shares:
         result *= share
     return result
+
+
+def _building_s(models: Models) -> float:
+    moves = models.of(Situation.of(models.cell), 1.0)
+    return _least_s(lambda: build(moves))
+
+
+def _least_s(work: Callable[[], object]) -> float:
+    """Seconds that the work takes here, the least of a few times: what else the machine does is not counted."""
+    spent = []
+    for _ in range(3):
+        began = perf_counter()
+        work()
+        spent.append(perf_counter() - began)
+    return min(spent)
 
 
 def _models(cell: Cell, objective: Objective) -> Models:

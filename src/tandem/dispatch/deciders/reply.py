@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from time import perf_counter
 
-from tandem.dispatch.deciders.policy import Alternative, Decision
+from tandem.dispatch.deciders.policy import Alternative, Decision, Start
 from tandem.dispatch.deciders.seen import if_all_return
-from tandem.dispatch.situation.legal import legal
+from tandem.dispatch.deciders.words import phrase
+from tandem.dispatch.situation.after import beginning
 from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.values.moves import Moves, Position
 
@@ -26,46 +27,43 @@ def reply(
     ranked: Ranked,
     *,
     began: float,
-    why: str,
+    because: str,
     later: Mapping[str, str] | None = None,
     look_again: float | None = None,
 ) -> Decision:
-    """The decision to begin these ways now: robots are told, humans are asked.
+    """The decision to begin these ways now: robots are told, humans are asked, and `why` names what begins.
 
-    `later`: human who is busy -> the task it will be asked for next. `began`: the `perf_counter` moment at which deciding began.
+    What the situation does not allow is left out here at the latest, of what begins and of what is said alike.
+
+    Args:
+      because: what follows what begins in `why`, without the full stop.
+      later: human who is busy -> the task that it will be asked for next.
+      began: the `perf_counter` moment at which deciding began.
     """
-    may = set(legal(situation))
-    chosen = [way for way in choice if moves.named(way) in may]
-    names = moves.instance.operators
-    announced = dict(later or {})
-    for way in chosen:
-        for o, name in enumerate(names):
-            if moves.who[way] >> o & 1 and moves.human >> o & 1:
-                announced[name] = moves.named(way)[0]
+    wanted = [moves.named(way) for way in choice]
+    begins = beginning(situation, wanted)
+    humans = set(situation.cell.humans)
+    announced = {who: task for who, task in (later or {}).items() if _may_be_next(situation, begins, who, task)}
+    announced |= {who: task for task, operators in begins for who in operators if who in humans}
     ticks, _ = moves.floor(if_all_return(moves, position) if situation.absent or situation.failed else position)
-    cost = next((cost for ways, cost in ranked if tuple(ways) == tuple(choice)), None)
+    whole = begins == wanted
+    cost = next((cost for ways, cost in ranked if tuple(ways) == tuple(choice)), None) if whole else None
+    ground = because if whole else "what is allowed now of the choice of " + by
     return Decision(
-        starts=tuple(moves.named(way) for way in chosen if moves.who[way] & ~moves.human),
+        starts=tuple(start for start in begins if not humans.issuperset(start[1])),
         announced=announced,
         alternatives=tuple(Alternative(tuple(moves.named(way) for way in ways), cost) for ways, cost in ranked[:MOST_ALTERNATIVES]),
         bound=ticks / moves.per_second,
-        why=why,
+        why=f"{phrase(situation, begins)}: {ground}.",
         by=by,
         latency_ms=1000 * (perf_counter() - began),
         expected_cost=cost,
         look_again=look_again,
-        asks=tuple(moves.named(way) for way in chosen if moves.who[way] & moves.human),
+        asks=tuple(start for start in begins if humans.intersection(start[1])),
     )
 
 
-def phrase(moves: Moves, choice: Sequence[int]) -> str:
-    """A choice for people: "robot does 4, human is asked for 3"; "everybody waits"."""
-    if not choice:
-        return "everybody waits"
-    parts = []
-    for way in choice:
-        task, operators = moves.named(way)
-        verb = "is asked for" if moves.who[way] & moves.human else "does"
-        undo = "taking apart " if way >= moves.count else ""
-        parts.append(f"{' and '.join(operators)} {verb} {undo}{task}")
-    return ", ".join(parts)
+def _may_be_next(situation: Situation, begins: Sequence[Start], who: str, task: str) -> bool:
+    """Whether the human can be asked for the task later: it is open, nobody begins it now, and it was not refused."""
+    taken = any(task == other for other, _ in begins)
+    return task in situation.open and not taken and not situation.is_refused(who, task)

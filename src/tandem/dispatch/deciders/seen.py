@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Start
+from tandem.dispatch.situation.legal import legal
 from tandem.dispatch.situation.model import Running, Situation
 from tandem.dispatch.values.moves import Moves, Position
 from tandem.dispatch.values.objective import Objective
@@ -38,7 +39,7 @@ class Models:
         key = (tuple(sorted(pace.items())), situation.taking_apart, refused)
         if key not in self._kept:
             if len(self._kept) >= MOST_MODELS:
-                self._kept.clear()
+                del self._kept[next(iter(self._kept))]
             moves = Moves.of(self.cell, pace, taking_apart=situation.taking_apart, max_stress=self.max_stress)
             if refused:
                 named = ((way, *moves.named(way)) for row in moves.ways for way in row)
@@ -74,6 +75,21 @@ def position(moves: Moves, situation: Situation, factor: Mapping[str, float]) ->
     )
 
 
+def allowed(moves: Moves, situation: Situation) -> frozenset[int]:
+    """The ways, of doing and of taking apart, that the situation lets begin now: what deciders choose among.
+
+    `Moves.legal` says more where nobody is left for a task but who refuses it, or where what is left
+    would break a limit of stress; and less of a changeover, whose idle time before it does not credit.
+    """
+    return frozenset(numbered(moves, situation, legal(situation)))
+
+
+def numbered(moves: Moves, situation: Situation, starts: Iterable[Start]) -> tuple[int, ...]:
+    """The ways as `Moves` numbers them; of a task that is mounted wrongly, its taking apart."""
+    named = ((task, moves.flat(task, operators)) for task, operators in starts)
+    return tuple(way + moves.count if task in situation.wrong else way for task, way in named if way is not None)
+
+
 def if_all_return(moves: Moves, here: Position) -> Position:
     """The position if everybody who is away came back at once: what bounds are reckoned from."""
     away = round(AWAY_S * moves.per_second)
@@ -88,11 +104,6 @@ def ticks_left(moves: Moves, situation: Situation, at: Running, factor: Mapping[
     left = at.stated * slowest - (since - at.start - at.rested)
     away = AWAY_S if at.rests_since is not None else 0.0
     return max(1, round((left if left > 0 else OVERDUE * at.stated) * moves.per_second) + round(away * moves.per_second))
-
-
-def starts(moves: Moves, ways: Sequence[int]) -> tuple[Start, ...]:
-    """Ways in names, as a decision holds them."""
-    return tuple(moves.named(way) for way in ways)
 
 
 def cost_so_far(objective: Objective, situation: Situation) -> float:

@@ -10,6 +10,7 @@ from tandem.cell.names import Known
 from tandem.dispatch.deciders.policy import Options, Policy
 from tandem.dispatch.values.objective import SECONDS, Objective
 from tandem.errors import UsageError
+from tandem.plan.rules import SPECS
 
 
 @dataclass(frozen=True)
@@ -31,22 +32,9 @@ class Entry:
         return policy
 
 
-def _rule(name: str, what: str) -> Entry:
-    return Entry(what, "tandem.dispatch.deciders.by_rule:by_rule", name)
-
-
 POLICIES: dict[str, Entry] = {
     "fixed": Entry("the exact plan for the stated times, its order kept whatever happens", "tandem.dispatch.deciders.fixed:fixed"),
-    "random": _rule("random", "tasks in random order"),
-    "spt": _rule("spt", "shortest task first"),
-    "lpt": _rule("lpt", "longest task first"),
-    "longest-tail": _rule("longest-tail", "the task with the longest chain behind it first"),
-    "earliest-completion": _rule("earliest-completion", "whatever can be finished first"),
-    "heft": _rule("heft", "by upward rank over mean times (Topcuoglu et al. 2002)"),
-    "least-stress": _rule("least-stress", "the way with the least stress, then the longest tail"),
-    "balanced": _rule("balanced", "longest tail, work to whom it suits at the price of each operator's time"),
-    "weighted": _rule("weighted", "longest tail, stress weighed against time"),
-    "best-of-n": _rule("best-of-n", "the best of randomised schedules of the rule 'balanced', made anew at each event"),
+    **{name: Entry(rule.what, "tandem.dispatch.deciders.by_rule:by_rule", name) for name, rule in SPECS.items()},
     "replan": Entry(
         "CP-SAT plans the rest anew at each event, with the stated times; the first plan found is taken", "tandem.dispatch.deciders.replan:plain"
     ),
@@ -58,7 +46,7 @@ POLICIES: dict[str, Entry] = {
     "learned": Entry("a trained best response to many people, a network in NumPy", "tandem.dispatch.deciders.learned:learned"),
     "auto": Entry("learned, else planned anew if there is time, else a rule; always answers within the budget", "tandem.dispatch.deciders.auto:auto"),
 }
-"""Name -> decider. A new one is a file and a line here."""
+"""Name -> decider. A new one is a file and a line here; every rule of `plan.rules.SPECS` is one by itself."""
 
 
 def policy(name: str, cell: Cell, objective: Objective = SECONDS, options: Options | None = None) -> Policy:

@@ -12,7 +12,8 @@ from tandem.dispatch.values.exact import SLIGHTLY, Human, values
 from tandem.dispatch.values.moves import Moves
 from tandem.dispatch.values.objective import Objective
 from tandem.dispatch.values.rest import rest, solve
-from tandem.errors import CellError, NothingFoundError
+from tandem.errors import CellError, InfeasibleError, NothingFoundError
+from tandem.plan.methods import plan
 from tandem.world.people import Person
 
 PLANNING_S = 20.0
@@ -60,11 +61,23 @@ def complies(human: Human) -> bool:
 
 
 def _planned(cell: Cell, objective: Objective, pace: dict[str, float]) -> float | None:
-    """The proven optimum of the plan at this pace; None when it was not proven in time."""
+    """The proven optimum of the plan at this pace, deadlines aside; None when it was not proven in time."""
+    if all(factor == 1 for factor in pace.values()):
+        return _as_stated(cell, objective)
     moves = Moves.of(cell, pace, max_stress=objective.max_stress)
     left = rest(moves, moves.root())
     assert left is not None  # a cell has a task
-    plan = solve(left, (objective.time / moves.per_second, objective.stress / moves.instance.per_stress), seconds=PLANNING_S)
-    if plan is None or not plan.proven:
+    found = solve(left, (objective.time / moves.per_second, objective.stress / moves.instance.per_stress), seconds=PLANNING_S)
+    if found is None or not found.proven:
         return None
-    return objective.cost(plan.ticks / moves.per_second, moves.instance.stress(plan.units))
+    return objective.cost(found.ticks / moves.per_second, moves.instance.stress(found.units))
+
+
+def _as_stated(cell: Cell, objective: Objective) -> float | None:
+    """The same at the stated times, for which the planner itself can be asked. Deadlines rule out nothing on the floor."""
+    free = cell.replace(tasks={name: task.model_copy(update={"deadline": None}) for name, task in cell.tasks.items()})
+    try:
+        best = plan(free, objective.question(), time_limit=PLANNING_S, workers=1)[0]
+    except (InfeasibleError, NothingFoundError):
+        return None
+    return objective.cost(best.makespan, best.stress) if objective.is_proven(best) else None

@@ -6,6 +6,7 @@ episodes meet a few hundred situations.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -64,11 +65,14 @@ class Stage:
 
         return cls(names, arrays, fates(jax.random.key(seed), draw, arrays, people.pace.shape[0]), people, draw.chance.undo)
 
-    def play(self, policy: Policy, count: int | None = None) -> Outcome:
-        """Plays all episodes under the decider, or the first `count` of them: the others stand still, so that nothing is compiled anew."""
+    def play(self, policy: Policy, count: int | None = None, *, between: Callable[[], None] = lambda: None) -> Outcome:
+        """Plays all episodes under the decider, or the first `count` of them: the others stand still, so that nothing is compiled anew.
+
+        `between`: called after each decision, when nobody waits.
+        """
         count = len(self.people.pace) if count is None else min(count, len(self.people.pace))
         stage = self if count > FEW else replace(self, fates=rows(self.fates, count), people=rows(self.people, count))
-        return _Play(stage, policy, count).run()
+        return _Play(stage, policy, count, between).run()
 
 
 @dataclass
@@ -76,8 +80,13 @@ class _Play:
     stage: Stage
     policy: Policy
     count: int
+    between: Callable[[], None]
+    observer: Observer = field(init=False)
     known: dict[bytes, Decision] = field(default_factory=dict)
     latency_ms: list[float] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.observer = Observer(self.stage.names, self.stage.arrays, self.stage.taking_apart)
 
     def run(self) -> Outcome:
         stage, names = self.stage, self.stage.names
@@ -107,10 +116,10 @@ class _Play:
         key = seen.keys[number].tobytes()
         known = self.known.get(key)
         if known is None:
-            stage = self.stage
-            situation = Observer(stage.names, stage.arrays, stage.taking_apart).situation(seen.row(number))
+            situation = self.observer.situation(seen.row(number))
             known = self.known[key] = self.policy.decide(situation)
             self.latency_ms.append(known.latency_ms)
+            self.between()
         return known
 
     def _way(self, decision: Decision, turn: int, mask: Any) -> int:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
+from tandem.dispatch.situation.facts import Facts
 from tandem.dispatch.situation.model import Running, Situation, Work
 from tandem.world.arrays import NEVER, Arrays, Names
 
@@ -24,6 +26,11 @@ class Observer:
     names: Names
     arrays: Arrays
     taking_apart: float = 1.0
+
+    @cached_property
+    def facts(self) -> Facts:
+        """What follows from the cell, worked out once for all situations."""
+        return Facts.of(self.names.cell)
 
     def situation(self, row: Row) -> Situation:
         """What can be seen: work that ended with its real times, work in hand by its stated times, who is there, what was refused and announced."""
@@ -64,6 +71,7 @@ class Observer:
             wrong=wrong,
             in_hand={name: tools[tool] for name, tool in zip(self.names.operators, row["in_hand"], strict=True) if 0 <= tool < NEVER},
             taking_apart=self.taking_apart,
+            known=self.facts,
         )
 
     def _refused(self, row: Row) -> dict[tuple[str, str], float | None]:

@@ -5,7 +5,7 @@ Every decider meets the same episodes (common random numbers), so differences be
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -13,12 +13,13 @@ import numpy as np
 
 from tandem.cell.model import Cell, plain
 from tandem.cell.names import Known
-from tandem.dispatch.deciders.policy import Options, Policy
+from tandem.dispatch.deciders.memory import settled_memory
+from tandem.dispatch.deciders.policy import Basis, Options, Policy, basis_of
 from tandem.dispatch.deciders.table import POLICIES, policy
 from tandem.dispatch.judge.best_response import optimum
 from tandem.dispatch.judge.lockstep import Outcome, Stage
 from tandem.dispatch.values.objective import SECONDS, Objective
-from tandem.errors import UsageError
+from tandem.errors import CellError, TandemError, UsageError
 from tandem.world.arrays import Names
 from tandem.world.crowd import Crowd, crowd
 from tandem.world.fate import OFF, Chance, Draw
@@ -64,12 +65,23 @@ class Trial:
             raise UsageError(f"episodes {self.episodes}: an interval needs 2 at least.")
 
 
+class NobodyLeftError(TandemError):
+    """No decider of a trial can hold the cell. Ends as the first of them would have."""
+
+    def __init__(self, causes: Mapping[str, TandemError]):
+        self.exit_code = next(iter(causes.values())).exit_code
+        super().__init__("\n".join(f"- {name}: {_reason(name, error)}" for name, error in causes.items()))
+
+
 def judge(cell: Cell, trial: Trial, tell: Callable[[str], None] = lambda _: None) -> list[dict[str, Any]]:
     """One document for each description of people; see `docs/dispatch.md` for what stands in it.
 
+    A decider that cannot hold the cell is left out, and the document says why.
+
     Raises:
-      UsageError: an unknown decider or description, or a cell too large for a decider.
-      CellError: a decider cannot hold the cell.
+      UsageError: an unknown decider or description.
+      CellError: the cell is too large to be simulated.
+      NobodyLeftError: all deciders were left out.
     """
     names = Names.of(cell)
     crowds = [crowd(spec, names, names.arrays()) for spec in trial.people]
@@ -87,16 +99,24 @@ def _document(
     stage = Stage.of(names, arrays, draw, persons, trial.seed)
     told = replace(trial.options, random=float(persons.random[0]) if np.ptp(persons.random) == 0 else trial.options.random)
     costs: dict[str, Any] = {}
-    rows = []
+    rows, left_out = [], dict[str, TandemError]()
     for name in trial.policies:
         tell(f"{people.spec}: {name}")
         count = min(trial.episodes, trial.fewer.get(name, trial.episodes))
         key = (name, told.random if name == "expected" else 0.0)
-        if key not in made:
-            made[key] = policy(name, cell, trial.objective, told)
-        found = stage.play(made[key], count)
+        try:
+            if key not in made:
+                made[key] = policy(name, cell, trial.objective, told)
+            with settled_memory() as settle:
+                found = stage.play(made[key], count, between=settle)
+        except TandemError as error:
+            left_out[name] = error
+            continue
         costs[name] = trial.objective.time * found.makespan + trial.objective.stress * found.stress
-        rows.append(_row(name, found, costs, trial.policies[0], None if best is None else best[:count]))
+        row = _row(name, found, costs, None if best is None else best[:count])
+        rows.append(row | _planned(basis_of(made[key])))
+    if not rows:
+        raise next(iter(left_out.values())) if len(left_out) == 1 else NobodyLeftError(left_out)
     return {
         "schema_version": 1,
         "cell": cell.name,
@@ -107,8 +127,29 @@ def _document(
         "weights": [plain(trial.objective.time), plain(trial.objective.stress)],
         "spread": trial.chance.spread,
         "optimum": None if best is None else _rounded(best.mean()),
-        "compared_with": trial.policies[0],
+        "compared_with": rows[0]["policy"],
         "policies": rows,
+        "left_out": [{"policy": name, "reason": _reason(name, error)} for name, error in left_out.items()],
+    }
+
+
+def _reason(name: str, error: TandemError) -> str:
+    """Why the decider cannot take part, in one line; it is named elsewhere."""
+    said = "; ".join(map(str, error.faults)) if isinstance(error, CellError) else " ".join(str(error).split("\n"))
+    return said.removeprefix(f"{name}: ")
+
+
+def _planned(basis: Basis | None) -> dict[str, Any]:
+    """What is said of the plan that a decider carries out, as in a plan's own document; nothing of who has none."""
+    if basis is None:
+        return {}
+    return {
+        "plan": {
+            "makespan": plain(basis.makespan),
+            "stress": plain(basis.stress),
+            "status": "optimal" if basis.proven else "feasible",
+            "bound": {"makespan": plain(basis.least_makespan), "stress": plain(basis.least_stress)},
+        }
     }
 
 
@@ -127,9 +168,9 @@ def best_of(cell: Cell, trial: Trial, persons: Person) -> Any:
     return None if any(one is None for one in found) else np.array(found, float)[which]
 
 
-def _row(name: str, found: Outcome, costs: dict[str, Any], compared_with: str, best: Any) -> dict[str, Any]:
-    """What is said of one decider."""
-    cost = costs[name]
+def _row(name: str, found: Outcome, costs: Mapping[str, Any], best: Any) -> dict[str, Any]:
+    """What is said of one decider. `costs`: of all so far; it is compared with the first."""
+    cost, compared_with = costs[name], next(iter(costs))
     row: dict[str, Any] = {
         "policy": name,
         "episodes": len(cost),

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from tandem.dispatch.deciders.policy import Decision
+from tandem.dispatch.deciders.policy import Decision, Start
 from tandem.dispatch.journal import Entry
 from tandem.dispatch.shift.in_time import Answered
 from tandem.dispatch.situation.after import ordered, revoked
@@ -37,7 +37,7 @@ def document(situation: Situation, answered: Answered, number: int) -> Document:
         "at": situation.now,
         "starts": [{"task": task, "operators": list(order.operators), "order": order.number} for task, order in now.orders.items()],
         "announced": dict(now.announced),
-        "asks": [{"task": task, "operators": list(who)} for task, who in decision.asks],
+        "asks": [{"task": task, "operators": list(who)} for task, who in _asked(situation, decision)],
         "take_apart": [task for task in situation.wrong if task in now.orders or task in now.announced.values()],
         "revoked": [{"task": task, "operators": list(order.operators), "order": order.number} for task, order in revoked(situation, now).items()],
         "alternatives": [
@@ -54,6 +54,12 @@ def document(situation: Situation, answered: Answered, number: int) -> Document:
         "latency_ms": round(decision.latency_ms, 3),
     }
     return {**made, **({"fault": answered.fault} if answered.fault else {}), **({"stuck": held} if (held := stuck(situation)) else {})}
+
+
+def _asked(situation: Situation, decision: Decision) -> Iterable[Start]:
+    """What humans are asked to begin now, also where a robot was told to begin it with them."""
+    humans = set(situation.cell.humans)
+    return dict.fromkeys((*decision.asks, *(start for start in decision.starts if humans.intersection(start[1]))))
 
 
 def over(situation: Situation) -> Answered:

@@ -1,7 +1,8 @@
 """A decision in time: whatever the decider does, an answer comes within the budget.
 
-The decider works in a thread of its own. When it is not ready in time, fails, or says something that is not allowed, a rule answers instead, and
-should that fail, a plain one which needs nothing but the situation. The decision says so (`Answered.instead`), and a replay asks the same ones again.
+The decider works in a thread that ends with its answer. When it is not ready in time, fails, or says something that is not
+allowed, a rule answers instead, and should that fail, a plain one which needs nothing but the situation. The decision says so
+(`Answered.instead`), and a replay asks the same ones again.
 """
 
 from __future__ import annotations
@@ -14,9 +15,9 @@ from functools import partial
 from time import perf_counter
 from typing import Literal
 
-from tandem.dispatch.deciders.policy import Decision, Policy, Start
-from tandem.dispatch.situation.after import after
-from tandem.dispatch.situation.events import Event
+from tandem.dispatch.deciders.policy import Decision, Policy
+from tandem.dispatch.deciders.words import phrase
+from tandem.dispatch.situation.after import beginning
 from tandem.dispatch.situation.legal import legal
 from tandem.dispatch.situation.model import Situation
 
@@ -45,10 +46,7 @@ class InTime:
 
     def __init__(self, policy: Policy, rule: Policy, budget_ms: float) -> None:
         self.policy, self.rule, self.budget_ms = policy, rule, budget_ms
-        self._asked: queue.SimpleQueue[tuple[int, Situation]] = queue.SimpleQueue()
-        self._said: queue.SimpleQueue[tuple[int, Decision | Exception]] = queue.SimpleQueue()
-        self._number, self._answered = 0, 0
-        self._thread: threading.Thread | None = None
+        self._late: threading.Thread | None = None  # still at an earlier question
 
     def warm_up(self, situation: Situation) -> None:
         """Asks both once without a budget: what they load or reckon once belongs before the shift. What they say counts for nothing."""
@@ -86,49 +84,47 @@ class InTime:
 
     def _ask(self, situation: Situation, seconds: float) -> Decision | Exception | None:
         """What the decider says; None when that is not there in time, or when it is still at an earlier question."""
-        while self._answered < self._number:  # what it was late with
-            try:
-                self._answered, _ = self._said.get_nowait()
-            except queue.Empty:
-                return None
-        if self._thread is None:
-            self._thread = threading.Thread(target=self._work, name="decider", daemon=True)
-            self._thread.start()
-        self._number += 1
-        self._asked.put((self._number, situation))
-        try:
-            self._answered, said = self._said.get(timeout=seconds)
-        except queue.Empty:
+        if self._late is not None and self._late.is_alive():
             return None
-        return said
-
-    def _work(self) -> None:
-        while True:
-            number, situation = self._asked.get()
-            self._said.put((number, self._heard(partial(self.policy.decide, situation))))
+        said: queue.SimpleQueue[Decision | Exception] = queue.SimpleQueue()
+        thread = threading.Thread(target=lambda: said.put(self._heard(partial(self.policy.decide, situation))), name="decider", daemon=True)
+        thread.start()
+        try:
+            answer = said.get(timeout=seconds)
+        except queue.Empty:
+            self._late = thread
+            return None
+        thread.join()
+        return answer
 
 
 def plainly(situation: Situation) -> Decision:
     """The last resort: whoever is idle begins, or is asked for, the first thing that is allowed, in the cell's order; humans first."""
-    humans, starts, announced, busy = set(situation.cell.humans), list[Start](), dict[str, str](), set[str]()
-    for task, operators in sorted(legal(situation), key=lambda start: not humans.intersection(start[1])):
-        if not busy.intersection(operators) and all(task != other for other, _ in starts) and task not in announced.values():
-            busy.update(operators)
-            announced |= {who: task for who in operators if who in humans}
-            if not humans.issuperset(operators):
-                starts.append((task, operators))
-    why = "Nothing is allowed now." if not busy else "The first that is allowed: neither the decider nor the rule could answer."
-    return Decision(tuple(starts), announced, (), 0.0, why, "plain")
+    humans = set(situation.cell.humans)
+    begins = beginning(situation, sorted(legal(situation), key=lambda start: not humans.intersection(start[1])))
+    return Decision(
+        starts=tuple(start for start in begins if not humans.issuperset(start[1])),
+        announced={who: task for task, operators in begins for who in operators if who in humans},
+        alternatives=(),
+        bound=0.0,
+        why=f"{phrase(situation, begins)}: "
+        + ("the first that is allowed, for neither the decider nor the rule could answer." if begins else "nothing is allowed."),
+        by="plain",
+        asks=tuple(start for start in begins if humans.intersection(start[1])),
+    )
 
 
 def fault_of(situation: Situation, decision: Decision) -> str:
     """What is not allowed about the decision, in a sentence; empty when all of it is."""
-    moved = situation
-    for task, operators in decision.starts:
-        if (task, operators) not in legal(moved):
+    begins = list(dict.fromkeys((*decision.asks, *decision.starts)))
+    possible = beginning(situation, begins)
+    for task, operators in begins:
+        if (task, operators) not in possible:
             return f"{decision.by} wants {' and '.join(operators)} to begin task {task!r}, which is not allowed now."
-        moved = after(moved, Event("started", moved.now, task, operators))
     for human, task in decision.announced.items():
         if human not in situation.cell.humans or task not in situation.cell.tasks:
             return f"{decision.by} announces task {task!r} to {human!r}, which makes no sense."
+        other = next((name for name, operators in begins if human in operators and name != task), None)
+        if other is not None:
+            return f"{decision.by} asks {human!r} for task {other!r} and announces task {task!r}."
     return ""

@@ -12,13 +12,13 @@ from datetime import UTC, datetime
 from typing import Any, Self
 
 from tandem.cell.model import Cell
-from tandem.dispatch.deciders.policy import Options
+from tandem.dispatch.deciders.policy import Basis, Options, basis_of
 from tandem.dispatch.deciders.table import policy
 from tandem.dispatch.journal import Entry, Journal, JournalError
 from tandem.dispatch.shift.documents import SCHEMA_VERSION, Document, digest, document, event_of, over, told
 from tandem.dispatch.shift.in_time import Answered, InTime
 from tandem.dispatch.situation.after import after, ordered
-from tandem.dispatch.situation.events import LONGEST_LINE, Event, EventError, read_event, start_of
+from tandem.dispatch.situation.events import LONGEST_LINE, MOST_BYTES, Event, EventError, read_event, start_of
 from tandem.dispatch.situation.model import TAKING_APART, Situation
 from tandem.dispatch.situation.objections import objections, remarks
 from tandem.dispatch.values.objective import Objective
@@ -74,7 +74,7 @@ class Shift:
       is_resumed: the journal held it already.
       decision: the document of the last decision.
       event: the last one that was taken; None before any.
-      ask: what decides.
+      ask: what decides. `basis`: the plan that it carries out; None when it carries out none.
     """
 
     def __init__(self, journal: Journal, cell: Cell, settings: Settings, start: datetime | None, ask: Callable[[Situation], Answered]) -> None:
@@ -83,6 +83,7 @@ class Shift:
         self.situation = Situation.of(cell, taking_apart=settings.taking_apart)
         self.number, self.is_resumed, self.decision = -1, False, Document()
         self.event: Event | None = None
+        self.basis: Basis | None = None
 
     @classmethod
     def open(cls, cell: Cell, journal: Journal, settings: Settings, start: datetime | None = None, *, decider: InTime | None = None) -> Self:
@@ -101,6 +102,7 @@ class Shift:
             settings, start = opened_with(journal, cell)
         decider = decider or settings.decider(cell)
         shift = cls(journal, cell, settings, start, decider.decide)
+        shift.basis = basis_of(decider.policy)
         shift.is_resumed = not journal.is_new
         if shift.is_resumed:
             shift._go_on()
@@ -109,8 +111,8 @@ class Shift:
             shift.begin()
         return shift
 
-    def take(self, line: str) -> list[Document]:
-        """Takes a line from the floor.
+    def take(self, line: str | bytes) -> list[Document]:
+        """Takes a line from the floor, as text or as the bytes that came.
 
         Returns:
           the answer; when the event was taken, the decision after it too. Both are in the journal already.
@@ -125,7 +127,7 @@ class Shift:
             decision = self._decided(moved)
             moved = ordered(moved, told(decision), self.number + 1)
         plain = None if event is None else event.to_dict()
-        entry = Entry(self.number + 1, _wall_clock(), line[: LONGEST_LINE + 1], plain, answer, decision, digest(moved))
+        entry = Entry(self.number + 1, _wall_clock(), _kept(line), plain, answer, decision, digest(moved))
         self.journal.append(entry, None if event is None else event.id)
         self._moved(entry, moved)
         return [answer] if decision is None else [answer, decision]
@@ -174,7 +176,7 @@ class Shift:
             self.start = self.start or start_of(entry.line)
             self.event = event_of(entry.event)
 
-    def _answered(self, line: str) -> tuple[Document, Event | None]:
+    def _answered(self, line: str | bytes) -> tuple[Document, Event | None]:
         """The answer to the line, and the event when it is taken."""
         start = self.start or start_of(line)
         try:
@@ -211,6 +213,17 @@ def opened_with(journal: Journal, cell: Cell) -> tuple[Settings, datetime | None
             "Give the cell as it was when the shift began, or name another journal."
         )
     return Settings.from_dict(about["settings"]), None if about["start"] is None else datetime.fromisoformat(about["start"])
+
+
+def _kept(line: str | bytes) -> str | bytes:
+    """The line as the journal keeps it: text where it is UTF-8, and no more of it than tells that it is too long."""
+    if isinstance(line, str):
+        is_longer = len(line) > LONGEST_LINE
+        line = line[: LONGEST_LINE + 1].encode(errors="replace" if is_longer else "surrogatepass")
+    try:
+        return line.decode()[: LONGEST_LINE + 1]
+    except UnicodeDecodeError:
+        return line[: MOST_BYTES + 1]
 
 
 def _wall_clock() -> str:

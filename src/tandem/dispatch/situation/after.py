@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Protocol
 
 from tandem.dispatch.situation.events import Event
-from tandem.dispatch.situation.legal import seconds
+from tandem.dispatch.situation.legal import may_begin, seconds
 from tandem.dispatch.situation.model import Order, Outcome, Running, Situation, Work, exact
 
 
@@ -60,6 +60,16 @@ def ordered(situation: Situation, choice: Choice, number: int) -> Situation:
             orders[task] = before if before is not None and before.operators == operators else Order(operators, number)
         announced |= {who: task for who in operators if situation.cell.operators[who].kind == "human"}
     return replace(situation, orders=orders, announced=announced)
+
+
+def beginning(situation: Situation, starts: Iterable[tuple[str, tuple[str, ...]]]) -> list[tuple[str, tuple[str, ...]]]:
+    """Of these (task, operators), in their order, what may begin together now: each when those kept before it have begun."""
+    kept = []
+    for task, operators in starts:
+        if may_begin(situation, task, operators):
+            situation = _started(situation, task, operators)
+            kept.append((task, operators))
+    return kept
 
 
 def revoked(before: Situation, now: Situation) -> dict[str, Order]:

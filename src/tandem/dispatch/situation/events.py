@@ -1,26 +1,32 @@
 """What the floor reports: events as JSON lines, read strictly.
 
-One line, one event: `{"event": "started", "at": 12.5, "task": "4", "operator": "cobot", "id": "cobot-17"}`. What is wrong with a line is said in
-sentences, all of it at once. Whether an event fits where the shift stands is asked in `objections.py`.
+One line of UTF-8, one event: `{"event": "started", "at": 12.5, "task": "4", "operator": "cobot", "id": "cobot-17"}`.
+What is wrong with a line is said in sentences, all of it at once. Whether an event fits where the shift stands is asked
+in `objections.py`.
 """
 
 from __future__ import annotations
 
 import json
-import math
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any, Literal
 
 from tandem.cell.model import Cell
-from tandem.cell.names import Known
+from tandem.cell.names import Known, clean
 from tandem.errors import TandemError
 
 LONGEST_LINE = 64_000
 """Characters of a line. An event has about a hundred."""
+MOST_BYTES = 4 * LONGEST_LINE
+"""Of a line that is not longer in UTF-8."""
+LOST = "\ufffd"
+"""What programs write in place of a character that they could not read. Different texts become the same by it."""
 LONGEST_SHIFT = 1e7
 """Seconds; whoever sends the seconds since 1970 is told so."""
+BEYOND = 10**18
+"""Nobody means a number of this size; `Infinity` and what has thousands of digits lie beyond."""
 LONGEST_ID = 200
 
 Presence = Literal["no", "may", "must"]
@@ -91,10 +97,11 @@ class EventError(TandemError):
         super().__init__("\n".join(reasons))
 
 
-def read_event(line: str, cell: Cell, start: datetime | None = None) -> Event:
+def read_event(line: str | bytes, cell: Cell, start: datetime | None = None) -> Event:
     """The event that the line holds.
 
     Args:
+      line: as text, or as the bytes that came.
       start: when the shift started, for times written as ISO 8601; when None, the first such time is taken as 0 s (`start_of`).
 
     Raises:
@@ -108,7 +115,7 @@ def read_event(line: str, cell: Cell, start: datetime | None = None) -> Event:
     return event
 
 
-def start_of(line: str) -> datetime | None:
+def start_of(line: str | bytes) -> datetime | None:
     """The time at which the line says that it happened, when that is written as ISO 8601 with a time zone: what a shift without a start begins at."""
     try:
         at = _table(line).get("at")
@@ -118,9 +125,12 @@ def start_of(line: str) -> datetime | None:
     return moment if moment is not None and moment.tzinfo is not None else None
 
 
-def _table(line: str) -> dict[str, Any]:
+def _table(line: str | bytes) -> dict[str, Any]:
+    if len(line) > (MOST_BYTES if isinstance(line, bytes) else LONGEST_LINE):
+        raise _too_long()
+    line = _decoded(line)
     if len(line) > LONGEST_LINE:
-        raise EventError([f"the line has more than {LONGEST_LINE} characters. An event is one line like {json.dumps(EXAMPLE)}."])
+        raise _too_long()
     try:
         data = json.loads(line, object_pairs_hook=_once, parse_constant=_no_number)
     except EventError:
@@ -130,6 +140,25 @@ def _table(line: str) -> dict[str, Any]:
     if not isinstance(data, dict):
         raise EventError([f"this is {_kind_of(data)}, not an event. An event is one line like {json.dumps(EXAMPLE)}."])
     return data
+
+
+def _too_long() -> EventError:
+    return EventError([f"the line has more than {LONGEST_LINE} characters. An event is one line like {json.dumps(EXAMPLE)}."])
+
+
+def _decoded(line: str | bytes) -> str:
+    """The line as text, a mark of byte order at its beginning left out.
+
+    Raises EventError where it is not UTF-8: whatever was put in the place of a byte, two ids could become one.
+    """
+    raw = line if isinstance(line, bytes) else line.encode(errors="surrogatepass")
+    if b"\0" in raw:
+        raise EventError(["this line is not UTF-8: it holds zero bytes, as UTF-16 does. Send events as UTF-8."])
+    try:
+        return raw.decode().removeprefix("\ufeff")
+    except UnicodeDecodeError as error:
+        what = f"byte {error.start + 1} is 0x{raw[error.start]:02x}"
+        raise EventError([f"this line is not UTF-8: {what}, as in Windows-1252, Latin-1 or UTF-16. Send events as UTF-8."]) from error
 
 
 EXAMPLE = {"event": "done", "at": 12.5, "task": "4"}
@@ -167,7 +196,7 @@ class _Reading:
             return None
         if isinstance(value, str):
             return self.moment(key, value)
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        if isinstance(value, bool) or not isinstance(value, int | float) or not -BEYOND < value < BEYOND:
             self.faults.append(f"`{key}` is {_shown(value)}; it must be seconds since the start of the shift, or a time as ISO 8601.")
             return None
         if not 0 <= value <= LONGEST_SHIFT:
@@ -198,9 +227,13 @@ class _Reading:
         value = self.data.get("id")
         if value is None:
             return None
-        if isinstance(value, str | int) and not isinstance(value, bool) and 1 <= len(str(value)) <= LONGEST_ID and str(value).isprintable():
-            return str(value)
-        if tell:
+        whole = isinstance(value, int) and not isinstance(value, bool) and abs(value) < 10**LONGEST_ID
+        text = str(value) if isinstance(value, str) or whole else ""
+        if 1 <= len(text) <= LONGEST_ID and text.isprintable() and LOST not in text:
+            return text
+        if tell and LOST in text:
+            self.faults.append(f"`id` is {_shown(value)}: U+FFFD stands for a character that was lost on the way. Send events as UTF-8.")
+        elif tell:
             self.faults.append(f"`id` is {_shown(value)}; it must be a text of 1 to {LONGEST_ID} printable characters, or a whole number.")
         return None
 
@@ -213,10 +246,10 @@ class _Reading:
         if not isinstance(value, str):
             self.faults.append(f"{name}: `task` is {'missing' if value is None else _shown(value)}; it must be the name of a task.")
             return None
-        if value not in self.cell.tasks:
+        found = _known(value, self.cell.tasks)
+        if found is None:
             self.faults.append(f"the cell has no task {_shown(value)}. {Known(self.cell.tasks).hint(value)}")
-            return None
-        return value
+        return found
 
     def operators(self, name: str, presence: Literal["no", "may", "one", "some"]) -> tuple[str, ...]:
         given = [key for key in ("operator", "operators") if key in self.data]
@@ -231,13 +264,20 @@ class _Reading:
         if not names or not all(isinstance(who, str) for who in names):
             self.faults.append(f"{name}: `{given[0]}` is {_shown(value)}; it must name operators of the cell.")
             return ()
-        unknown = [who for who in dict.fromkeys(names) if who not in self.cell.operators]
+        found = {who: _known(who, self.cell.operators) for who in names}
+        unknown = [who for who, known in found.items() if known is None]
         self.faults += [f"the cell has no operator {_shown(who)}. {Known(self.cell.operators).hint(who)}" for who in unknown]
-        if len(set(names)) < len(names):
-            self.faults.append(f"{name}: an operator is named twice in {_shown(value)}; once is enough.")
+        named = [found[who] for who in names]
+        if len({who or number for number, who in enumerate(named)}) < len(names):
+            self.faults.append(f"{name}: an operator is named twice in {', '.join(map(_shown, names))}; once is enough.")
         if presence == "one" and len(names) > 1:
             self.faults.append(f"{name}: is about one operator; send an event for each of {', '.join(map(repr, names))}.")
-        return tuple(who for who in self.cell.operators if who in names)
+        return tuple(who for who in self.cell.operators if who in named)
+
+
+def _known(name: str, names: Container[str]) -> str | None:
+    """The name of the cell that is meant, whatever its spelling; None when there is none."""
+    return name if name in names else spelt if (spelt := clean(name)) in names else None
 
 
 def _no_kind(data: dict[str, Any]) -> str:
@@ -281,5 +321,6 @@ def _kind_of(value: Any) -> str:
 
 
 def _shown(value: Any) -> str:
-    text = repr(value)
+    """What came, as it may stand in a message: a text in quotes, all else as JSON has it."""
+    text = repr(value) if isinstance(value, str) else json.dumps(value)
     return text if len(text) <= 80 else f"{text[:77]}..."

@@ -36,6 +36,17 @@ def legal(situation: Situation) -> list[tuple[str, tuple[str, ...]]]:
     return list(found)
 
 
+def may_begin(situation: Situation, task: str, operators: Iterable[str]) -> bool:
+    """Whether these operators may begin the task now: one entry of `legal`, the others left aside."""
+    who = frozenset(operators)
+    if task not in situation.open or not is_ready(situation, task):
+        return False
+    if not who.issubset(situation.idle):
+        return False
+    ways = (way for way in situation.facts.ways[task] if who == frozenset(way.operators))
+    return any(not any(hindrances(situation, task, way)) for way in ways)
+
+
 def is_ready(situation: Situation, task: str) -> bool:
     """What must come before has come: what the task stands on is in place, and nothing above it is in hand or wrong (begun before its turn).
 
@@ -147,4 +158,4 @@ def _listed_sets(situation: Situation, task: str, way: Mode) -> Iterator[str]:
     by_humans = {name for name, group in begun.items() if humans.intersection(group)}
     possible = [tasks for tasks in situation.facts.sets if not (tasks ^ by_humans) & begun.keys()]
     if not any((task in tasks) == bool(humans.intersection(way.operators)) for tasks in possible):
-        yield f"`stress_of_set` lists no set in which {' and '.join(way.operators)} do task {task!r} after what was done"
+        yield f"`stress_of_set` lists no set that holds what was done and task {task!r} by {' and '.join(way.operators)}"

@@ -6,7 +6,7 @@ break): two moments of an assembly that lie alike before it are one position.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -34,6 +34,10 @@ class Position(NamedTuple):
     hand: tuple[int, ...] = ()
     load: tuple[int, ...] = ()
     teams: tuple[tuple[int, int], ...] = ()
+
+
+def _go_on() -> None:
+    """Whoever has all the time needs no look at the clock."""
 
 
 @dataclass(frozen=True)
@@ -148,13 +152,16 @@ class Moves(Numbers):
         kept = tuple(tuple(way for way in row if way not in gone) or row for row in self.ways)
         return replace(self, ways=kept, _ready={}, _rest={})
 
-    def choices(self, position: Position, among: int | None = None) -> Iterator[tuple[int, ...]]:
-        """Every set of ways that may begin together now, the empty one last; with `among`, only ways within these operators."""
+    def choices(self, position: Position, among: int | None = None, look: Callable[[], None] = _go_on) -> Iterator[tuple[int, ...]]:
+        """Every set of ways that may begin together now, the empty one last; with `among`, only ways within these operators.
+
+        There may be very many. `look` is called again and again while they are put together, and may raise.
+        """
         legal = self.legal(position)
         if among is not None:
             legal = [way for way in legal if not self.who[way] & ~among]
         if self.plain:
-            yield from self._plain_sets(legal)
+            yield from self._plain_sets(legal, look)
         else:
             yield from self._sets(position, legal, ())
 
@@ -197,11 +204,12 @@ class Moves(Numbers):
         self._rest[begun] = known = (sum(self.work[t] for t in left), chain, sum(self.ease[t] for t in left))
         return known
 
-    def _plain_sets(self, legal: Sequence[int]) -> list[tuple[int, ...]]:
+    def _plain_sets(self, legal: Sequence[int], look: Callable[[], None]) -> list[tuple[int, ...]]:
         """`choices` where any ways of different tasks and operators can begin together."""
         who, task = self.who, self.task
         sets: list[tuple[tuple[int, ...], int, int]] = [((), 0, 0)]
         for way in legal:
+            look()
             mine, bit = who[way], 1 << task[way]
             sets += [((*chosen, way), busy | mine, begun | bit) for chosen, busy, begun in sets if not busy & mine and not begun & bit]
         return [chosen for chosen, _, _ in sets[::-1]]

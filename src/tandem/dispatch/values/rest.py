@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from time import perf_counter
 
 from ortools.sat.python import cp_model
 
@@ -15,6 +16,8 @@ from tandem.plan.starts import Starts, list_schedule, measures
 
 SCALE = 1 << 20
 """Weights become whole numbers in units of the larger one divided by this."""
+SHORTEST_S = 0.002
+"""CP-SAT finds nothing in less."""
 
 
 @dataclass(frozen=True)
@@ -108,34 +111,45 @@ def rest(moves: Moves, position: Position, *, with_running: bool = True) -> Rest
     )
 
 
-def solve(left: Rest, weights: tuple[float, float], *, seconds: float, seed: int = 0, ties: bool = False, hint: Starts | None = None) -> Plan | None:
-    """The plan of least `weights[0] * ticks + weights[1] * units` that CP-SAT finds in the time, one thread; None when it finds none.
+def solve(left: Rest, weights: tuple[float, float], *, seconds: float, seed: int = 0) -> Plan | None:
+    """The plan of least `weights[0] * ticks + weights[1] * units` that CP-SAT finds, one thread; None when it finds none.
 
-    Of equally good ones it is whichever comes first; with `ties`, where time alone counts, the one of least stress.
+    Of equally good ones it is whichever comes first.
+
+    Args:
+      seconds: for all of it, building the model included; which goes on to its end, but no search begins behind it then.
     """
+    until = perf_counter() + seconds
     instance = left.instance
     layout = Layout.of(instance)
-    quick = list_schedule(layout, [0] * len(instance.tasks)) if hint is None else hint
+    quick = list_schedule(layout, [0] * len(instance.tasks))
     upper = instance.horizon if quick is None else max(measures(instance, quick)[0], 1)
     decisions = formulate(instance, max(upper, instance.horizon if weights[1] else upper))
     top = max(weights)
     time, stress = (round(weight / top * SCALE) for weight in weights)
-    if ties and not stress:
-        stress = SCALE // (1 + sum(max(way.stress for way in ways) for ways in instance.ways))
     decisions.model.minimize(time * decisions.makespan + stress * decisions.stress)
     if quick is not None:
         decisions.hint(quick)
+    if until - perf_counter() < SHORTEST_S:
+        return None
     solver = cp_model.CpSolver()
     solver.parameters.num_workers = 1
     solver.parameters.random_seed = seed
-    solver.parameters.max_time_in_seconds = seconds
+    solver.parameters.max_time_in_seconds = until - perf_counter()
     solver.parameters.cp_model_probing_level = 0
     status = solver.status_name(solver.solve(decisions.model))
     if status not in ("OPTIMAL", "FEASIBLE"):
         return None
     found = decisions.read(solver.value)
     bound = solver.best_objective_bound / SCALE
-    return _plan(left, layout, found, (float(int(bound)) if ties and not weights[1] else bound) * top, status == "OPTIMAL")
+    return _plan(left, layout, found, bound * top, status == "OPTIMAL")
+
+
+def build(moves: Moves) -> None:
+    """Puts the model of the whole cell together, as every plan begins, and searches nothing: to learn how long that takes."""
+    left = rest(moves, moves.root())
+    if left is not None:
+        solve(left, (1.0, 0.0), seconds=0.0)
 
 
 def _plan(left: Rest, layout: Layout, found: Starts, bound: float, proven: bool) -> Plan:

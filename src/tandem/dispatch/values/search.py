@@ -6,7 +6,7 @@ shift's, find most of it. Shares nothing with the constraint solver.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from math import inf
 from time import perf_counter
@@ -14,8 +14,10 @@ from time import perf_counter
 from tandem.dispatch.values.moves import Moves, Position
 from tandem.errors import TandemError
 
-MOST_KNOWN = 200_000
-"""So many positions are remembered; beyond, the memory begins anew."""
+MOST_KNOWN = 50_000
+"""So many positions are remembered; beyond, the memory begins anew. Forgetting more at once takes longer than a decision may."""
+EVERY = 8
+"""The clock is looked at whenever so many positions were made: about a third of a millisecond."""
 
 
 class OutOfTimeError(TandemError):
@@ -30,7 +32,7 @@ class Search:
       moves: the cell's moves, with the paces in them.
       weights: cost per tick and per unit of stress.
       known: position -> least cost still to come. `low`: position -> a bound below it.
-      until: `perf_counter` moment at which the search gives up.
+      until: the moment by `clock` at which the search gives up.
     """
 
     moves: Moves
@@ -38,7 +40,8 @@ class Search:
     known: dict[Position, float] = field(default_factory=dict)
     low: dict[Position, float] = field(default_factory=dict)
     until: float = inf
-    _looked: int = 0
+    clock: Callable[[], float] = perf_counter
+    _made: int = 0
 
     def value(self, position: Position, cutoff: float = inf) -> float:
         """The least cost from here; when that is not below the cutoff, a bound below it that is not below the cutoff either.
@@ -56,7 +59,6 @@ class Search:
             low = self.floor(position)
         if low >= cutoff:
             return low
-        self._check_time()
         steps = sorted(self.steps(position), key=lambda step: step[0])
         best = inf
         for bound, paid, _, after in steps:
@@ -71,7 +73,8 @@ class Search:
     def steps(self, position: Position) -> Iterable[tuple[float, float, tuple[int, ...], Position]]:
         """(bound, cost until the next event, ways begun now, position then) of everything that can be begun together now."""
         legal = self.moves.legal(position) if self.moves.plain and not self.weights[1] else []
-        for chosen in self.moves.choices(position):
+        for chosen in self.moves.choices(position, look=self.look):
+            self._look_at_times()
             found = self.step(position, chosen)
             if found is not None and not (legal and self._wastes(legal, chosen, found[1])):
                 yield found
@@ -114,15 +117,20 @@ class Search:
                 least, choice = value, chosen
         return choice, least
 
-    def within(self, seconds: float) -> Search:
-        """The same search, which gives up after so many seconds from now."""
-        self.until = perf_counter() + seconds
+    def by(self, until: float) -> Search:
+        """The same search, which gives up at this moment of its clock."""
+        self.until = until
         if len(self.known) + len(self.low) > MOST_KNOWN:
             self.known.clear()
             self.low.clear()
         return self
 
-    def _check_time(self) -> None:
-        self._looked += 1
-        if self._looked % 16 == 0 and perf_counter() > self.until:
+    def look(self) -> None:
+        """Raises OutOfTimeError when the time is over."""
+        if self.clock() > self.until:
             raise OutOfTimeError("the search has not ended in time.")
+
+    def _look_at_times(self) -> None:
+        self._made += 1
+        if self._made % EVERY == 0:
+            self.look()

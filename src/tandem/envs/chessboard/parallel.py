@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Container
 from typing import Any, ClassVar
 
 import gymnasium
@@ -16,6 +17,7 @@ from tandem.cell.model import Cell
 from tandem.envs.chessboard.chance import Chance, fate
 from tandem.envs.chessboard.layout import layout
 from tandem.envs.chessboard.world import HUMAN, ROBOT, is_over, legal, observe, reset, step, to_play
+from tandem.envs.door import OUTSIDE, Door, is_legal
 from tandem.errors import UsageError
 
 AGENTS = {ROBOT: "robot_0", HUMAN: "human_0"}
@@ -27,17 +29,19 @@ class ChessboardParallel(ParallelEnv[str, Observation, int]):  # type: ignore[mi
     """`robot_0` and `human_0`; action 0 is "not my turn", `c + 1` takes the piece that starts in column `c`.
 
     Observations are `{"observation": [h, w, 3] float32, "action_mask": [w + 1] int8}`: the authors' tensor, and 1 = legal. Exactly one agent has
-    columns to choose from, the other's only legal action is 0, and what it names else is ignored. Both are paid minus the seconds that pass. An
-    illegal column of the agent whose turn it is raises UsageError.
+    columns to choose from. The other's only legal action is 0; which action else it names makes no difference. Both are paid minus the seconds
+    that pass. An illegal column of the agent whose turn it is does not raise (unless `strict`): the leftmost legal one is taken and
+    `info["illegal"]` is True.
 
     Args:
       board: a board, or a cell or cell file that can be one.
       chance: how likely failures and errors are; none when absent. The seed of `reset` draws them.
+      strict: an illegal action raises UsageError.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"name": "chessboard_v0", "render_modes": [], "is_parallelizable": True}
 
-    def __init__(self, board: Board | Cell | str | os.PathLike[str], *, chance: Chance | None = None):
+    def __init__(self, board: Board | Cell | str | os.PathLike[str], *, chance: Chance | None = None, strict: bool = False):
         self.board, self.chance, self.render_mode = _as_board(board), chance, None
         self._layout = layout(self.board)
         self._generator = np.random.default_rng()
@@ -53,6 +57,7 @@ class ChessboardParallel(ParallelEnv[str, Observation, int]):  # type: ignore[mi
         }
         self.action_spaces = {agent: spaces.Discrete(columns + 1) for agent in self.possible_agents}
         self.state_space = seen
+        self._door = Door(dict.fromkeys(self.possible_agents, columns + 1), strict=strict)
 
     def observation_space(self, agent: str) -> gymnasium.Space[Any]:
         """The same object at each call."""
@@ -67,30 +72,37 @@ class ChessboardParallel(ParallelEnv[str, Observation, int]):  # type: ignore[mi
         if seed is not None:
             self._generator = np.random.default_rng(seed)
         self._now, self.agents = reset(self._layout), list(self.possible_agents)
+        self._door.open()
         numbers = self._generator.random((3, self.board.height, self.board.width))
         self._fate = None if self.chance is None else fate(self._layout, self.chance, numbers)
-        return self._observations(), self._infos()
+        return self._observations(), self._infos(())
 
     def step(
         self, actions: dict[str, int]
     ) -> tuple[dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
-        """The agent whose turn it is takes a piece. Raises UsageError when it may not."""
-        if not self.agents:
-            return {}, {}, {}, {}, {}
-        agent, open_columns = AGENTS[int(to_play(self._layout, self._now))], legal(self._layout, self._now)
-        column = int(actions[agent]) - 1
-        if column < 0 or not open_columns[column]:
-            legal_now = ", ".join(str(number + 1) for number in np.flatnonzero(open_columns))
-            raise UsageError(
-                f"illegal at {self._now.clock} s: {agent} named {column + 1}; legal are {legal_now}. Take an action from action_masks()."
-            )
+        """The agent whose turn it is takes a piece.
+
+        Raises UsageError for an illegal action when strict, for what is no action, and after the end.
+        """
+        named = self._door.numbers(actions)
+        mover = AGENTS[int(to_play(self._layout, self._now))]
+        mask, illegal = self.action_masks()[mover], [agent for agent, number in named.items() if number == OUTSIDE]
+        if not is_legal(mask, named[mover]):
+            illegal.append(mover)
+            if self._door.strict:
+                legal_now = ", ".join(map(str, np.flatnonzero(mask)))
+                raise UsageError(
+                    f"illegal at {self._now.clock} s: {mover} named {named[mover]}; legal are {legal_now}. Take an action from action_masks()."
+                )
+        column = (int(np.argmax(mask)) if mover in illegal else named[mover]) - 1
         before = int(self._now.clock)
         self._now = step(self._layout, self._now, np.int32(column), self._fate)
         paid, over = float(before - int(self._now.clock)), bool(is_over(self._now))
+        self._door.shut_if(over)
         if over:
             self.agents = []
         every = self.possible_agents
-        return self._observations(), dict.fromkeys(every, paid), dict.fromkeys(every, over), dict.fromkeys(every, False), self._infos()
+        return self._observations(), dict.fromkeys(every, paid), dict.fromkeys(every, over), dict.fromkeys(every, False), self._infos(illegal)
 
     def action_masks(self) -> dict[str, NDArray[np.int8]]:
         """Agent -> `[w + 1]` int8, 1 = legal."""
@@ -115,9 +127,12 @@ class ChessboardParallel(ParallelEnv[str, Observation, int]):  # type: ignore[mi
         masks = self.action_masks()
         return {agent: {"observation": self.state(), "action_mask": masks[agent]} for agent in self.possible_agents}
 
-    def _infos(self) -> dict[str, dict[str, Any]]:
-        masks = self.action_masks()
-        return {agent: {"action_mask": masks[agent], "time": float(self._now.clock)} for agent in self.possible_agents}
+    def _infos(self, illegal: Container[str]) -> dict[str, dict[str, Any]]:
+        masks, over = self.action_masks(), bool(is_over(self._now))
+        return {
+            agent: {"action_mask": masks[agent], "time": float(self._now.clock), "illegal": agent in illegal, "is_success": over}
+            for agent in self.possible_agents
+        }
 
 
 def _as_board(board: Board | Cell | str | os.PathLike[str]) -> Board:

@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from tandem.cell.model import Cell
+from tandem.envs.door import Door, is_legal
 from tandem.envs.duo.display import words
 from tandem.envs.duo.setting import AGENTS, HUMAN, ROBOT, duo, setting
 from tandem.envs.duo.world import chance, choices, cost, is_done, narrow, observation_size, observe, reset, step
 from tandem.envs.thesis.game import as_cell
+from tandem.errors import UsageError
 
 Observation = dict[str, NDArray[Any]]
 
@@ -25,13 +27,13 @@ class DuoParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
 
     Both act at once, but the human's word goes first: an action of the robot that does not fit what the human has named becomes the lowest
     action that does, which is joining where the human asks for it. `info["yielded"]` says so. An action that the mask forbids does
-    not raise: the lowest legal one is taken and `info["illegal"]` is True. Each agent is paid minus its part of the cost. Options: those of
-    `tandem.envs.duo.setting`.
+    not raise (unless `strict`): the lowest legal one is taken and `info["illegal"]` is True. Each agent is paid minus its part of the cost. The
+    other options: those of `tandem.envs.duo.setting`.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"name": "duo_v0", "render_modes": [], "is_parallelizable": True}
 
-    def __init__(self, cell: Cell | str | os.PathLike[str], **options: float):
+    def __init__(self, cell: Cell | str | os.PathLike[str], *, strict: bool = False, **options: float):
         self.cell, self.setting, self.render_mode = as_cell(cell), setting(**options), None
         self.data, self.names = duo(self.cell)
         self.possible_agents = list(AGENTS)
@@ -44,6 +46,7 @@ class DuoParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         }
         self.action_spaces = {agent: spaces.Discrete(actions) for agent in AGENTS}
         self._random = np.random.default_rng()
+        self._door = Door(dict.fromkeys(AGENTS, actions), strict=strict)
 
     def observation_space(self, agent: str) -> gymnasium.Space[Any]:
         """The same object at each call."""
@@ -67,23 +70,28 @@ class DuoParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         self._state = reset(self.data, *chance(numbers, self.data, self.setting))
         self._difficulty = 0.0
         self.agents = list(AGENTS)
-        return self._observations(), {agent: self._info() for agent in AGENTS}
+        self._door.open()
+        return self._observations(), self._infos([False, False], [False, False])
 
     def step(
         self, actions: dict[str, int]
     ) -> tuple[dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
-        """Both act; time runs on until somebody can choose again."""
-        if not self.agents:
-            return {}, {}, {}, {}, {}
+        """Both act; time runs on until somebody can choose again.
+
+        Raises UsageError for an illegal action when strict, for what is no action, and after the end.
+        """
+        named = list(self._door.numbers(actions).values())
         masks = choices(self.data, self._state)
-        named = [int(actions[agent]) for agent in AGENTS]
+        illegal = [not is_legal(masks[agent], named[agent]) for agent in (ROBOT, HUMAN)]
+        if self._door.strict and any(illegal):
+            raise UsageError(self._complaint(named, illegal, masks))
         human = _nearest(named[HUMAN], masks[HUMAN])
         robot = _nearest(named[ROBOT], narrow(self.data, self._state, masks, np.int32(human)))
         self._state, paid = step(self.data, self.setting, self._state, np.array([robot, human], np.int32))
         self._difficulty += float(paid.difficulty.sum())
         reward, done = cost(self.setting, paid), bool(is_done(self._state))
-        illegal = [not masks[agent, named[agent]] for agent in (ROBOT, HUMAN)]
         yielded = [not illegal[ROBOT] and robot != named[ROBOT], False]
+        self._door.shut_if(done)
         if done:
             self.agents = []
         return (
@@ -91,7 +99,7 @@ class DuoParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
             {agent: -float(reward[i]) for i, agent in enumerate(AGENTS)},
             dict.fromkeys(AGENTS, done),
             dict.fromkeys(AGENTS, False),
-            {agent: self._info() | {"illegal": illegal[i], "yielded": yielded[i]} for i, agent in enumerate(AGENTS)},
+            self._infos(illegal, yielded),
         )
 
     def action_masks(self) -> dict[str, NDArray[np.int8]]:
@@ -108,10 +116,27 @@ class DuoParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         seen, masks = observe(self.data, self._state), self.action_masks()
         return {agent: {"observation": seen.copy(), "action_mask": masks[agent]} for agent in AGENTS}
 
-    def _info(self) -> dict[str, Any]:
+    def _complaint(self, named: list[int], illegal: list[bool], masks: Any) -> str:
+        said = [
+            f"{agent} named {named[i]} ({self.ways(agent)[named[i]] or 'nothing'}); legal are {', '.join(map(str, np.flatnonzero(masks[i])))}"
+            for i, agent in enumerate(AGENTS)
+            if illegal[i]
+        ]
+        return f"illegal at {self._now:g} s: {'; '.join(said)}. Take an action from action_masks()."
+
+    @property
+    def _now(self) -> float:
+        return self.names.seconds(int(self._state.assembly.clock))
+
+    def _infos(self, illegal: list[bool], yielded: list[bool]) -> dict[str, dict[str, Any]]:
+        masks, both = self.action_masks(), self._both()
+        return {agent: {"action_mask": masks[agent], **both, "illegal": illegal[i], "yielded": yielded[i]} for i, agent in enumerate(AGENTS)}
+
+    def _both(self) -> dict[str, Any]:
+        """What the infos of both agents say."""
         state = self._state
         return {
-            "time": self.names.seconds(int(state.assembly.clock)),
+            "time": self._now,
             "difficulty": self._difficulty,
             "fatigue": float(state.fatigue),
             "happened": words(self.cell, self.names, self.data, state.happened),
@@ -121,4 +146,4 @@ class DuoParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
 
 def _nearest(action: int, legal: NDArray[np.bool_]) -> int:
     """The action, or the lowest legal one."""
-    return action if legal[action] else int(np.argmax(legal))
+    return action if is_legal(legal, action) else int(np.argmax(legal))

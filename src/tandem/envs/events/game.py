@@ -181,16 +181,16 @@ class Game:
         state, now = self.shift.state, self.names.seconds(self.clock)
         stress, rows = self.stress_at(state), [end for _, _, end in self.rows if end <= self.clock]
         names = list(self.names.operators) if operator is None else [operator]
-        started = {who: task for who, task in (happening.started if happening else {}).items() if who in names}
-        finished = {who: task for who, task in (happening.finished if happening else {}).items() if who in names}
+        started = {who: happening.started.get(who, "") if happening else "" for who in names}
+        finished = {who: happening.finished.get(who, "") if happening else "" for who in names}
         idle = sum(self._idle(who, happening) for who in names) if happening else 0.0
         return {
             "time": now,
             "makespan": self.names.seconds(max(rows, default=0)),
             "stress": stress,
             "stress_rate": 60.0 * stress / now if now else 0.0,
-            "task_started": started or None if operator is None else started.get(operator),
-            "task_finished": finished or None if operator is None else finished.get(operator),
+            "task_started": started if operator is None else started[operator],
+            "task_finished": finished if operator is None else finished[operator],
             "idle": idle,
             "illegal": illegal,
             "is_success": self.done,

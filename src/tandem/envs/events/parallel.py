@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from tandem.cell.model import Cell
+from tandem.envs.door import Door, is_legal
 from tandem.envs.events.game import RENDER_MODES, Game, Options
 from tandem.envs.events.observations import MOST
 from tandem.errors import UsageError
@@ -52,6 +53,7 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         self.action_spaces = {agent: spaces.Discrete(actions) for agent in self.possible_agents}
         self.state_space = spaces.Box(*box, dtype=np.float32)
         self._rng = seeding.np_random(0)[0]
+        self._door = Door(dict.fromkeys(self.possible_agents, actions), strict=self.game.options.strict)
 
     def observation_space(self, agent: str) -> gymnasium.Space[Any]:
         """The same object at each call."""
@@ -67,26 +69,29 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
             self._rng = seeding.np_random(seed)[0]
         self.game.reset(self._rng)
         self.agents = list(self.possible_agents)
+        self._door.open()
         self._return, self._steps, self._since = 0.0, 0, time.monotonic()
         return self._observations(), {agent: self._info(agent, self.game.info(None, self._name(agent), False)) for agent in self.agents}
 
     def step(
         self, actions: dict[str, int]
     ) -> tuple[dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
-        """All agents act. Raises UsageError for an illegal action when strict."""
-        if not self.agents:
-            return {}, {}, {}, {}, {}
+        """All agents act.
+
+        Raises UsageError for an illegal action when strict, for what is no action, and after the end.
+        """
+        named, masks = self._door.numbers(actions), self.action_masks()
         game, before, agents = self.game, self.game.shift, self.agents
-        chosen = {self.operators[agent]: int(actions[agent]) for agent in agents}
-        illegal = {agent: not self.action_masks()[agent][int(actions[agent])] for agent in agents}
+        illegal = {agent: not is_legal(masks[agent], named[agent]) for agent in agents}
         for agent in agents:
             if illegal[agent] and game.options.strict:
-                raise UsageError(game.complaint(self.operators[agent], int(actions[agent])))
-        self._take(chosen)
+                raise UsageError(game.complaint(self.operators[agent], named[agent]))
+        self._take({self.operators[agent]: named[agent] for agent in agents})
         happening = game.since(before)
         reward, ended, cut = game.reward(happening), game.done, game.truncated
         self._return, self._steps = self._return + reward, self._steps + 1
         infos = {agent: self._info(agent, game.info(happening, self._name(agent), illegal[agent])) for agent in agents}
+        self._door.shut_if(ended or cut)
         if ended or cut:
             taken = round(time.monotonic() - self._since, 6)
             for agent in agents:
@@ -121,7 +126,7 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         began, asked = game.clock, set[int]()
         while (who := game.turn) >= 0 and who not in asked:
             asked.add(who)
-            action = chosen[who] if game.mask(who)[chosen[who]] else 0
+            action = chosen[who] if is_legal(game.mask(who), chosen[who]) else 0
             if action == 0 and not game.mask(who)[0]:
                 game.pass_a_second()
                 return

@@ -11,6 +11,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from tandem.cell.model import Cell
+from tandem.envs.door import CONTROLLER, Door, is_legal
 from tandem.envs.events.game import RENDER_MODES, Game, Happening, Options
 from tandem.envs.events.observations import MOST
 from tandem.errors import UsageError
@@ -43,24 +44,30 @@ class RobotBesideHuman(gymnasium.Env[Any, Any]):
                 "action_mask": spaces.MultiBinary(actions),
             }
         )
+        self._door = Door({CONTROLLER: actions}, strict=self.game.options.strict)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
         """The first observation; people and chance are drawn anew, from the seed when it is given."""
         super().reset(seed=seed)
         self.game.reset(self.np_random)
+        self._door.open()
         self._to_our_turn()
         return self._observation(), self._info(None, False)
 
     def step(self, action: int) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """One decision. Raises UsageError for an illegal action when strict."""
-        action, game, before = int(action), self.game, self.game.shift
-        illegal = not self.action_masks()[action]
+        """One decision.
+
+        Raises UsageError for an illegal action when strict, for what is no action, and after the end.
+        """
+        action, game, before = self._door.number(action, CONTROLLER), self.game, self.game.shift
+        illegal = not is_legal(self.action_masks(), action)
         if illegal and game.options.strict:
             raise UsageError(game.complaint(game.turn, action))
         if game.turn >= 0:
             game.decide(-1 if illegal else action - 1)
             self._to_our_turn()
         happening = game.since(before)
+        self._door.shut_if(game.done or game.truncated)
         return self._observation(), game.reward(happening), game.done, game.truncated, self._info(happening, illegal)
 
     def action_masks(self) -> NDArray[np.int8]:
@@ -87,6 +94,6 @@ class RobotBesideHuman(gymnasium.Env[Any, Any]):
         turn = self.game.turn
         return {
             "action_mask": self.action_masks(),
-            "turn": self.game.names.operators[turn] if turn >= 0 else None,
+            "turn": self.game.names.operators[turn] if turn >= 0 else "",
             **self.game.info(happening, None, illegal),
         }

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from tandem.envs.grid.world import WAIT, Array, Grid, namespace
+from tandem.envs.grid.world import WAIT, Array, Grid, leads_to, namespace
 
 
 class Rewards(NamedTuple):
@@ -56,14 +56,14 @@ def step(grid: Grid, rewards: Rewards, state: State, action: Array) -> tuple[Sta
     """
     xp = namespace(grid.kind)
     mine = xp.arange(2) == state.turn
-    there = grid.neighbour[state.position, action]
-    possible = (action == WAIT) | ((there >= 0) & (there != state.position[::-1]))
+    is_action, there = leads_to(grid, state.position, action)
+    possible = is_action & ((action == WAIT) | ((there >= 0) & (there != state.position[::-1])))
     moves = mine & possible & (action != WAIT)
     position = xp.where(moves, there, state.position).astype(xp.int32)
     new = moves & ~state.covered[position]
     covered = state.covered | xp.any(xp.arange(grid.kind.shape[0])[None, :] == position[:, None], axis=0)
     after = State(position, (1 - state.turn).astype(xp.int32), (state.clock + 1).astype(xp.int32), covered)
-    broken = mine & ~possible
+    broken = (mine & ~possible) | ~is_action
     paid = rewards.new * new + rewards.old * (moves & ~new) + rewards.still * (mine & ~moves) + rewards.illegal * broken
     full = is_covered(grid, after)
     return after, (paid + rewards.full * full).astype(xp.float32), full | (after.clock >= grid.limit), broken.astype(xp.int32)

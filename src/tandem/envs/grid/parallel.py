@@ -11,6 +11,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
+from tandem.envs.door import Door, is_legal
 from tandem.envs.grid import world
 from tandem.envs.grid.layout import Layout, layout
 from tandem.envs.grid.observations import OBSERVATIONS, observe
@@ -61,8 +62,8 @@ class GridParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
     """`robot_0` and `human_0`; actions wait, up, down, left, right. Who is not on turn can only wait.
 
     Observations are `{"observation": [4 S] float32, "action_mask": [5] int8}`, 1 = possible; the mask is in `info["action_mask"]` and comes from
-    `action_masks()` too. An impossible move does not raise (unless strict): it costs `rewards.illegal`, moves nobody and sets `info["illegal"]`;
-    whatever the agent that is not on turn names is not looked at.
+    `action_masks()` too. An impossible move does not raise (unless strict): it costs `rewards.illegal`, moves nobody and sets `info["illegal"]`.
+    Which action the agent that is not on turn names makes no difference, but one it has to be.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"name": "grid_v0", "render_modes": list(RENDER_MODES), "is_parallelizable": True, "render_fps": 4}
@@ -81,6 +82,7 @@ class GridParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         self.action_spaces = {agent: spaces.Discrete(len(world.ACTIONS)) for agent in AGENTS}
         self.state_space = spaces.Box(-1.0, 1.0, (size,), np.float32)
         self._state = world.reset(self.grid)
+        self._door = Door(dict.fromkeys(AGENTS, len(world.ACTIONS)), strict=self.options.strict)
 
     def observation_space(self, agent: str) -> gymnasium.Space[Any]:
         """The same object at each call."""
@@ -93,20 +95,24 @@ class GridParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
         """The first observations. The grid knows no chance: `seed` is taken and changes nothing."""
         self._state, self.agents = world.reset(self.grid), list(AGENTS)
+        self._door.open()
         return self._observations(), self._infos([0, 0])
 
     def step(
         self, actions: dict[str, int]
     ) -> tuple[dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
-        """The agent on turn moves. Raises UsageError for an impossible move when strict."""
-        if not self.agents:
-            return {}, {}, {}, {}, {}
-        chosen = np.array([int(actions[agent]) for agent in AGENTS])
-        mover = AGENTS[int(self._state.turn)]
-        if self.options.strict and not self.action_masks()[mover][actions[mover]]:
-            raise UsageError(f"{mover} cannot go {world.ACTIONS[actions[mover]]} from square {int(self._state.position[self._state.turn])}.")
+        """The agent on turn moves.
+
+        Raises UsageError for an impossible move when strict, for what is no action, and after the end.
+        """
+        named, mover = self._door.numbers(actions), AGENTS[int(self._state.turn)]
+        if self.options.strict and not is_legal(self.action_masks()[mover], named[mover]):
+            square = int(self._state.position[self._state.turn])
+            raise UsageError(f"{mover} cannot go {world.ACTIONS[named[mover]]} from square {square}.")
+        chosen = np.array([named[agent] for agent in AGENTS])
         self._state, reward, over, illegal = world.step(self.grid, self.options.rewards, self._state, chosen)
         ended = bool(over) and not (int(self._state.reached) == world.NOWHERE and int(self._state.clock) >= int(self.grid.limit))
+        self._door.shut_if(bool(over))
         if over:
             self.agents = []
         return (

@@ -129,7 +129,9 @@ def legal(grid: Grid, state: State) -> Array:
 
 
 def step(grid: Grid, rewards: Rewards, state: State, action: Array) -> tuple[State, Array, Array, Array]:
-    """The agent on turn moves; the other's action is not looked at. A move that is not possible leaves it where it is.
+    """The agent on turn moves; of the other's action only counts whether it is one. What is not possible moves nobody.
+
+    A number that is no action is illegal for whoever names it, and costs `illegal`.
 
     Args:
       action: `[2]` int.
@@ -139,8 +141,8 @@ def step(grid: Grid, rewards: Rewards, state: State, action: Array) -> tuple[Sta
     """
     xp = namespace(grid.kind)
     mine = xp.arange(2) == state.turn
-    there = grid.neighbour[state.position, action]
-    possible = (action == WAIT) | ((there >= 0) & ~_closed(grid, state)[there])
+    is_action, there = leads_to(grid, state.position, action)
+    possible = is_action & ((action == WAIT) | ((there >= 0) & ~_closed(grid, state)[there]))
     moves = mine & possible & (action != WAIT)
     position = xp.where(moves, there, state.position).astype(xp.int32)
     reached = xp.max(xp.where(mine, grid.kind[position], NOWHERE)).astype(xp.int32)
@@ -153,10 +155,17 @@ def step(grid: Grid, rewards: Rewards, state: State, action: Array) -> tuple[Sta
         reached=reached,
         waited=xp.where(xp.any(moves), 0, state.waited + 1).astype(xp.int32),
     )
-    broken = mine & ~possible
-    paid = mine * (rewards.step + rewards.idle * (action == WAIT) + rewards.illegal * broken)
+    broken = (mine & ~possible) | ~is_action
+    paid = mine * (rewards.step + rewards.idle * (action == WAIT)) + rewards.illegal * broken
     ends = xp.stack([rewards.right * (reached == REACHED_RIGHT), rewards.wrong * (reached == REACHED_WRONG)])
     return after, (paid + ends).astype(xp.float32), is_over(grid, after), broken.astype(xp.int32)
+
+
+def leads_to(grid: Grid, position: Array, action: Array) -> tuple[Array, Array]:
+    """`[2]` bool, whether what each agent names is an action at all; `[2]` int32, the square it leads to, -1 for none."""
+    xp = namespace(grid.kind)
+    is_action = (action >= 0) & (action < len(ACTIONS))
+    return is_action, xp.where(is_action, grid.neighbour[position, xp.where(is_action, action, WAIT)], -1)
 
 
 def is_over(grid: Grid, state: State) -> Array:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from tandem.cell.files import load
 from tandem.cell.model import Cell
+from tandem.envs.door import CONTROLLER, OUTSIDE, Door, is_legal
 from tandem.envs.repair.product import UNMOUNT_SHARE
 from tandem.envs.repair.world import RIGHT, WRONG, Slips, operation_words, repair
 from tandem.errors import UsageError
@@ -57,6 +58,7 @@ class RepairEnv(gymnasium.Env[Any, Any]):
             {"observation": spaces.Box(0.0, 1.0, (2 * parts,), np.float32), "action_mask": spaces.MultiBinary(2 * parts)}
         )
         self.state, self.operations, self.time = 0, 0, 0.0
+        self._door = Door({CONTROLLER: 2 * parts}, strict=strict)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
         """The empty table; `options={"state": n}` begins in another state of `world.nodes`.
@@ -67,12 +69,17 @@ class RepairEnv(gymnasium.Env[Any, Any]):
         self.state, self.operations, self.time = int((options or {}).get("state", 0)), 0, 0.0
         if not 0 <= self.state < len(self.world.nodes):
             raise UsageError(f"state {self.state}: this product has the states 0 to {len(self.world.nodes) - 1}.")
+        self._door.open()
         return self._observation(), self._info("", False, False)
 
     def step(self, action: int) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """One operation, or what the human does in its place. Raises UsageError for an illegal action when strict."""
-        asked, happens, seconds = int(action), 0, self.longest
-        legal = bool(self.process.legal[self.state, asked])
+        """One operation, or what the human does in its place.
+
+        Raises UsageError for an illegal action when strict, for what is no action, and after the end.
+        """
+        asked, happens, seconds = self._door.number(action, CONTROLLER), 0, float(self.longest)
+        words = operation_words(self.world.product, asked) if asked != OUTSIDE else ""
+        legal = is_legal(self.action_masks(), asked)
         if legal:
             chance = self.process.chance[self.state, asked]
             happens = int(self.np_random.choice(len(chance), p=chance))
@@ -80,11 +87,12 @@ class RepairEnv(gymnasium.Env[Any, Any]):
             self.state = int(self.process.after[self.state, asked, happens])
         elif self.strict:
             possible = ", ".join(map(str, np.flatnonzero(self.action_masks())))
-            raise UsageError(f"action {asked}: {operation_words(self.world.product, asked)} is not possible now; legal are {possible}.")
+            raise UsageError(f"action {asked}: {words} is not possible now; legal are {possible}.")
         self.operations, self.time = self.operations + 1, self.time + seconds
         done = bool(self.process.goal[self.state])
-        info = self._info(operation_words(self.world.product, asked), happens > 0, not legal)
-        return self._observation(), -seconds, done, not done and self.operations >= self.limit, info
+        cut = not done and self.operations >= self.limit
+        self._door.shut_if(done or cut)
+        return self._observation(), -seconds, done, cut, self._info(words, happens > 0, not legal)
 
     def action_masks(self) -> NDArray[np.int8]:
         """`[2 T]` int8, 1 = legal; all 0 when all parts sit rightly."""

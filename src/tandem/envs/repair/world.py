@@ -46,7 +46,7 @@ class Slips:
     def __post_init__(self) -> None:
         weights = (self.wrong_part, self.wrong_order, self.undo)
         if min(weights) < 0:
-            raise UsageError(f"slips: the weights are {weights}; each is 0 or more.")
+            raise UsageError(f"slips: the weights are {', '.join(f'{weight:g}' for weight in weights)}; each is 0 or more.")
 
 
 @dataclass(frozen=True)

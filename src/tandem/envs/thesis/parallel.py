@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from tandem.cell.model import Cell
+from tandem.envs.door import Door, is_legal
 from tandem.envs.thesis.game import AGENTS, RENDER_MODES, Game, Options
 
 Observation = dict[str, NDArray[Any]]
@@ -42,6 +43,7 @@ class ThesisParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         }
         self.action_spaces = {agent: spaces.Discrete(tasks + 1) for agent in AGENTS}
         self.state_space = spaces.Box(np.zeros_like(highest), highest, dtype=np.float32)
+        self._door = Door(dict.fromkeys(AGENTS, tasks + 1), strict=self.game.options.strict)
 
     def observation_space(self, agent: str) -> gymnasium.Space[Any]:
         """The same object at each call."""
@@ -55,20 +57,24 @@ class ThesisParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         """The first observations. The station knows no chance: `seed` is taken and changes nothing."""
         self.game.reset()
         self.agents = list(AGENTS)
+        self._door.open()
         self._returns, self._steps, self._since = np.zeros(2), 0, time.monotonic()
         return self._observations(), self._infos([self.game.happenings(agent) for agent in range(2)])
 
     def step(
         self, actions: dict[str, int]
     ) -> tuple[dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
-        """Both agents act. Raises UsageError for an illegal action when strict."""
-        if not self.agents:
-            return {}, {}, {}, {}, {}
-        robot, human = (int(actions[agent]) for agent in AGENTS)
+        """Both agents act.
+
+        Raises UsageError for an illegal action when strict, for what is no action, and after the end.
+        """
+        robot, human = self._door.numbers(actions).values()
         masks = self.game.masks()
-        reward, happenings = self.game.step((robot, human), (not masks[0, robot], not masks[1, human]))
+        broken = (not is_legal(masks[0], robot), not is_legal(masks[1], human))
+        reward, happenings = self.game.step((robot, human), broken)
         self._returns, self._steps = self._returns + reward, self._steps + 1
         ended, cut = self.game.done, self.game.truncated
+        self._door.shut_if(ended or cut)
         if ended or cut:
             self.agents = []
             for agent, happened in enumerate(happenings):

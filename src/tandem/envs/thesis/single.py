@@ -11,6 +11,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from tandem.cell.model import Cell
+from tandem.envs.door import CONTROLLER, OUTSIDE, Door, is_legal
 from tandem.envs.thesis.decisions import after_human
 from tandem.envs.thesis.game import RENDER_MODES, Game, Options
 from tandem.envs.thesis.world import HUMAN, ROBOT
@@ -49,22 +50,28 @@ class ThesisEnv(gymnasium.Env[Any, Any]):
             }
         )
         self.turn, self.named = HUMAN, 0
+        self._door = Door({CONTROLLER: int(self.action_space.n)}, strict=self.game.options.strict)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
         """The first observation. The station knows no chance: `seed` is taken and changes nothing."""
         super().reset(seed=seed)
         self.game.reset()
+        self._door.open()
         self._next_turn()
         return self._observation(), self._info([self.game.happenings(agent) for agent in range(2)])
 
     def step(self, action: int) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """One decision or one second. Raises UsageError for an illegal action when strict."""
-        action = int(action)
-        illegal = not self.action_masks()[action]
+        """One decision or one second.
+
+        Raises UsageError for an illegal action when strict, for what is no action, and after the end.
+        """
+        action = self._door.number(action, CONTROLLER)
+        illegal = not is_legal(self.action_masks(), action)
         if self.joint:
-            robot, human = divmod(action, self.game.tasks + 1)
+            robot, human = (OUTSIDE, OUTSIDE) if action == OUTSIDE else divmod(action, self.game.tasks + 1)
             masks = self.game.masks()
-            reward, happenings = self.game.step((robot, human), (not masks[ROBOT, robot], not masks[HUMAN, human]))
+            broken = (not is_legal(masks[ROBOT], robot), not is_legal(masks[HUMAN], human))
+            reward, happenings = self.game.step((robot, human), broken)
         elif self.turn == HUMAN and self._left_to_the_robot(action).sum() > 1:
             return self._then_the_robot(action, illegal)
         else:
@@ -73,6 +80,7 @@ class ThesisEnv(gymnasium.Env[Any, Any]):
             self._next_turn()
         info = self._info(happenings)
         info["illegal"] = info["illegal"] or (illegal and not self.joint)
+        self._door.shut_if(self.game.done or self.game.truncated)
         return self._observation(), float(reward.sum()), self.game.done, self.game.truncated, info
 
     def action_masks(self) -> NDArray[np.int8]:
@@ -112,7 +120,9 @@ class ThesisEnv(gymnasium.Env[Any, Any]):
         seen = self.game.observe()[self.turn if not self.joint else ROBOT]
         if not self.joint:
             turn, named = np.zeros(2, np.float32), np.zeros(self.game.tasks + 1, np.float32)
-            turn[self.turn], named[self.named] = 1.0, 1.0
+            turn[self.turn] = 1.0
+            if self.named != OUTSIDE:
+                named[self.named] = 1.0
             seen = np.concatenate([turn, named, seen])
         return {"observation": seen, "action_mask": self.action_masks()}
 

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
-from typing import Any, Literal, Self
+from typing import Any, ClassVar, Literal
+
+from pydantic import ConfigDict
 
 from tandem.errors import UsageError
+from tandem.learn.forms import STRICT
+from tandem.learn.settings import counts, must_hold, one_of
+
+MOST_SIMULATIONS = 10_000
+"""Of a search; its tree is held for all games at once."""
 
 
 @dataclass(frozen=True)
@@ -34,19 +41,15 @@ class Search:
     noise_alpha: float = 0.3
     temperature: float = 1.0
 
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
     def __post_init__(self) -> None:
-        if faults := list(self.faults()):
-            raise UsageError("The search does not hold:\n" + "\n".join(f"- {fault}" for fault in faults))
+        must_hold(self.faults())
 
     def faults(self) -> Iterator[str]:
         """What is wrong with it."""
-        if self.kind not in ("gumbel", "puct"):
-            yield f"kind {self.kind!r}: choose gumbel or puct."
-        for name in ("simulations", "considered"):
-            if getattr(self, name) < 1:
-                yield f"{name} {getattr(self, name)}: must be 1 or more."
-        if self.depth is not None and self.depth < 1:
-            yield f"depth {self.depth}: must be 1 or more, or None."
+        yield from one_of(self, "kind", ("gumbel", "puct"))
+        yield from counts(self, ("simulations", "considered", "depth"), most=MOST_SIMULATIONS)
         for name in ("gumbel_scale", "exploration", "temperature"):
             if not getattr(self, name) >= 0:
                 yield f"{name} {getattr(self, name)}: must be 0 or more."
@@ -75,20 +78,18 @@ class YuSearch:
     quirk: bool = True
     unvisited: Literal["first", "zero"] = "first"
 
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
     def __post_init__(self) -> None:
-        if faults := list(self.faults()):
-            raise UsageError("The search does not hold:\n" + "\n".join(f"- {fault}" for fault in faults))
+        must_hold(self.faults())
 
     def faults(self) -> Iterator[str]:
         """What is wrong with it."""
-        for name in ("simulations", "depth"):
-            if getattr(self, name) < 1:
-                yield f"{name} {getattr(self, name)}: must be 1 or more."
+        yield from counts(self, ("simulations", "depth"), most=MOST_SIMULATIONS)
         for name in ("exploration", "temperature"):
             if not getattr(self, name) >= 0:
                 yield f"{name} {getattr(self, name)}: must be 0 or more."
-        if self.unvisited not in ("first", "zero"):
-            yield f"unvisited {self.unvisited!r}: choose first or zero."
+        yield from one_of(self, "unvisited", ("first", "zero"))
 
 
 @dataclass(frozen=True)
@@ -134,15 +135,17 @@ class Config:
     imitated: float = 0.25
     units: int = 64
 
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
     def __post_init__(self) -> None:
-        if faults := list(self.faults()):
-            raise UsageError("The training's configuration does not hold:\n" + "\n".join(f"- {fault}" for fault in faults))
+        must_hold(self.faults())
 
     def faults(self) -> Iterator[str]:
         """Everything that is wrong with it."""
-        for name in ("iterations", "games", "kept", "minibatch", "minibatches", "units"):
-            if getattr(self, name) < 1:
-                yield f"{name} {getattr(self, name)}: must be 1 or more."
+        yield from counts(self, ("iterations", "minibatches"))
+        yield from counts(self, ("games", "minibatch"), most=2**16)
+        yield from counts(self, ("kept",), most=1000)
+        yield from counts(self, ("units",), most=4096)
         for name in ("learning_rate", "value_weight", "gradient_limit"):
             if not getattr(self, name) > 0:
                 yield f"{name} {getattr(self, name)}: must be more than 0."
@@ -154,11 +157,6 @@ class Config:
     def to_dict(self) -> dict[str, Any]:
         """Plain values, as a run keeps them."""
         return asdict(self)
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """The inverse of `to_dict`."""
-        return cls(**{**data, "search": Search(**data["search"])})
 
 
 @dataclass(frozen=True)
@@ -190,15 +188,16 @@ class YuConfig:
     dense: int = 128
     value_norm: tuple[float, float] = (110.0, 90.0)
 
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
     def __post_init__(self) -> None:
-        if faults := list(self.faults()):
-            raise UsageError("The training's configuration does not hold:\n" + "\n".join(f"- {fault}" for fault in faults))
+        must_hold(self.faults())
 
     def faults(self) -> Iterator[str]:
         """Everything that is wrong with it."""
-        for name in ("outer", "inner", "switch", "kept", "minibatch", "filters", "dense"):
-            if getattr(self, name) < 1:
-                yield f"{name} {getattr(self, name)}: must be 1 or more."
+        yield from counts(self, ("outer", "inner", "switch"), most=10_000)
+        yield from counts(self, ("kept", "minibatch"), most=2**20)
+        yield from counts(self, ("filters", "dense"), most=4096)
         if not self.learning_rate > 0:
             yield f"learning_rate {self.learning_rate}: must be more than 0."
         if len(self.value_norm) != 2 or not min(self.value_norm) > 0:
@@ -212,8 +211,3 @@ class YuConfig:
     def to_dict(self) -> dict[str, Any]:
         """Plain values, as a run keeps them."""
         return asdict(self)
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """The inverse of `to_dict`."""
-        return cls(**{**data, "search": YuSearch(**data["search"]), "value_norm": tuple(data["value_norm"])})

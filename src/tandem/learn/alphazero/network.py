@@ -13,14 +13,18 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 from types import ModuleType
-from typing import Any, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import jax
 import jax.numpy as jnp
+from pydantic import ConfigDict
 
+from tandem.learn.config import MOST_UNITS
 from tandem.learn.features import MOVE_FEATURES, WHOLE_FEATURES
+from tandem.learn.forms import STRICT
 from tandem.learn.game import Game, Look, State
 from tandem.learn.networks import Network, forward, init
+from tandem.learn.settings import counts, must_hold
 
 Array = Any
 Parameters = Any
@@ -38,6 +42,9 @@ class Judge(Protocol):
 
     def start(self, key: Array, game: Game) -> Parameters:
         """Weights that know nothing yet."""
+
+    def like(self, arrays: Mapping[str, Any]) -> Parameters:
+        """The form of its weights: leaves that have a shape and a dtype. What the sizes do not say, such as a board's, is taken from `arrays`."""
 
     def read(self, parameters: Parameters, seen: Any, least: Array, mover: Array) -> Opinion:
         """What it thinks of what `game.observe` shows, when `mover` is to play and a cost of `least` units is certain."""
@@ -68,6 +75,11 @@ class Scorer:
 
     units: int = 64
 
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
+    def __post_init__(self) -> None:
+        must_hold(counts(self, ("units",), most=MOST_UNITS))
+
     def start(self, key: Array, game: Game | None = None) -> dict[str, Network]:
         """Glorot-uniform weights; those of the last layer of the policy are small, so that it prefers nothing."""
         units = self.units
@@ -81,6 +93,9 @@ class Scorer:
             "value": (2 * units + WHOLE_FEATURES, units, 1),
         }
         return drawn(key, sizes, {"policy": 0.01})
+
+    def like(self, arrays: Mapping[str, Any]) -> Parameters:
+        return jax.eval_shape(self.start, jax.random.key(0))
 
     def read(self, parameters: dict[str, Network], seen: Look, least: Array, mover: Array) -> Opinion:
         return self.judge(jnp, parameters, seen, least)

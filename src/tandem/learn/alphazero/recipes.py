@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
-from tandem.learn.alphazero.config import Config, Search, YuConfig
+from pydantic import ConfigDict
+
+from tandem.learn.alphazero.config import MOST_SIMULATIONS, Config, Search, YuConfig
+from tandem.learn.forms import STRICT
+from tandem.learn.settings import counts, must_hold
+
+MOST_GAMES = 10_000
+"""That a recipe plays with what was learned, each under a search."""
 
 
 @dataclass(frozen=True)
@@ -26,13 +33,18 @@ class SearchRecipe:
     samples: int = 16
 
     algorithm: ClassVar[str] = "alphazero"
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
+    def __post_init__(self) -> None:
+        must_hold(self.faults())
+
+    def faults(self) -> Iterator[str]:
+        """Everything that is wrong with it, beside its `config`."""
+        yield from counts(self, ("simulations",), most=MOST_SIMULATIONS)
+        yield from counts(self, ("samples",), most=MOST_GAMES)
 
     def to_dict(self) -> dict[str, Any]:
         return {"config": self.config.to_dict(), "waiting": self.waiting, "simulations": self.simulations, "samples": self.samples}
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        return cls(**{**data, "config": Config.from_dict(data["config"])})
 
 
 @dataclass(frozen=True)
@@ -48,13 +60,17 @@ class YuRecipe:
     samples: int = 16
 
     algorithm: ClassVar[str] = "yu"
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
+    def __post_init__(self) -> None:
+        must_hold(self.faults())
+
+    def faults(self) -> Iterator[str]:
+        """Everything that is wrong with it, beside its `config`."""
+        yield from counts(self, ("samples",), most=MOST_GAMES)
 
     def to_dict(self) -> dict[str, Any]:
         return {"config": self.config.to_dict(), "samples": self.samples}
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        return cls(**{**data, "config": YuConfig.from_dict(data["config"])})
 
 
 ALPHAZERO = SearchRecipe(Config(search=Search(simulations=16, gumbel_scale=3.0), iterations=30, games=32, minibatch=256, minibatches=16))

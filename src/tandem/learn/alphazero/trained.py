@@ -2,24 +2,34 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from tandem.cell.storing import store
-from tandem.errors import CellError, Fault
 from tandem.learn.alphazero.network import Judge, Parameters, Scorer
 from tandem.learn.alphazero.yu_network import YuNetworks
 from tandem.learn.dqn.network import ValueNetworks
+from tandem.learn.forms import Form, SettingsError, key_of, unreadable
+from tandem.learn.settings import read
+from tandem.learn.tensors import misfits, read_tensors, write_tensors
 
 FORMAT = "tandem network 1"
 
+
 NETWORKS: dict[str, type[Judge]] = {"scorer": Scorer, "yu": YuNetworks, "values": ValueNetworks}
 """What a file says of its network's form -> that form. One more is a line here."""
+
+
+class _About(Form):
+    """The document beside a network's arrays."""
+
+    format: Literal["tandem network 1"]
+    network: Annotated[str, key_of(NETWORKS)]
+    sizes: dict[str, Any]
+    notes: dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -38,11 +48,9 @@ class Trained:
 
     def save(self, path: str | Path) -> Path:
         """One file; returns where."""
-        from safetensors.numpy import save
-
         kind = next(name for name, form in NETWORKS.items() if type(self.judge) is form)
         about = {"format": FORMAT, "network": kind, "sizes": asdict(self.judge), "notes": dict(self.notes)}  # type: ignore[call-overload]
-        store(path, save(_named(self.parameters), metadata={"tandem": json.dumps(about)}))
+        write_tensors(path, {name: np.asarray(array) for name, array in _named(self.parameters).items()}, about)
         return Path(path)
 
     @classmethod
@@ -50,27 +58,22 @@ class Trained:
         """What `save` wrote.
 
         Raises:
-          CellError: the file cannot be read, or holds no such network.
+          CellError: the file cannot be read, or holds no such network; with everything that is wrong.
         """
-        from safetensors import SafetensorError, safe_open
-
+        arrays, about = read_tensors(path, _About, "network")
         try:
-            with safe_open(str(path), "numpy") as file:
-                about = json.loads((file.metadata() or {})["tandem"])
-                arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 (not a dictionary)
-            if about["format"] != FORMAT:
-                raise ValueError(f"its format is {about['format']!r}")
-            sizes = {name: tuple(value) if isinstance(value, list) else value for name, value in about["sizes"].items()}
-            judge = NETWORKS[about["network"]](**sizes)
-        except (OSError, ValueError, KeyError, TypeError, SafetensorError) as error:
-            raise CellError([Fault(f"is no network that can be read ({type(error).__name__}: {error}).", (), str(path))]) from error
-        return cls(judge, _nested(arrays), about["notes"])
+            judge = read(NETWORKS[about.network], about.sizes)
+        except SettingsError as error:
+            raise unreadable(path, [f"is no network: sizes.{fault}" for fault in error.faults]) from None
+        if said := misfits(arrays, _named(judge.like(arrays))):
+            raise unreadable(path, [f"is no network of its sizes: it {said}"])
+        return cls(judge, _nested(arrays), about.notes)
 
 
-def _named(tree: Any, place: str = "") -> dict[str, np.ndarray[Any, Any]]:
+def _named(tree: Any, place: str = "") -> dict[str, Any]:
     """Every array of nested dictionaries under the names that lead to it."""
     if not isinstance(tree, dict):
-        return {place: np.ascontiguousarray(tree)}
+        return {place: tree}
     return {name: array for key, part in tree.items() for name, array in _named(part, f"{place}/{key}" if place else key).items()}
 
 

@@ -9,15 +9,20 @@ ASSUMPTION: pooling drops an odd last row or column ("valid"), and weights start
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
+import numpy as np
+from pydantic import ConfigDict
 
 from tandem.learn.alphazero.network import Opinion, drawn
+from tandem.learn.config import MOST_UNITS
+from tandem.learn.forms import STRICT
 from tandem.learn.networks import Network, forward
+from tandem.learn.settings import counts, must_hold
 
 Array = Any
 
@@ -35,10 +40,34 @@ class YuNetworks:
     dense: int = 128
     value_norm: tuple[float, float] = (110.0, 90.0)
 
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
+    def __post_init__(self) -> None:
+        must_hold(counts(self, ("filters", "dense"), most=MOST_UNITS))
+
     def start(self, key: Array, game: Any) -> dict[str, Network]:
         """Weights that know nothing yet, for boards of the game's height and width."""
         height, width = game.layout.time.shape[-2:]
+        return self._start(key, (height // 4) * (width // 4) * self.filters, width)
+
+    def like(self, arrays: Mapping[str, Any]) -> dict[str, Network]:
+        """As for the board whose size the arrays tell: what comes into the dense layer, and the columns of the policy."""
+
+        def size(name: str, axis: int) -> int:
+            shape = np.shape(arrays.get(name, ()))
+            return int(shape[axis]) if len(shape) == 3 else 1
+
+        flat, width = size("dense/0/weight", -2), size("policy/0/weight", -1)
+        found: dict[str, Network] = jax.eval_shape(lambda key: self._start(key, flat, width), jax.random.key(0))
+        return found
+
+    def reads(self, parameters: Mapping[str, Network], height: int, width: int) -> bool:
+        """Whether these weights are for boards of that height and width."""
         flat = (height // 4) * (width // 4) * self.filters
+        shapes = [np.shape(parameters[name]["0"]["weight"]) for name in ("dense", "policy")]
+        return (shapes[0][-2], shapes[1][-1]) == (flat, width)
+
+    def _start(self, key: Array, flat: int, width: int) -> dict[str, Network]:
         sizes = {
             "first": (4 * 3, self.filters),
             "second": (4 * self.filters, self.filters),

@@ -21,7 +21,9 @@ from tandem.learn.alphazero.config import YuConfig, YuSearch
 from tandem.learn.alphazero.recipes import YuRecipe
 from tandem.learn.alphazero.selfplay import Looking
 from tandem.learn.alphazero.trained import Trained
+from tandem.learn.alphazero.yu_network import YuNetworks
 from tandem.learn.board_games import BoardGame
+from tandem.learn.forms import unreadable
 from tandem.learn.game import Game, stacked
 from tandem.learn.reached import Reached
 from tandem.learn.trainer import Order
@@ -110,6 +112,8 @@ def players(path: Path, cell: Cell, order: Order, *, seed: int, episodes: int) -
             f"the networks read a board of {trained_on.height} rows and {trained_on.width} columns; "
             f"this cell makes one of {board.height} and {board.width}."
         )
+    if not isinstance(trained.judge, YuNetworks) or not trained.judge.reads(trained.parameters, board.height, board.width):
+        raise unreadable(path, [f"does not fit the run: its networks read no board of {board.height} rows and {board.width} columns."])
 
     def game(looking: Looking | None) -> Reached:
         done = play_one(board, boards.decider(trained, board, looking=looking, seed=seed))

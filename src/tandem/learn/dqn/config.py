@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from typing import Any, Literal, Self
+from typing import Any, ClassVar, Literal
 
-from tandem.errors import UsageError
+from pydantic import ConfigDict
+
+from tandem.learn.forms import STRICT
+from tandem.learn.settings import counts, must_hold, one_of
 
 
 @dataclass(frozen=True)
@@ -51,18 +54,19 @@ class Config:
     units: int = 64
     gradient_limit: float = 10.0
 
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
     def __post_init__(self) -> None:
-        if faults := list(self.faults()):
-            raise UsageError("The training's configuration does not hold:\n" + "\n".join(f"- {fault}" for fault in faults))
+        must_hold(self.faults())
 
     def faults(self) -> Iterator[str]:
         """Everything that is wrong with it."""
-        for name in ("decisions", "games", "kept", "minibatch", "learn_every", "target_every", "units"):
-            if getattr(self, name) < 1:
-                yield f"{name} {getattr(self, name)}: must be 1 or more."
-        if self.warm_up < 0:
-            yield f"warm_up {self.warm_up}: must be 0 or more."
-        if self.kept % self.games:
+        yield from counts(self, ("decisions", "learn_every", "target_every"))
+        yield from counts(self, ("games", "minibatch"), most=2**16)
+        yield from counts(self, ("kept",), most=2**22)
+        yield from counts(self, ("units",), most=4096)
+        yield from counts(self, ("warm_up",), least=0)
+        if self.games > 0 and self.kept % self.games:
             yield f"kept {self.kept}: must be a multiple of games = {self.games}."
         for name in ("learning_rate", "gradient_limit"):
             if not getattr(self, name) > 0:
@@ -70,16 +74,9 @@ class Config:
         for name in ("discount", "explore_from", "explore_to", "explore_share"):
             if not 0 <= getattr(self, name) <= 1:
                 yield f"{name} {getattr(self, name)}: must lie between 0 and 1."
-        if self.agents not in ("each", "one"):
-            yield f"agents {self.agents!r}: choose each or one."
-        if self.horizon not in ("own", "next"):
-            yield f"horizon {self.horizon!r}: choose own or next."
+        yield from one_of(self, "agents", ("each", "one"))
+        yield from one_of(self, "horizon", ("own", "next"))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, as a run keeps them."""
         return asdict(self)
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """The inverse of `to_dict`."""
-        return cls(**data)

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
+from pydantic import ConfigDict
 
 from tandem.learn.alphazero.network import Opinion, Scorer
+from tandem.learn.config import MOST_UNITS
+from tandem.learn.forms import STRICT
 from tandem.learn.game import Look
+from tandem.learn.settings import counts, must_hold
 
 Array = Any
+
+MOST_AGENTS = 1000
+"""That decide in one cell."""
 
 
 @dataclass(frozen=True)
@@ -26,8 +34,16 @@ class ValueNetworks:
     agents: int = 1
     units: int = 64
 
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
+    def __post_init__(self) -> None:
+        must_hold([*counts(self, ("agents",), most=MOST_AGENTS), *counts(self, ("units",), most=MOST_UNITS)])
+
     def start(self, key: Array, game: Any = None) -> Any:
         return jax.vmap(Scorer(self.units).start)(jax.random.split(key, self.agents))
+
+    def like(self, arrays: Mapping[str, Any]) -> Any:
+        return jax.eval_shape(self.start, jax.random.key(0))
 
     def read(self, parameters: Any, seen: Look, least: Array, mover: Array) -> Opinion:
         """The logits are minus the Q-values, so that the best move has the largest."""

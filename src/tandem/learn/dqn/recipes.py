@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
+
+from pydantic import ConfigDict
 
 from tandem.learn.dqn.config import Config
+from tandem.learn.forms import STRICT
+from tandem.learn.settings import counts, must_hold
+
+MOST_GAMES = 100_000
+"""That a recipe plays with what was learned."""
 
 
 @dataclass(frozen=True)
@@ -24,13 +31,17 @@ class ValueRecipe:
     samples: int = 64
 
     algorithm: ClassVar[str] = "dqn"
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
+    def __post_init__(self) -> None:
+        must_hold(self.faults())
+
+    def faults(self) -> Iterator[str]:
+        """Everything that is wrong with it, beside its `config`."""
+        yield from counts(self, ("samples",), most=MOST_GAMES)
 
     def to_dict(self) -> dict[str, Any]:
         return {"config": self.config.to_dict(), "waiting": self.waiting, "samples": self.samples}
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        return cls(**{**data, "config": Config.from_dict(data["config"])})
 
 
 DQN = ValueRecipe(Config(double=True, agents="each", horizon="next"))

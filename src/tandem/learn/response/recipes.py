@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
+
+from pydantic import ConfigDict
 
 from tandem.learn.config import Config, Stage
+from tandem.learn.forms import STRICT
+from tandem.learn.settings import must_hold
 
 
 @dataclass(frozen=True)
@@ -22,13 +26,19 @@ class ResponseRecipe:
     people: str = "random:0..1+pace:0.5..3"
 
     algorithm: ClassVar[str] = "response"
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
+    def __post_init__(self) -> None:
+        must_hold(self.faults())
+
+    def faults(self) -> Iterator[str]:
+        """Everything that is wrong with it, beside its `config`."""
+        for name in ("share_actor", "share_critic"):
+            if getattr(self.config, name):
+                yield f"config.{name} true: one decider has nobody to share a network with."
 
     def to_dict(self) -> dict[str, Any]:
         return {"people": self.people, "config": self.config.to_dict()}
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        return cls(**{**data, "config": Config.from_dict(data["config"])})
 
 
 RESPONSE = ResponseRecipe(

@@ -1,0 +1,5 @@
+"""`python -m tandem` is `tandem`."""
+
+from tandem.cli.root import main
+
+main()
