@@ -469,7 +469,7 @@ class Race:
         solver.parameters.num_workers = workers
         solver.parameters.random_seed = seed % (1 << 31)
         solver.parameters.catch_sigint_signal = False
-        solver.parameters.use_objective_lb_search = self.effort.from_below
+        solver.parameters.use_objective_lb_search = self.effort.from_below and not self._is_fine
         if self.effort.until is not None:
             solver.parameters.max_time_in_seconds = max(0.01, self.effort.left())
         if work is not None:
