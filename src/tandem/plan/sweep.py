@@ -31,8 +31,8 @@ FIRST_WORK = 0.25
 """CP-SAT's deterministic seconds for each question of the first round."""
 GROWTH = 3
 """So many times the work of the round before: what was spent in vain in all earlier rounds is at most half of the work of this one."""
-WIDE = 8
-"""A gap of more than one part in so many of the front's stress is entered in its middle before it is closed from its quick end."""
+PARTS = 8
+"""The first round enters a front at the levels of stress that part it into so many equal parts, so that all of it is seen."""
 
 
 class Sweep:
@@ -45,6 +45,7 @@ class Sweep:
         self.asked = 0
         self.agenda: list[Goal] = []
         self.tried: set[Goal] = set()
+        self.levels: list[int] = []
         self.running: dict[Race, Goal] = {}
         self.inbox: Inbox = SimpleQueue()
 
@@ -97,6 +98,7 @@ class Sweep:
 
     def _begin_round(self) -> None:
         """Puts a question to every open gap that nobody is working on; it is a new round only if there is one."""
+        self.levels = self._spread_levels()
         questions = [goal for gap in self.archive.gaps for goal in self._questions(gap, self.round + 1)]
         fresh = [goal for goal in questions if goal not in self.running.values()]
         if fresh:
@@ -104,24 +106,24 @@ class Sweep:
             self.agenda = fresh
             self.tried.clear()
 
+    def _spread_levels(self) -> list[int]:
+        """Levels of stress that part the front, as far as it is known, into `PARTS` equal parts."""
+        stresses = [stress for _, stress in self.archive.points]
+        low, high = self.archive.least_stress, max(stresses, default=self.archive.least_stress)
+        return sorted({low + (high - low) * part // PARTS for part in range(1, PARTS)})
+
     def _questions(self, gap: Gap, round_: int) -> list[Goal]:
-        """How the gap is entered: a wide one in its middle, and from the second round on from its quick
-        end too; the last one is asked for the least stress.
+        """How the gap is entered: at the levels that it spans, and from the second round on, or if it
+        spans none, from its quick end; the last one is asked for the least stress.
         """
         if gap.end == self._after_limit and self.archive.found:
             return [self._gentlest(self.limits.max_makespan)]
-        closing, middle = self._quickest(gap.cap), self._middle(gap)
-        if middle is None:
+        closing = self._quickest(gap.cap)
+        if gap.cap == self._top:
             return [closing]
-        return [middle] if round_ == 0 else [middle, closing]
-
-    def _middle(self, gap: Gap) -> Goal | None:
-        """The question that halves a wide gap; None for a narrow one and for those at the ends."""
-        at_an_end = gap.cap == self._top or gap.end == self._after_limit
-        if at_an_end or gap.cap - gap.low <= max(1, self._stress_range // WIDE):
-            return None
-        middle = self._quickest((gap.cap + gap.low) // 2)
-        return middle if self._is_open(middle) else None
+        inside = [self._quickest(level) for level in self.levels if gap.low <= level < gap.cap]
+        halving = [goal for goal in inside if self._is_open(goal)]
+        return halving if halving and round_ == 0 else [*halving, closing]
 
     @property
     def _top(self) -> float:
@@ -130,11 +132,6 @@ class Sweep:
     @property
     def _after_limit(self) -> float:
         return inf if self.limits.max_makespan is None else self.limits.max_makespan + 1
-
-    @property
-    def _stress_range(self) -> int:
-        stresses = [stress for _, stress in self.archive.points]
-        return max(stresses) - self.archive.least_stress if stresses else 0
 
     def _quickest(self, cap: float) -> Goal:
         return Goal(1, 0, self.limits.max_makespan, None if cap == inf else int(cap))
@@ -155,20 +152,23 @@ class Sweep:
         return self.archive.least_stress_within(inf if goal.max_makespan is None else goal.max_makespan)
 
     def _area(self, goal: Goal) -> float:
-        """How much is uncertain in the gap that the question is about: open makespan times open stress; the front's ends come first."""
+        """How much the answer may settle: of the gap that the question is about, open makespan times the
+        stress on the lesser side of where it is entered. The front's two ends come first.
+        """
         if goal.time and goal.max_stress == self.limits.max_stress:
             return inf
-        points = self.archive.points
-        if goal.time:
-            below = [point for point in points if goal.allows(*point)]
-        else:
-            below = [point for point in points if goal.max_makespan is not None and point[0] > goal.max_makespan]
-        if not below:
+        gap = next((gap for gap in self.archive.gaps if self._is_about(goal, gap)), None)
+        if gap is None or gap.end == self._after_limit:
             return inf
-        makespan, low = min(below)
-        cap = goal.max_stress if goal.time else max((s for m, s in points if m <= (goal.max_makespan or 0)), default=low + 1) - 1
-        assert cap is not None
-        return (makespan - self.archive.least_makespan(cap)) * (cap - low + 1)
+        entry = gap.cap if goal.max_stress is None or goal.stress else goal.max_stress
+        width = entry - gap.low + 1
+        return (gap.end - self.archive.least_makespan(entry)) * (width if entry == gap.cap else min(width, gap.cap - entry))
+
+    def _is_about(self, goal: Goal, gap: Gap) -> bool:
+        """Whether the gap is entered by the question, or lies behind the point that it is about."""
+        if goal.time:
+            return goal.max_stress is not None and gap.low <= goal.max_stress <= gap.cap
+        return goal.max_makespan is not None and gap.end > goal.max_makespan
 
     def _least_worked_on(self) -> Goal | None:
         """Of the questions that are being worked on and still open the one that has the fewest workers."""
@@ -233,20 +233,18 @@ class Sweep:
 
     def _follow(self, race: Race, goal: Goal) -> None:
         """Goes on along the front in the same round: from a proven point first to the least stress at
-        its makespan, then to the gap behind it; in the first round behind points that are not proven too.
+        its makespan, then to the gap behind it.
         """
         answer = race.answer
         is_at_the_end = goal.stress and goal.max_makespan == self.limits.max_makespan
-        if answer.starts is None or is_at_the_end:
+        if answer.starts is None or is_at_the_end or (goal.time and not answer.proven):
             return
         allowed = [point for point in self.archive.points if goal.allows(*point)]
         if not allowed:
             return
         makespan, stress = min(allowed, key=lambda point: goal.value(*point))
         behind = [gap for gap in self.archive.gaps if gap.cap == stress - 1]
-        if goal.time and not answer.proven:
-            self._note([middle for gap in behind if self.round == 0 and (middle := self._middle(gap))])
-        elif goal.time and self._is_open(gentlest := self._gentlest(makespan)):
+        if goal.time and self._is_open(gentlest := self._gentlest(makespan)):
             self._note([gentlest])
         else:
             self._note([step for gap in behind for step in self._questions(gap, self.round)])
