@@ -128,7 +128,7 @@ def test_with_fewer_gaps_than_workers_several_work_on_the_same_one(asked):
 
 
 def test_the_whole_front_is_seen_before_any_part_of_it_is_asked_twice(asked, monkeypatch):
-    """A cell of which little can be proven: the first round halves wide gaps over the whole range of stress."""
+    """A cell of which little can be proven: the first round enters the front over the whole range of stress."""
     cell = layered(50, 2, 2, seed=0)
     ask = Sweep._ask
 

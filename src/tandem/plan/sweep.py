@@ -1,20 +1,25 @@
-"""How a front is worked through: which question is asked next, by whom and for how long, until every gap is closed or time is up.
+"""How a front is worked through: which question is asked next, by whom and for how long, until every
+gap is closed or time is up.
 
-Every question is one to the whole cell within the limits of what the user asked, and its bound is true of the cell whether or not the
-question was answered to the end. What a bound says about the points of the front:
+Every question is one to the whole cell within the limits of what the user asked, and its bound is true
+of the cell whether or not the question was answered to the end. What a bound says about the points:
 
-- "The least makespan among schedules of at most `cap` stress" (the epsilon constraint; Haimes, Lasdon, Wismer 1971, IEEE Transactions on
-  Systems, Man, and Cybernetics 1(3), 296-297). A bound of `b` ticks: no schedule of at most `cap` stress ends before `b`. It bounds the
-  makespan of each point of at most `cap` stress, and of no other; a point that ends at `b` is the quickest for its stress.
-- "The least stress among schedules that end by `latest`". A bound of `u` units: whatever has less than `u` stress ends after `latest`. It
-  bounds the stress of each point that ends by `latest`, and of no other.
+- "The least makespan among schedules of at most `cap` stress" (the epsilon constraint; Haimes, Lasdon,
+  Wismer 1971, IEEE Transactions on Systems, Man, and Cybernetics 1(3), 296-297). A bound of `b` ticks:
+  no schedule of at most `cap` stress ends before `b`. It bounds the makespan of each point of at most
+  `cap` stress, and of no other; the point that ends at `b` is the quickest for its stress.
+- "The least stress among schedules that end by `latest`". A bound of `u` units: whatever has less than
+  `u` stress ends after `latest`. It bounds the stress of each point that ends by `latest`, and of no
+  other.
 
 Both are facts of the `Archive`, and what a point is proven to be is read from all facts together.
 
-Time is spent in rounds. A round asks about every gap that is open, the widest first, with the same small work for each question, so that the
-whole front is seen early and what is cheap to prove is proven first. A question that is proven leads to the gap beside it in the same round;
-one that is not rests until the next round, which allows `GROWTH` times the work. Each worker has a question of its own; when there are fewer
-questions than workers, the others go at the same ones in another way. So nobody is idle while anything is open.
+Time is spent in rounds. A round asks about every gap that is open, where most is uncertain first, with
+the same small work for each question; so what is cheap to prove is proven first, and all of the front
+is seen early. A question that is proven leads to the gap behind its point in the same round; one that
+is not rests until the next, which allows `GROWTH` times the work. Each worker has a question of its
+own; when there are fewer questions than workers, the others go at the same ones in another way. So
+nobody is idle while anything is open. With one worker nothing depends on the clock, and a run repeats.
 """
 
 from __future__ import annotations
