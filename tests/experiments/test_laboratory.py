@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import inspect
 import json
 from dataclasses import replace
@@ -197,7 +198,8 @@ class Quick(System):
 
 def test_the_page_holds_the_matrix_the_tables_and_the_figures(page):
     text, document = page
-    assert all(f">{feature}<" in text for feature in features.PROBES)
+    shown = text.replace("<wbr>", "")  # where a long word may break
+    assert [feature for feature in features.PROBES if f">{html.escape(feature)}<" not in shown] == []
     assert "time, stress" in text
     assert "return-optimal (DP)" in text  # the thesis's own table
     assert text.count("<figure>") == len(thesis_figures := sorted(thesis_names())), thesis_figures

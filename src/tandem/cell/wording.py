@@ -128,7 +128,7 @@ def shown(value: object) -> str:
             return "empty"
         case bool():
             return str(value).lower()
-        case int() | float() if not math.isfinite(value) or abs(value) < LARGEST_SHOWN:
+        case int() | float() if abs(value) < LARGEST_SHOWN or (isinstance(value, float) and not math.isfinite(value)):
             return number(value) if isinstance(value, float) else str(value)
         case int() | float():
             return "a number of more than 16 digits"

@@ -7,6 +7,8 @@ import math
 
 def number(value: float) -> str:
     """The number to six decimals: no trailing zeros, no noise of binary fractions, no power of ten."""
+    if isinstance(value, int):
+        return str(value)  # also one that no float holds
     if not math.isfinite(value):
         return "not a number" if math.isnan(value) else "infinite" if value > 0 else "minus infinite"
     text = f"{value:.6f}".rstrip("0").rstrip(".")
