@@ -89,7 +89,7 @@ def test_a_model_that_lacks_a_rule_proves_nothing_wrong(monkeypatch, rule):
 def test_where_nothing_but_unsound_schedules_was_found_it_is_said_and_left_open(monkeypatch):
     monkeypatch.setattr(cpsat, "RULES", left_out(cpsat.deadlines_are_kept))
     with pytest.raises(NothingFoundError, match=r"the checker refused .* 't2': ends at .*This is a bug in Tandem"):
-        plan(FRONTS[1][0], workers=1)
+        plan(FRONTS[1][0], minimize="makespan", workers=1)
 
 
 def test_exhaustive_search_is_not_believed_either(monkeypatch):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import inf
+from typing import NamedTuple
 
 from tandem.cell.model import Cell
 from tandem.plan.bounds import chain_bound, least_stress, one_operator_bound
@@ -14,6 +15,20 @@ from tandem.plan.result import Bound, Result, Status
 
 Point = tuple[int, int]
 """Makespan in ticks, stress in units."""
+
+
+class Gap(NamedTuple):
+    """What lies open between two neighbouring points of a front, or beyond its ends.
+
+    Attributes:
+      cap: units; a new point in the gap has at most this stress, one less than the quicker neighbour.
+      end: ticks; and it ends before the gentler neighbour. Infinite beyond the gentle end, unless a limit is asked.
+      low: units; the stress of the gentler neighbour, or the least there is.
+    """
+
+    cap: float
+    end: float
+    low: int
 
 
 class Archive:
@@ -43,8 +58,10 @@ class Archive:
         return True
 
     def learn(self, stress: float, makespan: float) -> None:
-        """Adds a fact."""
-        self.facts.append((stress, makespan))
+        """Adds a fact, unless one that is known says as much; drops those that say less."""
+        if self.least_makespan(stress) < makespan:
+            self.facts = [(s, m) for s, m in self.facts if s > stress or m > makespan]
+            self.facts.append((stress, makespan))
 
     def best(self, goal: Goal) -> Admitted | None:
         """The kept schedule of least value for the goal."""
@@ -55,9 +72,9 @@ class Archive:
         """Ticks; infinite when no schedule has at most this stress."""
         return max(makespan for cap, makespan in self.facts if cap >= stress)
 
-    def least_stress_within(self, makespan: int) -> float:
-        """Units that every schedule of at most this makespan has at least."""
-        return max((cap + 1 for cap, least in self.facts if least > makespan), default=0)
+    def least_stress_within(self, makespan: float) -> float:
+        """Units that every schedule of at most this makespan has at least; infinite when there is none."""
+        return max(cap + 1 for cap, least in self.facts if least > makespan or least == inf)
 
     @property
     def points(self) -> list[Point]:
@@ -65,12 +82,18 @@ class Archive:
         return sorted(self.found)
 
     @property
+    def gaps(self) -> list[Gap]:
+        """Where another point may still be, from the quick end of the front to the gentle one."""
+        cap, latest = self.limits.max_stress, self.limits.max_makespan
+        caps = [inf if cap is None else cap, *(stress - 1 for _, stress in self.points)]
+        ends = [*(makespan for makespan, _ in self.points), inf if latest is None else latest + 1]
+        lows = [*(stress for _, stress in self.points), self.least_stress]
+        return [Gap(*gap) for gap in zip(caps, ends, lows, strict=True) if self.least_makespan(gap[0]) < gap[1]]
+
+    @property
     def complete(self) -> bool:
         """Every kept point is optimal and no other exists."""
-        cap, latest = self.limits.max_stress, self.limits.max_makespan
-        floors = [inf if cap is None else cap, *(stress - 1 for _, stress in self.points)]
-        ends = [*(makespan for makespan, _ in self.points), inf if latest is None else latest + 1]
-        return bool(self.found) and all(self.least_makespan(floor) >= end for floor, end in zip(floors, ends, strict=True))
+        return bool(self.found) and not self.gaps
 
     def results(self) -> tuple[Result, ...]:
         """The kept schedules with their bounds as they stand."""

@@ -1,9 +1,7 @@
-"""Exact planning with CP-SAT: the complete front by the epsilon-constraint method, each point lexicographic, with proof.
+"""Exact planning with CP-SAT: the complete front, or the one best schedule, with proof.
 
-Source: Haimes, Lasdon, Wismer (1971), IEEE Transactions on Systems, Man, and Cybernetics 1(3), 296-297, for the epsilon constraint. Along the
-front, from the quickest schedule to the least stressful: the least makespan under a cap on stress, the least stress at that
-makespan, the cap just below that stress, and so on until nothing is left. When time runs out, what is left of it goes to points spread over the
-rest of the front, and every point carries bounds.
+The dispatch rules give the first schedules. `sweep` works through a front; a question for one schedule is a race or two, each with all workers.
+When time runs out, every point carries the bounds that were proven for it.
 """
 
 from __future__ import annotations
@@ -31,6 +29,7 @@ from tandem.plan.race import SMALL, Answer, Effort, Goal, Race
 from tandem.plan.result import Bound, Front, Result, Status
 from tandem.plan.rules import SPECS, attempts, build
 from tandem.plan.starts import Starts, measures
+from tandem.plan.sweep import Sweep
 from tandem.plan.weights import MOST_COUNTED, simplest, whole
 from tandem.schedule.measures import exact
 from tandem.schedule.model import Schedule
@@ -38,8 +37,6 @@ from tandem.schedule.model import Schedule
 SOLVER = f"cp-sat {version('ortools')}"
 SAMPLING = ("longest-tail", "balanced", "random", "best-of-n", "weighted")
 """Rules that are not tried once more at the beginning: two have been, the others draw many schedules."""
-SPREAD = 8
-"""So many points of a front too large to be proven are looked for, spread evenly over its stress."""
 
 
 def solve(
@@ -161,29 +158,18 @@ class _Search:
         return point[::-1] if self.question.minimize == "stress" else point
 
     def _front(self) -> None:
-        """Along the front while points are proven; then spread over what is left."""
-        cap = self.limits.max_stress
-        while True:
-            step = self._left() / (2 if len(self.instance.tasks) > SMALL else 1)
-            quick = self._quickest(cap, step)
-            if quick.starts is None and quick.proven:
-                self.infeasible = not self.archive.found
-                return
-            if not quick.proven or quick.starts is None or self._left() <= 0:
-                break
-            stress = self._point(quick.starts)[1]
-            if stress <= self.archive.least_stress:
-                return
-            cap = stress - 1
-        self._spread(cap)
+        """Gap by gap."""
+        effort = Effort(self.until, self.seed, self.workers, lambda schedule, bound: self._offer(schedule))
+        Sweep(self.archive, self.door, effort).run()
+        self.infeasible = not self.archive.found and not self.archive.gaps
 
-    def _quickest(self, cap: int | None, seconds: float) -> Answer:
+    def _quickest(self, cap: int | None) -> Answer:
         """The least makespan under the cap on stress and, at that makespan, the least stress; facts are learned on the way."""
         limits = self.limits
         top = inf if cap is None else cap
         factor = self._most_stress() + 1
         if len(self.instance.tasks) <= SMALL and self._can_count(Goal(factor, 1)):
-            both = self._race(Goal(factor, 1, limits.max_makespan, cap), seconds)
+            both = self._race(Goal(factor, 1, limits.max_makespan, cap))
             if both.starts is None:
                 self._note(top, inf if both.proven else both.bound // factor)
                 return both
@@ -192,44 +178,28 @@ class _Search:
             if both.proven:
                 self._note(stress - 1, makespan + 1)
             return both
-        first = self._race(Goal(1, 0, limits.max_makespan, cap), seconds)
+        first = self._race(Goal(1, 0, limits.max_makespan, cap))
         if first.starts is None:
             self._note(top, inf if first.proven else first.bound)
             return first
         self._note(top, first.bound)
         makespan = self._point(first.starts)[0]
-        second = self._race(Goal(0, 1, makespan, cap), seconds / 4 if first.proven else min(seconds / 4, self._left() / 4))
+        second = self._race(Goal(0, 1, makespan, cap))
         self._note(second.bound - 1, makespan + 1)
         return Answer(second.starts, first.bound, first.proven and second.proven)
-
-    def _spread(self, cap: int | None) -> None:
-        """Points evenly spread over the stress between the last cap and the least, so that a front that cannot be proven is at least seen."""
-        found = [stress for _, stress in self.archive.points]
-        high = max(found, default=self._most_stress()) if cap is None else cap
-        low = self.archive.least_stress
-        levels = sorted({low + (high - low) * part // SPREAD for part in range(SPREAD)}, reverse=True)
-        goal = Goal(self._most_stress() + 1, 1)
-        if not self._can_count(goal):
-            goal = Goal(1, 0)
-        for place, level in enumerate(levels):
-            if self._left() <= 0.05:
-                return
-            seconds = self._left() / (len(levels) - place)
-            answer = self._race(replace(goal, max_makespan=self.limits.max_makespan, max_stress=level), seconds)
-            self._note(level, inf if answer.starts is None and answer.proven else answer.bound // goal.time)
 
     def _lexicographic(self) -> None:
         """The least of one objective and, at that value, the least of the other."""
         limits = self.limits
         if self.question.minimize == "makespan":
-            best = self._quickest(limits.max_stress, self._left())
+            best = self._quickest(limits.max_stress)
             self.optimal = best.proven
         else:
-            first = self._race(Goal(0, 1, limits.max_makespan, limits.max_stress), self._left())
+            first = self._race(Goal(0, 1, limits.max_makespan, limits.max_stress))
             if first.starts is not None:
                 self._note(first.bound - 1, inf)
                 stress = self._point(first.starts)[1]
-                best = self._race(Goal(1, 0, limits.max_makespan, stress), self._left())
+                best = self._race(Goal(1, 0, limits.max_makespan, stress))
                 self._note(stress, best.bound)
                 self.optimal = first.proven and best.proven
             best = first
@@ -247,7 +217,7 @@ class _Search:
             self._front()
             self.optimal = self.archive.complete
             return None
-        answer = self._race(replace(self.limits, time=time, stress=stress), self._left())
+        answer = self._race(replace(self.limits, time=time, stress=stress))
         self.optimal = answer.proven
         self.infeasible = answer.starts is None and answer.proven
         return None
@@ -260,7 +230,7 @@ class _Search:
         """No schedule that is met ends later: from here on tasks are put as early as they can; what is known already may be a late hint."""
         return max([self.instance.horizon, *(makespan for makespan, _ in self.archive.points)])
 
-    def _race(self, goal: Goal, seconds: float) -> Answer:
+    def _race(self, goal: Goal) -> Answer:
         """Works on one goal, from the best schedule known and the best bound known."""
         top = inf if goal.max_stress is None else goal.max_stress
         floor = self.archive.least_makespan(top)
@@ -268,8 +238,7 @@ class _Search:
             return Answer(None, 0, True)
         stress = self.archive.least_stress if goal.max_makespan is None else self.archive.least_stress_within(goal.max_makespan)
         known = goal.time * int(floor) + goal.stress * max(int(stress), 0)
-        until = None if self.until is None else min(self.until, monotonic() + seconds)
-        effort = Effort(until, self.seed, self.workers, lambda schedule, bound: self._offer(schedule))
+        effort = Effort(self.until, self.seed, self.workers, lambda schedule, bound: self._offer(schedule))
         race = Race(self.door, self.layout, goal, effort, self.archive.best(goal), known)
         try:
             return race.run()
@@ -291,9 +260,6 @@ class _Search:
     def _most_stress(self) -> int:
         table = self.instance.stress_of_set
         return sum(max(way.stress for way in ways) for ways in self.instance.ways) if table is None else max(table.values())
-
-    def _left(self) -> float:
-        return 1e9 if self.until is None else self.until - monotonic()
 
 
 def _limit(limit: float | None, scale: int, most: int) -> int | None:

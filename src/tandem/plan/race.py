@@ -69,12 +69,18 @@ class Effort:
       until: `monotonic()` seconds at which to stop; None for never.
       seed, workers: of the search; one worker repeats exactly.
       offer: called in the calling thread with each schedule let in and the bound, may raise KeyboardInterrupt.
+      work: CP-SAT's deterministic seconds after which a lone worker gives up; None to go on until it is proven.
+      from_below: CP-SAT first tries whether the bound can be reached, which proves sooner and finds later than its own order of search.
+      refutes: a lone worker may also spend processor time on `refute`, which does not repeat.
     """
 
     until: float | None
     seed: int
     workers: int
     offer: Callable[[Admitted, int], None] = field(default=lambda schedule, bound: None)
+    work: float | None = None
+    from_below: bool = False
+    refutes: bool = False
 
     def left(self) -> float:
         """Seconds left."""
@@ -95,12 +101,50 @@ REFUTE_S = 4.0
 """Processor seconds for it: it works fast or not at all."""
 PATIENCE = 60
 """With one worker: so many stretches in a row without an improvement before CP-SAT has its turn."""
+STRETCHES_PER_WORK = 20
+"""With bounded work: so many stretches per deterministic second of CP-SAT, so that both take about as long."""
+LEAST_WORK = 1.0
+"""Deterministic seconds below which CP-SAT does not come to search a large cell, so it is not asked."""
+RELAX_WORK = 2.0
+"""Deterministic seconds for the question who does what."""
+
+
+Inbox = SimpleQueue[tuple["Race", Admitted | BaseException | None]]
+"""What the workers of one or several races send: a schedule, what they stumbled over, or None when one of them is done."""
+
+
+def hear(inbox: Inbox, seconds: float) -> None:
+    """Passes on what workers found, in the calling thread, waiting so long for the first of it; re-raises what they stumbled over."""
+    try:
+        while True:
+            race, news = inbox.get(timeout=seconds) if seconds else inbox.get_nowait()
+            seconds = 0
+            if isinstance(news, BaseException):
+                raise news
+            if news is None:
+                race.at_work -= 1
+            else:
+                race.effort.offer(news, race.bound)
+    except Empty:
+        return
 
 
 class Race:
-    """The state that the workers of one question share."""
+    """The state that the workers of one question share.
 
-    def __init__(self, door: Door, layout: Layout, goal: Goal, effort: Effort, incumbent: Admitted | None, bound: int) -> None:
+    Several races can go on at once: they are started with a common inbox, which their caller hears, and halted by it.
+    """
+
+    def __init__(
+        self,
+        door: Door,
+        layout: Layout,
+        goal: Goal,
+        effort: Effort,
+        incumbent: Admitted | None,
+        bound: int,
+        inbox: Inbox | None = None,
+    ) -> None:
         self.door, self.instance, self.layout, self.goal, self.effort = door, door.instance, layout, goal, effort
         self.lock = threading.Lock()
         self.best = incumbent
@@ -108,7 +152,9 @@ class Race:
         self.known = self.bound = bound
         self.infeasible = False
         self.stopped = False
-        self.news: SimpleQueue[Admitted | BaseException | None] = SimpleQueue()
+        self.inbox: Inbox = SimpleQueue() if inbox is None else inbox
+        self.at_work = 0
+        self.threads: list[threading.Thread] = []
         self.running: list[cp_model.CpSolver] = []
 
     @property
@@ -124,7 +170,7 @@ class Race:
         if not self.goal.allows(makespan, stress) or (self.value is not None and self.goal.value(makespan, stress) >= self.value):
             return False  # before the checker, which takes longer
         schedule = self.door.admit(starts)
-        return schedule is not None and self._take_in(schedule)
+        return schedule is not None and self.take_in(schedule)
 
     def proposed(self, starts: Starts, at_most: int) -> int | None:
         """Takes a schedule that the prover's model holds for sound and no dearer than `at_most`; its value, or None when it is not so.
@@ -138,16 +184,17 @@ class Race:
         if value > at_most or not self.goal.allows(*schedule.point):
             self.door.refuse([f"it is worth {value} instead of {at_most}, or over a limit."])
             return None
-        self._take_in(schedule)
+        self.take_in(schedule)
         return value
 
-    def _take_in(self, schedule: Admitted) -> bool:
+    def take_in(self, schedule: Admitted) -> bool:
+        """Takes a schedule that was let in; says whether it is the best so far."""
         value = self.goal.value(*schedule.point)
         with self.lock:
             if not self.goal.allows(*schedule.point) or (self.value is not None and value >= self.value):
                 return False
             self.best, self.value = schedule, value
-        self.news.put(schedule)
+        self.inbox.put((self, schedule))
         return True
 
     def raise_bound(self, bound: int) -> None:
@@ -157,51 +204,54 @@ class Race:
 
     def run(self) -> Answer:
         """Works until it is proven, time is up or someone interrupts."""
-        work = self._alone if self.effort.workers == 1 else self._together
-        threads = [threading.Thread(target=self._guarded, args=(job,), daemon=True) for job in work()]
         try:
-            for thread in threads:
-                thread.start()
-            while any(thread.is_alive() for thread in threads):
-                self._tell(0.05)
+            self.start()
+            while self.at_work:
+                hear(self.inbox, 0.05)
                 if self.over:
-                    self._stop()
-            self._tell(0)
+                    self.stop()
         finally:
-            while any(thread.is_alive() for thread in threads):
-                self._stop()  # again and again: a solver that has not begun yet does not hear it
-                for thread in threads:
-                    thread.join(0.02)
+            self.halt()
+        return self.answer
+
+    @property
+    def answer(self) -> Answer:
+        """What is known so far."""
+        starts = None if self.best is None else self.best.starts
+        if self.door.refused:
+            return Answer(starts, self.known, False)
+        return Answer(starts, self.bound, self.infeasible or (self.value is not None and self.bound >= self.value))
+
+    def start(self) -> None:
+        """Sets the workers to work; `at_work` of them have not yet been heard to be done."""
+        jobs = self._alone() if self.effort.workers == 1 else self._together()
+        self.threads = [threading.Thread(target=self._guarded, args=(job,), daemon=True) for job in jobs]
+        self.at_work = len(self.threads)
+        for thread in self.threads:
+            thread.start()
+
+    def stop(self) -> None:
+        """Asks the workers to end."""
+        self.stopped = True
+        with self.lock:
+            for solver in self.running:
+                solver.stop_search()
+
+    def halt(self) -> None:
+        """Ends the workers and waits for them."""
+        while any(thread.is_alive() for thread in self.threads):
+            self.stop()  # again and again: a solver that has not begun yet does not hear it
+            for thread in self.threads:
+                thread.join(0.02)
         if self.door.refused:
             self.bound = self.known
-        proven = not self.door.refused and (self.infeasible or (self.value is not None and self.bound >= self.value))
-        return Answer(None if self.best is None else self.best.starts, self.bound, proven)
-
-    def _tell(self, seconds: float) -> None:
-        """Passes on what workers found, in the calling thread; re-raises what they stumbled over."""
-        try:
-            while True:
-                news = self.news.get(timeout=seconds) if seconds else self.news.get_nowait()
-                if isinstance(news, BaseException):
-                    raise news
-                if news is not None:
-                    self.effort.offer(news, self.bound)
-                seconds = 0
-        except Empty:
-            return
 
     def _guarded(self, job: Callable[[], None]) -> None:
         try:
             job()
         except BaseException as error:  # noqa: BLE001  it is raised again in the calling thread
-            self.news.put(error)
-        self.news.put(None)
-
-    def _stop(self) -> None:
-        self.stopped = True
-        with self.lock:
-            for solver in self.running:
-                solver.stop_search()
+            self.inbox.put((self, error))
+        self.inbox.put((self, None))
 
     @property
     def _is_small(self) -> bool:
@@ -217,38 +267,54 @@ class Race:
         tasks, workers, seed = len(self.instance.tasks), self.effort.workers, self.effort.seed
         if self._is_small:
             return [partial(self.prove, workers, seed)]
-        jobs: list[Callable[[], None]] = [partial(self.improve, Random(f"{seed} {i}"), None) for i in range(max(1, workers // 2))]
+        jobs: list[Callable[[], None]] = [partial(self.improve, Random(f"{seed} {i}")) for i in range(max(1, workers // 2))]
         if tasks < LARGE:
             return [*jobs, partial(self.prove, workers + 1, seed), self.refute]  # one search more than cores: unlike ones help each other
 
         def bound_then_improve() -> None:
             self.relax(seed)
-            self.improve(Random(f"{seed} -"), None)
+            self.improve(Random(f"{seed} -"))
 
         return [*jobs, bound_then_improve]
 
     def _alone(self) -> list[Callable[[], None]]:
         """Turn by turn in one thread, by counts and not by clocks, so that a run repeats."""
+        return [self._turns if self.effort.work is None else partial(self._one_turn, self.effort.work)]
 
-        def turns() -> None:
-            seed, random, slice_ = self.effort.seed, Random(str(self.effort.seed)), 4.0
-            if self._is_small:
-                return self.prove(1, seed)
-            if len(self.instance.tasks) >= LARGE:
-                self.relax(seed)
-            while not self.over:
+    def _turns(self) -> None:
+        seed, random, slice_ = self.effort.seed, Random(str(self.effort.seed)), 4.0
+        if self._is_small:
+            return self.prove(1, seed)
+        if len(self.instance.tasks) >= LARGE:
+            self.relax(seed)
+        while not self.over:
+            if self.best is not None:
                 self.improve(random, PATIENCE)
-                self.prove(1, seed, work=slice_)
-                slice_ *= 2
-            return None
+            self.prove(1, seed, work=slice_)
+            slice_ *= 2
+        return None
 
-        return [turns]
+    def _one_turn(self, work: float) -> None:
+        """Who does what, since it costs next to nothing; a proof, since most questions fall to one; then
+        better schedules, and a search through all states if they are near the bound.
+        """
+        seed = self.effort.seed
+        if not self._is_small:
+            self.relax(seed)
+        if not self.over and (work >= LEAST_WORK or len(self.instance.tasks) < LARGE):
+            self.prove(1, seed, work=work)
+        if self.best is None or self._is_small:
+            return
+        self.improve(Random(str(seed)), stretches=ceil(STRETCHES_PER_WORK * work))
+        refutable = self.effort.refutes and not self.goal.stress and len(self.instance.tasks) <= REFUTABLE
+        if refutable and not self.over and self.bound >= REFUTE_NEAR * (self.value or 0):
+            self._refute_for(min(REFUTE_S, work))
 
     def relax(self, seed: int) -> None:
         """Who does what, the order left out: a bound, and work shared out so that a list schedule is a good beginning."""
         plan = self._model(cpsat.ALLOCATION)
         solver = self._solver(1, seed, None)
-        solver.parameters.max_deterministic_time = 2.0
+        solver.parameters.max_deterministic_time = RELAX_WORK
         status = self._solve(solver, plan)
         if status == cp_model.INFEASIBLE:
             return self._ruled_out()
@@ -287,7 +353,11 @@ class Race:
             return
         while not self.over and self.bound < REFUTE_NEAR * (self.value or 0):
             threading.Event().wait(0.05)
-        spent = thread_time() + REFUTE_S
+        self._refute_for(REFUTE_S)
+
+    def _refute_for(self, seconds: float) -> None:
+        """The same for so many processor seconds."""
+        spent = thread_time() + seconds
         while not self.over and thread_time() < spent:
             proof = self._refuted(self.value or 0, spent)
             self.raise_bound(proof.bound * self.goal.time)
@@ -310,15 +380,18 @@ class Race:
         sound = append(self.layout, order, [way for way, _ in starts])
         return sound is not None and keeps_deadlines(self.instance, sound) and self.found(sound)
 
-    def improve(self, random: Random, patience: int | None) -> None:
-        """Takes out stretches and plans them anew, larger ones when that is quick; ends after `patience` failures in a row."""
+    def improve(self, random: Random, patience: int | None = None, stretches: int | None = None) -> None:
+        """Takes out stretches and plans them anew, larger ones when that is quick; ends after so many
+        `stretches` in all, or `patience` of them in vain in a row.
+        """
         if not self._await_incumbent():
             return
         assert self.best is not None
         current = self.best.starts
-        operators, tasks, failures = len(self.instance.operators), len(self.instance.tasks), 0
+        operators, tasks, failures, tried = len(self.instance.operators), len(self.instance.tasks), 0, 0
         sizes = dict.fromkeys({operators, min(operators, 2), (operators + 2) // 2 if operators > 2 else operators}, 24.0)
-        while not self.over and (patience is None or failures < patience):
+        while not self.over and (patience is None or failures < patience) and (stretches is None or tried < stretches):
+            tried += 1
             if self.goal.value(*measures(self.instance, current)) > (self.value or 0):
                 current = current if self.best is None else self.best.starts
             width = random.choice(list(sizes))
@@ -331,7 +404,7 @@ class Race:
             if better is None or (admitted := self.door.admit(better)) is None:
                 continue
             current = admitted.starts  # of equal worth, too: from elsewhere there may be a way on
-            if self._take_in(admitted):
+            if self.take_in(admitted):
                 failures = 0
 
     def _try_stretch(self, current: Starts, first: int, count: int, movers: frozenset[int], random: Random) -> tuple[Starts | None, bool]:
@@ -396,6 +469,7 @@ class Race:
         solver.parameters.num_workers = workers
         solver.parameters.random_seed = seed % (1 << 31)
         solver.parameters.catch_sigint_signal = False
+        solver.parameters.use_objective_lb_search = self.effort.from_below and not self._is_fine
         if self.effort.until is not None:
             solver.parameters.max_time_in_seconds = max(0.01, self.effort.left())
         if work is not None:
