@@ -74,6 +74,7 @@ def train_command(
 
     if (cell_file is None) == (resume is None):
         raise UsageError("give a CELL to train on, or --resume RUN to go on with a run; one of the two.")
+    own_recipe = changed(recipe(recipe_name), [*settings, *([f"people={people}"] if people else [])])
     with _Bar(quiet) as bar:
         if resume is not None:
             document = trainer.resume(resume, tensorboard=tensorboard, on_progress=bar, on_notice=_notice)
@@ -82,7 +83,7 @@ def train_command(
             document = trainer.train(
                 load(cell_file, form),
                 recipe_name=recipe_name,
-                own_recipe=changed(recipe(recipe_name), [*settings, *([f"people={people}"] if people else [])]),
+                own_recipe=own_recipe,
                 stress_factor=stress_factor,
                 seeds=range(first_seed, first_seed + seeds),
                 folder=folder,

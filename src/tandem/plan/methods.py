@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from difflib import get_close_matches
+from typing import Any
 
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault, InfeasibleError, UsageError
@@ -23,18 +24,8 @@ class Entry:
     what: str
     solve: Method
 
-    def __call__(
-        self,
-        cell: Cell,
-        question: Question = Question(),
-        *,
-        time_limit: float | None = None,
-        seed: int = 0,
-        workers: int | None = None,
-        hint: Schedule | None = None,
-        on_solution: Callable[[Progress], None] | None = None,
-    ) -> Front:
-        return self.solve(cell, question, time_limit=time_limit, seed=seed, workers=workers, hint=hint, on_solution=on_solution)
+    def __call__(self, *arguments: Any, **options: Any) -> Front:
+        return self.solve(*arguments, **options)
 
 
 METHODS: dict[str, Entry] = {
