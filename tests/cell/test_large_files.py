@@ -122,5 +122,5 @@ def test_loading_leaves_the_collector_as_it_was():
 def test_a_cell_of_more_tasks_than_can_be_planned_is_refused_before_planning(monkeypatch):
     monkeypatch.setattr(methods, "MOST_TASKS", 3)
     cell = loads(many(4, "{{time: {{h: 1}}}}"))
-    with pytest.raises(CellError, match="the cell has 4 tasks, and at most 3 can be planned. Split it"):
+    with pytest.raises(CellError, match=r"the cell has 4 tasks, and at most 3 can be planned. Split it"):
         tandem.plan(cell)
