@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tandem.cell.spreadsheet import beneath, separated
+from tandem.cell.spreadsheet.confined import RefusedError, open_apart
 from tandem.cell.spreadsheet.grid import MOST_ROWS, Book, Grid
 from tandem.errors import CellError, Fault
 
@@ -44,11 +45,11 @@ def book_of(path: Path, content: bytes) -> Book:
     if not content.strip(b"\0 \r\n\t"):
         raise refused(path, "is empty. Was it saved or copied completely?")
     if content.startswith(b"PK\x03\x04"):
-        return _calamine(path, content)
+        return _apart(path, content)
     if content.startswith(OLD_OFFICE):
         if "EncryptedPackage".encode("utf-16-le") in content:
             raise refused(path, "is protected by a password. Remove it in Excel (File, Info, Protect Workbook, Encrypt with Password) and save.")
-        return _calamine(path, content)
+        return _apart(path, content)
     if path.suffix.lower() in TEXT_ENDINGS or (path.suffix.lower() == ".xls" and _looks_like_text(content)):
         return separated.read(path, content)
     if path.suffix.lower() not in ENDINGS:
@@ -59,6 +60,18 @@ def book_of(path: Path, content: bytes) -> Book:
 def refused(path: Path, message: str) -> CellError:
     """One fault about the file as a whole."""
     return CellError([Fault(message, place=path.name)])
+
+
+def _apart(path: Path, content: bytes) -> Book:
+    try:
+        return open_apart(path, content)
+    except RefusedError as error:
+        raise refused(path, str(error)) from error
+
+
+def unpacked(path: Path, content: bytes) -> Book:
+    """The book that is opened here and now, in this process: for content of our own making, and for the process that `confined` starts."""
+    return _calamine(path, content)
 
 
 def _looks_like_text(content: bytes) -> bool:
