@@ -14,7 +14,7 @@ import datetime
 import json
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields
 from pathlib import Path
 from types import ModuleType
@@ -77,7 +77,7 @@ def _plain(value: Any) -> Any:
     return {"time": value.isoformat()} if isinstance(value, datetime.time) else value
 
 
-KINDS = {
+KINDS: Mapping[str, Callable[[Any], Any]] = {
     "map": lambda pairs: {_frozen(key): _frozen(item) for key, item in pairs},
     "set": frozenset,
     "seconds": lambda seconds: datetime.timedelta(seconds=seconds),
