@@ -41,7 +41,7 @@ def _front(front: Front, t: Words) -> str:
         t("front.makespan"),
         t("front.stress"),
         t("front.status"),
-        *(t("front.does", who=look.label) for look in shown.values()),
+        *(_text(t("front.does", who=look.label)) for look in shown.values()),
     ]
     rows = []
     for place, result in enumerate(front, 1):

@@ -12,6 +12,9 @@ from pathlib import Path
 from tandem.cell.spreadsheet.grid import MOST_ROWS, Book, Grid, letters
 from tandem.errors import CellError, Fault
 
+MOST_COLUMNS, MOST_SIGNS = 16_384, 32_767
+"""What a sheet and a cell of Excel hold."""
+
 SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas"}
 """In the order in which they are believed when two fit equally well: a comma may be a decimal mark."""
 
@@ -57,9 +60,21 @@ def _records(path: Path, text: str, separator: str) -> list[Record]:
             if len(records) > MOST_ROWS:
                 message = f"has more than {MOST_ROWS:,} rows, the most that Tandem reads. Keep only the tasks of one station."
                 raise CellError([Fault(message, place=path.name)])
+            _refuse_a_flood(path, fields, len(records))
     except csv.Error as error:
         raise CellError([Fault(f"is no readable CSV: {error}.", place=path.name)]) from error
     return records
+
+
+def _refuse_a_flood(path: Path, fields: list[str], number: int) -> None:
+    """More columns, or more in one cell, than a workbook can hold; rows are filled up to the widest, so one such row would cost as much in all."""
+    if len(fields) > MOST_COLUMNS:
+        message = f"row {number} has {len(fields):,} columns, and a sheet has at most {MOST_COLUMNS:,}. Is another separator meant?"
+        raise CellError([Fault(message, place=path.name)])
+    for column, text in enumerate(fields):
+        if len(text) > MOST_SIGNS:
+            message = f"holds {len(text):,} characters, and a cell has at most {MOST_SIGNS:,}. Shorten it."
+            raise CellError([Fault(message, place=f"{path.stem}!{letters(column)}{number}")])
 
 
 def _refuse_stray_quotes(path: Path, text: str, separator: str, records: list[Record]) -> None:

@@ -17,7 +17,7 @@ from tandem.cell.spreadsheet.reading import read_book
 from tandem.cell.spreadsheet.references import unquoted
 from tandem.cell.spreadsheet.rows import is_total
 from tandem.cell.spreadsheet.words import meaning
-from tandem.cell.spreadsheet.workbook import book_of
+from tandem.cell.spreadsheet.workbook import unpacked
 from tandem.cell.storing import store
 from tandem.errors import UsageError
 
@@ -70,7 +70,7 @@ def export_cell(cell: Cell, path: str | Path, *, lang: Language = "en") -> tuple
 
 def lost(cell: Cell, content: bytes) -> tuple[str, ...]:
     """What importing the workbook does not give back: read again, compared key by key."""
-    draft = read_book(book_of(Path("export.xlsx"), content))
+    draft = read_book(unpacked(Path("export.xlsx"), content))
     if draft.faults:
         return tuple(f"the sheet cannot be imported again: {fault}" for fault in draft.faults)
     return tuple(_differences((), cell.to_dict(), draft.cell().to_dict()))

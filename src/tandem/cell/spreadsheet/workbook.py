@@ -9,11 +9,15 @@ from pathlib import Path
 from typing import Any
 
 from tandem.cell.spreadsheet import beneath, separated
+from tandem.cell.spreadsheet.confined import REMEDY, RefusedError, open_apart
 from tandem.cell.spreadsheet.grid import MOST_ROWS, Book, Grid
 from tandem.errors import CellError, Fault
 
 MOST_BYTES = 50_000_000
 MOST_BYTES_UNPACKED = 600_000_000
+MOST_RATIO = 100
+"""Of a large archive's content to its size: a million rows that are empty but for their format pack to a twenty-eighth."""
+MOST_ENTRIES = 5_000
 TEXT_ENDINGS = {".csv", ".tsv", ".txt"}
 ENDINGS = (".xlsx", ".xlsm", ".xls", ".xlsb", ".ods", ".csv", ".tsv")
 OLD_OFFICE = bytes.fromhex("d0cf11e0a1b11ae1")
@@ -44,11 +48,11 @@ def book_of(path: Path, content: bytes) -> Book:
     if not content.strip(b"\0 \r\n\t"):
         raise refused(path, "is empty. Was it saved or copied completely?")
     if content.startswith(b"PK\x03\x04"):
-        return _calamine(path, content)
+        return _apart(path, content)
     if content.startswith(OLD_OFFICE):
         if "EncryptedPackage".encode("utf-16-le") in content:
             raise refused(path, "is protected by a password. Remove it in Excel (File, Info, Protect Workbook, Encrypt with Password) and save.")
-        return _calamine(path, content)
+        return _apart(path, content)
     if path.suffix.lower() in TEXT_ENDINGS or (path.suffix.lower() == ".xls" and _looks_like_text(content)):
         return separated.read(path, content)
     if path.suffix.lower() not in ENDINGS:
@@ -59,6 +63,18 @@ def book_of(path: Path, content: bytes) -> Book:
 def refused(path: Path, message: str) -> CellError:
     """One fault about the file as a whole."""
     return CellError([Fault(message, place=path.name)])
+
+
+def _apart(path: Path, content: bytes) -> Book:
+    try:
+        return open_apart(path, content)
+    except RefusedError as error:
+        raise refused(path, str(error)) from error
+
+
+def unpacked(path: Path, content: bytes) -> Book:
+    """The book that is opened here and now, in this process: for content of our own making, and for the process that `confined` starts."""
+    return _calamine(path, content)
 
 
 def _looks_like_text(content: bytes) -> bool:
@@ -133,5 +149,9 @@ def _refuse_a_damaged_archive(path: Path, content: bytes) -> None:
         raise refused(path, "is damaged or cut off (its end is missing). Copy it again from where it was made.") from error
     if unpacked > MOST_BYTES_UNPACKED:
         raise refused(path, f"unpacks to {unpacked // 1_000_000:,} MB, more than Tandem opens. Keep only the sheet with the tasks.")
+    if unpacked > MOST_BYTES and unpacked > MOST_RATIO * len(content):
+        raise refused(path, f"unpacks to {unpacked // len(content):,} times its size, as no workbook does. {REMEDY}")
+    if len(names) > MOST_ENTRIES:
+        raise refused(path, f"holds {len(names):,} parts, and Tandem opens at most {MOST_ENTRIES:,}. {REMEDY}")
     if not any(name.startswith("xl/") or name == "content.xml" for name in names):
         raise refused(path, "is a zip archive but no workbook. Open it where it was made and save it as .xlsx.")
