@@ -652,3 +652,14 @@ def test_two_wrong_cells_and_other_columns_keep_messages_of_their_own(tmp_path: 
     rows = [["Vorgang", "Zeit Mensch [s]", "Zeit Roboter [s]"], [1, "abc", "x"], [2, "def", "x"], [3, 4, "x"], [4, -1, 2]]
     lines = refusal(draft(tmp_path, rows)).splitlines()
     assert [line.split(": ")[0] for line in lines] == ["- Tasks!B2", "- Tasks!C2", "- Tasks!B3", "- Tasks!B5"]
+
+
+def test_a_few_unlike_values_are_told_each_at_its_cell(tmp_path: Path) -> None:
+    """They are mistakes of their own; many of them say that the column is another one than was thought."""
+    values = ["1'30", "2'", "5 10", "01.02.2024", "1.5.2", "12.30.45"]
+    header = ["Vorgang", "Zeit Mensch [s]", "Zeit Roboter [s]"]
+    few = refusal(draft(tmp_path, [header, *([name, value, 20] for name, value in zip("abcdef", values, strict=True))]))
+    assert [line.split(": ")[0] for line in few.splitlines()] == [f"- Tasks!B{row}" for row in range(2, 8)]
+    assert all(repr(value) in few for value in values)
+    many = refusal(draft(tmp_path, [header, *([f"t{row}", f"{row}'30", 20] for row in range(1, 9))]))
+    assert "rows 2 to 9, as here" in many

@@ -1,4 +1,4 @@
-"""One wrong column is one message: faults that are alike but for the value are told once, with the rows that they stand in."""
+"""One wrong column is one message: faults that are alike are told once, with the rows that they stand in; a few unlike values each at its cell."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from tandem.errors import Fault
 
 FEWEST = 3
-"""Faults alike that are told as one; fewer are told each at its place."""
+"""Faults of the same words that are told as one; fewer are told each at its place."""
+MANY = 8
+"""Faults alike but for the value that are told as one: so many are no slips of the pen, the column is not what it was taken for."""
 PLACE = re.compile(r"(?P<sheet>.+)!(?P<letter>[A-Z]+)(?P<row>\d+)", re.DOTALL)
 
 
@@ -24,7 +26,8 @@ def once_a_column(faults: Iterable[Fault], headers: Mapping[tuple[str, str], str
         groups.setdefault((at["sheet"], at["letter"], _kind(fault.message)) if at else (str(number),), []).append((number, fault))
     told: list[tuple[int, Fault]] = []
     for key, alike in groups.items():
-        if len(alike) >= FEWEST:
+        said = {fault.message for _, fault in alike}
+        if len(alike) >= MANY or (len(alike) >= FEWEST and len(said) == 1):
             header = headers.get((key[0], key[1]), "")
             alike = [(alike[0][0], _as_one([fault for _, fault in alike], key[1], header))]
         told += alike
