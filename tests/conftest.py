@@ -51,3 +51,28 @@ def _no_excuse(report: Any) -> Any:
     if os.environ.get("TANDEM_CI") and report.skipped and "apt-get install" in str(report.longrepr):
         report.outcome = "failed"
     return report
+
+
+# The last ones keep Chromium from trying the outside network on its own.
+CHROMIUM_OPTIONS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+
+
+@pytest.fixture(scope="session")
+def browser() -> Generator[Any, None, None]:
+    """A real Chromium, one for all tests of a process: Playwright starts only once in it."""
+    program = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    if not program:
+        pytest.skip("no browser: apt-get install chromium")
+    api = pytest.importorskip("playwright.sync_api", reason="no browser control: pip install playwright (and apt-get install chromium)")
+    with api.sync_playwright() as running:
+        chromium = running.chromium.launch(executable_path=program, headless=True, args=CHROMIUM_OPTIONS)
+        yield chromium
+        chromium.close()

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.report.conftest import browser  # noqa: F401 (a fixture)
 
 pytest.importorskip("jax", reason="needs tandem[learn]")
 
@@ -47,7 +46,7 @@ WIDE = """[...document.querySelectorAll('.wide')].map(part => ({
 
 
 @pytest.fixture
-def shown(browser: Any, page_file: Path) -> Iterator[Any]:  # noqa: F811
+def shown(browser: Any, page_file: Path) -> Iterator[Any]:
     page = browser.new_page()
     page.goto(page_file.as_uri())
     yield page
