@@ -22,7 +22,7 @@ import itertools
 import numpy as np
 
 from tandem.learn.policy import Policy
-from tandem.learn.recipes import TANDEM
+from tandem.learn.ppo.recipes import TANDEM
 
 
 def policy(tasks: int) -> Policy:

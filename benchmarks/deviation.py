@@ -21,15 +21,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from tandem.cell.chessboard import desk
-from tandem.cell.files import load
+from tandem.lab.yu2020.board import desk
+from tandem.files.load import load
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.by_value import MOST_TASKS
 from tandem.dispatch.deciders.policy import Options
-from tandem.dispatch.judge.trial import Trial, judge
-from tandem.learn.runs import versions
-from tandem.world.fate import Chance
+from tandem.dispatch.evaluation.trial import Trial, judge
+from tandem.learn.training.runs import versions
+from tandem.world.randomness import Chance
 
 ROOT = Path(__file__).resolve().parents[1]
 PEOPLE = (

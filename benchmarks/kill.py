@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from tandem import __version__
-from tandem.cell.files import dump
+from tandem.files.load import dump
 from tandem.cell.generators import layered
 from tandem.dispatch.journal import Entry, Journal
 

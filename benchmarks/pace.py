@@ -19,14 +19,14 @@ from collections.abc import Iterator
 from pathlib import Path
 from random import Random
 
-from tandem.cell.files import load
+from tandem.files.load import load
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Options
-from tandem.dispatch.judge.trial import Trial, judge
-from tandem.dispatch.values.adaptive import bayes_adaptive, belief_values
-from tandem.dispatch.values.exact import expected
-from tandem.learn.runs import versions
+from tandem.dispatch.evaluation.trial import Trial, judge
+from tandem.dispatch.lookahead.bayes_adaptive import bayes_adaptive, belief_values
+from tandem.dispatch.lookahead.dynamic_programming import expected
+from tandem.learn.training.runs import versions
 
 ROOT = Path(__file__).resolve().parents[1]
 TOLD = (0.6, 1.5, 2.0, 3.0)

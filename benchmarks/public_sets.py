@@ -18,7 +18,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 from peers import PEERS, Run
-from tandem.cell.files import load
+from tandem.files.load import load
 
 SETS = ("fjsp_kacem", "fjsp_fattahi", "fjsp_brandimarte", "fjsp_dag_mini", "fjsp_dag_birgin", "hrc_case_studies", "hrc_battery_cells")
 COLUMNS = ("set", "instance", "lower_known", "upper_known", "solver", "makespan", "bound", "proven", "wall_s")

@@ -25,14 +25,15 @@ sys.path.insert(0, str(ROOT))
 
 from tests.learn.plain_yu import PlainGame, PlainSearch  # noqa: E402
 
-from tandem.cell.chessboard import desk  # noqa: E402
-from tandem.envs import chessboard  # noqa: E402
-from tandem.learn.alphazero.boards import decide_ms, untrained  # noqa: E402
-from tandem.learn.alphazero.config import Config, Search, YuConfig, YuSearch  # noqa: E402
+from tandem.lab.yu2020.board import desk  # noqa: E402
+from tandem.lab import yu2020  # noqa: E402
+from tandem.lab.yu2020.board_training import decide_ms, untrained  # noqa: E402
+from tandem.learn.alphazero.config import Config, Search  # noqa: E402
+from tandem.lab.yu2020.config import YuConfig, YuSearch
 from tandem.learn.alphazero.selfplay import Looking, find  # noqa: E402
 from tandem.learn.alphazero.trained import Trained  # noqa: E402
-from tandem.learn.board_games import BoardGame  # noqa: E402
-from tandem.learn.game import many  # noqa: E402
+from tandem.lab.yu2020.learn_env import BoardGame  # noqa: E402
+from tandem.learn.env import many  # noqa: E402
 
 SIMULATIONS = 30
 
@@ -70,12 +71,12 @@ def batched(trained: Trained, looking: Looking, batch: int) -> Callable[[], int]
     """Ours: a decision of so many games at once, then the next one, from the start of the games on."""
     game = BoardGame.of(desk(), sees="board" if isinstance(looking, YuSearch) else "features")
     games, decisions = many(game, batch), 3
-    first = jax.tree.map(lambda leaf: np.repeat(np.asarray(leaf)[None], batch, 0), chessboard.reset(game.layout))
+    first = jax.tree.map(lambda leaf: np.repeat(np.asarray(leaf)[None], batch, 0), yu2020.reset(game.layout))
 
     @jax.jit
     def decided(key: Any, games: BoardGame, states: Any) -> Any:
         found = find(key, trained.judge, trained.parameters, games, states, looking)
-        return jax.vmap(chessboard.step)(games.layout, states, found.move)
+        return jax.vmap(yu2020.step)(games.layout, states, found.move)
 
     def play() -> int:
         states = first

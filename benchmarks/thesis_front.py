@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ortools.sat.python import cp_model
 
-from tandem.cell.files import load
+from tandem.files.load import load
 from tandem.cell.model import Cell
 from tandem.plan.instance import Instance
 from tandem.plan.methods import plan

@@ -17,19 +17,19 @@ import time
 from functools import partial
 from typing import Any
 
-from tandem.experiments.thesis_runs import FACTORS, thesis_cell
-from tandem.learn.recipes import TANDEM
-from tandem.learn.runs import versions
+from tandem.lab.kinat2023.runs import FACTORS, thesis_cell
+from tandem.learn.ppo.recipes import TANDEM
+from tandem.learn.training.runs import versions
 
 
 def ours(seeds: int) -> dict[str, Any]:
     import jax
     import jax.numpy as jnp
 
-    from tandem.envs.thesis.optimal import return_optimal
-    from tandem.envs.thesis.rewards import reward_set
-    from tandem.learn import play, ppo
-    from tandem.learn.stations import StationWorld
+    from tandem.lab.kinat2023.optimal import return_optimal
+    from tandem.lab.kinat2023.rewards import reward_set
+    from tandem.learn.ppo import play, ppo
+    from tandem.lab.kinat2023.learn_env import StationWorld
 
     cell, config = thesis_cell(), TANDEM.config
     best = {factor: set(return_optimal(cell, reward_set("appendix", stress_factor=factor)).pairs) for factor in FACTORS}

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tandem.cell.model import Cell, Operator, Task, Together, Tool, Zone
-from tandem.cell.schema import schema
+from tandem.cell.model import Cell
+from tandem.cell.parts import Operator, Task, Together, Tool, Zone
+from tandem.files.schema import schema
 
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
@@ -106,7 +107,7 @@ def keys() -> Iterator[str]:
 
 def format_reference() -> str:
     """Every format that can be read, as a Markdown table."""
-    from tandem.cell.formats.table import FORMATS
+    from tandem.files.formats.table import FORMATS
 
     return "\n".join(["| name | what |", "|---|---|", *(f"| `{name}` | {_cell(one.what)} |" for name, one in FORMATS.items())])
 

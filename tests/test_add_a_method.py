@@ -98,7 +98,7 @@ def test_a_new_environment_passes_every_standard_by_itself(extended: Path) -> No
 
 def test_a_new_recipe_is_known_and_checked(extended: Path) -> None:
     pytest.importorskip("jax", reason="needs tandem[learn]")
-    asked = "from tandem.learn.recipes import RECIPES, changed; print(changed(RECIPES['scaled'], ['config.epochs=2']).sees)"
+    asked = "from tandem.learn.training.recipes import RECIPES, changed; print(changed(RECIPES['scaled'], ['config.epochs=2']).sees)"
     assert python(extended, "-c", asked).strip() == "scaled"
 
 

@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from tandem.cell.files import load
-    from tandem.cell.model import Cell, Operator, Task, Together, Tool, Zone
+    from tandem.files.load import load
+    from tandem.cell.model import Cell
+    from tandem.cell.parts import Operator, Task, Together, Tool, Zone
     from tandem.errors import CellError, Fault, InfeasibleError, NothingFoundError, TandemError, UnsoundScheduleError, UsageError
     from tandem.plan.methods import plan
     from tandem.plan.question import Question
@@ -49,7 +50,7 @@ __all__ = [
 ]
 
 _HOME = {
-    "tandem.cell.files": ("load",),
+    "tandem.files.load": ("load",),
     "tandem.cell.model": ("Cell", "Operator", "Task", "Together", "Tool", "Zone"),
     "tandem.errors": ("CellError", "Fault", "InfeasibleError", "NothingFoundError", "TandemError", "UnsoundScheduleError", "UsageError"),
     "tandem.plan.question": ("Question",),

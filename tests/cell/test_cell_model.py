@@ -10,7 +10,8 @@ from hypothesis import given
 from pydantic import ValidationError
 from tests.strategies import cells
 
-from tandem.cell.model import Cell, Mode
+from tandem.cell.model import Cell
+from tandem.cell.parts import Mode
 from tandem.errors import CellError
 
 PRESS = {

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tandem.cell.chessboard import Who, desk, random_board
+from tandem.lab.yu2020.board import Who, desk, random_board
 from tandem.cell.generators import HARDEST, LONGEST, SHORTEST, layered
 
 share = st.floats(0, 1)

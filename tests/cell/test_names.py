@@ -10,14 +10,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tandem
-from tandem.cell.files import dumps, loads
+from tandem.files.load import dumps, loads
 from tandem.cell.model import Cell
 from tandem.cell.names import clean, clean_title, harm_in, look, twins
 from tandem.errors import CellError, UsageError
 from tandem.explain.variant import variant
 from tandem.schedule.model import Schedule
 from tandem.world.arrays import Names
-from tandem.world.crowd import traits
+from tandem.world.behaviour import traits
 
 APART = "Geha\u0308use"  # as macOS writes it
 WHOLE = "Gehäuse"

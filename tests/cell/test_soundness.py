@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from tandem.cell.cycles import cycles
+from tandem.cell.precedence import cycles
 from tandem.cell.model import Cell
 from tandem.cell.soundness import RULES
 from tandem.errors import CellError, Fault

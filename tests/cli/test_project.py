@@ -9,7 +9,7 @@ from typing import Any
 import openpyxl
 import pytest
 
-from tandem.cell.files import load
+from tandem.files.load import load
 from tandem.cli.root import run
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

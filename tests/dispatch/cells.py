@@ -8,7 +8,7 @@ from typing import Any
 
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Decision
-from tandem.dispatch.shift.in_time import InTime, plainly
+from tandem.dispatch.shift.deadline import InTime, plainly
 from tandem.dispatch.situation.model import Situation
 
 GEARBOX = Cell.of(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from tandem.cell.files import load
+from tandem.files.load import load
 from tandem.cell.model import Cell
 
 ROOT = Path(__file__).resolve().parents[2]

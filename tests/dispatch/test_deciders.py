@@ -18,18 +18,18 @@ from tandem.dispatch.deciders.auto import Auto
 from tandem.dispatch.deciders.by_value import repairing
 from tandem.dispatch.deciders.policy import Decision, Options
 from tandem.dispatch.deciders.table import POLICIES, policy
-from tandem.dispatch.judge import best_response
-from tandem.dispatch.judge.best_response import as_modelled, complies
-from tandem.dispatch.judge.lockstep import Outcome, Stage
+from tandem.dispatch.evaluation import best_response
+from tandem.dispatch.evaluation.best_response import as_modelled, complies
+from tandem.dispatch.evaluation.batch import Outcome, Stage
 from tandem.dispatch.situation.legal import legal
 from tandem.dispatch.situation.model import Running, Situation, Work
-from tandem.dispatch.values.exact import expected
-from tandem.dispatch.values.objective import SECONDS, Objective
-from tandem.dispatch.values.repair import repair_values
+from tandem.dispatch.lookahead.dynamic_programming import expected
+from tandem.dispatch.lookahead.objective import SECONDS, Objective
+from tandem.dispatch.lookahead.mistakes import repair_values
 from tandem.errors import NothingFoundError, UsageError
 from tandem.world.arrays import Names
-from tandem.world.crowd import crowd
-from tandem.world.fate import OFF, Chance, Draw
+from tandem.world.population import crowd
+from tandem.world.randomness import OFF, Chance, Draw
 
 DECIDERS = [name for name in POLICIES if name != "learned"]  # which needs a trained policy; tests/learn has it
 PLENTY = Options(budget_ms=2000.0)

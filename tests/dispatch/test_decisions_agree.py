@@ -19,10 +19,10 @@ from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Options
 from tandem.dispatch.deciders.table import POLICIES, policy
 from tandem.dispatch.journal import Journal
-from tandem.dispatch.shift.in_time import InTime
+from tandem.dispatch.shift.deadline import InTime
 from tandem.dispatch.shift.live import Settings, Shift
 from tandem.dispatch.situation.model import Situation
-from tandem.dispatch.values.objective import Objective
+from tandem.dispatch.lookahead.objective import Objective
 from tandem.errors import CellError, InfeasibleError, UsageError
 
 Document = dict[str, Any]

@@ -9,14 +9,14 @@ from tests.dispatch.stations import THESIS, station
 
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
-from tandem.dispatch.values.adaptive import bayes_adaptive, belief_values
-from tandem.dispatch.values.exact import Human, expected, minimax, values
-from tandem.dispatch.values.moves import Moves, Position
-from tandem.dispatch.values.objective import Objective
-from tandem.dispatch.values.repair import repair_values
-from tandem.dispatch.values.search import Search
+from tandem.dispatch.lookahead.bayes_adaptive import bayes_adaptive, belief_values
+from tandem.dispatch.lookahead.dynamic_programming import Human, expected, minimax, values
+from tandem.dispatch.lookahead.transitions import Moves, Position
+from tandem.dispatch.lookahead.objective import Objective
+from tandem.dispatch.lookahead.mistakes import repair_values
+from tandem.dispatch.lookahead.branch_and_bound import Search
 from tandem.errors import CellError, NothingFoundError
-from tandem.plan.exhaustive import solve
+from tandem.plan.dynamic_programming import solve
 from tandem.plan.question import Question
 
 PRIOR = {0.6: 0.2, 1.0: 0.2, 1.5: 0.2, 2.0: 0.2, 3.0: 0.2}

@@ -12,19 +12,19 @@ from tests.dispatch.stations import ROOT, THESIS, station
 from tests.strategies import cells
 
 import tandem
-from tandem.cell.files import load
+from tandem.files.load import load
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.fixed import Fixed, fixed
 from tandem.dispatch.deciders.policy import Options, basis_of
 from tandem.dispatch.deciders.table import policy
-from tandem.dispatch.judge.lockstep import Outcome, Stage
+from tandem.dispatch.evaluation.batch import Outcome, Stage
 from tandem.dispatch.situation.model import Situation
-from tandem.dispatch.values.objective import SECONDS, Objective
+from tandem.dispatch.lookahead.objective import SECONDS, Objective
 from tandem.errors import InfeasibleError
 from tandem.world.arrays import Names
-from tandem.world.crowd import crowd
-from tandem.world.fate import OFF, Draw
+from tandem.world.population import crowd
+from tandem.world.randomness import OFF, Draw
 
 ALTERNATOR = load(ROOT / "examples" / "alternator.yaml")
 

@@ -9,17 +9,17 @@ import jsonschema
 import pytest
 from tests.dispatch.cells import in_time
 
-from tandem.cell.files import load
+from tandem.files.load import load
 from tandem.cell.model import Cell
 from tandem.dispatch.journal import Journal
 from tandem.dispatch.shift.documents import Document, summary
-from tandem.dispatch.shift.floor import Floor
+from tandem.dispatch.shift.simulated import Floor
 from tandem.dispatch.shift.live import Settings, Shift
 from tandem.dispatch.shift.replay import replay
 from tandem.dispatch.shift.schema import SHIPPED, decision_schema, event_schema, schema_text
 from tandem.dispatch.situation.model import Situation
 from tandem.errors import UsageError
-from tandem.world.fate import Chance
+from tandem.world.randomness import Chance
 
 ROUGH = Chance(spread="lognormal", cv=0.3, failure_s=40, repair_s=6, absence_s=60, away_s=5)
 PEOPLE = "random:0.3+forgetful:0.2+refusing:0.1+pace:1.5"

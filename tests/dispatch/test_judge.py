@@ -15,10 +15,10 @@ from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.cli.root import run
 from tandem.dispatch.deciders.table import POLICIES
-from tandem.dispatch.judge.trial import Trial, judge, split_people
+from tandem.dispatch.evaluation.trial import Trial, judge, split_people
 from tandem.draw.judged import judged_figure, plot_regret
 from tandem.errors import UsageError
-from tandem.world.fate import Chance
+from tandem.world.randomness import Chance
 
 ROOT = Path(__file__).resolve().parents[2]
 CELL = str(ROOT / "examples" / "thesis.yaml")

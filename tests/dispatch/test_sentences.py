@@ -27,7 +27,7 @@ from tandem.dispatch.shift.live import Settings, Shift
 from tandem.dispatch.situation.events import EventError, read_event
 from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.situation.pace import estimates
-from tandem.dispatch.values.objective import Objective
+from tandem.dispatch.lookahead.objective import Objective
 from tandem.errors import CellError, InfeasibleError, UsageError
 
 ODD = {

@@ -10,7 +10,7 @@ from tests.dispatch.cells import GEARBOX, line
 
 from tandem.cell.model import Cell
 from tandem.dispatch.shift.documents import Told, stuck
-from tandem.dispatch.situation.after import after, ordered, revoked
+from tandem.dispatch.situation.transitions import after, ordered, revoked
 from tandem.dispatch.situation.events import Event, read_event
 from tandem.dispatch.situation.legal import legal, next_change
 from tandem.dispatch.situation.model import Order, Situation

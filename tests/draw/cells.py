@@ -6,7 +6,8 @@ import random
 from decimal import Decimal
 from functools import cache
 
-from tandem.cell.model import Cell, Mode
+from tandem.cell.model import Cell
+from tandem.cell.parts import Mode
 from tandem.plan.result import Bound, Front, Result, Status
 from tandem.schedule.measures import changeover_times, exact, stress
 from tandem.schedule.model import Assignment, Schedule

@@ -17,7 +17,7 @@ import tandem.envs
 from tandem.cell.model import Cell
 from tandem.errors import UsageError
 from tandem.schedule.checker import faults
-from tandem.world.fate import Chance
+from tandem.world.randomness import Chance
 
 KEYS = {"action_mask", "time", "makespan", "stress", "stress_rate", "task_started", "task_finished", "idle", "illegal", "is_success"}
 WILD = {"person": "random:0.3+forgetful:0.2+refusing:0.1+pace:0.8..2", "chance": Chance("lognormal", cv=0.2, failure_s=30.0, repair_s=4.0)}

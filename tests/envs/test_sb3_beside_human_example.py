@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tandem.cell.files import load
+from tandem.files.load import load
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 

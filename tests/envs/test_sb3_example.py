@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tandem.cell.files import load
+from tandem.files.load import load
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 

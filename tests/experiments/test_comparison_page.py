@@ -10,9 +10,9 @@ import pytest
 
 pytest.importorskip("jax", reason="needs tandem[learn]")
 
-from tandem.experiments import comparison
-from tandem.experiments.features import PROBES, Entry
-from tandem.experiments.systems import SYSTEMS
+from tandem.lab import comparison
+from tandem.lab.probes import PROBES, Entry
+from tandem.lab.systems import SYSTEMS
 
 pytestmark = pytest.mark.browser
 

@@ -11,8 +11,8 @@ pytest.importorskip("jax", reason="needs tandem[learn]")
 
 from tandem.cli.root import run
 from tandem.errors import CellError
-from tandem.experiments import records
-from tandem.experiments.systems import SYSTEMS
+from tandem.lab import records
+from tandem.lab.systems import SYSTEMS
 
 DEEP = b"[" * 100_000 + b"]" * 100_000
 DAMAGED = {
@@ -73,7 +73,7 @@ def test_a_damaged_record_is_named_and_left_alone(tmp_path: Path, damage: str) -
 
 
 def test_a_record_of_another_question_is_made_anew(tmp_path: Path) -> None:
-    from tandem.experiments.antonelli2021 import _kept
+    from tandem.lab.antonelli2021.experiment import _kept
 
     file = tmp_path / "one.json"
     for text in ("[]", "{}", "null", json.dumps({"asked": {"p": 2}, "found": 1})):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tandem.cell.model import Cell
-from tandem.cell.spreadsheet.form import EXAMPLE
+from tandem.files.spreadsheet.form import EXAMPLE
 
 
 @pytest.fixture(scope="session")

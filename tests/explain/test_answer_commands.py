@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from tandem.cell.files import dump
+from tandem.files.load import dump
 from tandem.cell.model import Cell
 from tandem.cli.root import tandem
 from tandem.errors import UsageError

@@ -15,7 +15,7 @@ from tests.plan.brute_force import front_in_order, front_of_all, worth
 from tests.schedule.cells import thesis, thesis_schedule
 
 from tandem.cell.model import Cell
-from tandem.plan import exact, race
+from tandem.plan import exact, portfolio
 from tandem.plan.methods import METHODS
 
 
@@ -32,7 +32,7 @@ def test_exact_and_exhaustive_search_answer_random_cells_as_brute_force_does():
 def test_what_works_on_large_cells_is_right_on_small_ones(monkeypatch):
     """Neighbourhoods, the search along the clock and the front in two steps have their turn in cells that brute force can answer."""
     monkeypatch.setattr(exact, "SMALL", 0)
-    monkeypatch.setattr(race, "SMALL", 0)
+    monkeypatch.setattr(portfolio, "SMALL", 0)
     for seed in range(1001, 1081, 2):  # odd ones are planned by two workers
         assert judges.judge(seed).findings == []
 

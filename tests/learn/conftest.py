@@ -18,7 +18,7 @@ def _no_rank_promotion() -> Iterator[None]:
 @pytest.fixture(scope="module")
 def quickly_compiled() -> Iterator[None]:
     """Compiles without most optimisations: what is compiled for a test runs for milliseconds."""
-    from tandem.experiments.quick import compiled_quickly
+    from tandem.lab.quick import compiled_quickly
 
     with compiled_quickly():
         yield

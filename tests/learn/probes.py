@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Self
 import jax
 import jax.numpy as jnp
 
-from tandem.learn.config import Config, Stage, StageValues
+from tandem.learn.ppo.config import Config, Stage, StageValues
 from tandem.learn.world import Outcome
 
 

@@ -11,16 +11,17 @@ import tandem
 from learn import tiny
 from learn.turns import Blind, Told, Trap, Way
 from tandem.errors import UsageError
-from tandem.learn.alphazero.config import Config, Search, Wander, YuConfig, YuSearch
+from tandem.learn.alphazero.config import Config, Search, Wander
+from tandem.lab.yu2020.config import YuConfig, YuSearch
 from tandem.learn.alphazero.network import Scorer
 from tandem.learn.alphazero.selfplay import find, played
 from tandem.learn.alphazero.trained import Trained
-from tandem.learn.alphazero.yu_network import YuNetworks
-from tandem.learn.alphazero.yu_search import backed_up
-from tandem.learn.cell_games import CellGame
-from tandem.learn.features import MOVE_FEATURES, WHOLE_FEATURES
-from tandem.learn.game import Look, many
-from tandem.learn.turns import play
+from tandem.lab.yu2020.network import YuNetworks
+from tandem.lab.yu2020.search import backed_up
+from tandem.learn.cell_env import CellGame
+from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES
+from tandem.learn.env import Look, many
+from tandem.learn.rollout import play
 
 pytestmark = pytest.mark.usefixtures("quickly_compiled")
 

@@ -21,12 +21,12 @@ from safetensors.numpy import save
 import tandem
 from learn import tiny
 from tandem.cli.root import run
-from tandem.learn import trainer
+from tandem.learn.training import trainer
 from tandem.learn.dqn.config import Config as DqnConfig
 from tandem.learn.dqn.recipes import ValueRecipe
 from tandem.learn.networks import init
 from tandem.learn.policy import Policy
-from tandem.learn.response import sight
+from tandem.learn.ppo import observation
 from tandem.world.arrays import Names
 
 pytestmark = pytest.mark.usefixtures("quickly_compiled")
@@ -65,7 +65,7 @@ def response(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The policy of a best response with drawn weights."""
     cell = tandem.load(CELL)
     arrays, rng = Names.of(cell).arrays(), np.random.default_rng(3)
-    network = init(lambda shape: rng.uniform(-1, 1, shape).astype(np.float32), (sight.observation_size(arrays), 8, len(arrays.way_ticks) + 1))
+    network = init(lambda shape: rng.uniform(-1, 1, shape).astype(np.float32), (observation.observation_size(arrays), 8, len(arrays.way_ticks) + 1))
     actor = {layer: {part: array[None] for part, array in parts.items()} for layer, parts in network.items()}
     notes = {"kind": "response", "digest": cell.digest, "cell": cell.name}
     return Policy(("decider_0",), actor, "tanh", True, False, notes).save(tmp_path_factory.mktemp("response") / "policy-0.safetensors")

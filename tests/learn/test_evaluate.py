@@ -13,8 +13,8 @@ from learn import tiny
 from tandem.cli.learn import evaluate_command, train_command
 from tandem.draw.curves import band, plot_curves
 from tandem.errors import CellError, UsageError
-from tandem.learn.evaluate import evaluate
-from tandem.learn.gaps import relative_gap
+from tandem.learn.training.evaluate import evaluate
+from tandem.learn.results import relative_gap
 
 
 @pytest.fixture(scope="module")

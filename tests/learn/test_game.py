@@ -9,12 +9,12 @@ import pytest
 
 import tandem
 from learn import tiny
-from tandem.cell.chessboard import random_board
+from tandem.lab.yu2020.board import random_board
 from tandem.errors import UsageError
-from tandem.learn.board_games import BoardGame
-from tandem.learn.cell_games import CellGame, reached
-from tandem.learn.features import MOVE_FEATURES, WHOLE_FEATURES, ahead
-from tandem.learn.game import many, stacked
+from tandem.lab.yu2020.learn_env import BoardGame
+from tandem.learn.cell_env import CellGame, reached
+from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES, ahead
+from tandem.learn.env import many, stacked
 
 pytestmark = pytest.mark.usefixtures("quickly_compiled")
 

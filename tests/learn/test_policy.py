@@ -15,12 +15,12 @@ import pytest
 import tandem
 from learn import tiny
 from tandem.errors import CellError, UsageError
-from tandem.learn import ppo
-from tandem.learn.agents import PPO
-from tandem.learn.config import Config, Stage
+from tandem.learn.ppo import ppo
+from tandem.learn.training.agents import PPO
+from tandem.learn.ppo.config import Config, Stage
 from tandem.learn.policy import Policy
 from tandem.learn.settings import read
-from tandem.learn.stations import StationWorld
+from tandem.lab.kinat2023.learn_env import StationWorld
 
 
 def made(shared: bool = False, masked: bool = True) -> tuple[Policy, ppo.Learner, StationWorld, Config]:

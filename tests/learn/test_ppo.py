@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from learn.probes import SMALL, ForbiddenFruit, LateReward, OneTask
-from tandem.learn import ppo
+from tandem.learn.ppo import ppo
 from tandem.learn.networks import masked_log_softmax, sample
 
 

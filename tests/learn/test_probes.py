@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from learn.probes import SEEDS, SMALL, SOLVED, ForbiddenFruit, LateReward, OneBestAssignment
-from tandem.learn import play, ppo
-from tandem.learn.config import Config
+from tandem.learn.ppo import play, ppo
+from tandem.learn.ppo.config import Config
 
 
 def trained(world: Any, config: Config = SMALL) -> tuple[np.ndarray, np.ndarray]:

@@ -15,24 +15,25 @@ import pytest
 import tandem
 from tandem.dispatch.deciders.learned import Learned, learned, state_of
 from tandem.dispatch.deciders.policy import Options
-from tandem.dispatch.deciders.seen import Models
-from tandem.dispatch.judge.lockstep import Stage
-from tandem.dispatch.judge.observed import Observer
+from tandem.dispatch.deciders.beliefs import Models
+from tandem.dispatch.evaluation.batch import Stage
+from tandem.dispatch.evaluation.observed import Observer
 from tandem.dispatch.situation.model import Situation
-from tandem.dispatch.values.objective import SECONDS
+from tandem.dispatch.lookahead.objective import SECONDS
 from tandem.errors import UsageError
-from tandem.learn import config
+from tandem.learn.ppo import config
 from tandem.learn.networks import init
 from tandem.learn.policy import Policy
-from tandem.learn.recipes import RESPONSE
-from tandem.learn.response import sight
-from tandem.learn.response.decider import decider
-from tandem.learn.trainer import resume, train
+from tandem.learn.ppo.recipes import RESPONSE
+from tandem.learn.ppo import observation
+from tandem.learn.ppo.decider import decider
+from tandem.learn.training.trainer import resume, train
 from tandem.world import episode
 from tandem.world import state as world
 from tandem.world.arrays import Arrays, Names
-from tandem.world.crowd import crowd, person, traits
-from tandem.world.fate import Draw, fates
+from tandem.world.population import crowd
+from tandem.world.behaviour import person, traits
+from tandem.world.randomness import Draw, fates
 from tandem.world.people import crew
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -50,7 +51,7 @@ def untrained(arrays: Arrays, cell: Any) -> Policy:
     """A policy with drawn weights: as good as any other for what does not depend on training."""
     rng = np.random.default_rng(3)
     draw = lambda shape: rng.uniform(-1, 1, shape).astype(np.float32)  # noqa: E731
-    network = init(draw, (sight.observation_size(arrays), 16, len(arrays.way_ticks) + 1))
+    network = init(draw, (observation.observation_size(arrays), 16, len(arrays.way_ticks) + 1))
     actor = {layer: {part: array[None] for part, array in parts.items()} for layer, parts in network.items()}
     return Policy(("decider_0",), actor, "tanh", True, False, {"kind": "response", "digest": cell.digest})
 
@@ -86,22 +87,22 @@ def test_what_is_seen_is_the_same_in_numpy_and_jax_and_hides_what_is_still_to_co
     state = world.assign(ARRAYS, state, np.int32(NAMES.way("1", ("robot",))))
     state = world.advance(ARRAYS, state)
     mask = world.legal(ARRAYS, state)
-    seen = sight.observe(ARRAYS, state, mask, world.turn(ARRAYS, mask))
-    under_jax = jax.jit(sight.observe)(jax.tree.map(jnp.asarray, ARRAYS), jax.tree.map(jnp.asarray, state), mask, world.turn(ARRAYS, mask))
+    seen = observation.observe(ARRAYS, state, mask, world.turn(ARRAYS, mask))
+    under_jax = jax.jit(observation.observe)(jax.tree.map(jnp.asarray, ARRAYS), jax.tree.map(jnp.asarray, state), mask, world.turn(ARRAYS, mask))
     np.testing.assert_allclose(seen, under_jax, rtol=1e-5)
-    assert seen.shape == (sight.observation_size(ARRAYS),)
+    assert seen.shape == (observation.observation_size(ARRAYS),)
     task = NAMES.tasks.index("3")
     for end in (10_000, 500_000):
         later = state._replace(end_at=np.where(np.arange(7) == task, end, state.end_at).astype(np.int32))
-        np.testing.assert_array_equal(sight.observe(ARRAYS, later, mask, world.turn(ARRAYS, mask)), seen)
+        np.testing.assert_array_equal(observation.observe(ARRAYS, later, mask, world.turn(ARRAYS, mask)), seen)
 
 
 def test_paces_are_told_by_work_that_ended_and_by_work_that_should_have() -> None:
     state = world.reset(ARRAYS)
-    assert sight.pace(ARRAYS, state).factor.tolist() == [1, 1]
+    assert observation.pace(ARRAYS, state).factor.tolist() == [1, 1]
     state = world.assign(ARRAYS, state, np.int32(NAMES.way("3", ("human",))), np.int32(20_000))
     for clock, low, high in ((10_000, 1.0, 1.0), (15_000, 1.5, 1.5), (20_000, 1.5, 2.0)):
-        factor = sight.pace(ARRAYS, state._replace(clock=np.int32(clock))).factor
+        factor = observation.pace(ARRAYS, state._replace(clock=np.int32(clock))).factor
         assert factor[0] == 1
         assert low <= factor[1] <= high
 

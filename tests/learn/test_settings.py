@@ -13,7 +13,7 @@ import pytest
 from tandem.cli.root import run
 from tandem.errors import UsageError
 from tandem.learn.forms import SettingsError
-from tandem.learn.recipes import KINDS, RECIPES, changed, recipe_from
+from tandem.learn.training.recipes import KINDS, RECIPES, changed, recipe_from
 
 
 def leaves(form: Any, value: Any, place: str = "") -> Iterator[tuple[str, Any, Any]]:

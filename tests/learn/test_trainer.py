@@ -18,8 +18,8 @@ from safetensors.numpy import load_file
 
 from learn import tiny
 from tandem.errors import CellError, UsageError
-from tandem.learn import trainer
-from tandem.learn.runs import RunFolder
+from tandem.learn.training import trainer
+from tandem.learn.training.runs import RunFolder
 
 
 @pytest.fixture(scope="module")

@@ -11,16 +11,17 @@ from safetensors.numpy import load_file
 
 import tandem
 from learn import tiny
-from tandem.cell.chessboard import random_board
+from tandem.lab.yu2020.board import random_board
 from tandem.cli.learn import evaluate_command
 from tandem.errors import CellError, UsageError
-from tandem.learn import trainer
+from tandem.learn.training import trainer
 from tandem.learn.alphazero import config as alphazero
-from tandem.learn.alphazero.recipes import SearchRecipe, YuRecipe
+from tandem.learn.alphazero.recipes import SearchRecipe
+from tandem.lab.yu2020.recipe import YuRecipe
 from tandem.learn.dqn.config import Config as DqnConfig
 from tandem.learn.dqn.recipes import ValueRecipe
-from tandem.learn.recipes import RECIPES, changed, recipe_from
-from tandem.learn.runs import RunFolder
+from tandem.learn.training.recipes import RECIPES, changed, recipe_from
+from tandem.learn.training.runs import RunFolder
 
 pytestmark = pytest.mark.usefixtures("quickly_compiled")
 

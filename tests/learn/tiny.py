@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import tandem
-from tandem.learn.config import Config, Stage
-from tandem.learn.recipes import Recipe
+from tandem.learn.ppo.config import Config, Stage
+from tandem.learn.ppo.recipes import Recipe
 
 CELL = Path(__file__).parents[2] / "examples" / "thesis.yaml"
 INTERVALS = 12
@@ -28,7 +28,7 @@ RECIPE = Recipe(
 
 
 def train(folder: Path, **options: Any) -> dict[str, Any]:
-    from tandem.learn import trainer
+    from tandem.learn.training import trainer
 
     settings = {"own_recipe": RECIPE, "stress_factor": 1.0, "seeds": (3, 4), "front_limit": 60.0, **options}
     return trainer.train(tandem.load(CELL), folder=folder, **settings)

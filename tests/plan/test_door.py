@@ -11,7 +11,7 @@ from tests.schedule.cells import gearbox, thesis, thesis_schedule
 from tandem.cell.generators import layered
 from tandem.errors import NothingFoundError
 from tandem.plan import cpsat
-from tandem.plan.along_clock import Moves
+from tandem.plan.chronological import Moves
 from tandem.plan.door import Door, RefusedScheduleWarning
 from tandem.plan.instance import Instance
 from tandem.plan.methods import plan

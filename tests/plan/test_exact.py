@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from tests.schedule.cells import thesis
 
-from tandem.cell.chessboard import desk, random_board
+from tandem.lab.yu2020.board import desk, random_board
 from tandem.cell.generators import layered
 from tandem.errors import InfeasibleError, NothingFoundError, UsageError
 from tandem.plan.methods import METHODS, describe, plan

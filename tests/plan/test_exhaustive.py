@@ -12,8 +12,9 @@ from tests.schedule.cells import THESIS, gearbox, thesis, thesis_schedule
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError
-from tandem.plan.exhaustive import solve
-from tandem.plan.question import Progress, Question
+from tandem.plan.dynamic_programming import solve
+from tandem.plan.method import Progress
+from tandem.plan.question import Question
 from tandem.plan.result import Status
 from tandem.schedule.checker import faults
 
@@ -162,5 +163,5 @@ def test_a_dozen_tasks_take_seconds():
 
 
 def test_it_runs_without_the_constraint_solver():
-    code = "import sys, tandem.plan.exhaustive, tandem.plan.rules, tandem.plan.refute; print(any(m.startswith('ortools') for m in sys.modules))"
+    code = "import sys, tandem.plan.dynamic_programming, tandem.plan.rules, tandem.plan.lower_bound; print(any(m.startswith('ortools') for m in sys.modules))"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"

@@ -13,7 +13,7 @@ from tests.strategies import cells
 
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError
-from tandem.plan.exhaustive import solve
+from tandem.plan.dynamic_programming import solve
 from tandem.plan.methods import METHODS
 from tandem.plan.question import Question
 from tandem.plan.rules import RULES

@@ -17,7 +17,7 @@ from tests.schedule.cells import thesis
 
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
-from tandem.plan.exhaustive import solve
+from tandem.plan.dynamic_programming import solve
 from tandem.plan.instance import Instance
 from tandem.plan.question import Question
 

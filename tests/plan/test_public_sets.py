@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from tests.benchmark_data import folder
 
-from tandem.cell.files import load
+from tandem.files.load import load
 from tandem.plan.methods import plan
 from tandem.schedule.checker import faults
 

@@ -17,7 +17,7 @@ import openpyxl
 import pytest
 
 import tandem
-from tandem.cell.reading import cell_of
+from tandem.files.validate import cell_of
 from tandem.report.files import ENDINGS, write
 from tandem.report.terminal import GanttText
 

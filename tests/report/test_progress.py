@@ -9,7 +9,7 @@ import pytest
 from tests.draw.cells import thesis, thesis_front
 
 from tandem.plan.methods import plan
-from tandem.plan.question import Progress
+from tandem.plan.method import Progress
 from tandem.report.progress import SolveProgress
 
 QUICK, KNEE, _ = thesis_front()

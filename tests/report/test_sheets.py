@@ -15,7 +15,7 @@ import pytest
 from tests.draw.cells import gearbox_front, layered_front, thesis_front
 
 from tandem.cell.model import Cell
-from tandem.cell.spreadsheet import import_cell
+from tandem.files.spreadsheet import import_cell
 from tandem.plan.methods import plan
 from tandem.plan.result import Front
 from tandem.report.files import write

@@ -8,11 +8,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from tests.spreadsheet import books
+from tests.files.spreadsheet import books
 
-from tandem.cell.spreadsheet import confined, separated, workbook
-from tandem.cell.spreadsheet.reading import import_cell
-from tandem.cell.spreadsheet.workbook import open_book
+from tandem.files.spreadsheet import confined, separated, workbook
+from tandem.files.spreadsheet.draft import import_cell
+from tandem.files.spreadsheet.workbook import open_book
 from tandem.errors import CellError
 
 SHEET = "xl/worksheets/sheet1.xml"

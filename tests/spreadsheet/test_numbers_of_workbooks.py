@@ -9,11 +9,11 @@ from typing import Any
 
 import openpyxl
 import pytest
-from tests.spreadsheet import books
+from tests.files.spreadsheet import books
 
 from tandem.cell.model import Cell
-from tandem.cell.spreadsheet import import_cell, read_workbook
-from tandem.cell.spreadsheet.number_format import Dress, dress
+from tandem.files.spreadsheet import import_cell, read_workbook
+from tandem.files.spreadsheet.number_format import Dress, dress
 from tandem.errors import CellError
 
 HEADER = ["Task", "Time human [s]", "Time robot [s]", "Predecessors", "Stress"]

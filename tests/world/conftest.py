@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tandem.cell.files import load
+from tandem.files.load import load
 from tandem.cell.model import Cell
 
 jax = pytest.importorskip("jax", reason="chance is drawn with the extra tandem[learn]")

@@ -48,7 +48,7 @@ def expected_makespan(cell: Cell, p: Fraction) -> Fraction:
 
 @cache
 def thesis() -> Cell:
-    from tandem.cell.files import load
+    from tandem.files.load import load
 
     return load("examples/thesis.yaml")
 

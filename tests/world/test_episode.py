@@ -14,9 +14,9 @@ from tandem.plan.methods import plan
 from tandem.schedule.checker import faults
 from tandem.schedule.model import Schedule
 from tandem.world.arrays import Arrays, Names, namespace
-from tandem.world.crowd import crowd
+from tandem.world.population import crowd
 from tandem.world.episode import Episode, Played, Shift, begin, expected_ends, is_over, play_many, play_one, step
-from tandem.world.fate import OFF, Chance, Draw, Fate, fates, nominal_fate
+from tandem.world.randomness import OFF, Chance, Draw, Fate, fates, nominal_fate
 from tandem.world.people import Person, compliant
 from tandem.world.people import crew as crew_of
 from tandem.world.state import legal_of

@@ -9,7 +9,7 @@ import pytest
 from tandem.cell.model import Cell
 from tandem.errors import UsageError
 from tandem.world.arrays import NEVER, Names
-from tandem.world.fate import OFF, Chance, Draw, away_until, fate, fates, nominal_fate, with_rests
+from tandem.world.randomness import OFF, Chance, Draw, away_until, fate, fates, nominal_fate, with_rests
 
 
 def drawn(cell: Cell, chance: Chance, episodes: int = 4000, undo: float | None = None):

@@ -11,9 +11,9 @@ import numpy as np
 
 from tandem.cell.model import Cell
 from tandem.world.arrays import NEVER, Arrays, Names
-from tandem.world.crowd import crowd
+from tandem.world.population import crowd
 from tandem.world.episode import Shift, expected_ends, play_many
-from tandem.world.fate import Chance, Draw
+from tandem.world.randomness import Chance, Draw
 from tandem.world.state import State, advance, assign, is_done, legal, legal_of, may_wait, mounted, out_of_order, reset, to_undo, turn, wait
 
 TIME = {"a": (3, 4), "b": (5, 3), "c": (4, 2)}

@@ -13,9 +13,9 @@ from tests.strategies import cells
 from tandem.cell.model import Cell
 from tandem.schedule.model import Assignment
 from tandem.world.arrays import Arrays, Names
-from tandem.world.crowd import crowd
+from tandem.world.population import crowd
 from tandem.world.episode import Episode, Shift, play_one
-from tandem.world.fate import Chance, Draw, fate
+from tandem.world.randomness import Chance, Draw, fate
 from tandem.world.people import Person, crew
 from tandem.world.state import legal_of
 

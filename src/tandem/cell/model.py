@@ -225,7 +225,7 @@ class Cell(Frozen):
         Raises:
           CellError: with every fault, of form and of fit.
         """
-        from tandem.cell.reading import cell_of
+        from tandem.files.validate import cell_of
 
         return cell_of(data)
 

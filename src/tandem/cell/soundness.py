@@ -10,15 +10,16 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from tandem.cell.clock import a_deadline_can_be_met, breaks_are_apart, exact_planning_can_count_it, numbers_have_few_decimals
-from tandem.cell.cycles import no_task_waits_for_itself
+from tandem.cell.times import a_deadline_can_be_met, breaks_are_apart, exact_planning_can_count_it, numbers_have_few_decimals
+from tandem.cell.precedence import no_task_waits_for_itself
 from tandem.cell.names import Known, difference, twins
 from tandem.cell.slips import slips
 from tandem.cell.written import number
 from tandem.errors import Fault
 
 if TYPE_CHECKING:
-    from tandem.cell.model import Cell, Task
+    from tandem.cell.model import Cell
+    from tandem.cell.parts import Task
 
 Path = tuple[str | int, ...]
 

@@ -15,7 +15,7 @@ from tandem.errors import UsageError
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
     from tandem.explain.explanation import TaskAnswer
-    from tandem.explain.floor import Floor
+    from tandem.explain.bottleneck import Floor
     from tandem.explain.sensitivity import Effect, Sensitivity
     from tandem.plan.result import Front
 
@@ -59,7 +59,7 @@ def explain_command(
 
     Each cost is that of a schedule found by planning anew with the other choice forced.
     """
-    from tandem.cell.files import load
+    from tandem.files.load import load
     from tandem.explain.explanation import explain
 
     check_time(time_limit, workers)
@@ -78,7 +78,7 @@ class Telling:
 
     def __call__(self, answer: Front | Floor | TaskAnswer) -> None:
         from tandem.explain.explanation import TaskAnswer, chosen_point, heading
-        from tandem.explain.floor import Floor, sentences
+        from tandem.explain.bottleneck import Floor, sentences
 
         if isinstance(answer, TaskAnswer):
             lines = answer.sentences()
@@ -128,7 +128,7 @@ def _tell_stale(*names: str) -> None:
 
 
 def _compare_cells(before_file: str, after_file: str, planned: bool, time_limit: float, seed: int, as_json: bool) -> None:
-    from tandem.cell.files import load
+    from tandem.files.load import load
     from tandem.explain.compare import compare_cells
     from tandem.explain.fronts import changes
     from tandem.plan.methods import plan
@@ -212,7 +212,7 @@ def sensitivity_command(
 
     Each change is planned anew, in parallel processes.
     """
-    from tandem.cell.files import load
+    from tandem.files.load import load
     from tandem.draw.saving import PICTURES
     from tandem.explain.sensitivity import sensitivity
 

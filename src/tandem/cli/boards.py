@@ -12,7 +12,7 @@ import click
 from tandem.cli.compiled import needs_jax
 
 if TYPE_CHECKING:
-    from tandem.cell.chessboard import Board
+    from tandem.lab.yu2020.board import Board
 
 PLACE = 7
 """Characters of one place on the board."""
@@ -32,8 +32,8 @@ def board_command(cell_file: str, form: str | None, output: tuple[Path, ...], pr
       tandem generate desk | tandem board - --optimum
       tandem board cell.yaml -o board.svg
     """
-    from tandem.cell.chessboard import Board
-    from tandem.cell.files import load
+    from tandem.lab.yu2020.board import Board
+    from tandem.files.load import load
 
     board = Board.of(load(cell_file, form))
     document: dict[str, Any] = {
@@ -47,7 +47,7 @@ def board_command(cell_file: str, form: str | None, output: tuple[Path, ...], pr
         needs_jax("the optimum of a board")
         document["optimum"] = {name: _proof(board, waiting) for name, waiting in (("no_waiting", False), ("waiting", True))}
     for file in output:
-        from tandem.draw.board import plot_board
+        from tandem.lab.yu2020.board_picture import plot_board
         from tandem.draw.saving import save
 
         save(plot_board(board), file)
@@ -79,7 +79,7 @@ def text_board(board: Board) -> str:
 
 
 def _proof(board: Board, waiting: bool) -> dict[str, Any]:
-    from tandem.envs.chessboard.optimal import optimum
+    from tandem.lab.yu2020.optimal import optimum
 
     began = time.perf_counter()
     found = optimum(board, waiting=waiting)

@@ -10,7 +10,7 @@ import click
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
-    from tandem.cell.chessboard import Board
+    from tandem.lab.yu2020.board import Board
     from tandem.cell.model import Cell
 
 OUTPUT = click.option(
@@ -68,7 +68,7 @@ def chessboard_command(
     height: int, width: int, human: int, joint: int, robot: int, max_time: int, seed: int, output: Path | None, picture: Path | None
 ) -> None:
     """A random board of Yu, Huang, Chang (2020) as a cell; the same numbers give the same board."""
-    from tandem.cell.chessboard import random_board
+    from tandem.lab.yu2020.board import random_board
 
     try:
         board = random_board(height, width, human, joint, robot, max_time, seed=seed)
@@ -83,7 +83,7 @@ def chessboard_command(
 @PICTURE
 def desk_command(output: Path | None, picture: Path | None) -> None:
     """The height-adjustable desk of Yu, Huang, Chang (2020): 53 tasks."""
-    from tandem.cell.chessboard import desk
+    from tandem.lab.yu2020.board import desk
 
     _put(desk().to_cell(), output)
     _draw(desk(), picture)
@@ -101,7 +101,7 @@ def convert_command(cell_file: str, form: str | None, output: Path | None) -> No
       tandem convert k1.fjs -o k1.yaml
       tandem convert instance.alb --format alb
     """
-    from tandem.cell.files import load
+    from tandem.files.load import load
 
     _put(load(cell_file, form), output)
 
@@ -118,7 +118,7 @@ def convert_command(cell_file: str, form: str | None, output: Path | None) -> No
 def schema_command(what: str) -> None:
     """Print the JSON Schema of cell files, for editors that check while you type; or of a shift's events and decisions."""
     if what == "cell":
-        from tandem.cell.schema import schema_text
+        from tandem.files.schema import schema_text
 
         click.echo(schema_text(), nl=False)
     else:
@@ -128,7 +128,7 @@ def schema_command(what: str) -> None:
 
 
 def _put(cell: Cell, output: Path | None) -> None:
-    from tandem.cell.files import dump, dumps
+    from tandem.files.load import dump, dumps
 
     if output is None:
         click.echo(dumps(cell), nl=False)
@@ -139,7 +139,7 @@ def _put(cell: Cell, output: Path | None) -> None:
 
 def _draw(board: Board, picture: Path | None) -> None:
     if picture is not None:
-        from tandem.draw.board import plot_board
+        from tandem.lab.yu2020.board_picture import plot_board
         from tandem.draw.saving import save
 
         click.echo(f"wrote {save(plot_board(board), picture)}", err=True)

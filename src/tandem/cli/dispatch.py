@@ -22,7 +22,7 @@ from tandem.errors import UsageError
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
     from tandem.dispatch.journal import Journal
-    from tandem.dispatch.shift.floor import Floor
+    from tandem.dispatch.shift.simulated import Floor
     from tandem.dispatch.shift.live import Settings, Shift
 
 Show = Callable[["Shift", dict[str, Any]], None]
@@ -107,7 +107,7 @@ def dispatch_command(ctx: click.Context, /, **given: Any) -> int:
 
     An event is {"event": "done", "at": 12.5, "task": "4"}; the manual has them all. Advice, not a safety function.
     """
-    from tandem.cell.files import load
+    from tandem.files.load import load
     from tandem.dispatch.journal import IN_MEMORY, Journal
 
     if given["cell_file"] == "-":
@@ -173,7 +173,7 @@ def _live(shift: Shift, floor: Floor | None, given: dict[str, Any], show: Show, 
 def _settings(given: dict[str, Any]) -> Settings:
     from tandem.dispatch.deciders.policy import Options
     from tandem.dispatch.shift.live import Settings
-    from tandem.dispatch.values.objective import Objective
+    from tandem.dispatch.lookahead.objective import Objective
 
     time_weight, stress_weight = given["weights"]
     options = Options(
@@ -234,8 +234,8 @@ def _stated(value: Any) -> str:
 
 
 def _floor(cell: Cell, given: dict[str, Any]) -> Floor:
-    from tandem.dispatch.shift.floor import Floor
-    from tandem.world.fate import Chance
+    from tandem.dispatch.shift.simulated import Floor
+    from tandem.world.randomness import Chance
 
     chance = Chance(
         spread="lognormal" if given["cv"] or any(_states_spread(task.spread) for task in cell.tasks.values()) else "off",

@@ -10,7 +10,7 @@ import click
 
 from tandem.cli.compiled import needs_jax
 from tandem.errors import UsageError
-from tandem.experiments.systems import SYSTEMS, Experiment, System, system
+from tandem.lab.systems import SYSTEMS, Experiment, System, system
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
 CASE = click.Path(dir_okay=False, path_type=Path)
@@ -83,7 +83,7 @@ def _load(chosen: System) -> Experiment:
 
 
 def _compare(folder: Path, *, quick: bool, stored: bool, seeds: int | None, as_json: bool) -> None:
-    from tandem.experiments.comparison import compare
+    from tandem.lab.comparison import compare
 
     page, document = compare(folder, quick=quick, stored=stored, seeds=seeds, tell=_tell)
     _tell(f"wrote {page}")

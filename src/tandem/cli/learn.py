@@ -15,7 +15,7 @@ from tandem.cli.compiled import keep_compiled, needs_jax
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
-    from tandem.learn.trainer import Progress
+    from tandem.learn.training.trainer import Progress
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
 PICTURE = click.Path(dir_okay=False, path_type=Path)
@@ -68,9 +68,9 @@ def train_command(
     Ctrl-C saves; the exit code is then 130 and --resume goes on to the same end.
     """
     needs_jax("training")
-    from tandem.cell.files import load
-    from tandem.learn import trainer
-    from tandem.learn.recipes import changed, recipe
+    from tandem.files.load import load
+    from tandem.learn.training import trainer
+    from tandem.learn.training.recipes import changed, recipe
 
     if (cell_file is None) == (resume is None):
         raise UsageError("give a CELL to train on, or --resume RUN to go on with a run; one of the two.")
@@ -185,11 +185,11 @@ def evaluate_command(
       tandem evaluate runs/my-run
       tandem evaluate runs/my-run --gantt greedy.svg --curves training.svg
     """
-    from tandem.cell.files import load
+    from tandem.files.load import load
     from tandem.draw.saving import save
 
     keep_compiled()
-    from tandem.learn.evaluate import evaluate
+    from tandem.learn.training.evaluate import evaluate
 
     found = evaluate(run, load(cell_file) if cell_file else None, seed=seed, episodes=episodes, front_limit=front_limit)
     greedy = found.line("greedy")
@@ -200,8 +200,8 @@ def evaluate_command(
 
         save(plot_gantt(found.cell, greedy.schedule), gantt)
     if curves:
-        from tandem.learn.pictures import plot_training
-        from tandem.learn.runs import RunFolder
+        from tandem.learn.training.pictures import plot_training
+        from tandem.learn.training.runs import RunFolder
 
         rows = RunFolder(run).figures()
         if not rows:

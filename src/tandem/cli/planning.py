@@ -111,7 +111,7 @@ def plan_command(
     Ctrl-C ends the search: what was found so far is printed with its bounds and saved (in CELL.interrupted.json when no .json file
     was asked for), and the exit code is 130.
     """
-    from tandem.cell.files import load
+    from tandem.files.load import load
     from tandem.explain.variant import variant
     from tandem.plan.methods import plan
     from tandem.plan.question import Question
@@ -183,7 +183,7 @@ def check_command(cell_file: str, result_file: Path | None, form: str | None, as
 
     A result is stale when it was made for another state of the cell. Exit code 3 when the cell is not sound, 6 when a schedule breaks it.
     """
-    from tandem.cell.files import load
+    from tandem.files.load import load
     from tandem.report.project import schedules_of, stale
     from tandem.schedule.checker import faults
 

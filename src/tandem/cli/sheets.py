@@ -11,7 +11,7 @@ import click
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
-    from tandem.cell.spreadsheet.reading import Draft
+    from tandem.files.spreadsheet.draft import Draft
 
 TITLES = {"column": "Columns not read", "row": "Rows not read", "sheet": "Sheets not read", "cannot": "Who cannot do what", "assumed": "Assumed"}
 
@@ -42,8 +42,8 @@ def import_command(
       tandem import tasks.xlsx --preview
       tandem import tasks.xlsx -o cell.yaml --human Anna --robot "Station 2"
     """
-    from tandem.cell.files import dump, dumps
-    from tandem.cell.spreadsheet.reading import read_workbook
+    from tandem.files.load import dump, dumps
+    from tandem.files.spreadsheet.draft import read_workbook
 
     if output is not None and output.exists() and not force and not preview:
         raise UsageError(f"{output} exists already. Give --force to replace it, or another name.")
@@ -76,7 +76,7 @@ def template_command(cell_file: Path | None, output: Path, lang: Any, force: boo
       tandem template -o tasks.xlsx --lang de
       tandem template cell.yaml -o tasks.xlsx
     """
-    from tandem.cell.spreadsheet.template import export_cell, write_template
+    from tandem.files.spreadsheet.template import export_cell, write_template
 
     if output.suffix.lower() != ".xlsx":
         raise UsageError(f"-o {output}: a template is an .xlsx workbook. Write -o {output.with_suffix('.xlsx')}.")
@@ -85,7 +85,7 @@ def template_command(cell_file: Path | None, output: Path, lang: Any, force: boo
     if cell_file is None:
         write_template(output, lang=lang)
     else:
-        from tandem.cell.files import load
+        from tandem.files.load import load
 
         for sentence in export_cell(load(cell_file), output, lang=lang):
             click.echo(f"not kept in the workbook: {sentence}", err=True)

@@ -99,10 +99,10 @@ def simulate_command(
       tandem simulate cell.yaml --policy fixed,replan-robust --people pace:1.5
       tandem simulate cell.yaml --policy expected,fixed --people random:0.1,random:0.5,random:1 --chart regret.svg
     """
-    from tandem.cell.files import load
+    from tandem.files.load import load
 
     needs_jax("simulating many episodes")
-    from tandem.dispatch.judge.trial import judge, split_people
+    from tandem.dispatch.evaluation.trial import judge, split_people
 
     cell = load(cell_file, form)
     if chart is not None and chart.suffix.lower() not in (".svg", ".png", ".pdf"):
@@ -113,7 +113,7 @@ def simulate_command(
         _tell(remark)
     document: Any = documents[0] if len(documents) == 1 else documents
     if output is not None:
-        from tandem.cell.storing import store
+        from tandem.files.atomic import store
 
         store(output, json.dumps(document, indent=1, ensure_ascii=False) + "\n")
         _tell(f"wrote {output}")
@@ -144,9 +144,9 @@ def _remarks(document: dict[str, Any]) -> Iterator[str]:
 
 def _trial(policies: tuple[str, ...], people: tuple[str, ...], given: dict[str, Any]) -> Any:
     from tandem.dispatch.deciders.policy import Options
-    from tandem.dispatch.judge.trial import Trial
-    from tandem.dispatch.values.objective import Objective
-    from tandem.world.fate import Chance
+    from tandem.dispatch.evaluation.trial import Trial
+    from tandem.dispatch.lookahead.objective import Objective
+    from tandem.world.randomness import Chance
 
     prior = {} if given["prior"] is None else {"prior": given["prior"]}
     return Trial(

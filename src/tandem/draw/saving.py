@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tandem.cell.storing import store
+from tandem.files.atomic import store
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:

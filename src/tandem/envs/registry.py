@@ -14,18 +14,18 @@ if TYPE_CHECKING:
     from pettingzoo import ParallelEnv
 
 PARALLEL = {
-    "duo": "tandem.envs.duo.parallel:DuoParallel",
-    "chessboard": "tandem.envs.chessboard.parallel:ChessboardParallel",
-    "thesis": "tandem.envs.thesis.parallel:ThesisParallel",
-    "events": "tandem.envs.events.parallel:EventsParallel",
-    "grid": "tandem.envs.grid.parallel:GridParallel",
+    "duo": "tandem.lab.zhang2022.parallel:DuoParallel",
+    "chessboard": "tandem.lab.yu2020.parallel:ChessboardParallel",
+    "thesis": "tandem.lab.kinat2023.parallel:ThesisParallel",
+    "events": "tandem.envs.parallel:EventsParallel",
+    "grid": "tandem.lab.alessio2022.parallel:GridParallel",
 }
 """Name -> the PettingZoo face, `module:class`."""
 
 SINGLE = {
-    "tandem/Thesis-v0": "tandem.envs.thesis.single:ThesisEnv",
-    "tandem/RobotBesideHuman-v0": "tandem.envs.events.single:RobotBesideHuman",
-    "tandem/Repair-v0": "tandem.envs.repair.single:RepairEnv",
+    "tandem/Thesis-v0": "tandem.lab.kinat2023.single:ThesisEnv",
+    "tandem/RobotBesideHuman-v0": "tandem.envs.single:RobotBesideHuman",
+    "tandem/Repair-v0": "tandem.lab.antonelli2021.single:RepairEnv",
 }
 """Gymnasium id -> the single-agent face, `module:class`."""
 

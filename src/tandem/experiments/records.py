@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import ConfigDict, ValidationError
 
-from tandem.cell.storing import store
+from tandem.files.atomic import store
 from tandem.errors import CellError, Fault
 from tandem.learn.forms import Form, complaints
 
@@ -31,7 +31,7 @@ def stored_document(name: str) -> dict[str, Any]:
 
     Raises CellError when this copy of the package has none, or a damaged one.
     """
-    file = resources.files("tandem.experiments") / "results" / f"{name}.json"
+    file = resources.files("tandem.lab") / "results" / f"{name}.json"
     if not file.is_file():
         raise CellError([Fault(f"the stored result is not there; run `tandem reproduce {name}`.", (), str(file))])
     document: dict[str, Any] = _read(file, f"Install Tandem anew, or run `tandem reproduce {name}`.")

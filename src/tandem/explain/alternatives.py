@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from tandem.cell.model import Cell, Mode, plain
+from tandem.cell.model import Cell, plain
+from tandem.cell.parts import Mode
 from tandem.cell.written import number, signed
 from tandem.errors import CellError, InfeasibleError, NothingFoundError
 from tandem.explain.variant import force_modes
 from tandem.plan import exact
-from tandem.plan.decode import Layout, append_in_order
+from tandem.plan.list_scheduling import Layout, append_in_order
 from tandem.plan.instance import Instance
 from tandem.plan.question import Question
 from tandem.plan.result import Result, Status

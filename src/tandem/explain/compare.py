@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tandem.cell.model import Cell, plain
-from tandem.cell.pretty import flow
+from tandem.files.yaml_writer import flow
 from tandem.cell.written import number
 from tandem.schedule.measures import exact
 from tandem.schedule.model import Assignment, Schedule

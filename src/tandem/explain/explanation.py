@@ -14,7 +14,7 @@ from tandem.cell.names import Known, clean
 from tandem.cell.written import number
 from tandem.errors import UsageError
 from tandem.explain.alternatives import EVERYTHING, Alternative, alternative, sentence
-from tandem.explain.floor import Floor, floor, listed
+from tandem.explain.bottleneck import Floor, floor, listed
 from tandem.explain.variant import ways_not_taken
 from tandem.explain.waiting import Waiting, waiting
 from tandem.plan.methods import plan

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from time import monotonic
 from typing import Any
 
-from tandem.cell.model import Cell, Table, plain
+from tandem.cell.model import Cell, plain
+from tandem.cell.parts import Table
 from tandem.errors import CellError, InfeasibleError, NothingFoundError, UsageError
 from tandem.explain.alternatives import rearranged
 from tandem.explain.fronts import Point, area, reference

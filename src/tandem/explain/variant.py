@@ -6,10 +6,11 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from tandem.cell.model import Cell, Mode, Table, Task, plain
+from tandem.cell.model import Cell, plain
+from tandem.cell.parts import Mode, Table, Task
 from tandem.cell.names import Known, clean
-from tandem.cell.pretty import flow
-from tandem.cell.reading import cell_of
+from tandem.files.yaml_writer import flow
+from tandem.files.validate import cell_of
 from tandem.errors import UsageError
 from tandem.schedule.measures import exact
 

@@ -1,7 +1,8 @@
 """Policies from experience: PPO, deep Q-learning, self-play with a search, best responses to people; their recipes, runs and players without JAX."""
 
-from tandem.learn.agents import PPO
+from tandem.learn.training.agents import PPO
 from tandem.learn.policy import Policy
-from tandem.learn.recipes import RECIPES, Recipe
+from tandem.learn.training.recipes import RECIPES
+from tandem.learn.ppo.recipes import Recipe
 
 __all__ = ["PPO", "RECIPES", "Policy", "Recipe"]

@@ -10,7 +10,7 @@ from typing import Any, TypeVar, get_args, get_type_hints
 from pydantic import AfterValidator, BaseModel, ConfigDict, ValidationError
 
 from tandem.cell.names import Known
-from tandem.cell.wording import shown
+from tandem.files.messages import shown
 from tandem.errors import CellError, Fault, UsageError
 
 STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 from pydantic import TypeAdapter, ValidationError
 
 from tandem.cell.names import Known
-from tandem.cell.wording import shown
+from tandem.files.messages import shown
 from tandem.learn.forms import SettingsError, complaints
 
 LARGEST = 2**31 - 1

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from tandem.cell.storing import store
+from tandem.files.atomic import store
 from tandem.learn.forms import Form, parsed, unreadable
 
 Array = np.ndarray[Any, Any]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple, Protocol, Self
 
-from tandem.learn.config import StageValues
+from tandem.learn.ppo.config import StageValues
 
 Array = Any
 State = Any

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from heapq import heapify, heappop, heappush
 
-from tandem.plan.decode import Layout
+from tandem.plan.list_scheduling import Layout
 
 
 def least_makespan(layout: Layout) -> int:

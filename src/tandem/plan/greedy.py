@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from heapq import heapify, heappop, heappush
 
-from tandem.plan.decode import Layout, State, Step
+from tandem.plan.list_scheduling import Layout, State, Step
 
 Score = Callable[[int, Step], float]
 """`(end in ticks, step) -> how unwelcome it is`: of a task's steps the one with the least is taken."""

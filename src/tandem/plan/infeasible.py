@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 from time import monotonic
 from typing import Any
 
-from tandem.cell.model import Cell, Tool, Zone
+from tandem.cell.model import Cell
+from tandem.cell.parts import Tool, Zone
 from tandem.cell.written import number
 from tandem.errors import CellError, InfeasibleError, NothingFoundError
 from tandem.plan import exact

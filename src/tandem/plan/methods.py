@@ -9,9 +9,10 @@ from typing import Any
 
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault, InfeasibleError, UsageError
-from tandem.plan import exact, exhaustive
+from tandem.plan import exact, dynamic_programming
 from tandem.plan.infeasible import reasons
-from tandem.plan.question import Method, Progress, Question
+from tandem.plan.method import Method, Progress
+from tandem.plan.question import Question
 from tandem.plan.result import Front
 from tandem.plan.rules import RULES, SPECS
 from tandem.schedule.model import Schedule
@@ -30,7 +31,7 @@ class Entry:
 
 METHODS: dict[str, Entry] = {
     "exact": Entry("CP-SAT beside large-neighbourhood search: the complete front with proof", exact.solve),
-    "exhaustive": Entry("dynamic programming, no constraint solver: the complete front of small cells with proof", exhaustive.solve),
+    "exhaustive": Entry("dynamic programming, no constraint solver: the complete front of small cells with proof", dynamic_programming.solve),
     **{name: Entry(SPECS[name].what, solve) for name, solve in RULES.items()},
 }
 """Name -> method. A new one is a file and a line here."""

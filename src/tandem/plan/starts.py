@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from random import Random
 
-from tandem.plan.decode import Layout, Step, append_in_order
+from tandem.plan.list_scheduling import Layout, Step, append_in_order
 from tandem.plan.instance import Instance
 from tandem.plan.rules import SPECS, build
 

@@ -30,7 +30,7 @@ from queue import SimpleQueue
 
 from tandem.plan.archive import Archive, Gap
 from tandem.plan.door import Door
-from tandem.plan.race import Effort, Goal, Inbox, Race, hear
+from tandem.plan.portfolio import Effort, Goal, Inbox, Race, hear
 
 FIRST_WORK = 0.25
 """CP-SAT's deterministic seconds for each question of the first round."""

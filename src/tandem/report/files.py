@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from tandem.cell.storing import store
+from tandem.files.atomic import store
 from tandem.cell.written import number
 from tandem.draw.saving import save
 from tandem.draw.style import task_label

@@ -10,7 +10,7 @@ from importlib import resources
 from pathlib import Path
 
 from tandem.cell.model import Cell
-from tandem.cell.storing import store
+from tandem.files.atomic import store
 from tandem.draw.style import Look, looks
 from tandem.plan.result import Front, Result, Status
 from tandem.report.instruction_sheet import sheets

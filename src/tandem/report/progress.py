@@ -9,7 +9,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Self, TextIO
 
 from tandem.cell.written import number, seconds, share
-from tandem.plan.question import Progress
+from tandem.plan.method import Progress
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -10,7 +10,7 @@ from math import ceil
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
-from tandem.cell.spreadsheet.template import to_workbook, workbook_bytes
+from tandem.files.spreadsheet.template import to_workbook, workbook_bytes
 from tandem.draw.style import contrast, looks, task_label
 from tandem.plan.result import Front, Result
 from tandem.report.instructions import rules, times, turns

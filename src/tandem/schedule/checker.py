@@ -14,7 +14,8 @@ from math import isfinite, nan
 from operator import attrgetter
 from typing import NamedTuple
 
-from tandem.cell.model import Cell, Mode
+from tandem.cell.model import Cell
+from tandem.cell.parts import Mode
 from tandem.schedule.measures import changeover_times, exact, mode_of, stress_of_tasks, unlisted_set
 from tandem.schedule.model import Assignment, Schedule
 

@@ -9,7 +9,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 
-from tandem.cell.model import Cell, Mode
+from tandem.cell.model import Cell
+from tandem.cell.parts import Mode
 from tandem.cell.written import number
 from tandem.errors import UnsoundScheduleError
 from tandem.schedule.model import Assignment, Schedule

@@ -15,9 +15,10 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from tandem.cell.model import Cell, Mode
+from tandem.cell.model import Cell
+from tandem.cell.parts import Mode
 from tandem.errors import CellError, Fault, UsageError
-from tandem.plan.decode import Layout
+from tandem.plan.list_scheduling import Layout
 from tandem.plan.instance import Instance
 from tandem.schedule.model import Assignment, Schedule
 

@@ -16,12 +16,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from tandem.cell import yaml_text
-from tandem.cell.marked import Document
+from tandem.files import yaml_reader
+from tandem.files.positions import Document
 from tandem.cell.names import Known
 from tandem.errors import CellError, Fault, UsageError
 from tandem.world.arrays import Names
-from tandem.world.crowd import Group, traits
+from tandem.world.behaviour import Group, traits
 
 PARTS = ("train", "held_out")
 """The two parts of a population; nobody may be in both."""
@@ -49,7 +49,7 @@ def load(path: str, names: Names) -> dict[str, tuple[Group, ...]]:
         raise CellError([Fault("a population file has at most a million characters.", (), path)])
     if not text.strip():
         raise CellError([Fault("the file is empty. A population file has `train` and `held_out`.", (), path)])
-    return read(yaml_text.read(text, path), names)
+    return read(yaml_reader.read(text, path), names)
 
 
 def read(document: Document, names: Names) -> dict[str, tuple[Group, ...]]:

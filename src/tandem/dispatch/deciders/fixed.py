@@ -9,12 +9,12 @@ from time import perf_counter
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Basis, Decision, Options, Start
 from tandem.dispatch.deciders.reply import reply
-from tandem.dispatch.deciders.seen import Models, numbered, position
-from tandem.dispatch.situation.after import beginning
+from tandem.dispatch.deciders.beliefs import Models, numbered, position
+from tandem.dispatch.situation.transitions import beginning
 from tandem.dispatch.situation.legal import legal, next_change
 from tandem.dispatch.situation.model import Situation
-from tandem.dispatch.values.moves import Moves
-from tandem.dispatch.values.objective import Objective
+from tandem.dispatch.lookahead.transitions import Moves
+from tandem.dispatch.lookahead.objective import Objective
 from tandem.plan.methods import plan
 from tandem.plan.result import Result
 

@@ -12,15 +12,15 @@ import numpy as np
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Decision, Options
 from tandem.dispatch.deciders.reply import Ranked, reply
-from tandem.dispatch.deciders.seen import Models, allowed, position
+from tandem.dispatch.deciders.beliefs import Models, allowed, position
 from tandem.dispatch.situation.model import Situation
-from tandem.dispatch.values.moves import Moves
-from tandem.dispatch.values.objective import Objective
+from tandem.dispatch.lookahead.transitions import Moves
+from tandem.dispatch.lookahead.objective import Objective
 from tandem.errors import CellError, Fault, UsageError
 from tandem.learn.policy import Policy
-from tandem.learn.response import sight
-from tandem.learn.response.decider import worth
-from tandem.learn.runs import RunFolder
+from tandem.learn.ppo import observation
+from tandem.learn.ppo.decider import worth
+from tandem.learn.training.runs import RunFolder
 from tandem.world import state as world
 from tandem.world.arrays import NEVER, Arrays, Names
 from tandem.world.state import State
@@ -51,7 +51,7 @@ def learned(cell: Cell, objective: Objective, options: Options) -> Learned:
         raise UsageError(f"{path}: was trained on {policy.notes.get('cell') or 'another cell'!r} as it was then; train it anew on this cell.")
     names = Names.of(cell)
     arrays = names.arrays(undo=1.0)
-    size, choices = sight.observation_size(arrays), len(names.ways) + 1
+    size, choices = observation.observation_size(arrays), len(names.ways) + 1
     if policy.shared or (len(policy.agents), policy.observation_size, policy.actions) != (1, size, choices):
         raise CellError(
             [

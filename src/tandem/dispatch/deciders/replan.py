@@ -19,13 +19,13 @@ from tandem.cell.model import Cell
 from tandem.dispatch.deciders.by_rule import ByRule
 from tandem.dispatch.deciders.policy import Decision, Options
 from tandem.dispatch.deciders.reply import reply
-from tandem.dispatch.deciders.seen import Models, allowed, cost_so_far, position
+from tandem.dispatch.deciders.beliefs import Models, allowed, cost_so_far, position
 from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.situation.pace import Pace, estimates
-from tandem.dispatch.values.moves import Moves, Position
-from tandem.dispatch.values.objective import Objective
-from tandem.dispatch.values.rest import Plan, build, rest, solve
-from tandem.dispatch.values.search import OutOfTimeError, Search
+from tandem.dispatch.lookahead.transitions import Moves, Position
+from tandem.dispatch.lookahead.objective import Objective
+from tandem.dispatch.lookahead.residual import Plan, build, rest, solve
+from tandem.dispatch.lookahead.branch_and_bound import OutOfTimeError, Search
 
 TIE = 1e-6
 """Costs closer than this are equal."""

@@ -8,7 +8,7 @@ from importlib import import_module
 from tandem.cell.model import Cell
 from tandem.cell.names import Known
 from tandem.dispatch.deciders.policy import Options, Policy
-from tandem.dispatch.values.objective import SECONDS, Objective
+from tandem.dispatch.lookahead.objective import SECONDS, Objective
 from tandem.errors import UsageError
 from tandem.plan.rules import SPECS
 

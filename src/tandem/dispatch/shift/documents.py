@@ -11,8 +11,8 @@ from typing import Any
 
 from tandem.dispatch.deciders.policy import Decision, Start
 from tandem.dispatch.journal import Entry
-from tandem.dispatch.shift.in_time import Answered
-from tandem.dispatch.situation.after import ordered, revoked
+from tandem.dispatch.shift.deadline import Answered
+from tandem.dispatch.situation.transitions import ordered, revoked
 from tandem.dispatch.situation.events import Event
 from tandem.dispatch.situation.legal import hindrances, is_ready, legal, next_change
 from tandem.dispatch.situation.model import Situation

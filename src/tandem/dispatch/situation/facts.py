@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from tandem.cell.model import Cell, Mode
-from tandem.plan.decode import Layout
+from tandem.cell.model import Cell
+from tandem.cell.parts import Mode
+from tandem.plan.list_scheduling import Layout
 from tandem.plan.instance import Instance
 
 

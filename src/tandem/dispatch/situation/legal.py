@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from tandem.cell.model import Mode
+from tandem.cell.parts import Mode
 from tandem.dispatch.situation.model import Situation, exact, mode
 
 

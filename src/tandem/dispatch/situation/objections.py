@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
-from tandem.dispatch.situation.after import task_of
+from tandem.dispatch.situation.transitions import task_of
 from tandem.dispatch.situation.events import Event
 from tandem.dispatch.situation.legal import hindrances, is_ready
 from tandem.dispatch.situation.model import Situation, mode

@@ -19,10 +19,10 @@ import jax
 import jax.numpy as jnp
 from pydantic import ConfigDict
 
-from tandem.learn.config import MOST_UNITS
-from tandem.learn.features import MOVE_FEATURES, WHOLE_FEATURES
+from tandem.learn.ppo.config import MOST_UNITS
+from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES
 from tandem.learn.forms import STRICT
-from tandem.learn.game import Game, Look, State
+from tandem.learn.env import Game, Look, State
 from tandem.learn.networks import Network, forward, init
 from tandem.learn.settings import counts, must_hold
 

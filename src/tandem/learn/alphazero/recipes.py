@@ -8,7 +8,8 @@ from typing import Any, ClassVar
 
 from pydantic import ConfigDict
 
-from tandem.learn.alphazero.config import MOST_SIMULATIONS, Config, Search, YuConfig
+from tandem.learn.alphazero.config import MOST_SIMULATIONS, Config, Search
+from tandem.lab.yu2020.config import YuConfig
 from tandem.learn.forms import STRICT
 from tandem.learn.settings import counts, must_hold
 

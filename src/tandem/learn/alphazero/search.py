@@ -18,7 +18,7 @@ import mctx
 
 from tandem.learn.alphazero.config import Search
 from tandem.learn.alphazero.network import IMPOSSIBLE, Judge, Parameters, opinion
-from tandem.learn.game import Game, State
+from tandem.learn.env import Game, State
 
 Array = Any
 

@@ -11,11 +11,12 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from tandem.learn.alphazero.config import Search, Wander, YuSearch
+from tandem.learn.alphazero.config import Search, Wander
+from tandem.lab.yu2020.config import YuSearch
 from tandem.learn.alphazero.network import Judge, Parameters, liked
 from tandem.learn.alphazero.search import Found, search
-from tandem.learn.alphazero.yu_search import yu_search
-from tandem.learn.game import Game, State
+from tandem.lab.yu2020.search import yu_search
+from tandem.learn.env import Game, State
 
 Array = Any
 Looking = Search | YuSearch | Wander

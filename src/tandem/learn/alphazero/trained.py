@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from tandem.learn.alphazero.network import Judge, Parameters, Scorer
-from tandem.learn.alphazero.yu_network import YuNetworks
+from tandem.lab.yu2020.network import YuNetworks
 from tandem.learn.dqn.network import ValueNetworks
 from tandem.learn.forms import Form, SettingsError, key_of, unreadable
 from tandem.learn.settings import read

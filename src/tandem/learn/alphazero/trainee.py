@@ -12,15 +12,15 @@ import jax.numpy as jnp
 import numpy as np
 
 from tandem.cell.model import Cell
-from tandem.learn.algorithms import Row
+from tandem.learn.algorithm import Row
 from tandem.learn.alphazero import training
 from tandem.learn.alphazero.config import Config, Search
 from tandem.learn.alphazero.recipes import SearchRecipe
 from tandem.learn.alphazero.trained import Trained
-from tandem.learn.game import Game, stacked
-from tandem.learn.reached import Reached
-from tandem.learn.trainer import Order
-from tandem.learn.turns import alone, game_of, paid, play, told
+from tandem.learn.env import Game, stacked
+from tandem.learn.results import Reached
+from tandem.learn.algorithm import Order
+from tandem.learn.rollout import alone, game_of, paid, play, told
 
 MOST_SEARCHED = 16
 """Searched games of `tandem evaluate`, however many episodes are asked for."""

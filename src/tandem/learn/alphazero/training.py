@@ -15,7 +15,7 @@ import optax
 from tandem.learn.alphazero.config import Config
 from tandem.learn.alphazero.network import Judge, Parameters, Scorer
 from tandem.learn.alphazero.selfplay import Experience, Played, selfplay, shown
-from tandem.learn.game import Game
+from tandem.learn.env import Game
 from tandem.learn.networks import masked_log_softmax
 
 Array = Any

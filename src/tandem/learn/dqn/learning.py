@@ -18,7 +18,7 @@ import optax
 
 from tandem.learn.dqn.config import Config
 from tandem.learn.dqn.network import ValueNetworks
-from tandem.learn.game import Game, State, many
+from tandem.learn.env import Game, State, many
 
 Array = Any
 

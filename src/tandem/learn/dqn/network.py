@@ -11,9 +11,9 @@ import jax.numpy as jnp
 from pydantic import ConfigDict
 
 from tandem.learn.alphazero.network import Opinion, Scorer
-from tandem.learn.config import MOST_UNITS
+from tandem.learn.ppo.config import MOST_UNITS
 from tandem.learn.forms import STRICT
-from tandem.learn.game import Look
+from tandem.learn.env import Look
 from tandem.learn.settings import counts, must_hold
 
 Array = Any

@@ -11,16 +11,16 @@ import jax.numpy as jnp
 import numpy as np
 
 from tandem.cell.model import Cell
-from tandem.learn.algorithms import Row
+from tandem.learn.algorithm import Row
 from tandem.learn.alphazero.config import Wander
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.dqn import learning
 from tandem.learn.dqn.config import Config
 from tandem.learn.dqn.recipes import ValueRecipe
-from tandem.learn.game import Game
-from tandem.learn.reached import Reached
-from tandem.learn.trainer import Order
-from tandem.learn.turns import alone, game_of, paid, play, told
+from tandem.learn.env import Game
+from tandem.learn.results import Reached
+from tandem.learn.algorithm import Order
+from tandem.learn.rollout import alone, game_of, paid, play, told
 
 INTERVALS = 30
 """Figures of a training."""

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from pydantic import ConfigDict
 
-from tandem.learn.config import Config, Stage
+from tandem.learn.ppo.config import Config, Stage
 from tandem.learn.forms import STRICT
 from tandem.learn.settings import must_hold
 
@@ -19,7 +19,7 @@ class ResponseRecipe:
 
     Attributes:
       config: of PPO.
-      people: beside whom, as `tandem.world.crowd` reads it. Of a population file the training part.
+      people: beside whom, as `tandem.world.behaviour` reads it. Of a population file the training part.
     """
 
     config: Config

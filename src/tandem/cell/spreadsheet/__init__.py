@@ -1,6 +1,0 @@
-"""Planners' workbooks: read with every doubt placed in its sheet and cell, and written as a template to fill."""
-
-from tandem.cell.spreadsheet.findings import Note
-from tandem.cell.spreadsheet.reading import Draft, import_cell, read_workbook
-
-__all__ = ["Draft", "Note", "import_cell", "read_workbook"]

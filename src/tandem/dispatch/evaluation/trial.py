@@ -1,0 +1,237 @@
+"""The judge: deciders beside people, many episodes, the same chances for all of them.
+
+Every decider meets the same episodes (common random numbers), so differences between deciders are known far better than their means.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from tandem.cell.model import Cell, plain
+from tandem.cell.names import Known
+from tandem.dispatch.deciders.memory import settled_memory
+from tandem.dispatch.deciders.policy import Basis, Options, Policy, basis_of
+from tandem.dispatch.deciders.table import POLICIES, policy
+from tandem.dispatch.evaluation.best_response import optimum
+from tandem.dispatch.evaluation.batch import Outcome, Stage
+from tandem.dispatch.lookahead.objective import SECONDS, Objective
+from tandem.errors import CellError, TandemError, UsageError
+from tandem.world.arrays import Names
+from tandem.world.population import Crowd, crowd
+from tandem.world.randomness import OFF, Chance, Draw
+from tandem.world.people import Person
+
+MOST_PERSONS = 64
+"""A crowd of more different people gets no exact optimum: it would be one dynamic programme for each."""
+Z = 1.96
+"""Half the width of a 95 % interval in standard errors."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What is to be judged.
+
+    Attributes:
+      policies: names of deciders; the first one is what the others are compared with.
+      people: one or more descriptions, each judged by itself.
+      episodes: per description and decider. `seed`: of chance, and of who is drawn from a crowd.
+      objective, chance, options: see there. Where all people of a description pick at random alike, `expected` is told how often.
+      fewer: decider -> its own, smaller number of episodes, for those who take long; they are compared over these.
+    """
+
+    policies: tuple[str, ...]
+    people: tuple[str, ...] = ("compliant",)
+    episodes: int = 1000
+    seed: int = 0
+    objective: Objective = SECONDS
+    chance: Chance = OFF
+    options: Options = field(default_factory=Options)
+    fewer: dict[str, int] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not self.policies or not self.people:
+            raise UsageError("name at least one policy and one kind of people.")
+        if doubled := {name for name in self.policies if self.policies.count(name) > 1}:
+            raise UsageError(f"policy {', '.join(sorted(doubled))}: named twice. Name each once.")
+        known = Known(POLICIES)
+        if unknown := [name for name in self.policies if name not in known]:
+            faults = " ".join(f"There is no policy {name!r}. {known.hint(name)}" for name in unknown)
+            raise UsageError(f"{faults} `tandem policies` lists them.")
+        if min([self.episodes, *self.fewer.values()]) < 2:
+            raise UsageError(f"episodes {self.episodes}: an interval needs 2 at least.")
+
+
+class NobodyLeftError(TandemError):
+    """No decider of a trial can hold the cell. Ends as the first of them would have."""
+
+    def __init__(self, causes: Mapping[str, TandemError]):
+        self.exit_code = next(iter(causes.values())).exit_code
+        super().__init__("\n".join(f"- {name}: {_reason(name, error)}" for name, error in causes.items()))
+
+
+def judge(cell: Cell, trial: Trial, tell: Callable[[str], None] = lambda _: None) -> list[dict[str, Any]]:
+    """One document for each description of people; see `docs/dispatch.md` for what stands in it.
+
+    A decider that cannot hold the cell is left out, and the document says why.
+
+    Raises:
+      UsageError: an unknown decider or description.
+      CellError: the cell is too large to be simulated.
+      NobodyLeftError: all deciders were left out.
+    """
+    names = Names.of(cell)
+    crowds = [crowd(spec, names, names.arrays()) for spec in trial.people]
+    made: dict[tuple[str, float], Policy] = {}
+    return [_document(cell, names, trial, one, made, tell) for one in crowds]
+
+
+def _document(
+    cell: Cell, names: Names, trial: Trial, people: Crowd, made: dict[tuple[str, float], Policy], tell: Callable[[str], None]
+) -> dict[str, Any]:
+    arrays = names.arrays(undo=trial.chance.undo if people.makes_mistakes else None)
+    draw = Draw.of(names, arrays, trial.chance)
+    persons = people.draw(np.random.default_rng(trial.seed), trial.episodes)
+    best = best_of(cell, trial, persons)
+    stage = Stage.of(names, arrays, draw, persons, trial.seed)
+    told = replace(trial.options, random=float(persons.random[0]) if np.ptp(persons.random) == 0 else trial.options.random)
+    costs: dict[str, Any] = {}
+    rows, left_out = [], dict[str, TandemError]()
+    for name in trial.policies:
+        tell(f"{people.spec}: {name}")
+        count = min(trial.episodes, trial.fewer.get(name, trial.episodes))
+        key = (name, told.random if name == "expected" else 0.0)
+        try:
+            if key not in made:
+                made[key] = policy(name, cell, trial.objective, told)
+            with settled_memory() as settle:
+                found = stage.play(made[key], count, between=settle)
+        except TandemError as error:
+            left_out[name] = error
+            continue
+        costs[name] = trial.objective.time * found.makespan + trial.objective.stress * found.stress
+        row = _row(name, found, costs, None if best is None else best[:count])
+        rows.append(row | _planned(basis_of(made[key])))
+    if not rows:
+        raise next(iter(left_out.values())) if len(left_out) == 1 else NobodyLeftError(left_out)
+    return {
+        "schema_version": 1,
+        "cell": cell.name,
+        "cell_digest": cell.digest,
+        "people": people.spec,
+        "episodes": trial.episodes,
+        "seed": trial.seed,
+        "weights": [plain(trial.objective.time), plain(trial.objective.stress)],
+        "spread": trial.chance.spread,
+        "optimum": None if best is None else _rounded(best.mean()),
+        "compared_with": rows[0]["policy"],
+        "policies": rows,
+        "left_out": [{"policy": name, "reason": _reason(name, error)} for name, error in left_out.items()],
+    }
+
+
+def _reason(name: str, error: TandemError) -> str:
+    """Why the decider cannot take part, in one line; it is named elsewhere."""
+    said = "; ".join(map(str, error.faults)) if isinstance(error, CellError) else " ".join(str(error).split("\n"))
+    return said.removeprefix(f"{name}: ")
+
+
+def _planned(basis: Basis | None) -> dict[str, Any]:
+    """What is said of the plan that a decider carries out, as in a plan's own document; nothing of who has none."""
+    if basis is None:
+        return {}
+    return {
+        "plan": {
+            "makespan": plain(basis.makespan),
+            "stress": plain(basis.stress),
+            "status": "optimal" if basis.proven else "feasible",
+            "bound": {"makespan": plain(basis.least_makespan), "stress": plain(basis.least_stress)},
+        }
+    }
+
+
+def best_of(cell: Cell, trial: Trial, persons: Person) -> Any:
+    """`[E]`, per episode the exact optimum beside its person; None where it cannot be computed."""
+    if trial.chance.spread != "off" or trial.chance.failure_s is not None or trial.chance.absence_s is not None:
+        return None
+    rows = np.concatenate([np.asarray(part, np.float64).reshape(len(persons.pace), -1) for part in persons], axis=1)
+    distinct, which = np.unique(rows, axis=0, return_inverse=True)
+    if len(distinct) > MOST_PERSONS:
+        return None
+    found = []
+    for number in range(len(distinct)):
+        first = int(np.flatnonzero(which == number)[0])
+        found.append(optimum(cell, trial.objective, Person(*(part[first] for part in persons))))
+    return None if any(one is None for one in found) else np.array(found, float)[which]
+
+
+def _row(name: str, found: Outcome, costs: Mapping[str, Any], best: Any) -> dict[str, Any]:
+    """What is said of one decider. `costs`: of all so far; it is compared with the first."""
+    cost, compared_with = costs[name], next(iter(costs))
+    row: dict[str, Any] = {
+        "policy": name,
+        "episodes": len(cost),
+        "done": _rounded(found.done.mean()),
+        "makespan": _measure(found.makespan),
+        "stress": _measure(found.stress),
+        "changes": _rounded(found.changes.mean()),
+        "latency_ms": {"p50": _quantile(found.latency_ms, 0.5), "p99": _quantile(found.latency_ms, 0.99), "decisions": len(found.latency_ms)},
+        "regret": None,
+        "regret_ci95": None,
+        "regret_share": None,
+        "proximity": None,
+    }
+    if best is not None:
+        mean = best.mean()
+        low, high = _interval(cost - best)
+        row |= {
+            "regret": _rounded((cost - best).mean()),
+            "regret_ci95": [_rounded(low), _rounded(high)],
+            "regret_share": _rounded((cost - best).mean() / mean, 5),
+            "proximity": _rounded(mean / cost.mean(), 5),
+        }
+    if name != compared_with:
+        count = min(len(cost), len(costs[compared_with]))
+        difference = cost[:count] - costs[compared_with][:count]
+        row["difference"] = {"mean": _rounded(difference.mean()), "ci95": [_rounded(edge) for edge in _interval(difference)]}
+    return row
+
+
+def _measure(values: Any) -> dict[str, Any]:
+    quantiles = {f"p{round(100 * share)}": _quantile(values, share) for share in (0.05, 0.25, 0.5, 0.75, 0.95)}
+    return {"mean": _rounded(values.mean()), "ci95": [_rounded(edge) for edge in _interval(values)], **quantiles}
+
+
+def _interval(values: Any) -> tuple[float, float]:
+    """95 % interval of the mean, by the normal approximation."""
+    half = Z * float(np.std(values, ddof=1)) / len(values) ** 0.5
+    return float(values.mean()) - half, float(values.mean()) + half
+
+
+def _quantile(values: Any, share: float) -> float | None:
+    return _rounded(float(np.quantile(values, share))) if len(values) else None
+
+
+def _rounded(value: float, digits: int = 4) -> float:
+    return plain(round(float(value), digits))
+
+
+def split_people(text: Sequence[str]) -> tuple[str, ...]:
+    """Descriptions of people from the command line: several options, or one with commas. A comma within a description stays in it.
+
+    `("compliant,prefers:3,1",)` -> `("compliant", "prefers:3,1")`.
+    """
+    from tandem.world.behaviour import KINDS
+
+    kinds = (*KINDS, "population")
+    found: list[str] = []
+    for one in text:
+        for place, part in enumerate(one.split(",")):
+            if place == 0 or part.strip().partition(":")[0].partition("+")[0] in kinds:
+                found.append(part)
+            else:
+                found[-1] += f",{part}"
+    return tuple(part.strip() for part in found)

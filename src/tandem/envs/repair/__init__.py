@@ -1,6 +1,0 @@
-"""An assembly in which parts can sit wrongly and be taken off again, after Antonelli et al. (2021)."""
-
-from tandem.envs.repair.product import Product, product
-from tandem.envs.repair.world import ABSENT, RIGHT, WRONG, Repair, Slips, repair
-
-__all__ = ["ABSENT", "RIGHT", "WRONG", "Product", "Repair", "Slips", "product", "repair"]

@@ -1,0 +1,103 @@
+"""All formats that a cell can be read from: a name, what it is, how to tell it, how to read it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import PurePath
+from typing import Any, Protocol
+
+from tandem.files import json_reader, yaml_reader
+from tandem.files.formats import alb, alwabp, case, fjs, fjs_dag, jsp
+from tandem.files.formats.lines import nearly_numbers, rows
+from tandem.files.positions import Path, Place
+from tandem.errors import CellError, Fault
+
+
+class Readable(Protocol):
+    """A file that was read: plain values keyed as in a cell file, where each of them stands, what is wrong, and what is left out."""
+
+    faults: list[Fault]
+    notes: list[Fault]
+
+    def plain(self) -> Any: ...
+
+    def place(self, path: Path) -> Place: ...
+
+
+@dataclass(frozen=True)
+class Format:
+    """One format.
+
+    Attributes:
+      what: for lists and help texts.
+      read: text and the file's name in, the values out; raises CellError with file and line when it is not of this form.
+      looks_like: whether a text seems to be of this form; asked in the order of the table.
+      numbers: whether it is made of numbers alone, so that remarks in an old encoding do no harm.
+    """
+
+    what: str
+    read: Callable[[str, str], Readable]
+    looks_like: Callable[[str], bool]
+    numbers: bool = False
+
+
+FORMATS = {
+    "case": Format("human-robot case studies and battery cells, JSON", case.read, case.looks_like),
+    "json": Format("cell file, JSON", json_reader.read, lambda text: text.lstrip()[:1] in ("{", "[")),
+    "alb": Format("assembly line balancing, .alb and .IN2", alb.read, alb.looks_like, numbers=True),
+    "alwabp": Format("assembly line worker assignment", alwabp.read, alwabp.looks_like, numbers=True),
+    "fjs-dag": Format("flexible job shop with any acyclic precedence", fjs_dag.read, fjs_dag.looks_like, numbers=True),
+    "jsp": Format("classic job shop, OR-Library and JSPLIB", jsp.read, jsp.looks_like, numbers=True),
+    "fjs": Format("flexible job shop, FJSPLIB", fjs.read, fjs.looks_like, numbers=True),
+    "yaml": Format("cell file, YAML", yaml_reader.read, lambda text: True),
+}
+ENDINGS = {".alb": "alb", ".in2": "alb", ".fjs": "fjs", ".jsp": "jsp"}
+"""How the names of files end that nobody gives to anything else."""
+
+
+def detected(text: str, source: str = "text") -> str:
+    """The name of the format that a text is of, told by its content; where that leaves it open, by the ending of its name.
+
+    Lines of numbers that are nearly of a form are taken for it, so that the message can name the line and the word that are wrong. What
+    is like nothing else is taken for YAML.
+
+    Raises:
+      CellError: it reads as a classic and as a flexible job shop, and they are not the same.
+    """
+    ending = ENDINGS.get(PurePath(source).suffix.lower())
+    found = next(name for name, format in FORMATS.items() if format.looks_like(text))
+    if found == "jsp" and _reads_as_flexible(text, source):
+        if ending not in ("jsp", "fjs"):
+            raise CellError([Fault(DOUBTFUL, (), f"{source}:1")])
+        return ending
+    if found != "yaml":
+        return found
+    return ending or (_nearest_shape(text) if nearly_numbers(text) else found)
+
+
+DOUBTFUL = (
+    "this is a classic job shop (pairs of machine and time) or a flexible one (for each operation: how many machines, then machine and "
+    "time of each): every line can be read both ways. State which: --format jsp or --format fjs."
+)
+
+
+def _reads_as_flexible(text: str, source: str) -> bool:
+    try:
+        fjs.read(text, source)
+    except CellError:
+        return False
+    return True
+
+
+def _nearest_shape(text: str) -> str:
+    """Which form lines of numbers are most like, by how many stand in the first lines; YAML when they are like none."""
+    lines = [row.words for row in rows(text)]
+    head, below = lines[0], [len(words) for words in lines[1:]]
+    if len(head) == 1 and below:
+        return "alb" if below[0] == 1 else "alwabp"
+    if len(head) == 3 and below and below[0] in (2, 3):
+        return "fjs-dag"
+    if len(head) == 2 and below and head[1].isdecimal() and set(below) == {2 * int(head[1][:9])}:
+        return "jsp"
+    return "fjs" if len(head) in (2, 3) and below else "yaml"

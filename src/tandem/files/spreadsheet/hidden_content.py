@@ -1,0 +1,293 @@
+"""What a reader of values does not show: formulas without a stored result, error values, hidden rows and columns, number formats.
+
+Calamine gives an empty text for the first two, so that a broken formula would look like "cannot do it"; 1.5 for what is shown as
+"1.50 min"; and no merged areas of ods. This file looks into the XML of xlsx and ods for them. The binary formats xls and xlsb stay
+closed; `look` says so with its second answer.
+"""
+
+from __future__ import annotations
+
+import io
+import posixpath
+import re
+import zipfile
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import IO
+from xml.etree import ElementTree
+
+from tandem.files.spreadsheet.number_format import BUILT_IN, dress
+
+NO_RESULT = "holds a formula with no stored result: open and save it in Excel or LibreOffice"
+MOST_REPEATS = 2_000
+
+
+@dataclass
+class Sight:
+    """One sheet's odd cells, `(row, column)` -> what they hold; its hidden rows and columns, counted from 0.
+
+    Attributes:
+      words: of numbers -> what their format writes beside them, "min" or "%".
+      merged: areas `(top, left, bottom, right)`; of ods only.
+    """
+
+    odd: dict[tuple[int, int], str] = field(default_factory=dict)
+    words: dict[tuple[int, int], str] = field(default_factory=dict)
+    merged: list[tuple[int, int, int, int]] = field(default_factory=list)
+    hidden_rows: frozenset[int] = frozenset()
+    hidden_columns: frozenset[int] = frozenset()
+
+
+def look(content: bytes) -> tuple[dict[str, Sight], bool]:
+    """Sheet name -> `Sight`, and whether the format could be looked into at all."""
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        names = set(archive.namelist())
+        try:
+            if "content.xml" in names:
+                with archive.open("content.xml") as stream:
+                    return dict(_ods(stream)), True
+            if "xl/workbook.bin" in names:
+                return {}, False
+            sights = {}
+            formats = _formats(archive)
+            for sheet, part in _sheet_parts(archive):
+                if part in names:
+                    with archive.open(part) as stream:
+                        sights[sheet] = _xlsx(stream, formats)
+            return sights, True
+        except (ElementTree.ParseError, KeyError, zipfile.BadZipFile):
+            return {}, False
+
+
+def _error(value: str) -> str:
+    return f"holds the error {value}: mend the formula, or clear the cell if there is none"
+
+
+def _tag(element: ElementTree.Element) -> str:
+    return element.tag.rpartition("}")[2]
+
+
+def _attribute(element: ElementTree.Element, name: str) -> str | None:
+    return next((value for key, value in element.attrib.items() if key.rpartition("}")[2] == name), None)
+
+
+# --- xlsx ---------------------------------------------------------------------------------------------------------------------
+
+
+def _book_parts(archive: zipfile.ZipFile) -> tuple[str, list[tuple[str, str, str]]]:
+    """The workbook's part, and its relations `(kind, key, part)`; the parts may have any name."""
+    book = next(
+        (target for kind, _, target in _relations(archive, "_rels/.rels", "") if kind.endswith("/officeDocument")),
+        "xl/workbook.xml",
+    )
+    folder, name = posixpath.split(book)
+    return book, list(_relations(archive, f"{folder}/_rels/{name}.rels", folder))
+
+
+def _sheet_parts(archive: zipfile.ZipFile) -> Iterator[tuple[str, str]]:
+    """`(sheet name, part)` by way of the relations."""
+    book, relations = _book_parts(archive)
+    targets = {key: target for _, key, target in relations}
+    for element in ElementTree.fromstring(archive.read(book)).iter():
+        if _tag(element) == "sheet":
+            key = next((value for k, value in element.attrib.items() if k.endswith("}id")), "")
+            if key in targets:
+                yield element.attrib.get("name", ""), targets[key]
+
+
+def _relations(archive: zipfile.ZipFile, part: str, folder: str) -> Iterator[tuple[str, str, str]]:
+    for element in ElementTree.fromstring(archive.read(part)):
+        target = element.attrib.get("Target", "")
+        whole = target.lstrip("/") if target.startswith("/") else posixpath.normpath(posixpath.join(folder, target))
+        yield element.attrib.get("Type", ""), element.attrib.get("Id", ""), whole
+
+
+def _formats(archive: zipfile.ZipFile) -> dict[str, str]:
+    """Number of a cell's style -> its number format, for those that are not the plain one."""
+    part = next((target for kind, _, target in _book_parts(archive)[1] if kind.endswith("/styles")), "")
+    if part not in archive.namelist():
+        return {}
+    root = ElementTree.fromstring(archive.read(part))
+    codes = {str(number): code for number, code in BUILT_IN.items()}
+    codes |= {e.attrib.get("numFmtId", ""): e.attrib.get("formatCode", "") for e in root.iter() if _tag(e) == "numFmt"}
+    styles = next((list(element) for element in root if _tag(element) == "cellXfs"), [])
+    return {str(place): code for place, style in enumerate(styles) if (code := codes.get(style.attrib.get("numFmtId", "")))}
+
+
+def _xlsx(stream: IO[bytes], formats: Mapping[str, str]) -> Sight:
+    sight = Sight()
+    hidden_rows: set[int] = set()
+    hidden_columns: set[int] = set()
+    row = -1
+    for event, element in ElementTree.iterparse(stream, events=("start", "end")):
+        tag = _tag(element)
+        if event == "start" and tag == "row":
+            row = int(element.attrib.get("r", row + 2)) - 1
+            if element.attrib.get("hidden") in ("1", "true"):
+                hidden_rows.add(row)
+        elif event == "end" and tag == "col" and element.attrib.get("hidden") in ("1", "true"):
+            first = int(element.attrib["min"])
+            hidden_columns.update(range(first - 1, min(int(element.attrib["max"]), first + 200)))
+        elif event == "end" and tag == "row":
+            column = -1
+            for cell in element:
+                column = _column(cell.attrib.get("r", ""), column + 1)
+                if why := _odd(cell):
+                    sight.odd[row, column] = why
+                elif code := formats.get(cell.attrib.get("s", "")):
+                    _dressed(cell, code, row, column, sight)
+            element.clear()
+    sight.hidden_rows, sight.hidden_columns = frozenset(hidden_rows), frozenset(hidden_columns)
+    return sight
+
+
+def _odd(cell: ElementTree.Element) -> str | None:
+    parts = {_tag(part): part for part in cell}
+    value = parts["v"].text if "v" in parts else None
+    if cell.attrib.get("t") == "e":
+        return _error(value or "?")
+    if "f" in parts and not value and cell.attrib.get("t") != "str":
+        return NO_RESULT
+    return None
+
+
+def _dressed(cell: ElementTree.Element, code: str, row: int, column: int, sight: Sight) -> None:
+    """Notes what the number format adds to the cell's number, or hides of it."""
+    text = next((part.text for part in cell if _tag(part) == "v"), None)
+    if text is None or cell.attrib.get("t", "n") != "n":
+        return
+    try:
+        value = float(text)
+    except ValueError:
+        return
+    look = dress(code, value)
+    if look.hidden or look.scaled:
+        how = "hides" if look.hidden else "shows in thousands"
+        sight.odd[row, column] = f"holds {value:.15g}, which its number format {how}: format the cell as a plain number, or clear it"
+    elif look.words:
+        sight.words[row, column] = look.words
+
+
+def _column(reference: str, otherwise: int) -> int:
+    found = re.match(r"[A-Z]+", reference)
+    if not found:
+        return otherwise
+    number = 0
+    for letter in found.group():
+        number = number * 26 + ord(letter) - 64
+    return number - 1
+
+
+# --- ods ----------------------------------------------------------------------------------------------------------------------
+
+
+def _ods(stream: IO[bytes]) -> Iterator[tuple[str, Sight]]:
+    for _, element in ElementTree.iterparse(stream, events=("end",)):
+        if _tag(element) == "table" and _attribute(element, "name") is not None:
+            yield _attribute(element, "name") or "", _ods_sheet(element)
+            element.clear()
+
+
+def _ods_sheet(table: ElementTree.Element) -> Sight:
+    sight = Sight()
+    hidden_rows: set[int] = set()
+    hidden_columns: set[int] = set()
+    row = column = 0
+    for element in table.iter():
+        tag = _tag(element)
+        if tag == "table-column":
+            repeats = int(_attribute(element, "number-columns-repeated") or 1)
+            if _attribute(element, "visibility") in ("collapse", "filter"):
+                hidden_columns.update(range(column, column + min(repeats, MOST_REPEATS)))
+            column += repeats
+        elif tag == "table-row":
+            repeats = int(_attribute(element, "number-rows-repeated") or 1)
+            if _attribute(element, "visibility") in ("collapse", "filter"):
+                hidden_rows.update(range(row, row + min(repeats, MOST_REPEATS)))
+            rows = range(row, row + min(repeats, MOST_REPEATS))
+            for place, why in _ods_row(element):
+                sight.odd.update({(r, place): why for r in rows})
+            for place, words in _ods_words(element):
+                sight.words.update({(r, place): words for r in rows})
+            sight.merged.extend(_ods_merged(element, row))
+            row += repeats
+    sight.hidden_rows, sight.hidden_columns = frozenset(hidden_rows), frozenset(hidden_columns)
+    return sight
+
+
+def _ods_cells(row: ElementTree.Element) -> Iterator[tuple[int, int, ElementTree.Element]]:
+    """`(column, repeats, cell)` of a row."""
+    column = 0
+    for cell in row:
+        if _tag(cell) in ("table-cell", "covered-table-cell"):
+            repeats = int(_attribute(cell, "number-columns-repeated") or 1)
+            yield column, repeats, cell
+            column += repeats
+
+
+def _ods_words(row: ElementTree.Element) -> Iterator[tuple[int, str]]:
+    """What stands around the number in the text that the cell shows."""
+    for column, repeats, cell in _ods_cells(row):
+        if _attribute(cell, "value-type") in ("float", "percentage", "currency"):
+            text = "".join("".join(part.itertext()) for part in cell if _tag(part) == "p")
+            before, _, behind = re.sub(r"[-+−]?\d+(?:[.,'’\s]\d{3})*(?:[.,]\d+)?(?:E[+-]?\d+)?", "\0", text, count=1).partition("\0")
+            words = " ".join(f"{before} {behind}".split()).strip("()[]+-–−. ")
+            if words and not re.fullmatch(r"[\d/ ]+", words):
+                yield from ((column + i, words) for i in range(min(repeats, MOST_REPEATS)))
+
+
+def _ods_merged(row: ElementTree.Element, number: int) -> Iterator[tuple[int, int, int, int]]:
+    for column, _, cell in _ods_cells(row):
+        down, across = (int(_attribute(cell, f"number-{what}-spanned") or 1) for what in ("rows", "columns"))
+        if (down, across) != (1, 1):
+            yield number, column, number + down - 1, column + across - 1
+
+
+def _ods_row(row: ElementTree.Element) -> Iterator[tuple[int, str]]:
+    for column, repeats, cell in _ods_cells(row):
+        text = "".join(cell.itertext()).strip()
+        formula = _attribute(cell, "formula") is not None
+        if formula and re.fullmatch(r"#(REF|N/A|NAME\?|VALUE|DIV/0|NULL|NUM)!?|Err:\d+|#[A-ZÄÖÜ/]+[!?]", text):
+            yield from ((column + i, _error(text)) for i in range(min(repeats, MOST_REPEATS)))
+        elif formula and not text and _attribute(cell, "value") is None and _attribute(cell, "value-type") is None:
+            yield from ((column + i, NO_RESULT) for i in range(min(repeats, MOST_REPEATS)))
+
+
+# --- indents ------------------------------------------------------------------------------------------------------------------
+
+
+def indented(content: bytes) -> dict[str, dict[tuple[int, int], int]]:
+    """Sheet name -> `(row, column)` -> how far a cell of an xlsx is indented by its format; only cells that are."""
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        names = set(archive.namelist())
+        if "xl/styles.xml" not in names or "xl/workbook.xml" not in names:
+            return {}
+        try:
+            styles = _indents_of_styles(archive.read("xl/styles.xml"))
+            if not styles:
+                return {}
+            found = {}
+            for sheet, part in _sheet_parts(archive):
+                if part in names:
+                    with archive.open(part) as stream:
+                        found[sheet] = dict(_indented_cells(stream, styles))
+            return found
+        except (ElementTree.ParseError, KeyError, ValueError, zipfile.BadZipFile):
+            return {}
+
+
+def _indents_of_styles(styles: bytes) -> dict[str, int]:
+    """The number of a cell's style -> its indent, where it has one."""
+    cells = next((list(element) for element in ElementTree.fromstring(styles) if _tag(element) == "cellXfs"), [])
+    indents = {str(place): part.attrib.get("indent", "0") for place, style in enumerate(cells) for part in style if _tag(part) == "alignment"}
+    return {place: int(indent) for place, indent in indents.items() if indent.isdecimal() and indent != "0"}
+
+
+def _indented_cells(stream: IO[bytes], styles: dict[str, int]) -> Iterator[tuple[tuple[int, int], int]]:
+    for _, element in ElementTree.iterparse(stream):
+        if _tag(element) == "c" and (indent := styles.get(element.attrib.get("s", ""))):
+            reference = re.fullmatch(r"([A-Z]{1,3})(\d{1,7})", element.attrib.get("r", ""))
+            if reference:
+                yield (int(reference[2]) - 1, _column(reference[1], 0)), indent
+        elif _tag(element) == "row":
+            element.clear()

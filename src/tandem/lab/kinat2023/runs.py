@@ -1,0 +1,207 @@
+"""Trainings on the thesis's cell, one record a run: the thesis's own recipe in its variants, and ours.
+
+A record is plain data (see `record`). Records of long runs are kept one file each, written when the run has ended, so that a batch that
+was stopped goes on where it was.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import time
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import partial
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from tandem.files.load import load
+from tandem.cell.model import Cell
+from tandem.learn.ppo.recipes import TANDEM, Recipe
+from tandem.lab.kinat2023.recipe import THESIS, varied
+
+FACTORS = (0, 1, 5)
+PUBLISHED = {0: (23, 17), 1: (23, 7), 5: (24, 3)}
+"""Ergonomic factor -> (makespan, stress) in table 6-1."""
+
+VARIANTS: dict[str, Recipe] = {
+    "thesis": THESIS,
+    "thesis, normalised advantages": varied(THESIS, normalise_advantages=True),
+    "thesis, scaled observations": varied(THESIS, sees="scaled"),
+    "thesis, rewards of table 5-2": varied(THESIS, rewards="table_5_2"),
+}
+"""The thesis's recipe as it is written, and with one thing otherwise each: its text and code leave them open."""
+
+OURS = "tandem"
+LIMIT = 1400
+SAMPLED = 100
+MOST_STEPS = 400_000
+"""A run of the thesis's recipe is ended there and counted as it stands: agents that stall play 1400 steps an episode."""
+
+
+def thesis_cell() -> Cell:
+    """The exemplary assembly of Kinat (2023), chapter 6."""
+    with resources.as_file(resources.files("tandem.lab") / "thesis.yaml") as file:
+        return load(file)
+
+
+def run_all(folder: Path, variants: Sequence[str], seeds: Iterable[int], factors: Sequence[int] = FACTORS) -> Iterator[Path]:
+    """Every run of the thesis's recipe that has no record in `folder` yet, seed by seed; yields each record's file."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for seed in seeds:
+        for variant in variants:
+            for factor in factors:
+                file = folder / f"{variant.replace(', ', '_').replace(' ', '-')}_{factor}_{seed}.json"
+                if not file.exists():
+                    part = file.with_suffix(f".{os.getpid()}.part")
+                    part.write_text(json.dumps(run_thesis(variant, factor, seed)))
+                    part.replace(file)
+                yield file
+
+
+def run_thesis(variant: str, factor: float, seed: int, recipe: Recipe | None = None, most_steps: int = MOST_STEPS) -> dict[str, Any]:
+    """The record of one training with the thesis's recipe (or `recipe`, by the name `variant`)."""
+    import jax
+    import numpy as np
+
+    from tandem.learn.ppo import ppo
+    from tandem.lab.kinat2023.learn_env import StationWorld
+
+    recipe = recipe or VARIANTS[variant]
+    world = StationWorld.of(thesis_cell(), recipe, stress_factor=factor)
+    began = time.process_time()
+    train_key, play_key = jax.random.split(jax.random.key(seed))
+    learner, reports = _start(train_key, world, recipe.config), []
+    while int(learner.stage) < len(recipe.config.stages) and int(learner.steps) < most_steps:
+        learner, report = _advance(learner, world, recipe.config, 100)
+        reports.append(jax.device_get(report))
+    history = jax.tree.map(lambda *leaves: np.concatenate(leaves), *reports)
+    cpu_s = time.process_time() - began
+    assert isinstance(learner, ppo.Learner)
+    return record(variant, factor, seed, recipe, learner, history, play_key, world, cpu_s)
+
+
+def run_ours(seeds: Sequence[int], factors: Sequence[float] = FACTORS, recipe: Recipe = TANDEM) -> list[dict[str, Any]]:
+    """The records of our recipe for every factor and seed, all trained side by side (one `vmap`)."""
+    import jax
+    import jax.numpy as jnp
+
+    from tandem.learn.ppo import ppo
+    from tandem.lab.kinat2023.learn_env import StationWorld
+
+    cell, config = thesis_cell(), recipe.config
+    began = time.process_time()
+    wanted = [(factor, seed) for factor in factors for seed in seeds]
+    worlds = [StationWorld.of(cell, recipe, stress_factor=factor) for factor, _ in wanted]
+    together = jax.tree.map(lambda *leaves: jnp.stack(leaves), *worlds)
+    keys = [jax.random.split(jax.random.key(seed)) for _, seed in wanted]
+    updates = sum(math.ceil((stage.steps or 0) / (config.environments * config.horizon)) for stage in config.stages)
+    train = jax.jit(jax.vmap(partial(ppo.train, config=config, updates=updates)))
+    learners, histories = jax.block_until_ready(train(jnp.stack([pair[0] for pair in keys]), together))
+    cpu_s = (time.process_time() - began) / len(wanted)
+    records = []
+    for place, (factor, seed) in enumerate(wanted):
+        learner, history = jax.tree.map(lambda leaf, place=place: leaf[place], (learners, histories))
+        records.append(record(OURS, factor, seed, recipe, learner, jax.device_get(history), keys[place][1], worlds[place], cpu_s))
+    return records
+
+
+def record(
+    variant: str, factor: float, seed: int, recipe: Recipe, learner: Any, history: Any, play_key: Any, world: Any, cpu_s: float
+) -> dict[str, Any]:
+    """What a run was, in plain data.
+
+    `greedy`: makespan and stress (None when it did not end within 1400 steps), rules broken, returns, the joint actions.
+    `sampled`: of 100 episodes the share that ended, the mean makespan and stress of those, and how often each pair came.
+    `best_of_n`: the pair of the sampled episode with the largest sum of returns.
+    `curve`: per 30 episodes the mean return of robot and human, and the critics' value of the first state at their end.
+    """
+    import numpy as np
+
+    plain, drawn = _play(learner, play_key, world, recipe.config)
+    length = int(plain.length[0])
+    done = np.asarray(drawn.done)
+    pairs = list(zip(np.asarray(drawn.state.clock).tolist(), np.asarray(drawn.state.stress).tolist(), strict=True))
+    returns = np.asarray(drawn.returns).sum(1)
+    best = int(np.argmax(np.where(done, returns, -np.inf)))
+    return {
+        "variant": variant,
+        "factor": factor,
+        "seed": seed,
+        "steps": int(learner.steps),
+        "episodes": int(learner.episodes),
+        "ended_early": int(learner.stage) < len(recipe.config.stages),
+        "cpu_s": round(cpu_s, 2),
+        "greedy": {
+            "makespan": int(plain.state.clock[0]) if plain.done[0] else None,
+            "stress": float(plain.state.stress[0]) if plain.done[0] else None,
+            "illegal": int(np.sum(plain.illegal)),
+            "returns": np.asarray(plain.returns[0]).tolist(),
+            "actions": np.asarray(plain.actions[:length, 0]).tolist() if plain.done[0] else [],
+        },
+        "sampled": {
+            "episodes": len(pairs),
+            "done": float(done.mean()),
+            "makespan": float(np.mean([p[0] for p, d in zip(pairs, done, strict=True) if d])) if done.any() else None,
+            "stress": float(np.mean([p[1] for p, d in zip(pairs, done, strict=True) if d])) if done.any() else None,
+            "pairs": _counted(p for p, d in zip(pairs, done, strict=True) if d),
+        },
+        "best_of_n": {"makespan": int(pairs[best][0]), "stress": pairs[best][1]} if done.any() else None,
+        "curve": _curve(history),
+    }
+
+
+def _counted(pairs: Iterable[tuple[int, float]]) -> list[list[float]]:
+    """`[[makespan, stress, how often], ...]`, the most frequent first."""
+    counts: dict[tuple[int, float], int] = {}
+    for pair in pairs:
+        counts[pair] = counts.get(pair, 0) + 1
+    return [[*pair, number] for pair, number in sorted(counts.items(), key=lambda item: -item[1])]
+
+
+def _curve(history: Any, window: int = 30) -> Mapping[str, list[Any]]:
+    import numpy as np
+
+    ended = np.asarray(history.episodes)
+    total = np.cumsum(ended)
+    curve: dict[str, list[Any]] = {"episodes": [], "steps": [], "returns": [], "first_value": []}
+    since, weighted, count = 0, np.zeros(history.returns.shape[1]), 0.0
+    for place in range(len(ended)):
+        weighted, count = weighted + history.returns[place] * ended[place], count + ended[place]
+        if count and total[place] - since >= window:
+            curve["episodes"].append(int(total[place]))
+            curve["steps"].append(int(history.steps[place]))
+            curve["returns"].append(np.round(weighted / count, 1).tolist())
+            curve["first_value"].append(np.round(np.asarray(history.first_value[place]), 1).tolist())
+            since, weighted, count = int(total[place]), weighted * 0, 0.0
+    return curve
+
+
+# --- Compiled once, for every factor and seed ---
+
+
+def _start(key: Any, world: Any, config: Any) -> Any:
+    import jax
+
+    from tandem.learn.ppo import ppo
+
+    return jax.jit(ppo.start, static_argnames="config")(key, world, config)
+
+
+def _advance(learner: Any, world: Any, config: Any, updates: int) -> Any:
+    import jax
+
+    from tandem.learn.ppo import ppo
+
+    return jax.jit(ppo.advance, static_argnames=("config", "updates"))(learner, world, config, updates)
+
+
+def _play(learner: Any, key: Any, world: Any, config: Any) -> Any:
+    import jax
+
+    from tandem.learn.ppo import play
+
+    plain = jax.jit(play.greedy, static_argnames=("config", "limit"))(learner.parameters, world, config, LIMIT)
+    drawn = jax.jit(play.sampled, static_argnames=("config", "limit", "episodes"))(key, learner.parameters, world, config, LIMIT, SAMPLED)
+    return jax.device_get((plain, drawn))

@@ -1,0 +1,294 @@
+"""Yu, Huang and Chang (2021): a deep Q-network for each agent on the Markov game of shared assembly, more than two agents.
+
+J. Manuf. Syst. 60, 487-499. Neither their task table nor their hyper-parameters nor their results are public. So: parts of the desk of their first
+paper, played by three and four agents; their recipe as far as it is known beside one network for all (single-agent DQN), our recipe, the best
+dispatch rule, random play and the exact optimum.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass, replace
+from pathlib import Path
+from statistics import fmean
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from tandem.lab.yu2020.board import ROBOT, desk
+from tandem.cell.model import Cell
+from tandem.files.atomic import store
+from tandem.lab.quick import compiled_quickly
+from tandem.experiments.records import stored_document
+from tandem.lab.systems import Features, Played
+from tandem.learn.alphazero.recipes import ALPHAZERO, SearchRecipe
+from tandem.lab.yu2021.recipe import YU_2021
+from tandem.learn.dqn.recipes import ValueRecipe
+from tandem.learn.training.runs import RunFolder, versions
+
+STORED = "yu2021.json"
+SEEDS = 3
+PROOF_S = 60.0
+RANDOM_GAMES = 100
+
+PUBLISHED = "not public"
+"""Their tables are not; the abstract says that it was compared with Nash-Q, dynamic programming and single-agent DQN."""
+
+GAMES, QUICK_GAMES = 960, 64
+"""Games of a training, the same for all recipes."""
+
+
+@dataclass(frozen=True)
+class Instance:
+    """So many rows of the desk, from the bottom, for so many robots and humans."""
+
+    rows: int
+    robots: int
+    humans: int
+
+    @property
+    def name(self) -> str:
+        return f"desk, {self.rows} rows, {self.robots} robot{'s' * (self.robots > 1)}, {self.humans} human{'s' * (self.humans > 1)}"
+
+    def cell(self) -> Cell:
+        """The cell: each robot can do what the robot could, each human what the human could.
+
+        ASSUMPTION: theirs are desks "with different numbers of tasks and agents"; which ones is not public.
+        """
+        board = desk()
+        whole = replace(board, height=self.rows, pieces=tuple(piece for piece in board.pieces if piece.row <= self.rows)).to_cell()
+        robots = [f"robot {number + 1}" for number in range(self.robots)]
+        humans = [f"human {number + 1}" for number in range(self.humans)]
+        able = lambda who: robots if who == ROBOT else humans  # noqa: E731
+        tasks = {
+            name: {"time": {own: seconds for who, seconds in task.time.items() for own in able(who)}, "after": task.after}
+            for name, task in whole.tasks.items()
+        }
+        operators = {**{name: {"kind": "robot"} for name in robots}, **{name: {"kind": "human"} for name in humans}}
+        return Cell.of({"name": self.name, "operators": operators, "tasks": tasks})
+
+
+INSTANCES = (Instance(4, 2, 1), Instance(4, 2, 2), Instance(8, 2, 1), Instance(8, 2, 2))
+QUICK_INSTANCES = (Instance(3, 2, 1),)
+
+
+def recipes(games: int, tasks: int) -> dict[str, ValueRecipe | SearchRecipe]:
+    """Name -> recipe, each with a budget of so many games of a cell with so many tasks."""
+    side_by_side = ALPHAZERO.config.games
+    described = replace(YU_2021, config=replace(YU_2021.config, decisions=games * tasks))
+    ours = replace(ALPHAZERO, config=replace(ALPHAZERO.config, iterations=max(1, games // side_by_side)))
+    return {
+        "as described": described,
+        "one network for all": replace(described, config=replace(described.config, agents="one", horizon="next")),
+        "ours": ours,
+    }
+
+
+def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, tell: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
+    """Trains, proves, and returns the document, which is also written to `folder/yu2021.json`.
+
+    The runs are kept in `folder/records`; one that was stopped goes on where it was.
+    """
+    numbers = range(seeds or (1 if quick else SEEDS))
+    instances, games = (QUICK_INSTANCES, QUICK_GAMES) if quick else (INSTANCES, GAMES)
+    with compiled_quickly() if quick else nullcontext():
+        rows = [_row(instance, numbers, folder / "records", games, tell) for instance in instances]
+    document = {
+        "schema_version": 1,
+        "command": "tandem reproduce yu2021" + " --quick" * quick,
+        "quick": quick,
+        "seeds": list(numbers),
+        "games": games,
+        "versions": versions(),
+        "published": PUBLISHED,
+        "rows": rows,
+    }
+    folder.mkdir(parents=True, exist_ok=True)
+    store(folder / STORED, json.dumps(document, indent=1) + "\n")
+    return document
+
+
+def _row(instance: Instance, seeds: Sequence[int], records: Path, games: int, tell: Callable[[str], None]) -> dict[str, Any]:
+    """One instance: its optimum, the players that learn nothing, and every recipe over the seeds."""
+    from tandem.plan.methods import plan
+    from tandem.plan.rules import RULES
+
+    cell = instance.cell()
+    exact = next(iter(plan(cell, minimize="makespan", time_limit=PROOF_S, seed=0)))
+    by_rule = {
+        name: next(iter(plan(cell, method=name, minimize="makespan", seed=0))).makespan for name in RULES if name not in ("random", "best-of-n")
+    }
+    rule = min(by_rule, key=lambda name: (by_rule[name], name))
+    chance = _random(cell)
+    tell(f"{instance.name}: {len(cell.tasks)} tasks, optimum {exact.makespan:g} s ({exact.status})")
+    learned = {}
+    for name, recipe in recipes(games, len(cell.tasks)).items():
+        began = time.process_time()
+        result, curve = _trained(cell, recipe, seeds, records / f"{instance.name} {name}".replace(", ", "-").replace(" ", "-"))
+        learned[name] = {
+            "greedy": [row["greedy"]["makespan"] for row in result["seeds"]],
+            "best_of_n": [row["best_of_n"]["makespan"] for row in result["seeds"]],
+            "n": result["seeds"][0]["best_of_n"]["n"],
+            "cpu_s": round(sum(row["cpu_s"] for row in result["seeds"]), 1),
+            "curve": curve,
+        }
+        tell(f"  {name}: greedy {learned[name]['greedy']}, {time.process_time() - began:.0f} CPU s")
+    return {
+        "instance": instance.name,
+        "tasks": len(cell.tasks),
+        "agents": len(cell.operators),
+        "exact": exact.makespan,
+        "status": exact.status,
+        "bound": exact.bound.makespan,
+        "rule": {"name": rule, "makespan": by_rule[rule]},
+        "random": {"mean": round(fmean(chance), 3), "best": min(chance), "games": len(chance)},
+        "learned": learned,
+    }
+
+
+def _trained(cell: Cell, recipe: ValueRecipe | SearchRecipe, seeds: Sequence[int], folder: Path) -> tuple[dict[str, Any], list[Any]]:
+    """The result of the run in the folder, made or gone on with when it is not there; and each seed's (decisions, greedy seconds).
+
+    Raises KeyboardInterrupt when the training was stopped: what it has saved is gone on with the next time.
+    """
+    from tandem.learn.training import trainer
+
+    run = RunFolder(folder)
+    if not (folder / "run.json").exists():
+        result = trainer.train(cell, recipe_name="yu2021", own_recipe=recipe, seeds=tuple(seeds), folder=folder, front_limit=1.0)
+    elif not (folder / "result.json").exists():
+        result = trainer.resume(folder)
+    else:
+        result = run.result()
+    if result["interrupted"]:
+        raise KeyboardInterrupt
+    rows = run.figures()
+    return result, [[[row["steps"], row["greedy_makespan"]] for row in rows if row["seed"] == seed] for seed in seeds]
+
+
+def _random(cell: Cell) -> list[float]:
+    from tandem.learn.algorithm import Order
+    from tandem.learn.rollout import at_random
+
+    return [game.makespan for game in at_random(cell, Order(cell, YU_2021), games=RANDOM_GAMES, seed=0) if game.makespan is not None]
+
+
+def stored() -> dict[str, Any]:
+    """The document of the long run that ships with the package. Raises CellError when this copy has none, or a damaged one."""
+    return stored_document("yu2021")
+
+
+def table(document: Mapping[str, Any]) -> str:
+    """Published, as described, one network for all, ours and exact, seconds; means over seeds, in brackets the best of several drawn games."""
+    drawn = {name: learned["n"] for name, learned in document["rows"][0]["learned"].items()}
+    names, seeds = list(drawn), len(document["seeds"])
+    lines = [
+        f"Seconds of the greedy policies, mean over {seeds} training{'s' * (seeds > 1)} of {document['games']} games each; in brackets the mean of "
+        f"the best of several games that are drawn ({', '.join(f'{name}: {number}' for name, number in drawn.items())}). `{document['command']}`.",
+        "",
+        f"| instance | tasks | agents | published | random | best rule | {' | '.join(names)} | exact |",
+        "|" + "---|" * (7 + len(names)),
+    ]
+    for row in document["rows"]:
+        learned = [f"{_mean(row['learned'][name]['greedy'])} ({_mean(row['learned'][name]['best_of_n'])})" for name in names]
+        proof = "" if row["status"] == "optimal" else f" (at least {row['bound']:g})"
+        plain = [row["instance"], str(row["tasks"]), str(row["agents"]), document["published"], f"{row['random']['mean']:.1f}"]
+        rule = f"{row['rule']['makespan']:g} ({row['rule']['name']})"
+        lines.append("| " + " | ".join([*plain, rule, *learned, f"{row['exact']:g}{proof}"]) + " |")
+    return "\n".join(lines)
+
+
+def draw_figures(document: Mapping[str, Any], folder: Path) -> list[Path]:
+    """A learning curve for each instance, all recipes, mean and 95 % interval over the seeds."""
+    folder.mkdir(parents=True, exist_ok=True)
+    from tandem.draw.curves import plot_curves
+    from tandem.draw.figure import blank
+    from tandem.draw.saving import save
+
+    files = []
+    for row in document["rows"]:
+        ax = blank(7.0, 4.2).axes[0]
+        lines = {name: _line(one["curve"]) for name, one in row["learned"].items()}
+        levels = {"exact": row["exact"], "random": row["random"]["mean"]}
+        plot_curves(lines, ax, xlabel="decisions", ylabel="makespan of the greedy policies, s", title=row["instance"], levels=levels)
+        for form in ("svg", "png"):
+            file = folder / f"{row['instance'].replace(', ', '-').replace(' ', '-')}.{form}"
+            save(ax, file)
+            files.append(file)
+    return files
+
+
+def _line(curve: Sequence[Sequence[Sequence[float]]]) -> tuple[list[list[float]], list[list[float]]]:
+    done = [[point for point in seed if point[1] is not None] for seed in curve]
+    return [[point[0] for point in seed] for seed in done], [[point[1] for point in seed] for seed in done]
+
+
+def runs_on(cell: Cell) -> Cell:
+    """The cell itself: the game is that of the event world, which holds every cell. Raises CellError for times too large to be counted."""
+    from tandem.learn.rollout import game_of
+
+    game_of(cell, 0.0, waiting=False)
+    return cell
+
+
+def _small(cell: Cell, stress_factor: float = 0.0) -> tuple[Any, Any]:
+    """The cell's game, and networks after a training of seconds."""
+    from tandem.learn.training import trainer
+    from tandem.learn.alphazero.trained import Trained
+    from tandem.learn.rollout import game_of
+
+    recipe = replace(YU_2021, samples=1, config=replace(YU_2021.config, decisions=480, games=8, kept=256, minibatch=16, warm_up=5, units=8))
+    with TemporaryDirectory() as scratch:
+        folder = Path(scratch) / "run"
+        order: dict[str, Any] = {"own_recipe": recipe, "seeds": (0,), "front_limit": 1.0, "stress_factor": stress_factor}
+        if trainer.train(cell, recipe_name="yu2021", folder=folder, **order)["interrupted"]:
+            raise KeyboardInterrupt
+        trained = Trained.load(RunFolder(folder).policy(0))
+    return game_of(cell, stress_factor, waiting=False), trained
+
+
+def _trains() -> Callable[..., Any]:
+    from tandem.learn.dqn.learning import advance
+
+    return advance
+
+
+def _agents() -> Sequence[str]:
+    return tuple(INSTANCES[-1].cell().operators)
+
+
+def _cost(cell: Cell) -> float:
+    """What random play costs in the game's own cost, the mean of some games with the same draws."""
+    from tandem.learn.algorithm import Order
+    from tandem.learn.rollout import at_random
+
+    return fmean(game.cost for game in at_random(cell, Order(cell, YU_2021), games=16, seed=0))
+
+
+def _play(cell: Cell, seed: int) -> Played:
+    return _carry(cell, cell, seed)
+
+
+def _carry(trained_on: Cell, played_on: Cell, seed: int) -> Played:
+    from tandem.learn.rollout import game_of, play
+
+    _, trained = _small(trained_on)
+    began = time.perf_counter()
+    game = play(played_on, game_of(played_on, 0.0, waiting=False), trained, seed=seed)[0]
+    each = 1000 * (time.perf_counter() - began) / len(played_on.tasks)
+    return Played(game.makespan, (each,) * len(played_on.tasks))
+
+
+def _exact(document: Mapping[str, Any]) -> list[float]:
+    return [row["exact"] for row in document["rows"] if row["status"] == "optimal"]
+
+
+FEATURES = Features(trains=_trains, agents=_agents, cost=_cost, play=_play, carry=_carry, exact=_exact)
+
+
+def _mean(values: Iterable[float | None]) -> str:
+    """Mean; "not finished" when a game was not."""
+    known = list(values)
+    return "not finished" if None in known else f"{fmean(value for value in known if value is not None):.1f}"

@@ -1,0 +1,162 @@
+"""Any cell (`tandem.world`) as a game for a search: a move begins a task in one of its ways, or lets the turn pass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any, NamedTuple, Self
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from tandem.cell.model import Cell, plain
+from tandem.errors import UsageError
+from tandem.learn.observation import Ahead, Standing, ahead, look, missing, time_to_come
+from tandem.learn.results import Reached
+from tandem.world import state as world
+from tandem.world.arrays import NEVER, Arrays, Names
+from tandem.world.state import State
+
+Array = Any
+
+STUCK = 2.0
+"""What each unit of work costs, twice its time, that is left when limits were spent so that nothing can go on."""
+
+
+class Asked(NamedTuple):
+    """An assembly in which somebody is asked, or which is over.
+
+    world: how it stands. mask: `[W]` bool, the ways that are legal for anybody. turn: `[]` int32, whose turn it is, -1 for nobody's.
+    """
+
+    world: State
+    mask: Array
+    turn: Array
+
+
+@partial(
+    jax.tree_util.register_dataclass,
+    data_fields=["arrays", "ahead", "unit", "per_second", "per_stress", "time_weight", "stress_weight"],
+    meta_fields=["agents", "waiting"],
+)
+@dataclass(frozen=True)
+class CellGame:
+    """One cell, any number of operators. At one moment the humans choose first. Moves are the world's ways; with `waiting` one more, the last.
+
+    The cost is `time_weight` x seconds + `stress_weight` x stress. An operator that lets its turn pass is asked again at the next event.
+
+    Attributes:
+      arrays: the cell as the world has it.
+      ahead: what the network is told of it beforehand.
+      unit: `[]` float32, what a task of mean least time costs by its time alone.
+      per_second, per_stress: `[]` float32, ticks in a second, the world's units in a stress of 1.
+    """
+
+    arrays: Arrays
+    ahead: Ahead
+    unit: Array
+    per_second: Array
+    per_stress: Array
+    time_weight: Array
+    stress_weight: Array
+    agents: tuple[str, ...] = field(default=())
+    waiting: bool = field(default=True)
+
+    @classmethod
+    def of(cls, cell: Cell, *, time_weight: float = 1.0, stress_weight: float = 0.0, waiting: bool = True) -> Self:
+        """The cell's game.
+
+        Raises:
+          UsageError: a weight is below 0, or time weighs nothing.
+          CellError: times or stresses are too large to be counted.
+        """
+        if not (np.isfinite([time_weight, stress_weight]).all() and time_weight > 0 and stress_weight >= 0):
+            raise UsageError(f"weights of time {time_weight} and stress {stress_weight}: time must weigh more than 0, stress 0 or more.")
+        names = Names.of(cell)
+        arrays = names.arrays()
+        seconds = arrays.way_ticks / names.per_second
+        mean = np.mean([seconds[arrays.way_task == task].min() for task in range(len(names.tasks))])
+        unit = mean * time_weight
+        stress = (arrays.way_load * arrays.human).sum(1) / names.per_stress * stress_weight / unit
+        told = ahead(arrays.way_task, arrays.way_uses, seconds / mean, stress, arrays.needs, arrays.human)
+        unit, per_second, per_stress = np.float32(unit), np.float32(names.per_second), np.float32(names.per_stress)
+        weights = np.float32(time_weight), np.float32(stress_weight)
+        return cls(arrays, told, unit, per_second, per_stress, weights[0], weights[1], names.operators, waiting)
+
+    @property
+    def moves(self) -> int:
+        return int(self.arrays.way_ticks.shape[-1]) + self.waiting
+
+    @property
+    def longest(self) -> int:
+        tasks, operators = self.arrays.must.shape[-2:]
+        events = tasks + int(np.prod(self.arrays.break_to.shape[-2:])) + tasks * self.waiting
+        return tasks + self.waiting * operators * events
+
+    def reset(self) -> Asked:
+        arrays = jax.tree.map(jnp.asarray, self.arrays)
+        return self._until_asked(jax.tree.map(jnp.asarray, world.reset(arrays)))
+
+    def legal(self, state: Asked) -> Array:
+        mine = world.legal_of(self.arrays, state.mask, state.turn)
+        if not self.waiting:
+            return mine
+        return jnp.append(mine, (state.turn >= 0) & world.may_wait(self.arrays, state.world, state.mask, state.turn))
+
+    def to_play(self, state: Asked) -> Array:
+        return state.turn
+
+    def step(self, state: Asked, move: Array) -> tuple[Asked, Array]:
+        waits, over = move >= self.arrays.way_ticks.shape[0], self.is_over(state)
+        before = state.world
+        begun = world.assign(self.arrays, before, jnp.where(waits | over, -1, move))
+        after = self._until_asked(world.wait(begun, jnp.where(waits, state.turn, -1)))
+        cost = self.time_weight * (after.world.clock - before.clock) / self.per_second
+        cost += self.stress_weight * (world.stress(self.arrays, after.world) - world.stress(self.arrays, before)) / self.per_stress
+        left = jnp.sum(jnp.where(after.world.way < 0, self.ahead.least, 0.0)) * self.unit * STUCK
+        return after, cost + jnp.where(~over & self.is_over(after), left, 0.0)
+
+    def is_over(self, state: Asked) -> Array:
+        return state.turn < 0
+
+    def observe(self, state: Asked) -> Any:
+        legal, now = self.legal(state), self._standing(state.world)
+        ways = self.arrays.way_ticks.shape[0]
+        waits_for_none = (missing(self.ahead, now.ended) == 0) & ~now.begun
+        there = self.arrays.way_open & waits_for_none[self.arrays.way_task]
+        way, waits = jnp.arange(ways), jnp.zeros(ways, bool)
+        if self.waiting:
+            way, waits, there = jnp.append(way, 0), jnp.append(waits, True), jnp.append(there, legal[-1])
+        return look(self.ahead, now, state.turn, way, there, legal, waits)
+
+    def least(self, state: Asked) -> Array:
+        stress = jnp.sum(jnp.where(state.world.way < 0, self.ahead.least_stress, 0.0))
+        return (time_to_come(self.ahead, self._standing(state.world)) + stress) * self.unit
+
+    def _standing(self, state: State) -> Standing:
+        tick = 1.0 / (self.per_second * self.unit / self.time_weight)
+        begun, ended = state.way >= 0, world.mounted(state)
+        left = jnp.where(begun & ~ended, state.end_at - state.clock, 0) * tick
+        return Standing(begun, ended, left, jnp.maximum(state.free_at - state.clock, 0) * tick)
+
+    def _until_asked(self, state: State) -> Asked:
+        """Time runs until somebody can choose, or all is done, or nothing can go on."""
+
+        def asked(state: State) -> Asked:
+            mask = world.legal(self.arrays, state)
+            return Asked(state, mask, world.turn(self.arrays, mask))
+
+        def goes_on(now: Asked) -> Array:
+            return (now.turn < 0) & ~world.is_done(now.world) & (world.next_event(self.arrays, now.world) < NEVER)
+
+        return jax.lax.while_loop(goes_on, lambda now: asked(world.advance(self.arrays, now.world)), asked(state))
+
+
+def reached(cell: Cell, played: Any) -> Reached:
+    """What one game of the cell reached, from its `cost` and last `state`, in the cell's seconds and stress; NumPy arrays."""
+    names, state = Names.of(cell), played.state.world
+    if not world.is_done(state):
+        return Reached(None, None, 0, float(played.cost), None)
+    makespan, stress = names.seconds(world.makespan(state)), names.stress(world.stress(names.arrays(), state))
+    return Reached(plain(makespan), plain(stress), 0, float(played.cost), names.schedule(state.way, state.start_at, state.end_at))

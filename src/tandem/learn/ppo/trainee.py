@@ -1,0 +1,186 @@
+"""The best response as the trainer wants it: PPO with one agent beside a crowd, its figures and its results."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from tandem.cell.model import plain
+from tandem.learn.ppo import ppo
+from tandem.learn.algorithm import Row
+from tandem.learn.ppo.config import Config
+from tandem.learn.networks import Network, forward
+from tandem.learn.policy import Policy
+from tandem.lab.kinat2023.trainee import of_seed, share
+from tandem.learn.ppo import observation
+from tandem.learn.ppo.env import BesidePeople
+from tandem.learn.response.recipes import ResponseRecipe
+from tandem.learn.algorithm import Order
+from tandem.world import episode
+from tandem.world.arrays import Array, Arrays, Names
+from tandem.world.population import crowd
+from tandem.world.episode import Shift
+from tandem.world.randomness import fate
+from tandem.world.people import Person, compliant, crew, stacked
+
+BEST_OF, PEOPLE = 64, 256
+INTERVAL = 8
+"""Updates between two rows of figures, at the most; a stage holds a whole number of intervals."""
+STEP = -10.0
+"""What a second costs where a unit of stress costs the stress factor, as in the thesis's rewards."""
+
+
+class Trainee:
+    """PPO on an order whose recipe is a `ResponseRecipe`.
+
+    Raises CellError when the world cannot hold the cell or a population file is wrong, UsageError when the people's description is.
+    """
+
+    def __init__(self, order: Order) -> None:
+        self.order, self.names = order, Names.of(order.cell)
+        assert isinstance(order.recipe, ResponseRecipe)
+        arrays, weights = self.names.arrays(), (1.0, order.stress_factor / -STEP)
+        self.crowd = crowd(order.recipe.people, self.names, arrays, part="train")
+        self.world = BesidePeople.of(self.crowd, weights=weights, seed=order.seeds[0])
+        drawn = self.crowd.draw(np.random.default_rng(order.seeds[0]), PEOPLE)
+        obedient = stacked([compliant(arrays)] * (1 + BEST_OF))
+        self.company = Person(*(np.concatenate(parts) for parts in zip(obedient, drawn, strict=True)))
+
+    @property
+    def config(self) -> Config:
+        config: Config = self.order.recipe.config
+        return config
+
+    @property
+    def paid(self) -> dict[str, Any]:
+        return {"step": STEP, "per_second": 1, "stress_factor": self.order.stress_factor}
+
+    def begin(self) -> ppo.Learner:
+        keys = jax.numpy.stack([jax.random.key(seed) for seed in self.order.seeds])
+        return jax.jit(jax.vmap(partial(ppo.start, config=self.config), (0, None)))(keys, self.world)
+
+    def advance(self, learners: ppo.Learner) -> tuple[ppo.Learner, ppo.Report]:
+        return jax.block_until_ready(_advance(learners, self.world, self.config, self._interval))
+
+    @property
+    def _interval(self) -> int:
+        config = self.config
+        return math.gcd(INTERVAL, *(math.ceil((stage.steps or 0) / (config.environments * config.horizon)) for stage in config.stages))
+
+    def share(self, learners: ppo.Learner) -> float:
+        return share(learners, self.config)
+
+    def rows(self, learners: ppo.Learner, report: ppo.Report) -> list[Row]:
+        """`greedy_*`: beside somebody who does all that is asked; `people_*`: means beside people of the crowd."""
+        rows = []
+        for place, played in enumerate(self._played(learners)):
+            said = of_seed(report, place)
+            row: Row = {"stage": int(said.stage[-1]) + 1, "episodes": int(learners.episodes[place]), "steps": int(said.steps[-1])}
+            row |= {"entropy": round(float(np.mean(said.entropy)), 5), **self._beside_people(played)}
+            rows.append(row | {f"greedy_{name}": value for name, value in self._reached(played, 0).items()})
+        return rows
+
+    def play(self, learners: ppo.Learner) -> list[Row]:
+        """`greedy` and `best_of_n` beside somebody who does all that is asked, means beside people of the crowd."""
+        rows = []
+        for place, played in enumerate(self._played(learners)):
+            drawn = [self._reached(played, number) for number in range(1, 1 + BEST_OF)]
+            best = min(drawn, key=self._cost)
+            row = {"greedy": self._reached(played, 0), "best_of_n": {"n": BEST_OF, **best}, **self._beside_people(played)}
+            rows.append({"steps": int(learners.steps[place]), **row})
+        return rows
+
+    def save_policy(self, learners: ppo.Learner, place: int, path: Path) -> None:
+        """The actor, for NumPy."""
+        actor = jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters["actor"])
+        cell, config = self.order.cell, self.config
+        notes = {
+            "kind": "response",
+            "cell": cell.name,
+            "digest": cell.digest,
+            "people": self.crowd.spec,
+            "recipe": self.order.name,
+            "stress_factor": self.order.stress_factor,
+            "seed": self.order.seeds[place],
+        }
+        Policy(self.world.agents, actor, config.activation, config.masked, config.share_actor, notes).save(path)
+
+    def _played(self, learners: ppo.Learner) -> list[Played]:
+        """Per seed: one episode beside somebody obedient, `BEST_OF` with drawn actions, and one beside each of `PEOPLE` people."""
+        found = jax.device_get(_episodes(learners.parameters["actor"], self.world, self.company, self.config))
+        return [of_seed(found, place) for place in range(len(self.order.seeds))]
+
+    def _reached(self, played: Played, place: int) -> Row:
+        """Makespan in seconds and stress of an episode; None when it did not come to its end."""
+        if not played.done[place]:
+            return {"makespan": None, "stress": None, "illegal": 0}
+        stress = round(self.names.stress(int(played.stress[place])), 6)
+        return {"makespan": plain(self.names.seconds(int(played.makespan[place]))), "stress": plain(stress), "illegal": 0}
+
+    def _cost(self, row: Row) -> float:
+        return float("inf") if row["makespan"] is None else -STEP * row["makespan"] + self.order.stress_factor * row["stress"]
+
+    def _beside_people(self, played: Played) -> Row:
+        """Means over the episodes that came to their end, and which share did."""
+        rows = [self._reached(played, place) for place in range(1 + BEST_OF, 1 + BEST_OF + PEOPLE)]
+        ended = [row for row in rows if row["makespan"] is not None]
+        mean = {f"people_{name}": round(float(np.mean([row[name] for row in ended])), 4) if ended else None for name in ("makespan", "stress")}
+        return {**mean, "people_finished": len(ended) / PEOPLE}
+
+
+class Played(NamedTuple):
+    """What came of episodes: makespan `[E]` int32 ticks, stress `[E]` int32 units, done `[E]` bool."""
+
+    makespan: Array
+    stress: Array
+    done: Array
+
+
+def players(path: Path, cell: Any, order: Order, *, seed: int, episodes: int) -> Any:
+    """Not here: a best response is judged beside people.
+
+    Raises UsageError that says how.
+    """
+    from tandem.errors import UsageError
+
+    raise UsageError(f"a best response is judged beside people: tandem simulate CELL --policy learned,auto --learned {path} --people random:0.5")
+
+
+# --- Compiled, for all seeds ---
+
+
+@partial(jax.jit, static_argnames=("config", "updates"))
+def _advance(learners: ppo.Learner, world: BesidePeople, config: Config, updates: int) -> tuple[ppo.Learner, ppo.Report]:
+    return jax.lax.map(partial(ppo.advance, world=world, config=config, updates=updates), learners)
+
+
+@partial(jax.jit, static_argnames="config")
+def _episodes(actors: Network, world: BesidePeople, company: Person, config: Config) -> Played:
+    """`[S, E]`: the episodes of `Trainee._played`. Noise of Gumbel's distribution turns the most probable action into a drawn one."""
+    number = company.pace.shape[0]
+    drawn = (jnp.arange(number) > 0) & (jnp.arange(number) <= BEST_OF)
+    keys, draw_key = jax.random.split(jax.random.key(0), number), jax.random.key(1)
+    uniform = jax.random.uniform(draw_key, (number, world.draw.numbers))
+
+    def of_actor(actor: Network) -> Played:
+        alone = jax.tree.map(lambda leaf: leaf[0], actor)
+
+        def one(person: Person, uniform: Array, key: Array, drawn: Array) -> Played:
+            def decide(arrays: Arrays, shift: Shift) -> Array:
+                logits = forward(jnp, alone, observation.observe(arrays, shift.state, shift.mask, shift.turn), config.activation)
+                logits = logits + drawn * jax.random.gumbel(jax.random.fold_in(key, shift.decisions), logits.shape)
+                action = jnp.argmax(jnp.where(observation.choices(arrays, shift.state, shift.mask, shift.turn), logits, -jnp.inf))
+                return jnp.where(action == world.actions - 1, -1, action)
+
+            played = episode.play(world.arrays, fate(world.draw, world.arrays, uniform), crew(world.arrays, person), decide)
+            return Played(played.makespan, played.stress, played.done)
+
+        return jax.vmap(one)(company, uniform, keys, drawn)
+
+    return jax.lax.map(of_actor, actors)

@@ -1,0 +1,74 @@
+"""What the learners of a cell's game (`cell_games`) have in common: what is paid, and how what was learned plays the cell."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import jax
+
+from tandem.cell.model import Cell
+from tandem.learn.algorithm import Row
+from tandem.learn.alphazero.config import Wander
+from tandem.learn.alphazero.network import Judge, Scorer, opinion
+from tandem.learn.alphazero.selfplay import Looking, Played, played
+from tandem.learn.alphazero.trained import Trained
+from tandem.learn.cell_env import CellGame, reached
+from tandem.learn.env import Game, many
+from tandem.learn.results import Reached
+from tandem.learn.algorithm import Order
+
+SECOND = 10.0
+"""What a second costs beside a unit of stress times the stress factor, as in the thesis's rewards."""
+
+
+def game_of(cell: Cell, stress_factor: float, *, waiting: bool) -> CellGame:
+    """The cell's game as it is learned."""
+    return CellGame.of(cell, time_weight=SECOND, stress_weight=stress_factor, waiting=waiting)
+
+
+def paid(stress_factor: float) -> dict[str, Any]:
+    """What time and stress cost in it, for `gaps.cost`."""
+    return {"step": -SECOND, "per_second": 1, "stress_factor": stress_factor}
+
+
+def play(cell: Cell, game: CellGame, trained: Trained, looking: Looking | None = None, *, games: int = 1, seed: int = 0) -> list[Reached]:
+    """So many games on the cell: by the network alone, or under a search."""
+    found = jax.device_get(_play(jax.random.key(seed), trained.judge, trained.parameters, many(game, games), looking))
+    return [reached(cell, jax.tree.map(lambda leaf, place=place: leaf[place], found)) for place in range(games)]
+
+
+def alone(cell: Cell, game: CellGame, judge: Judge, parameters: Any) -> list[tuple[Reached, float]]:
+    """What the network of each seed (the leading axis of `parameters`) reaches alone, and what it expects at the start, in the game's cost."""
+    found, expected = jax.device_get(_alone(judge, parameters, many(game, 1)))
+    seeds = range(len(expected))
+    return [(reached(cell, jax.tree.map(lambda leaf, place=place: leaf[place, 0], found)), float(expected[place])) for place in seeds]
+
+
+def at_random(cell: Cell, order: Order, *, games: int, seed: int) -> list[Reached]:
+    """Games in which every move is any legal one, nobody waiting of his own will."""
+    game = game_of(cell, order.stress_factor, waiting=False)
+    judge = Scorer(1)
+    return play(cell, game, Trained(judge, judge.start(jax.random.key(0))), Wander(share=1.0), games=games, seed=seed)
+
+
+def told(result: Reached) -> Row:
+    """As the documents and figures of a training have it."""
+    return {"makespan": result.makespan, "stress": result.stress, "illegal": result.illegal}
+
+
+@partial(jax.jit, static_argnames=("judge", "looking"))
+def _play(key: jax.Array, judge: Judge, parameters: Any, games: Game, looking: Looking | None) -> Played:
+    found = played(key, judge, parameters, games, looking)
+    return found._replace(moves=found.moves.T)
+
+
+@partial(jax.jit, static_argnames="judge")
+def _alone(judge: Judge, parameters: Any, games: Game) -> tuple[Played, jax.Array]:
+    first = jax.tree.map(lambda leaf: leaf[0], games)
+
+    def one(own: Any) -> tuple[Played, jax.Array]:
+        found = played(jax.random.key(0), judge, own, games)
+        return found._replace(moves=found.moves.T), opinion(judge, own, first, first.reset()).to_come * first.unit
+
+    return jax.lax.map(one, parameters)

@@ -1,0 +1,269 @@
+"""Trainings that people can follow, stop and take up again: several seeds side by side, figures and a checkpoint at every interval."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import jax
+import numpy as np
+
+from tandem.cell.model import Cell
+from tandem.files.messages import shown
+from tandem.errors import CellError, NothingFoundError, UsageError
+from tandem.learn.training import checkpoint
+from tandem.learn.algorithm import Algorithm, Learners, Row
+from tandem.learn.training.algorithms import algorithm
+from tandem.learn.forms import SettingsError, unreadable
+from tandem.learn.algorithm import AnyRecipe
+from tandem.learn.training.recipes import recipe, recipe_from
+from tandem.learn.room import make_room
+from tandem.learn.training.runs import RunFolder, asked_cell, new_folder
+from tandem.plan.methods import plan
+from tandem.plan.result import Front
+
+
+class NotFiniteError(NothingFoundError):
+    """The numbers of a training stopped being finite; the last good checkpoint was kept."""
+
+
+@dataclass(frozen=True)
+class Progress:
+    """What a training tells after every interval: `share` of the budget that is done (the slowest seed's), and the newest row of each seed."""
+
+    share: float
+    rows: Sequence[Row]
+
+
+@dataclass(frozen=True)
+class Order:
+    """What is to be trained.
+
+    Attributes:
+      recipe: and `name`, what it is called.
+      seeds: one training each, side by side.
+      stress_factor: how much a unit of stress counts in the rewards.
+      front_limit: seconds that the planner has for the exact front, against which everything is held.
+    """
+
+    cell: Cell
+    recipe: AnyRecipe
+    name: str = "tandem"
+    seeds: tuple[int, ...] = (0,)
+    stress_factor: float = 0.0
+    front_limit: float = 30.0
+
+    def __post_init__(self) -> None:
+        if not self.seeds or len(set(self.seeds)) < len(self.seeds):
+            raise UsageError(f"seeds {', '.join(map(str, self.seeds)) or 'empty'}: give one or more, each once.")
+        if not all(0 <= seed < 2**32 for seed in self.seeds):
+            raise UsageError(f"seeds {shown(self.seeds[0])} ...: each is a whole number from 0 to {2**32 - 1}.")
+        if not (np.isfinite(self.stress_factor) and self.stress_factor >= 0):
+            raise UsageError(f"stress factor {self.stress_factor}: must be a number, 0 or more.")
+        if not (np.isfinite(self.front_limit) and self.front_limit > 0):
+            raise UsageError(f"front limit {self.front_limit}: must be a number of seconds above 0.")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values."""
+        return {
+            "cell": self.cell.to_dict(),
+            "recipe": self.name,
+            "algorithm": self.recipe.algorithm,
+            "settings": self.recipe.to_dict(),
+            "seeds": list(self.seeds),
+            "stress_factor": self.stress_factor,
+            "front_limit": self.front_limit,
+        }
+
+    @classmethod
+    def of(cls, run: RunFolder) -> Order:
+        """What a run was asked.
+
+        Raises CellError when the folder holds no run, or one whose cell or settings do not hold; with everything that is wrong.
+        """
+        asked, faults = run.asked(), list[str]()
+        try:
+            cell = asked_cell(run, asked)
+        except CellError as error:
+            faults += [fault.message for fault in error.faults]
+        try:
+            made = recipe_from(asked.algorithm, asked.settings)
+        except SettingsError as error:
+            faults += [f"settings.{fault}" for fault in error.faults]
+        if faults:
+            raise unreadable(run.path / "run.json", faults)
+        try:
+            return cls(cell, made, asked.recipe, asked.seeds, asked.stress_factor, asked.front_limit)
+        except UsageError as error:
+            raise unreadable(run.path / "run.json", [str(error)]) from None
+
+
+@dataclass
+class Training:
+    """A training under way."""
+
+    order: Order
+    folder: RunFolder
+    algorithm: Algorithm
+    front: Front | None
+    learners: Learners
+    interval: int = 0
+    cpu_s: float = 0.0
+    tensorboard: Any = None
+    since: float = field(default_factory=time.process_time)
+
+    @property
+    def share(self) -> float:
+        """How much of the budget the slowest seed has behind it, 0 to 1."""
+        return self.algorithm.share(self.learners)
+
+    def spent(self) -> float:
+        """CPU seconds so far, compiling included."""
+        return self.cpu_s + time.process_time() - self.since
+
+
+def train(
+    cell: Cell,
+    *,
+    recipe_name: str = "tandem",
+    own_recipe: AnyRecipe | None = None,
+    stress_factor: float = 0.0,
+    seeds: Sequence[int] = (0,),
+    folder: str | Path | None = None,
+    front_limit: float = 30.0,
+    tensorboard: bool = False,
+    on_progress: Callable[[Progress], None] | None = None,
+) -> dict[str, Any]:
+    """Trains the cell's operators and returns the result document (see `documents.result`); everything is kept in the run's folder.
+
+    Args:
+      recipe_name: a name in `recipes.RECIPES`; `own_recipe` is taken instead when given.
+      stress_factor: how much a unit of stress counts against a second (the rewards' step is -10 in the appendix's set).
+      folder: where the run is kept; a new one under `runs/` when absent.
+      front_limit: seconds for the exact front.
+      tensorboard: write TensorBoard events too.
+      on_progress: called after every interval; may raise KeyboardInterrupt to stop.
+
+    A KeyboardInterrupt ends it after saving: the document then says `"interrupted": true` and `resume` goes on.
+
+    Raises:
+      CellError: the algorithm cannot hold the cell. UsageError: an option is out of range.
+      NotFiniteError: a parameter became infinite or nan; the last good checkpoint is kept.
+    """
+    order = Order(cell, own_recipe or recipe(recipe_name), recipe_name, tuple(seeds), stress_factor, front_limit)
+    learner = algorithm(order)
+    run = RunFolder(Path(folder) if folder else new_folder(cell, recipe_name))
+    run.begin(order.to_dict())
+    training = Training(order, run, learner, exact_front(cell, front_limit), learner.begin())
+    _save(training)
+    return _go_on(training, tensorboard, on_progress)
+
+
+def resume(
+    folder: str | Path,
+    *,
+    tensorboard: bool = False,
+    on_progress: Callable[[Progress], None] | None = None,
+    on_notice: Callable[[str], None] = warnings.warn,
+) -> dict[str, Any]:
+    """Goes on with a run from its newest checkpoint, to the same end (bit by bit, on the same machine) as without the stop.
+
+    When the newest checkpoint is damaged and the one before it is not, it goes on from that and says so with `on_notice`.
+
+    Raises CellError when the folder holds no run, or one that is damaged beyond that; nothing has been changed then.
+    """
+    run = RunFolder(Path(folder))
+    order = Order.of(run)
+    try:
+        learner = algorithm(order)
+    except UsageError as error:
+        raise unreadable(run.path / "run.json", str(error).splitlines()) from None
+    run.rows()  # before anything is written: figures that cannot be read must not be forgotten
+    like = jax.eval_shape(learner.begin)
+    (learners, notes), notice = run.newest_checkpoint(lambda path: checkpoint.load(path, like))
+    if notice:
+        on_notice(notice)
+    run.back_to(notes.interval)
+    training = Training(order, run, learner, exact_front(order.cell, order.front_limit), learners, notes.interval, notes.cpu_s)
+    return _go_on(training, tensorboard, on_progress)
+
+
+def exact_front(cell: Cell, limit: float) -> Front | None:
+    """The planner's front, complete or not; None when it found nothing within the limit."""
+    try:
+        return plan(cell, time_limit=limit, seed=0)
+    except NothingFoundError:
+        return None
+
+
+def _go_on(training: Training, tensorboard: bool, on_progress: Callable[[Progress], None] | None) -> dict[str, Any]:
+    from tandem.learn.training.results import result
+
+    if tensorboard:
+        from tensorboardX import SummaryWriter
+
+        training.tensorboard = SummaryWriter(str(training.folder.path / "tensorboard"))
+    make_room()
+    interrupted = False
+    try:
+        while training.share < 1:
+            rows = _interval(training)
+            if on_progress:
+                on_progress(Progress(training.share, rows))
+    except KeyboardInterrupt:
+        interrupted = True
+        _save(training)
+    finally:
+        if training.tensorboard:
+            training.tensorboard.close()
+    _save_policies(training)
+    document = result(training, interrupted=interrupted)
+    if not interrupted:
+        training.folder.write_result(document)
+    return document
+
+
+def _interval(training: Training) -> list[Row]:
+    """Trains up to the next figures, writes them down and saves."""
+    from tandem.learn.training.results import gap
+
+    learners, report = training.algorithm.advance(training.learners)
+    finite = [bool(np.all(own)) for own in np.asarray(report.finite)]
+    if not all(finite):
+        seeds = [seed for seed, fine in zip(training.order.seeds, finite, strict=True) if not fine]
+        raise NotFiniteError(
+            f"the numbers of seed {', '.join(map(str, seeds))} are no longer finite; training stopped. The last good checkpoint, after interval "
+            f"{training.interval}, is kept in {training.folder.path}. A lower learning rate helps, or a limit on the gradient."
+        )
+    training.learners, training.interval = learners, training.interval + 1
+    found = training.algorithm.rows(learners, report)
+    rows = [
+        {"interval": training.interval, "seed": seed, **row, "gap": gap(training, row["greedy_makespan"], row["greedy_stress"])}
+        for seed, row in zip(training.order.seeds, found, strict=True)
+    ]
+    training.folder.append(rows)
+    if training.tensorboard:
+        _to_tensorboard(training.tensorboard, rows)
+    _save(training)
+    return rows
+
+
+def _to_tensorboard(writer: Any, rows: Sequence[Row]) -> None:
+    for row in rows:
+        for name, value in row.items():
+            if name not in ("interval", "seed") and value is not None:
+                writer.add_scalar(f"seed_{row['seed']}/{name}", value, row["steps"])
+
+
+def _save(training: Training) -> None:
+    notes = checkpoint.Notes(interval=training.interval, cpu_s=training.spent())
+    training.folder.keep_checkpoint(lambda path: checkpoint.save(path, training.learners, notes))
+
+
+def _save_policies(training: Training) -> None:
+    for place, seed in enumerate(training.order.seeds):
+        training.algorithm.save_policy(training.learners, place, training.folder.policy(seed))
