@@ -4,6 +4,7 @@
     python3 dev.py run              plan the example cell, train two agents on it: front, Gantt, a report as one HTML file
     python3 dev.py run ARGUMENTS    the command itself: run plan my-cell.yaml
     python3 dev.py test             format, lint, types, import rules, docs, tests
+    python3 dev.py test --changed   only the tests that what you changed since the last commit can break (or since COMMIT)
     python3 dev.py test ARGUMENTS   pytest alone, with these arguments
     python3 dev.py lint             all of `test` that is not a test
     python3 dev.py fix              mend what ruff can mend: format and simple findings
@@ -210,10 +211,13 @@ def fix(_: Sequence[str]) -> int:
 
 def test(arguments: Sequence[str]) -> int:
     install("dev", "learn")
+    side_by_side = ("-q", "-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder")
+    if arguments and arguments[0].startswith("--changed"):
+        return call(PYTHON, "-m", "pytest", *side_by_side, *arguments)
     if arguments:
         return call(PYTHON, "-m", "pytest", *arguments)
     failed = look()
-    ended = call(PYTHON, "-m", "pytest", "-q", "-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder", "--durations", "25")
+    ended = call(PYTHON, "-m", "pytest", *side_by_side, "--durations", "25")
     if failed:
         print(f"failed before the tests: {', '.join(failed)} (see above)", flush=True)
     return ended or (1 if failed else 0)

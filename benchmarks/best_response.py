@@ -23,28 +23,28 @@ from typing import Any
 import jax
 import numpy as np
 
-from tandem.files.load import load
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
-from tandem.files.atomic import store
 from tandem.dispatch.deciders.learned import learned
 from tandem.dispatch.deciders.policy import Options
 from tandem.dispatch.deciders.table import policy
-from tandem.dispatch.evaluation.best_response import optimum
 from tandem.dispatch.evaluation.batch import Stage
-from tandem.dispatch.situation.model import Situation
+from tandem.dispatch.evaluation.best_response import optimum
 from tandem.dispatch.lookahead.objective import SECONDS
+from tandem.dispatch.situation.model import Situation
+from tandem.files.atomic import store
+from tandem.files.load import load
 from tandem.learn.policy import Policy
-from tandem.learn.ppo.recipes import RESPONSE
 from tandem.learn.ppo.decider import decider
+from tandem.learn.ppo.recipes import RESPONSE
 from tandem.learn.training.runs import RunFolder, versions
 from tandem.learn.training.trainer import train
 from tandem.world import episode
 from tandem.world.arrays import Names
-from tandem.world.population import crowd
-from tandem.world.randomness import Draw
 from tandem.world.people import Person
+from tandem.world.population import crowd
 from tandem.world.population import load as population
+from tandem.world.randomness import Draw
 
 ROOT = Path(__file__).resolve().parents[1]
 PEOPLE = ROOT / "benchmarks" / "people.yaml"

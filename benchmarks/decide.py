@@ -21,19 +21,19 @@ import itertools
 
 import numpy as np
 
+from tandem.lab.kinat2023.recipe import STATION
 from tandem.learn.policy import Policy
-from tandem.learn.ppo.recipes import TANDEM
 
 
 def policy(tasks: int) -> Policy:
     """Untrained actors of our recipe's size for so many tasks."""
     rng = np.random.default_rng(0)
-    sizes = [6 * tasks + 4 + tasks * tasks, *TANDEM.config.hidden, tasks + 1]
+    sizes = [6 * tasks + 4 + tasks * tasks, *STATION.config.hidden, tasks + 1]
     actor = {
         str(place): {"weight": rng.standard_normal((2, *shape), np.float32) / shape[0] ** 0.5, "bias": np.zeros((2, shape[1]), np.float32)}
         for place, shape in enumerate(itertools.pairwise(sizes))
     }
-    return Policy(("robot_0", "human_0"), actor, TANDEM.config.activation, True, False, {})
+    return Policy(("robot_0", "human_0"), actor, STATION.config.activation, True, False, {})
 
 
 def measure(tasks: int, repeats: int) -> dict[str, float]:

@@ -23,14 +23,14 @@ import jax.numpy as jnp
 import numpy as np
 
 import tandem.envs  # noqa: F401 (makes the environments known)
-from tandem.files.load import load
 from tandem.cell.model import Cell
+from tandem.files.load import load
 from tandem.world.arrays import Arrays, Names, namespace
-from tandem.world.population import crowd
 from tandem.world.episode import Shift, play_many, play_one
-from tandem.world.randomness import OFF, Chance, Draw, Fate, fates
 from tandem.world.people import Person
 from tandem.world.people import crew as crew_of
+from tandem.world.population import crowd
+from tandem.world.randomness import OFF, Chance, Draw, Fate, fates
 from tandem.world.state import legal_of
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -13,10 +13,10 @@ import time
 
 from tandem.cell.generators import layered
 from tandem.plan.bounds import load_bound
-from tandem.plan.list_scheduling import Layout
 from tandem.plan.instance import Instance
-from tandem.plan.methods import plan
+from tandem.plan.list_scheduling import Layout
 from tandem.plan.method import Progress
+from tandem.plan.methods import plan
 
 
 def main() -> int:

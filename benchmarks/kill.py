@@ -24,9 +24,9 @@ from pathlib import Path
 from typing import Any
 
 from tandem import __version__
-from tandem.files.load import dump
 from tandem.cell.generators import layered
 from tandem.dispatch.journal import Entry, Journal
+from tandem.files.load import dump
 
 PEOPLE = "random:0.2+forgetful:0.1+pace:1.3"
 FLOOR = ("--simulate", PEOPLE, "--cv", "0.2", "--failures", "120", "--absences", "150")

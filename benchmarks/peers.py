@@ -12,8 +12,8 @@ from ortools.sat.python import cp_model
 
 from tandem.cell.model import Cell
 from tandem.plan.instance import Instance
-from tandem.plan.methods import plan
 from tandem.plan.method import Progress
+from tandem.plan.methods import plan
 from tandem.schedule.checker import faults
 from tandem.schedule.model import Schedule
 

@@ -25,14 +25,14 @@ sys.path.insert(0, str(ROOT))
 
 from tests.learn.plain_yu import PlainGame, PlainSearch  # noqa: E402
 
-from tandem.lab.yu2020.board import desk  # noqa: E402
 from tandem.lab import yu2020  # noqa: E402
+from tandem.lab.yu2020.board import desk  # noqa: E402
 from tandem.lab.yu2020.board_training import decide_ms, untrained  # noqa: E402
+from tandem.lab.yu2020.config import YuConfig, YuSearch  # noqa: E402
+from tandem.lab.yu2020.learn_env import BoardGame  # noqa: E402
 from tandem.learn.alphazero.config import Config, Search  # noqa: E402
-from tandem.lab.yu2020.config import YuConfig, YuSearch
 from tandem.learn.alphazero.selfplay import Looking, find  # noqa: E402
 from tandem.learn.alphazero.trained import Trained  # noqa: E402
-from tandem.lab.yu2020.learn_env import BoardGame  # noqa: E402
 from tandem.learn.env import many  # noqa: E402
 
 SIMULATIONS = 30

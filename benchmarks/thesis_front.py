@@ -13,8 +13,8 @@ from pathlib import Path
 
 from ortools.sat.python import cp_model
 
-from tandem.files.load import load
 from tandem.cell.model import Cell
+from tandem.files.load import load
 from tandem.plan.instance import Instance
 from tandem.plan.methods import plan
 

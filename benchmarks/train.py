@@ -17,8 +17,8 @@ import time
 from functools import partial
 from typing import Any
 
+from tandem.lab.kinat2023.recipe import STATION
 from tandem.lab.kinat2023.runs import FACTORS, thesis_cell
-from tandem.learn.ppo.recipes import TANDEM
 from tandem.learn.training.runs import versions
 
 
@@ -26,15 +26,15 @@ def ours(seeds: int) -> dict[str, Any]:
     import jax
     import jax.numpy as jnp
 
+    from tandem.lab.kinat2023.learn_env import StationWorld
     from tandem.lab.kinat2023.optimal import return_optimal
     from tandem.lab.kinat2023.rewards import reward_set
     from tandem.learn.ppo import play, ppo
-    from tandem.lab.kinat2023.learn_env import StationWorld
 
-    cell, config = thesis_cell(), TANDEM.config
+    cell, config = thesis_cell(), STATION.config
     best = {factor: set(return_optimal(cell, reward_set("appendix", stress_factor=factor)).pairs) for factor in FACTORS}
     wanted = [(factor, seed) for factor in FACTORS for seed in range(seeds)]
-    worlds = jax.tree.map(lambda *leaves: jnp.stack(leaves), *[StationWorld.of(cell, TANDEM, stress_factor=factor) for factor, _ in wanted])
+    worlds = jax.tree.map(lambda *leaves: jnp.stack(leaves), *[StationWorld.of(cell, STATION, stress_factor=factor) for factor, _ in wanted])
     keys = jnp.stack([jax.random.key(seed) for _, seed in wanted])
     updates = sum(math.ceil((stage.steps or 0) / (config.environments * config.horizon)) for stage in config.stages)
     began = time.process_time()

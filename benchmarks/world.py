@@ -29,8 +29,8 @@ sys.path.insert(0, str(ROOT))
 from tests.envs.thesis_port import ThesisPort  # noqa: E402
 
 import tandem.envs  # noqa: E402
-from tandem.files.load import load  # noqa: E402
 from tandem.cell.model import Cell  # noqa: E402
+from tandem.files.load import load  # noqa: E402
 from tandem.lab.kinat2023 import HUMAN, after_human, choices, decide_step, legal, reset, reward_set, station, step  # noqa: E402
 
 INNER = 500

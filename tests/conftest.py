@@ -22,6 +22,8 @@ if "PYTEST_XDIST_WORKER" not in os.environ and "JAX_COMPILATION_CACHE_DIR" not i
     keep_compiled()
     atexit.register(shutil.rmtree, compiled, ignore_errors=True)
 
+pytest_plugins = ["tests.changed"]
+
 settings.register_profile("tandem", deadline=None)  # a busy machine is no fault of the code
 settings.load_profile("tandem")
 

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from tandem.files.load import load
     from tandem.cell.model import Cell
     from tandem.cell.parts import Operator, Task, Together, Tool, Zone
     from tandem.errors import CellError, Fault, InfeasibleError, NothingFoundError, TandemError, UnsoundScheduleError, UsageError
+    from tandem.files.load import load
     from tandem.plan.methods import plan
     from tandem.plan.question import Question
     from tandem.plan.result import Front, Result
@@ -51,7 +51,8 @@ __all__ = [
 
 _HOME = {
     "tandem.files.load": ("load",),
-    "tandem.cell.model": ("Cell", "Operator", "Task", "Together", "Tool", "Zone"),
+    "tandem.cell.model": ("Cell",),
+    "tandem.cell.parts": ("Operator", "Task", "Together", "Tool", "Zone"),
     "tandem.errors": ("CellError", "Fault", "InfeasibleError", "NothingFoundError", "TandemError", "UnsoundScheduleError", "UsageError"),
     "tandem.plan.question": ("Question",),
     "tandem.plan.result": ("Front", "Result"),

@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tandem
-from tandem.files.load import dumps, loads
-from tandem.cell.model import Cell
 from tandem.cell.names import clean, clean_title, harm_in, look, twins
 from tandem.errors import CellError, UsageError
 from tandem.explain.variant import variant
+from tandem.files.load import dumps, loads
+from tandem.files.validate import cell_of
 from tandem.schedule.model import Schedule
 from tandem.world.arrays import Names
 from tandem.world.behaviour import traits
@@ -77,7 +77,7 @@ def test_names_that_look_alike_are_refused_in_python_too(table, twin):
     data["operators"] = {"h": {"kind": "human"}, "a": {"kind": "robot"}}
     data[table] = {**data[table], twin: data[table]["a"]}
     with pytest.raises(CellError, match=r"looks like|twice"):
-        Cell.of(data)
+        cell_of(data)
 
 
 @pytest.mark.parametrize(("key", "twin"), [("tool", "drіver"), ("zone", "drіver"), ("tool", "ｄriver"), ("zone", "driver")])
@@ -85,28 +85,28 @@ def test_tools_and_zones_that_look_alike_are_refused(key, twin):
     data = cell_with("a", "b")
     data["tasks"]["a"][key], data["tasks"]["b"][key] = "driver", twin
     if twin == "driver":
-        assert Cell.of(data).tasks["b"].model_dump()[key] == "driver"
+        assert cell_of(data).tasks["b"].model_dump()[key] == "driver"
         return
     with pytest.raises(CellError, match=r"looks like .* 'driver' but is written with other signs"):
-        Cell.of(data)
+        cell_of(data)
 
 
 def test_two_times_of_one_operator_are_refused_with_both_places():
     with pytest.raises(CellError, match="'h' is stated twice, first in line 2 and again here in line 2"):
         loads('operators: {h: {kind: human}}\ntasks: {a: {time: {h: 1, "h\\u00a0": 3}}}')
     with pytest.raises(CellError, match=r"time states 'h' twice, as 'h' and as 'h\\u200b'"):
-        Cell.of({**cell_with(), "tasks": {"a": {"time": {"h": 1, "h\u200b": 2}}}})
+        cell_of({**cell_with(), "tasks": {"a": {"time": {"h": 1, "h\u200b": 2}}}})
 
 
 def test_a_number_and_its_digits_are_one_name():
     with pytest.raises(CellError, match="tasks states '1' twice, as 1 and as '1'"):
-        Cell.of({**cell_with(), "tasks": {1: {"time": {"h": 1}}, "1": {"time": {"h": 2}}}})
+        cell_of({**cell_with(), "tasks": {1: {"time": {"h": 1}}, "1": {"time": {"h": 2}}}})
 
 
 @pytest.mark.parametrize("pair", [("m²", "m2"), ("①", "1"), ("½", "1/2"), ("a", "b"), ("A", "a"), ("Schraube", "Schraube 2")])
 def test_names_that_can_be_told_apart_may_stand_side_by_side(pair):
     assert list(twins(pair)) == []
-    assert set(Cell.of(cell_with(*pair)).tasks) == set(pair)
+    assert set(cell_of(cell_with(*pair)).tasks) == set(pair)
 
 
 @pytest.mark.parametrize("pair", [("a", "а"), ("fit", "ﬁt"), ("A1", "Ａ１"), ("a-b", "a‑b"), ("H", "Η")])
@@ -131,7 +131,7 @@ def test_signs_that_a_terminal_would_obey_and_half_characters_are_refused(sign, 
             data["tasks"]["b"] = {"time": {"h": 1}, "after": [name]}
         case _:
             data["tasks"]["a"][key] = name
-    for read in (lambda: Cell.of(data), lambda: loads(json.dumps(data))):
+    for read in (lambda: cell_of(data), lambda: loads(json.dumps(data))):
         with pytest.raises(CellError, match=f"holds the (control character|half character|sign) U\\+{ord(sign):04X}, which no name may have"):
             read()
 
@@ -151,7 +151,7 @@ def test_a_pair_of_halves_is_one_character():
 @pytest.mark.parametrize("spelling", SPELLINGS)
 def test_options_take_any_spelling(spelling):
     operators = {"jörg": {"kind": "human"}, "cobot": {"kind": "robot"}}
-    cell = Cell.of({"operators": operators, "tasks": {WHOLE: {"time": {"jörg": 5, "cobot": 6}}, "b": {"time": {"cobot": 1}}}})
+    cell = cell_of({"operators": operators, "tasks": {WHOLE: {"time": {"jörg": 5, "cobot": 6}}, "b": {"time": {"cobot": 1}}}})
     assert dict(variant(cell, force=[f"{spelling}=jo\u0308rg "]).tasks[WHOLE].time) == {"jörg": 5}
     assert variant(cell, sets=[f'tasks."{spelling}".time.jo\u0308rg=9']).tasks[WHOLE].time["jörg"] == 9
     assert list(variant(cell, without=["jo\u0308rg\u200b"]).operators) == ["cobot"]
@@ -163,6 +163,6 @@ def test_options_take_any_spelling(spelling):
 
 @pytest.mark.parametrize("spelling", SPELLINGS)
 def test_a_plan_is_read_back_in_any_spelling(spelling):
-    cell = Cell.of(cell_with(WHOLE))
+    cell = cell_of(cell_with(WHOLE))
     schedule = Schedule.from_list([{"task": spelling, "operators": ["h\u00a0"], "start": 0, "end": 1}])
     assert tandem.faults(cell, schedule) == []

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from tandem.cell.precedence import cycles
-from tandem.cell.model import Cell
 from tandem.cell.soundness import RULES
 from tandem.errors import CellError, Fault
+from tandem.files.validate import cell_of
 
 
 def gearbox(**changes: Any) -> dict[str, Any]:
@@ -34,7 +34,7 @@ def gearbox(**changes: Any) -> dict[str, Any]:
 def faults(**changes: Any) -> list[Fault]:
     """What is wrong with the gearbox after the changes."""
     try:
-        Cell.of(gearbox(**changes))
+        cell_of(gearbox(**changes))
     except CellError as error:
         return list(error.faults)
     return []
@@ -180,7 +180,7 @@ def test_one_fault_is_told_with_its_place_and_remedy(changes, path, sentence):
     found = faults(**changes)
     assert [fault.path for fault in found] == [path]
     with pytest.raises(CellError, match=sentence):
-        Cell.of(gearbox(**changes))
+        cell_of(gearbox(**changes))
 
 
 ALLOWED: list[dict[str, Any]] = [

@@ -9,8 +9,8 @@ from typing import Any
 import openpyxl
 import pytest
 
-from tandem.files.load import load
 from tandem.cli.root import run
+from tandem.files.load import load
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

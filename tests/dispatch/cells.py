@@ -6,12 +6,12 @@ import json
 from dataclasses import dataclass, field
 from typing import Any
 
-from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Decision
 from tandem.dispatch.shift.deadline import InTime, plainly
 from tandem.dispatch.situation.model import Situation
+from tandem.files.validate import cell_of
 
-GEARBOX = Cell.of(
+GEARBOX = cell_of(
     {
         "name": "Small gearbox",
         "operators": {"cobot": {"kind": "robot"}, "anna": {"kind": "human"}},

@@ -8,11 +8,11 @@ from dataclasses import replace
 from hypothesis import strategies as st
 
 from tandem.cell.model import Cell
-from tandem.dispatch.situation.transitions import after
 from tandem.dispatch.situation.events import Event
 from tandem.dispatch.situation.legal import legal
 from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.situation.objections import objections
+from tandem.dispatch.situation.transitions import after
 
 
 @st.composite

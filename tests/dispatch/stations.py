@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from tandem.files.load import load
 from tandem.cell.model import Cell
+from tandem.files.load import load
+from tandem.files.validate import cell_of
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -26,4 +27,4 @@ def station(*, together: bool = False, zone: bool = False, limit: bool = False) 
     if zone:
         tasks["a"]["zone"] = tasks["b"]["zone"] = "bench"
     human = {"kind": "human", "stress_limit": 4} if limit else {"kind": "human"}
-    return Cell.of({"name": "Small station", "operators": {"robot": {"kind": "robot"}, "human": human}, "tasks": tasks})
+    return cell_of({"name": "Small station", "operators": {"robot": {"kind": "robot"}, "human": human}, "tasks": tasks})

@@ -18,12 +18,12 @@ from tandem.cell.model import Cell
 from tandem.dispatch.deciders.memory import settled_memory
 from tandem.dispatch.deciders.policy import Decision, Options
 from tandem.dispatch.deciders.replan import Robust, plain, robust
-from tandem.dispatch.situation.model import Situation
-from tandem.dispatch.situation.pace import estimates
-from tandem.dispatch.lookahead.transitions import Moves
+from tandem.dispatch.lookahead.branch_and_bound import EVERY, MOST_KNOWN, OutOfTimeError, Search
 from tandem.dispatch.lookahead.objective import SECONDS
 from tandem.dispatch.lookahead.residual import rest, solve
-from tandem.dispatch.lookahead.branch_and_bound import EVERY, MOST_KNOWN, OutOfTimeError, Search
+from tandem.dispatch.lookahead.transitions import Moves
+from tandem.dispatch.situation.model import Situation
+from tandem.dispatch.situation.pace import estimates
 
 WIDE = layered(30, 2, 2, seed=3)
 """At its beginning 3,507 sets of ways can be begun, each of which is a step of the search."""

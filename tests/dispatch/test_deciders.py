@@ -19,13 +19,13 @@ from tandem.dispatch.deciders.by_value import repairing
 from tandem.dispatch.deciders.policy import Decision, Options
 from tandem.dispatch.deciders.table import POLICIES, policy
 from tandem.dispatch.evaluation import best_response
-from tandem.dispatch.evaluation.best_response import as_modelled, complies
 from tandem.dispatch.evaluation.batch import Outcome, Stage
+from tandem.dispatch.evaluation.best_response import as_modelled, complies
+from tandem.dispatch.lookahead.dynamic_programming import expected
+from tandem.dispatch.lookahead.mistakes import repair_values
+from tandem.dispatch.lookahead.objective import SECONDS, Objective
 from tandem.dispatch.situation.legal import legal
 from tandem.dispatch.situation.model import Running, Situation, Work
-from tandem.dispatch.lookahead.dynamic_programming import expected
-from tandem.dispatch.lookahead.objective import SECONDS, Objective
-from tandem.dispatch.lookahead.mistakes import repair_values
 from tandem.errors import NothingFoundError, UsageError
 from tandem.world.arrays import Names
 from tandem.world.population import crowd

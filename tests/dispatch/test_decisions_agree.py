@@ -19,11 +19,12 @@ from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Options
 from tandem.dispatch.deciders.table import POLICIES, policy
 from tandem.dispatch.journal import Journal
+from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.shift.deadline import InTime
 from tandem.dispatch.shift.live import Settings, Shift
 from tandem.dispatch.situation.model import Situation
-from tandem.dispatch.lookahead.objective import Objective
 from tandem.errors import CellError, InfeasibleError, UsageError
+from tandem.files.validate import cell_of
 
 Document = dict[str, Any]
 DECIDERS = [name for name in POLICIES if name != "learned"]  # which needs a trained policy; tests/learn has it
@@ -137,7 +138,7 @@ def test_a_group_is_asked_in_the_plural_and_one_in_the_singular() -> None:
         "halves": {"time": {}, "together": [{"operators": ["Werker 1", "Werker 2"], "time": 3}]},
         "test": {"time": {"Cobot": 4}},
     }
-    cell = Cell.of({"name": "Both", "operators": operators, "tasks": tasks})
+    cell = cell_of({"name": "Both", "operators": operators, "tasks": tasks})
     decision = policy("longest-tail", cell).decide(Situation.of(cell))
     assert decision.why == "Werker 1 and Werker 2 are asked for halves, Cobot does test: by the rule 'longest-tail'."
     gone = replace(Situation.of(cell), absent=frozenset({"Werker 2"}))

@@ -10,12 +10,13 @@ from tests.dispatch.stations import THESIS, station
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.dispatch.lookahead.bayes_adaptive import bayes_adaptive, belief_values
-from tandem.dispatch.lookahead.dynamic_programming import Human, expected, minimax, values
-from tandem.dispatch.lookahead.transitions import Moves, Position
-from tandem.dispatch.lookahead.objective import Objective
-from tandem.dispatch.lookahead.mistakes import repair_values
 from tandem.dispatch.lookahead.branch_and_bound import Search
+from tandem.dispatch.lookahead.dynamic_programming import Human, expected, minimax, values
+from tandem.dispatch.lookahead.mistakes import repair_values
+from tandem.dispatch.lookahead.objective import Objective
+from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.errors import CellError, NothingFoundError
+from tandem.files.validate import cell_of
 from tandem.plan.dynamic_programming import solve
 from tandem.plan.question import Question
 
@@ -88,7 +89,7 @@ def test_a_prior_that_is_sure_leaves_nothing_to_learn() -> None:
 
 
 def test_cells_that_cannot_be_valued_are_refused_by_name() -> None:
-    tools = Cell.of(
+    tools = cell_of(
         {
             "operators": {"robot": {"kind": "robot"}},
             "tasks": {"a": {"time": {"robot": 1.0}, "tool": "x"}, "b": {"time": {"robot": 1.0}, "tool": "y"}},
@@ -97,7 +98,7 @@ def test_cells_that_cannot_be_valued_are_refused_by_name() -> None:
     )
     with pytest.raises(CellError, match="changeovers"):
         values(tools)
-    table = Cell.of({"operators": {"h": {"kind": "human"}}, "tasks": {"a": {"time": {"h": 1.0}}}, "stress_of_set": {"a": 1.0}})
+    table = cell_of({"operators": {"h": {"kind": "human"}}, "tasks": {"a": {"time": {"h": 1.0}}}, "stress_of_set": {"a": 1.0}})
     with pytest.raises(CellError, match="stress_of_set"):
         values(table)
     with pytest.raises(CellError, match="replan"):
@@ -134,7 +135,7 @@ def test_every_wrong_state_is_repaired_as_quickly_as_value_iteration_says(erring
 
 def test_mistakes_cost_what_a_geometric_series_says() -> None:
     """One task, one human, always noticed: T, and with probability q once more taking apart (T/2) and doing it again, and so on."""
-    cell = Cell.of({"operators": {"h": {"kind": "human"}}, "tasks": {"a": {"time": {"h": 4.0}}}})
+    cell = cell_of({"operators": {"h": {"kind": "human"}}, "tasks": {"a": {"time": {"h": 4.0}}}})
     found = repair_values(cell, 0.25, taking_apart=0.5)
     found.prepare(found.moves.root())
     assert found.value(found.moves.root()) == pytest.approx(4 + 0.25 / 0.75 * 6)

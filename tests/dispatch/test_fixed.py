@@ -12,16 +12,17 @@ from tests.dispatch.stations import ROOT, THESIS, station
 from tests.strategies import cells
 
 import tandem
-from tandem.files.load import load
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.fixed import Fixed, fixed
 from tandem.dispatch.deciders.policy import Options, basis_of
 from tandem.dispatch.deciders.table import policy
 from tandem.dispatch.evaluation.batch import Outcome, Stage
-from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.lookahead.objective import SECONDS, Objective
+from tandem.dispatch.situation.model import Situation
 from tandem.errors import InfeasibleError
+from tandem.files.load import load
+from tandem.files.validate import cell_of
 from tandem.world.arrays import Names
 from tandem.world.population import crowd
 from tandem.world.randomness import OFF, Draw
@@ -77,7 +78,7 @@ def bench(**changes: object) -> Cell:
         "test": {"time": {"robot": 10}, "zone": "bench"},
     }
     operators = {"robot": {"kind": "robot"}, "human": {"kind": "human"}}
-    return Cell.of({"name": "One bench", "operators": operators, "tasks": tasks, **changes})
+    return cell_of({"name": "One bench", "operators": operators, "tasks": tasks, **changes})
 
 
 def test_nobody_takes_a_place_that_the_plan_gives_to_another_first() -> None:
@@ -90,7 +91,7 @@ def test_nobody_takes_a_tool_that_the_plan_gives_to_another_first() -> None:
     for task in data["tasks"].values():
         if task.pop("zone", None):
             task["tool"] = "press"
-    cell = Cell.of({**data, "zones": {}})
+    cell = cell_of({**data, "zones": {}})
     assert played(cell, planned(cell)).makespan.tolist() == [29] * 2
 
 
@@ -98,7 +99,7 @@ def test_the_fixed_plan_keeps_deadlines() -> None:
     """The robot's test must end by 12 s, so it comes first and the human waits for the bench."""
     data = bench().to_dict()
     data["tasks"]["test"]["deadline"] = 12
-    late = Cell.of(data)
+    late = cell_of(data)
     assert planned(late).basis.makespan == tandem.plan(late, minimize="makespan", workers=1)[0].makespan == 34
     assert played(late, planned(late)).makespan.tolist() == [34] * 2
 

@@ -9,16 +9,17 @@ import jsonschema
 import pytest
 from tests.dispatch.cells import in_time
 
-from tandem.files.load import load
 from tandem.cell.model import Cell
 from tandem.dispatch.journal import Journal
 from tandem.dispatch.shift.documents import Document, summary
-from tandem.dispatch.shift.simulated import Floor
 from tandem.dispatch.shift.live import Settings, Shift
 from tandem.dispatch.shift.replay import replay
 from tandem.dispatch.shift.schema import SHIPPED, decision_schema, event_schema, schema_text
+from tandem.dispatch.shift.simulated import Floor
 from tandem.dispatch.situation.model import Situation
 from tandem.errors import UsageError
+from tandem.files.load import load
+from tandem.files.validate import cell_of
 from tandem.world.randomness import Chance
 
 ROUGH = Chance(spread="lognormal", cv=0.3, failure_s=40, repair_s=6, absence_s=60, away_s=5)
@@ -102,7 +103,7 @@ def test_a_shift_that_was_cut_off_is_picked_up_by_a_new_floor() -> None:
 
 
 def test_a_floor_looks_again_when_it_is_asked_to() -> None:
-    quiet = Floor(Cell.of({"operators": {"r": {"kind": "robot"}}, "tasks": {"x": {"time": {"r": 1}, "release": 10}}}), "compliant")
+    quiet = Floor(cell_of({"operators": {"r": {"kind": "robot"}}, "tasks": {"x": {"time": {"r": 1}, "release": 10}}}), "compliant")
     event = quiet.next(Situation.of(quiet.names.cell), 3.25)
     assert event is not None
     assert (event.kind, event.at) == ("tick", 3.25)

@@ -18,6 +18,7 @@ from tandem.dispatch.deciders.table import POLICIES
 from tandem.dispatch.evaluation.trial import Trial, judge, split_people
 from tandem.draw.judged import judged_figure, plot_regret
 from tandem.errors import UsageError
+from tandem.files.validate import cell_of
 from tandem.world.randomness import Chance
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -158,7 +159,7 @@ def test_bad_input_ends_with_one_message_and_its_code(arguments: list[str], code
 
 def with_changeovers(**more: Any) -> Cell:
     """Two tasks that need different tools, which exact values cannot hold; with what else stands in it."""
-    return Cell.of(
+    return cell_of(
         {
             "name": "Two tools",
             "operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}},

@@ -23,12 +23,13 @@ from tandem.dispatch.deciders.auto import Auto
 from tandem.dispatch.deciders.policy import Basis, Options
 from tandem.dispatch.deciders.table import policy
 from tandem.dispatch.journal import Journal
+from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.shift.live import Settings, Shift
 from tandem.dispatch.situation.events import EventError, read_event
 from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.situation.pace import estimates
-from tandem.dispatch.lookahead.objective import Objective
 from tandem.errors import CellError, InfeasibleError, UsageError
+from tandem.files.validate import cell_of
 
 ODD = {
     "a table of Python": r"\{['\"]?\w*['\"]?:? |\{\}",
@@ -106,7 +107,7 @@ def _named(cell: Cell) -> Cell:
     data["tasks"] = {letter[name]: {**task, "after": [letter[first] for first in task.get("after", [])]} for name, task in data["tasks"].items()}
     data["same_operator"] = [[letter[one], letter[other]] for one, other in data.get("same_operator", [])]
     data.pop("stress_of_set", None)
-    return Cell.of({key: value for key, value in data.items() if key != "same_operator" or value})
+    return cell_of({key: value for key, value in data.items() if key != "same_operator" or value})
 
 
 @pytest.mark.parametrize("text", [text for text, _ in WRONG.values()], ids=WRONG)

@@ -10,11 +10,12 @@ from tests.dispatch.cells import GEARBOX, line
 
 from tandem.cell.model import Cell
 from tandem.dispatch.shift.documents import Told, stuck
-from tandem.dispatch.situation.transitions import after, ordered, revoked
 from tandem.dispatch.situation.events import Event, read_event
 from tandem.dispatch.situation.legal import legal, next_change
 from tandem.dispatch.situation.model import Order, Situation
 from tandem.dispatch.situation.objections import objections, remarks
+from tandem.dispatch.situation.transitions import after, ordered, revoked
+from tandem.files.validate import cell_of
 
 COBOT, ANNA, BOTH = ("cobot",), ("anna",), ("cobot", "anna")
 
@@ -175,7 +176,7 @@ def test_what_contradicts_the_shift_is_objected_to(before: tuple[str, ...], even
 
 
 def test_tasks_of_a_pair_stay_with_those_who_began() -> None:
-    cell = Cell.of({
+    cell = cell_of({
         "operators": {"a": {"kind": "human"}, "b": {"kind": "human"}, "c": {"kind": "robot"}},
         "tasks": {"x": {"time": {"a": 1, "b": 1, "c": 1}}, "y": {"time": {"a": 1, "b": 1}}},
         "same_operator": [["x", "y"]],
@@ -187,6 +188,6 @@ def test_tasks_of_a_pair_stay_with_those_who_began() -> None:
 
 def test_what_is_odd_is_taken_with_a_remark() -> None:
     tasks: dict[str, Any] = {"x": {"time": {"a": 5}, "zone": "jig"}, "y": {"time": {"b": 5}, "zone": "jig"}}
-    cell = Cell.of({"operators": {"a": {"kind": "human", "breaks": [[4, 6]]}, "b": {"kind": "robot"}}, "tasks": tasks})
+    cell = cell_of({"operators": {"a": {"kind": "human", "breaks": [[4, 6]]}, "b": {"kind": "robot"}}, "tasks": tasks})
     assert remarks(Situation.of(cell), Event("started", 0, "x", ("a",))) == ["'a' has a break from 4 s to 6 s."]
     assert remarks(reached(started(0, "y", "b"), cell=cell), Event("started", 0, "x", ("a",)))[-1] == "zone 'jig' is taken."

@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 from tests.strategies import cells
 
 from tandem.cell.model import Cell
-from tandem.dispatch.situation.transitions import after
 from tandem.dispatch.situation.events import Event
 from tandem.dispatch.situation.legal import legal
 from tandem.dispatch.situation.model import Situation, mode
 from tandem.dispatch.situation.objections import objections, remarks
+from tandem.dispatch.situation.transitions import after
 from tandem.world import state as world
 from tandem.world.arrays import NEVER, Arrays, Names
 

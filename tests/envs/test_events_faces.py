@@ -16,6 +16,7 @@ from pettingzoo.utils import parallel_to_aec
 import tandem.envs
 from tandem.cell.model import Cell
 from tandem.errors import UsageError
+from tandem.files.validate import cell_of
 from tandem.schedule.checker import faults
 from tandem.world.randomness import Chance
 
@@ -26,7 +27,7 @@ WILD = {"person": "random:0.3+forgetful:0.2+refusing:0.1+pace:0.8..2", "chance":
 @pytest.fixture(scope="module")
 def crew_of_three() -> Cell:
     """Two robots and a human, a joint way, a tool to change and a zone."""
-    return Cell.of(
+    return cell_of(
         {
             "operators": {"arm": {"kind": "robot"}, "cart": {"kind": "robot"}, "anna": {"kind": "human", "tool": "wrench"}},
             "tools": {"driver": {"changeover": {"anna": 2.0}}},

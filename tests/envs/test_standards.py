@@ -21,14 +21,14 @@ from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
 from pettingzoo.utils import parallel_to_aec
 
 import tandem.envs
-from tandem.lab.yu2020.board import random_board
-from tandem.cell.model import Cell
-from tandem.lab.yu2020.chance import Chance as BoardChance
 from tandem.envs.registry import PARALLEL, SINGLE
 from tandem.errors import UsageError
+from tandem.files.validate import cell_of
+from tandem.lab.yu2020.board import random_board
+from tandem.lab.yu2020.chance import Chance as BoardChance
 from tandem.world.randomness import Chance
 
-CELL = Cell.of(
+CELL = cell_of(
     {
         "operators": {"human": {"kind": "human"}, "robot": {"kind": "robot"}},
         "tasks": {

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from tandem.files.load import dump
 from tandem.cell.model import Cell
 from tandem.cli.root import tandem
 from tandem.errors import UsageError
 from tandem.explain.variant import variant
+from tandem.files.load import dump
 
 
 @pytest.fixture

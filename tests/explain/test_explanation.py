@@ -9,12 +9,12 @@ from dataclasses import replace
 import pytest
 from tests.benchmark_data import folder
 
-from tandem.files.load import load
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, UsageError
 from tandem.explain.alternatives import Alternative, alternative, sentence
-from tandem.explain.explanation import Explanation, TaskAnswer, explain
 from tandem.explain.bottleneck import Floor, part, sentences
+from tandem.explain.explanation import Explanation, TaskAnswer, explain
+from tandem.files.load import load
 from tandem.plan.methods import METHODS, plan
 from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Result, Status

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from tandem.files.load import dump
 from tandem.cell.generators import layered
 from tandem.files.atomic import store
+from tandem.files.load import dump
 
 
 def test_a_file_is_replaced_as_a_whole_and_keeps_its_permissions(tmp_path):

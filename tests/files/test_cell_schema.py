@@ -10,11 +10,11 @@ from hypothesis import given
 from jsonschema import Draft202012Validator
 from tests.strategies import cells
 
-from tandem.files import yaml_reader
-from tandem.files.load import loads
-from tandem.files.formats.table import FORMATS
-from tandem.files.schema import SHIPPED, schema, schema_text
 from tandem.errors import CellError
+from tandem.files import yaml_reader
+from tandem.files.formats.table import FORMATS
+from tandem.files.load import loads
+from tandem.files.schema import SHIPPED, schema, schema_text
 
 EXAMPLES = sorted(Path(__file__).parents[2].glob("examples/*.yaml"))
 VALIDATOR = Draft202012Validator(schema())

@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 from tests.benchmark_data import folder
 
-from tandem.files.load import dumps, load, loads
-from tandem.files.formats.table import FORMATS, detected
 from tandem.cli.root import run
 from tandem.errors import CellError, NotReadWarning
+from tandem.files.formats.table import FORMATS, detected
+from tandem.files.load import dumps, load, loads
 
 FJS = "2 3 1.5\n2 2 1 4 3 5 1 2 7\n1 1 3 6\n"
 FJS_DAG = "0 0\n3 2 2\n0 2\n1 2\n2 0 4 1 5\n1 1 7\n1 0 3\n"

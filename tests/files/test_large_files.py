@@ -8,11 +8,11 @@ import json
 import pytest
 
 import tandem
-from tandem.cell import times, model
+from tandem.cell import parts, times
+from tandem.errors import CellError
 from tandem.files import positions
 from tandem.files.load import loads
-from tandem.cell.model import Cell
-from tandem.errors import CellError
+from tandem.files.validate import cell_of
 from tandem.plan import methods
 
 HEAD = "operators: {h: {kind: human}, r: {kind: robot}}\ntasks:\n"
@@ -31,7 +31,7 @@ TOO_LARGE = {
 
 @pytest.mark.parametrize("kind", TOO_LARGE)
 def test_a_file_that_goes_on_and_on_is_refused_where_the_count_is_reached(kind):
-    with pytest.raises(CellError, match=rf"big.yaml:\d+:\d+: more than {marked.MOST_VALUES:,} keys and values") as refused:
+    with pytest.raises(CellError, match=rf"big.yaml:\d+:\d+: more than {positions.MOST_VALUES:,} keys and values") as refused:
         loads(TOO_LARGE[kind], source="big.yaml")
     assert len(refused.value.faults) == 1
 
@@ -87,7 +87,7 @@ def test_very_many_unknown_names_are_told_without_comparing_each_with_all():
 
 
 def test_more_breaks_than_a_year_of_shifts_has_are_refused():
-    breaks = ", ".join(f"[{10 * n}, {10 * n + 1}]" for n in range(model.MOST_BREAKS + 1))
+    breaks = ", ".join(f"[{10 * n}, {10 * n + 1}]" for n in range(parts.MOST_BREAKS + 1))
     with pytest.raises(CellError, match="operator 'h': breaks holds 2001, at most 2,000 can be planned"):
         loads(f"operators: {{h: {{kind: human, breaks: [{breaks}]}}}}\ntasks: {{a: {{time: {{h: 1}}}}}}")
 
@@ -98,7 +98,7 @@ def test_more_breaks_than_a_year_of_shifts_has_are_refused():
 )
 def test_the_soonest_end_lies_outside_the_breaks_of_all(start, length, operators, end):
     """a is off from 2 to 5 and from 7 to 12, b from 13 to 20."""
-    cell = Cell.of(
+    cell = cell_of(
         {
             "operators": {"a": {"kind": "human", "breaks": [[2, 5], [7, 12]]}, "b": {"kind": "human", "breaks": [[13, 20]]}},
             "tasks": {"t": {"time": {"a": 1}}},

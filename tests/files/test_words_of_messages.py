@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 
 from tandem.cell import soundness
+from tandem.errors import CellError, Fault
 from tandem.files import messages
 from tandem.files.load import load
-from tandem.cell.model import Cell
 from tandem.files.messages import shown
-from tandem.errors import CellError, Fault
+from tandem.files.validate import cell_of
 
 PYTHON = re.compile(
     r"\{'|\['|\('|<class|<object|\bNone\b|\bTrue\b|\bFalse\b|pydantic|Input should|Keys should|\bdict\b|\btuple\b| b'x|Decimal|Error\b"
@@ -74,7 +74,7 @@ def with_value(path: tuple[Any, ...], value: Any) -> Any:
 
 def faults_of(data: Any) -> tuple[Fault, ...]:
     try:
-        Cell.of(data)
+        cell_of(data)
     except CellError as error:
         return error.faults
     return ()

@@ -27,6 +27,7 @@ from tests.plan.brute_force import Point, front_in_order, front_of_all, moments,
 
 from tandem.cell.model import Cell
 from tandem.errors import CellError, InfeasibleError, NothingFoundError, UsageError
+from tandem.files.validate import cell_of
 from tandem.plan.door import RefusedScheduleWarning
 from tandem.plan.methods import METHODS
 from tandem.plan.question import Question
@@ -98,7 +99,7 @@ def judge(seed: int) -> Tally:
         if (everywhere := front_of_all(data)) != right:
             tally.findings.append(Finding(seed, "brute force", {"minimize": "front"}, str(right), str(everywhere), data))
     try:
-        cell = Cell.of(data)
+        cell = cell_of(data)
     except CellError as error:
         tally.refused = 1
         if right:

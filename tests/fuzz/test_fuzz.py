@@ -14,7 +14,7 @@ from tests.fuzz.cells import cell as random_cell
 from tests.plan.brute_force import front_in_order, front_of_all, worth
 from tests.schedule.cells import thesis, thesis_schedule
 
-from tandem.cell.model import Cell
+from tandem.files.validate import cell_of
 from tandem.plan import exact, portfolio
 from tandem.plan.methods import METHODS
 
@@ -59,7 +59,7 @@ def test_a_judge_that_leaves_out_a_point_is_caught(monkeypatch, tmp_path, capsys
     found = total.findings[0]
     assert f"python3 dev.py fuzz judges --cells 1 --seed {found.seed}" in capsys.readouterr().out
     stored = json.loads((tmp_path / "tandem-out" / "fuzz" / f"judges-{found.seed}-exact-front.json").read_text(encoding="utf-8"))
-    assert Cell.of(stored["cell"])
+    assert cell_of(stored["cell"])
     assert stored["said"] != stored["right"]
     assert judges.judge(found.seed).findings  # one cell alone repeats it
     assert judges.judge(found.seed).findings[0].cell == found.cell

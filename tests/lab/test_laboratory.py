@@ -14,11 +14,11 @@ pytest.importorskip("jax", reason="learning needs the extra tandem[learn]")
 
 from tandem.cli.root import run
 from tandem.errors import CellError, Fault
-from tandem.lab.antonelli2021 import experiment as antonelli2021
 from tandem.lab import comparison, probes
-from tandem.lab.kinat2023 import experiment as antonelli2021
-from tandem.lab.systems import SYSTEMS, Features, Played, System, system
+from tandem.lab.antonelli2021 import experiment as antonelli2021
 from tandem.lab.antonelli2021 import qlearning
+from tandem.lab.kinat2023 import experiment as thesis
+from tandem.lab.systems import SYSTEMS, Features, Played, System, system
 
 PUBLISHED = [name for name, known in SYSTEMS.items() if known.published]
 

@@ -6,21 +6,21 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from tests.learn import tiny
+from tests.learn.turns import Blind, Told, Trap, Way
 
 import tandem
-from learn import tiny
-from learn.turns import Blind, Told, Trap, Way
 from tandem.errors import UsageError
-from tandem.learn.alphazero.config import Config, Search, Wander
 from tandem.lab.yu2020.config import YuConfig, YuSearch
+from tandem.lab.yu2020.network import YuNetworks
+from tandem.lab.yu2020.search import backed_up
+from tandem.learn.alphazero.config import Config, Search, Wander
 from tandem.learn.alphazero.network import Scorer
 from tandem.learn.alphazero.selfplay import find, played
 from tandem.learn.alphazero.trained import Trained
-from tandem.lab.yu2020.network import YuNetworks
-from tandem.lab.yu2020.search import backed_up
 from tandem.learn.cell_env import CellGame
-from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES
 from tandem.learn.env import Look, many
+from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES
 from tandem.learn.rollout import play
 
 pytestmark = pytest.mark.usefixtures("quickly_compiled")
@@ -155,13 +155,13 @@ def test_a_wanderer_is_legal_and_a_game_ends(trap):
 
 def test_a_trained_network_comes_back_whole(untrained, tmp_path):
     noted = Trained(untrained.judge, untrained.parameters, {"seed": 3})
-    back = Trained.load(noted.save(tmp_path / "network.safetensors"))
+    back = Trained.load(noted.save(tmp_path / "network.safetensors"), type(untrained.judge))
     assert back.judge == untrained.judge
     assert back.notes == {"seed": 3}
     assert all(np.array_equal(a, b) for a, b in zip(jax.tree.leaves(back.parameters), jax.tree.leaves(untrained.parameters), strict=True))
     (tmp_path / "no.safetensors").write_bytes(b"not one")
     with pytest.raises(tandem.CellError, match="no network that can be read"):
-        Trained.load(tmp_path / "no.safetensors")
+        Trained.load(tmp_path / "no.safetensors", type(untrained.judge))
 
 
 @pytest.mark.parametrize(

@@ -17,16 +17,16 @@ import numpy as np
 import pytest
 from safetensors import safe_open
 from safetensors.numpy import save
+from tests.learn import tiny
 
 import tandem
-from learn import tiny
 from tandem.cli.root import run
-from tandem.learn.training import trainer
 from tandem.learn.dqn.config import Config as DqnConfig
 from tandem.learn.dqn.recipes import ValueRecipe
 from tandem.learn.networks import init
 from tandem.learn.policy import Policy
 from tandem.learn.ppo import observation
+from tandem.learn.training import trainer
 from tandem.world.arrays import Names
 
 pytestmark = pytest.mark.usefixtures("quickly_compiled")

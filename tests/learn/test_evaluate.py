@@ -7,14 +7,14 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from tests.learn import tiny
 
 import tandem
-from learn import tiny
 from tandem.cli.learn import evaluate_command, train_command
 from tandem.draw.curves import band, plot_curves
 from tandem.errors import CellError, UsageError
-from tandem.learn.training.evaluate import evaluate
 from tandem.learn.results import relative_gap
+from tandem.learn.training.evaluate import evaluate
 
 
 @pytest.fixture(scope="module")

@@ -6,15 +6,15 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from tests.learn import tiny
 
 import tandem
-from learn import tiny
-from tandem.lab.yu2020.board import random_board
 from tandem.errors import UsageError
+from tandem.lab.yu2020.board import random_board
 from tandem.lab.yu2020.learn_env import BoardGame
 from tandem.learn.cell_env import CellGame, reached
-from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES, ahead
 from tandem.learn.env import many, stacked
+from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES, ahead
 
 pytestmark = pytest.mark.usefixtures("quickly_compiled")
 

@@ -11,16 +11,16 @@ from dataclasses import replace
 import jax
 import numpy as np
 import pytest
+from tests.learn import tiny
 
 import tandem
-from learn import tiny
 from tandem.errors import CellError, UsageError
-from tandem.learn.ppo import ppo
-from tandem.learn.training.agents import PPO
-from tandem.learn.ppo.config import Config, Stage
-from tandem.learn.policy import Policy
-from tandem.learn.settings import read
 from tandem.lab.kinat2023.learn_env import StationWorld
+from tandem.learn.policy import Policy
+from tandem.learn.ppo import ppo
+from tandem.learn.ppo.config import Config, Stage
+from tandem.learn.settings import read
+from tandem.learn.training.agents import PPO
 
 
 def made(shared: bool = False, masked: bool = True) -> tuple[Policy, ppo.Learner, StationWorld, Config]:

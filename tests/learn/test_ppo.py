@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.learn.probes import SMALL, ForbiddenFruit, LateReward, OneTask
 
-from learn.probes import SMALL, ForbiddenFruit, LateReward, OneTask
-from tandem.learn.ppo import ppo
 from tandem.learn.networks import masked_log_softmax, sample
+from tandem.learn.ppo import ppo
 
 
 def slow_advantages(reward, value, following, terminated, truncated, discount, gae):

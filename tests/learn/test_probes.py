@@ -8,8 +8,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from tests.learn.probes import SEEDS, SMALL, SOLVED, ForbiddenFruit, LateReward, OneBestAssignment
 
-from learn.probes import SEEDS, SMALL, SOLVED, ForbiddenFruit, LateReward, OneBestAssignment
 from tandem.learn.ppo import play, ppo
 from tandem.learn.ppo.config import Config
 

@@ -13,28 +13,27 @@ import numpy as np
 import pytest
 
 import tandem
+from tandem.dispatch.deciders.beliefs import Models
 from tandem.dispatch.deciders.learned import Learned, learned, state_of
 from tandem.dispatch.deciders.policy import Options
-from tandem.dispatch.deciders.beliefs import Models
 from tandem.dispatch.evaluation.batch import Stage
 from tandem.dispatch.evaluation.observed import Observer
-from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.lookahead.objective import SECONDS
+from tandem.dispatch.situation.model import Situation
 from tandem.errors import UsageError
-from tandem.learn.ppo import config
 from tandem.learn.networks import init
 from tandem.learn.policy import Policy
-from tandem.learn.ppo.recipes import RESPONSE
-from tandem.learn.ppo import observation
+from tandem.learn.ppo import config, observation
 from tandem.learn.ppo.decider import decider
+from tandem.learn.ppo.recipes import RESPONSE
 from tandem.learn.training.trainer import resume, train
 from tandem.world import episode
 from tandem.world import state as world
 from tandem.world.arrays import Arrays, Names
-from tandem.world.population import crowd
 from tandem.world.behaviour import person, traits
-from tandem.world.randomness import Draw, fates
 from tandem.world.people import crew
+from tandem.world.population import crowd
+from tandem.world.randomness import Draw, fates
 
 ROOT = Path(__file__).resolve().parents[2]
 THESIS = tandem.load(ROOT / "examples" / "thesis.yaml")
@@ -154,7 +153,7 @@ def test_a_run_or_a_file_is_taken_and_what_does_not_fit_is_refused_with_the_way_
     assert json.dumps(decision.why)
     with pytest.raises(UsageError, match=r"another cell|trained on"):
         learned(tandem.load(ROOT / "examples" / "gearbox.yaml"), SECONDS, Options(learned=str(run[0])))
-    with pytest.raises(UsageError, match="--recipe response"):
+    with pytest.raises(UsageError, match="Train one with: tandem train CELL"):
         learned(THESIS, SECONDS, Options())
     with pytest.raises(UsageError, match="no trained policy"):
         learned(THESIS, SECONDS, Options(learned=str(tmp_path)))

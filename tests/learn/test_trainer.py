@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from safetensors.numpy import load_file
+from tests.learn import tiny
 
-from learn import tiny
 from tandem.errors import CellError, UsageError
 from tandem.learn.training import trainer
 from tandem.learn.training.runs import RunFolder

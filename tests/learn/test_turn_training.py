@@ -8,18 +8,19 @@ from dataclasses import replace
 import pytest
 from click.testing import CliRunner
 from safetensors.numpy import load_file
+from tests.learn import tiny
 
 import tandem
-from learn import tiny
-from tandem.lab.yu2020.board import random_board
 from tandem.cli.learn import evaluate_command
 from tandem.errors import CellError, UsageError
-from tandem.learn.training import trainer
+from tandem.lab.yu2020.board import random_board
+from tandem.lab.yu2020.config import YuConfig, YuSearch
+from tandem.lab.yu2020.recipe import YuRecipe
 from tandem.learn.alphazero import config as alphazero
 from tandem.learn.alphazero.recipes import SearchRecipe
-from tandem.lab.yu2020.recipe import YuRecipe
 from tandem.learn.dqn.config import Config as DqnConfig
 from tandem.learn.dqn.recipes import ValueRecipe
+from tandem.learn.training import trainer
 from tandem.learn.training.recipes import RECIPES, changed, recipe_from
 from tandem.learn.training.runs import RunFolder
 
@@ -51,7 +52,7 @@ SMALL = {
             samples=4,
         ),
     ),
-    "yu": (BOARD, 0.0, YuRecipe(alphazero.YuConfig(alphazero.YuSearch(4, 2, temperature=1000.0), outer=1, inner=2, switch=10, dense=8), samples=4)),
+    "yu": (BOARD, 0.0, YuRecipe(YuConfig(YuSearch(4, 2, temperature=1000.0), outer=1, inner=2, switch=10, dense=8), samples=4)),
     "dqn": (THREE, 0.0, ValueRecipe(DqnConfig(4800, games=8, kept=1024, minibatch=32, warm_up=10, target_every=20, units=16), samples=4)),
 }
 

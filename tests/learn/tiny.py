@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import tandem
+from tandem.lab.kinat2023.recipe import StationRecipe
 from tandem.learn.ppo.config import Config, Stage
-from tandem.learn.ppo.recipes import Recipe
 
 CELL = Path(__file__).parents[2] / "examples" / "thesis.yaml"
 INTERVALS = 12
-RECIPE = Recipe(
+RECIPE = StationRecipe(
     Config(
         stages=(Stage(steps=6 * 128, entropy=0.1, learning_rate=3e-3), Stage(steps=6 * 128, entropy=0.01, learning_rate=1e-3)),
         environments=8,

@@ -8,6 +8,7 @@ import pytest
 from ortools.sat.python import cp_model
 
 from tandem.cell.model import Cell
+from tandem.files.validate import cell_of
 from tandem.plan import cpsat
 from tandem.plan.instance import Instance
 
@@ -17,7 +18,7 @@ BOTH = {"anna": 5, "cobot": 5}
 
 
 def cell(operators=TWO, tasks=None, **more) -> Cell:
-    return Cell.of({"operators": operators, "tasks": tasks, **more})
+    return cell_of({"operators": operators, "tasks": tasks, **more})
 
 
 def possible(of: Cell, upper: int, *rules: cpsat.Rule, most_stress: int | None = None) -> bool:

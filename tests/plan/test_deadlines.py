@@ -6,6 +6,7 @@ import pytest
 
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError
+from tandem.files.validate import cell_of
 from tandem.plan.methods import plan
 from tandem.plan.question import Question
 
@@ -14,7 +15,7 @@ THREE = {**ANNA_AND_COBOT, "ben": {"kind": "human"}}
 
 
 def cell(tasks: dict, operators: dict = ANNA_AND_COBOT, **more) -> Cell:
-    return Cell.of({"operators": operators, "tasks": tasks, **more})
+    return cell_of({"operators": operators, "tasks": tasks, **more})
 
 
 GENTLE_IS_SLOW = cell(

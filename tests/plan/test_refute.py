@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from tests.schedule.cells import thesis
 from tests.strategies import cells
 
-from tandem.lab.yu2020.board import desk, random_board
 from tandem.errors import InfeasibleError
+from tandem.lab.yu2020.board import desk, random_board
 from tandem.plan.dynamic_programming import solve
 from tandem.plan.instance import Instance
-from tandem.plan.question import Question
 from tandem.plan.lower_bound import prove_makespan
+from tandem.plan.question import Question
 from tandem.plan.rules import RULES
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import exact, makespan, stress

@@ -14,9 +14,9 @@ from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError
 from tandem.plan.bounds import chain_bound, least_makespan, least_stress, load_bound, load_prices, one_operator_bound, preemptive
-from tandem.plan.list_scheduling import Layout, append_in_order
 from tandem.plan.dynamic_programming import solve
 from tandem.plan.instance import Instance
+from tandem.plan.list_scheduling import Layout, append_in_order
 from tandem.plan.method import Progress
 from tandem.plan.question import Question
 from tandem.plan.result import Status

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from tests.plan.brute_force import front_in_order
 
 from tandem.cell.generators import layered
-from tandem.cell.model import Cell
 from tandem.errors import CellError
+from tandem.files.validate import cell_of
 from tandem.plan import exact
 from tandem.plan.methods import METHODS, plan
 from tandem.plan.question import Question
@@ -81,7 +81,7 @@ def some_weights(random: Random) -> tuple[float, float]:
 def test_wide_numbers_and_long_weights_are_answered_exactly(seed, decimals):
     random = Random(f"{seed} {decimals}")
     data = wide_cell(random, decimals)
-    cell, weights = Cell.of(data), some_weights(random)
+    cell, weights = cell_of(data), some_weights(random)
     right = front_in_order(data)
     front = METHODS["exact"](cell, workers=1)
     assert front.points == right
@@ -99,7 +99,7 @@ def test_wide_numbers_and_long_weights_are_answered_exactly(seed, decimals):
 def test_some_of_these_numbers_are_beyond_what_one_sum_can_count():
     """Or the test above would not show that they are answered in another way."""
     data = wide_cell(Random("2 6"), 6)
-    search = exact._Search(Cell.of(data), Question(), None, 0, 1, None)
+    search = exact._Search(cell_of(data), Question(), None, 0, 1, None)
     assert search._most_ticks() * search._most_stress() > MOST_COUNTED
 
 
@@ -111,7 +111,7 @@ def test_larger_cells_with_wide_numbers_are_planned_too(question):
         name: {**task, "time": {who: round(time * 123.456789, 6) for who, time in task["time"].items()}, "stress": task.get("stress", 0) * 517.123457}
         for name, task in cell.to_dict()["tasks"].items()
     }
-    wide = Cell.of({**cell.to_dict(), "tasks": {name: {**task, "stress": round(task["stress"], 6)} for name, task in tasks.items()}})
+    wide = cell_of({**cell.to_dict(), "tasks": {name: {**task, "stress": round(task["stress"], 6)} for name, task in tasks.items()}})
     front = plan(wide, question, workers=1, time_limit=3)
     assert all(faults(wide, result.schedule) == [] for result in front)
 
@@ -127,9 +127,9 @@ def test_larger_cells_with_wide_numbers_are_planned_too(question):
 )
 def test_more_decimals_than_can_be_counted_are_refused_with_how_many_would_do(change):
     with pytest.raises(CellError, match=r"has more than 6 decimals\. Round it"):
-        Cell.of({"operators": {"anna": {"kind": "human"}}, "tasks": {"a": change}})
+        cell_of({"operators": {"anna": {"kind": "human"}}, "tasks": {"a": change}})
 
 
 def test_too_wide_a_range_is_refused_with_the_step_that_would_do():
     with pytest.raises(CellError, match=r"too wide a range to plan exactly\. Round the times to 1e-05 s"):
-        Cell.of({"operators": {"anna": {"kind": "human"}}, "tasks": {"a": {"time": {"anna": 9e6}}, "b": {"time": {"anna": 0.000001}}}})
+        cell_of({"operators": {"anna": {"kind": "human"}}, "tasks": {"a": {"time": {"anna": 9e6}}, "b": {"time": {"anna": 0.000001}}}})

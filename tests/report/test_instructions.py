@@ -17,6 +17,7 @@ from tests.strategies import cells
 
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError
+from tandem.files.validate import cell_of
 from tandem.plan.methods import plan
 from tandem.plan.result import Front
 from tandem.report.html import html
@@ -105,7 +106,7 @@ def test_every_break_between_two_turns_and_every_changeover_is_said(cell: Cell, 
 
 def shop() -> Cell:
     """Everything once: Anna clamps and fetches before Cobot drills, with one driver and one jig between them."""
-    return Cell.of(
+    return cell_of(
         {
             "operators": {
                 "a": {"kind": "human", "label": "Anna", "breaks": [[6, 9.5]]},
@@ -186,7 +187,7 @@ def test_the_last_task_of_the_thesis_names_all_that_others_do_before_it() -> Non
 def test_one_of_two_tools_stays_with_whoever_has_it() -> None:
     """Two drivers for two people who work side by side: nobody fetches the other's."""
     tasks = {f"{who}{n}": {"time": {who: 2}, "tool": "driver"} for who in "ab" for n in (1, 2)}
-    cell = Cell.of({"operators": {w: {"kind": "human"} for w in "ab"}, "tools": {"driver": {"capacity": 2}}, "tasks": tasks})
+    cell = cell_of({"operators": {w: {"kind": "human"} for w in "ab"}, "tools": {"driver": {"capacity": 2}}, "tasks": tasks})
     schedule = rows(("a1", "a", 0, 2), ("b1", "b", 1, 3), ("b2", "b", 5, 7), ("a2", "a", 6, 8))
     for turns in on_paper(cell, schedule, "en").values():
         assert not any(turn.told("tool") for turn in turns)

@@ -13,7 +13,7 @@ import pytest
 from rich.console import Console
 from tests.draw.cells import front_of, rows
 
-from tandem.cell.model import Cell
+from tandem.files.validate import cell_of
 from tandem.plan.result import Front
 from tandem.report.files import write
 from tandem.report.language import words
@@ -48,7 +48,7 @@ def fractions() -> Front:
         "3": {"time": {"r": 1234.5, "h": 2000.25}, "stress": 40.5, "after": ["2"]},
     }
     human = {"kind": "human", "label": "Hanna", "breaks": [[0.5, 0.75]]}
-    cell = Cell.of({"name": "Zelle", "operators": {"h": human, "r": {"kind": "robot", "label": "Rob"}}, "tasks": tasks})
+    cell = cell_of({"name": "Zelle", "operators": {"h": human, "r": {"kind": "robot", "label": "Rob"}}, "tasks": tasks})
     slow = rows(("1", "h", 0.1, 0.2), ("2", "h", 0.2, 0.4), ("3", "r", 0.4, 1234.9))
     return front_of(cell, [slow], proven=False, slack=0.1)
 

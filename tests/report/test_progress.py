@@ -8,8 +8,8 @@ import time
 import pytest
 from tests.draw.cells import thesis, thesis_front
 
-from tandem.plan.methods import plan
 from tandem.plan.method import Progress
+from tandem.plan.methods import plan
 from tandem.report.progress import SolveProgress
 
 QUICK, KNEE, _ = thesis_front()

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from tandem.files.load import load
 from tandem.cell.model import Cell
+from tandem.files.load import load
+from tandem.files.validate import cell_of
 
 jax = pytest.importorskip("jax", reason="chance is drawn with the extra tandem[learn]")
 
@@ -39,7 +40,7 @@ def thesis() -> Cell:
 
 @pytest.fixture(scope="session")
 def rich() -> Cell:
-    return Cell.of({"name": "rich", **RICH})
+    return cell_of({"name": "rich", **RICH})
 
 
 @pytest.fixture(autouse=True)

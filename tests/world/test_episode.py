@@ -10,15 +10,16 @@ import numpy as np
 import pytest
 
 from tandem.cell.model import Cell
+from tandem.files.validate import cell_of
 from tandem.plan.methods import plan
 from tandem.schedule.checker import faults
 from tandem.schedule.model import Schedule
 from tandem.world.arrays import Arrays, Names, namespace
-from tandem.world.population import crowd
 from tandem.world.episode import Episode, Played, Shift, begin, expected_ends, is_over, play_many, play_one, step
-from tandem.world.randomness import OFF, Chance, Draw, Fate, fates, nominal_fate
 from tandem.world.people import Person, compliant
 from tandem.world.people import crew as crew_of
+from tandem.world.population import crowd
+from tandem.world.randomness import OFF, Chance, Draw, Fate, fates, nominal_fate
 from tandem.world.state import legal_of
 
 EVERYTHING = Chance("lognormal", cv=0.2, failure_s=60.0, repair_s=4.0, absence_s=60.0, away_s=5.0, later=0.5)
@@ -164,7 +165,7 @@ def test_whoever_refused_is_asked_again_when_nothing_else_is_left(thesis: Cell) 
 
 def test_an_episode_in_which_nothing_more_can_be_done_ends(thesis: Cell) -> None:
     """Only the human can do task 3; a limit on stress below the least that tasks put on it leaves no way."""
-    tight = Cell.of(
+    tight = cell_of(
         {
             "operators": {"robot": {"kind": "robot"}, "human": {"kind": "human", "stress_limit": 1.0}},
             "tasks": {"1": {"time": {"human": 3.0}, "stress": 2.0}, "2": {"time": {"robot": 2.0}}},

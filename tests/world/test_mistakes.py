@@ -10,9 +10,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from tandem.cell.model import Cell
+from tandem.files.validate import cell_of
 from tandem.world.arrays import NEVER, Arrays, Names
-from tandem.world.population import crowd
 from tandem.world.episode import Shift, expected_ends, play_many
+from tandem.world.population import crowd
 from tandem.world.randomness import Chance, Draw
 from tandem.world.state import State, advance, assign, is_done, legal, legal_of, may_wait, mounted, out_of_order, reset, to_undo, turn, wait
 
@@ -22,7 +23,7 @@ UNDO = 0.5
 
 
 def small() -> Cell:
-    return Cell.of(
+    return cell_of(
         {
             "operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}},
             "tasks": {

@@ -11,9 +11,8 @@ from tandem.cell.model import Cell
 from tandem.errors import CellError, UsageError
 from tandem.world.arrays import Arrays, Names
 from tandem.world.behaviour import KINDS, person, traits
-from tandem.world.population import crowd
 from tandem.world.people import Answer, choose, crew, of, rested, time_factor, tired
-from tandem.world.population import load
+from tandem.world.population import crowd, load
 from tandem.world.state import legal, legal_of, reset
 
 

@@ -12,8 +12,8 @@ from tests.strategies import cells
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError
 from tandem.plan.bounds import least_makespan
-from tandem.plan.list_scheduling import Layout
 from tandem.plan.instance import Instance
+from tandem.plan.list_scheduling import Layout
 from tandem.plan.methods import plan
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import stress as measured_stress

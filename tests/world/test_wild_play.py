@@ -13,10 +13,10 @@ from tests.strategies import cells
 from tandem.cell.model import Cell
 from tandem.schedule.model import Assignment
 from tandem.world.arrays import Arrays, Names
-from tandem.world.population import crowd
 from tandem.world.episode import Episode, Shift, play_one
-from tandem.world.randomness import Chance, Draw, fate
 from tandem.world.people import Person, crew
+from tandem.world.population import crowd
+from tandem.world.randomness import Chance, Draw, fate
 from tandem.world.state import legal_of
 
 CHANCE = Chance("lognormal", cv=0.3, failure_s=15.0, repair_s=3.0, absence_s=20.0, away_s=4.0, wrong_order=0.5, later=0.5, notice_s=5.0)

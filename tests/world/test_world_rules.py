@@ -10,6 +10,7 @@ import pytest
 
 from tandem.cell.model import Cell
 from tandem.errors import CellError, UnsoundScheduleError, UsageError
+from tandem.files.validate import cell_of
 from tandem.schedule.model import Assignment, Schedule
 from tandem.world.arrays import Arrays, Names
 from tandem.world.replay import replay
@@ -17,7 +18,7 @@ from tandem.world.state import State, advance, assign, is_stuck, legal, legal_of
 
 
 def cell(tasks: dict[str, Any], operators: dict[str, Any] | None = None, **more: Any) -> Cell:
-    return Cell.of({"operators": operators or {"robot": {"kind": "robot"}, "human": {"kind": "human"}}, "tasks": tasks, **more})
+    return cell_of({"operators": operators or {"robot": {"kind": "robot"}, "human": {"kind": "human"}}, "tasks": tasks, **more})
 
 
 def at_start(of: Cell) -> tuple[Names, Arrays, State]:

@@ -69,7 +69,7 @@ def layered(
         entry["after"] = [str(first + 1) for first in after[task]]
         entries[str(task + 1)] = entry
     operators = {name: {"kind": "robot" if place < robots else "human"} for place, name in enumerate(names)}
-    return Cell.of({"name": f"Layered random cell, {tasks} tasks, seed {seed}", "operators": operators, "tasks": entries})
+    return Cell.model_validate({"name": f"Layered random cell, {tasks} tasks, seed {seed}", "operators": operators, "tasks": entries})
 
 
 def _check(tasks: int, humans: int, robots: int, layers: int, **shares: float) -> None:

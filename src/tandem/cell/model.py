@@ -1,263 +1,37 @@
 """What is to be assembled and who is there to do it: the one model behind files, Python and the studio.
 
 A `Cell` is frozen and sound once it exists: whoever holds one need not check it again. What a single value must look like
-is said by the types here; what values must be to each other is said in `soundness.py`, one rule a function.
+is said by the types in `parts.py`; what values must be to each other is said in `soundness.py`, one rule a function.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from functools import cached_property
-from typing import Annotated, Any, Literal, Self, TypeVar
+from typing import Any, Self
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Strict, Tag, WithJsonSchema, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import model_validator
 
 from tandem.cell import soundness
-from tandem.cell.names import clean, clean_title, harm_in
+from tandem.cell.parts import Fields
 from tandem.errors import CellError
 
-V = TypeVar("V")
 
-
-class Table(dict[str, V]):
-    """A dictionary that stays as it was made, so that a frozen cell is frozen all the way down."""
-
-    def _refuse(self, *_: object, **__: object) -> Any:
-        raise TypeError("a cell is frozen; make a variant with cell.replace(...)")
-
-    __setitem__ = __delitem__ = __ior__ = update = pop = popitem = clear = setdefault = _refuse
-
-    def __hash__(self) -> int:  # type: ignore[override]
-        return hash(tuple(sorted(self.items())))
-
-    def __reduce__(self) -> tuple[type[Table[V]], tuple[dict[str, V]]]:
-        return type(self), (dict(self),)
-
-
-def _spelled(value: object, spelling: Callable[[str], str] = clean) -> object:
-    """Text in its one spelling; a whole number is taken as its digits, so that `after: [1, 2]` need no quotes."""
-    if not isinstance(value, str):
-        return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
-    text = spelling(value)
-    if (harm := harm_in(text)) is not None:
-        raise PydanticCustomError("harmful_sign", "{harm}", {"harm": harm})
-    return text
-
-
-def _titled(value: object) -> object:
-    return _spelled(value, clean_title)
-
-
-def _each_name_once(value: object) -> object:
-    """Two keys that are spelled alike once they are clean would silently become one."""
-    if isinstance(value, Mapping):
-        seen: dict[str, object] = {}
-        for key in value:
-            first = seen.setdefault(clean(str(key)), key)
-            if first is not key:
-                raise PydanticCustomError("twins", "{name}: {first}, {again}", {"first": ascii(first), "again": ascii(key), "name": clean(str(key))})
-    return value
-
-
-OneEntryAName = BeforeValidator(_each_name_once)
-
-Name = Annotated[
-    str,
-    BeforeValidator(_spelled),
-    Field(min_length=1, max_length=200, pattern=r"\S"),
-    WithJsonSchema({"type": ["string", "number"], "minLength": 1, "maxLength": 200, "pattern": r"\S"}),
-]
-"""A name. Files may write one without quotes though it looks like a number; it is taken as it is written, in the one spelling of `names.clean`."""
-Text = Annotated[str, BeforeValidator(_titled), Field(max_length=500), WithJsonSchema({"type": ["string", "number"], "maxLength": 500})]
-"""A title for people; it may look like a number, too."""
-Seconds = Annotated[float, Strict(), Field(gt=0, le=1e7, allow_inf_nan=False)]
-"""A duration: more than 0 s."""
-Moment = Annotated[float, Strict(), Field(ge=0, le=1e7, allow_inf_nan=False)]
-"""A point on the clock, or a duration that may be 0 s."""
-Amount = Annotated[float, Strict(), Field(ge=0, le=1e7, allow_inf_nan=False)]
-"""Ergonomic stress, difficulty or a spread: 0 or more."""
-MOST_BREAKS = 2_000
-"""Times off of one operator: more than a year of shifts has."""
-Places = Annotated[int, Strict(), Field(ge=1, le=10_000)]
-
-PerOperator = Annotated[Mapping[Name, Amount], OneEntryAName, AfterValidator(Table)]
-
-
-def _form(value: object) -> str:
-    return "table" if isinstance(value, Mapping) else "number"
-
-
-OneOrEach = Annotated[Annotated[Amount, Tag("number")] | Annotated[PerOperator, Tag("table")], Discriminator(_form)]
-"""One number for all, or a number for each by name; 0 for who is not named."""
-
-
-class Frozen(BaseModel):
-    """Unknown keys are refused, values stay as they are."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="strings", validate_default=True)
-
-
-class Operator(Frozen):
-    """A human or a robot."""
-
-    kind: Literal["human", "robot"] = Field(description="Stress counts for humans only.")
-    label: Text | None = Field(default=None, description="What charts and messages call the operator; the name when absent.")
-    breaks: tuple[tuple[Moment, Seconds], ...] = Field(
-        default=(),
-        max_length=MOST_BREAKS,
-        description="Times off, each `[from, to]` in seconds since the start. No task and no changeover runs into one.",
-    )
-    stress_limit: Amount | None = Field(default=None, description="The most stress that this human may collect in all.")
-    tool: Name | None = Field(
-        default=None,
-        description="The tool in hand at the start. When absent, the first tool is at hand and costs no changeover.",
-    )
-
-
-class Together(Frozen):
-    """A way of doing a task that occupies several operators at once."""
-
-    operators: tuple[Name, ...] = Field(min_length=2, description="All who take part, from start to end.")
-    time: Seconds = Field(description="Seconds.")
-    stress: OneOrEach | None = Field(
-        default=None,
-        description=(
-            "Stress on each human who takes part: one number for each of them, or a number per human (0 for who is not named). "
-            "The task's own when absent."
-        ),
-    )
-
-
-class Task(Frozen):
-    """One assembly step. It can be done by each operator in `time` alone, or by each group in `together`."""
-
-    label: Text | None = Field(default=None, description="What charts and messages call the task; its name when absent.")
-    part: Text | None = Field(default=None, description="The part or product that it mounts.")
-    time: Annotated[Mapping[Name, Seconds], OneEntryAName, AfterValidator(Table)] = Field(
-        default_factory=Table, description="Operator to seconds. An operator that is missing cannot do the task."
-    )
-    together: tuple[Together, ...] = Field(default=(), description="Alternatives that occupy several operators at once.")
-    stress: OneOrEach = Field(
-        default=0.0, description="Ergonomic stress on the human who does it: one number, or a number per human (0 for who is not named)."
-    )
-    after: tuple[Name, ...] = Field(default=(), description="Tasks that must have ended before this one starts.")
-    tool: Name | None = Field(default=None, description="The tool that every operator who does the task needs in hand.")
-    zone: Name | None = Field(default=None, description="The shared space in which it is done.")
-    difficulty: PerOperator = Field(default_factory=Table, description="How hard the task is for an operator: operator to a number; 0 when absent.")
-    release: Moment = Field(default=0.0, description="Earliest start, seconds.")
-    deadline: Seconds | None = Field(default=None, description="Latest end, seconds.")
-    spread: OneOrEach = Field(default=0.0, description="Coefficient of variation of the time, for simulation: one number, or a number per operator.")
-
-
-class Tool(Frozen):
-    """A tool that tasks name."""
-
-    capacity: Places = Field(default=1, description="How many of it there are: so many operators can work with it at once.")
-    changeover: PerOperator = Field(
-        default_factory=Table, description="Operator to seconds needed to take it up when another tool was in hand; 0 when absent."
-    )
-
-
-class Zone(Frozen):
-    """A shared space that tasks name."""
-
-    capacity: Places = Field(default=1, description="How many operators it holds at once.")
-
-
-@dataclass(frozen=True)
-class Mode:
-    """One way of doing a task.
-
-    Attributes:
-      operators: who takes part, in the cell's order.
-      time: seconds.
-      stress: human -> stress on that human; humans who take part only.
-    """
-
-    operators: tuple[str, ...]
-    time: float
-    stress: Mapping[str, float]
-
-
-class Cell(Frozen):
+class Cell(Fields):
     """One workstation: its operators and the tasks of one product.
 
     Raises:
       CellError: with every fault, when the parts are well formed but do not fit together.
-      pydantic.ValidationError: when a part is not well formed; `tandem.load` and `Cell.of` turn it into a `CellError` too.
+      pydantic.ValidationError: when a part is not well formed; `tandem.load` turns it into a `CellError` too.
     """
-
-    format: Literal[1] = Field(default=1, description="Version of this file format.")
-    name: Text = Field(default="", description="What charts and reports call the cell.")
-    operators: Annotated[Mapping[Name, Operator], OneEntryAName, AfterValidator(Table)] = Field(
-        min_length=1, description="Who works here: name to operator."
-    )
-    tasks: Annotated[Mapping[Name, Task], OneEntryAName, AfterValidator(Table)] = Field(min_length=1, description="What is to be done: name to task.")
-    tools: Annotated[Mapping[Name, Tool], OneEntryAName, AfterValidator(Table)] = Field(
-        default_factory=Table, description="What is special about a tool. One that is not listed exists once and costs no changeover."
-    )
-    zones: Annotated[Mapping[Name, Zone], OneEntryAName, AfterValidator(Table)] = Field(
-        default_factory=Table, description="What is special about a zone. One that is not listed holds one operator at a time."
-    )
-    same_operator: tuple[tuple[Name, Name], ...] = Field(default=(), description="Pairs of tasks that must be done by the same operators.")
-    stress_of_set: Annotated[Mapping[Annotated[str, BeforeValidator(_spelled)], Amount], OneEntryAName, AfterValidator(Table)] | None = Field(
-        default=None,
-        description=(
-            "Stress by table instead of by sum, for methods that do not add up (such as the Strain Index): the tasks done by humans, in the "
-            "cell's order and joined by commas, to the stress of doing just these. A set that is not listed is not allowed."
-        ),
-    )
 
     @model_validator(mode="after")
     def _is_sound(self) -> Self:
         if faults := list(soundness.faults(self)):
             raise CellError(faults)
         return self
-
-    @classmethod
-    def of(cls, data: Mapping[str, Any]) -> Cell:
-        """The cell that plain values describe, keyed as in a cell file.
-
-        Raises:
-          CellError: with every fault, of form and of fit.
-        """
-        from tandem.files.validate import cell_of
-
-        return cell_of(data)
-
-    @cached_property
-    def humans(self) -> tuple[str, ...]:
-        """Names of the humans, in the cell's order."""
-        return tuple(name for name, operator in self.operators.items() if operator.kind == "human")
-
-    @cached_property
-    def robots(self) -> tuple[str, ...]:
-        """Names of the robots, in the cell's order."""
-        return tuple(name for name, operator in self.operators.items() if operator.kind == "robot")
-
-    def modes(self, task: str) -> tuple[Mode, ...]:
-        """Every way of doing the task: each operator alone in the cell's order, then the joint ways as given."""
-        return self._modes[task]
-
-    @cached_property
-    def _modes(self) -> dict[str, tuple[Mode, ...]]:
-        return {name: tuple(self._modes_of(task)) for name, task in self.tasks.items()}
-
-    def _modes_of(self, task: Task) -> Iterator[Mode]:
-        order = {name: place for place, name in enumerate(self.operators)}
-        for name in sorted(task.time, key=order.__getitem__):
-            yield Mode((name,), task.time[name], self._stress((name,), task.stress))
-        for joint in task.together:
-            operators = tuple(sorted(joint.operators, key=order.__getitem__))
-            yield Mode(operators, joint.time, self._stress(operators, task.stress if joint.stress is None else joint.stress))
-
-    def _stress(self, operators: Iterable[str], stress: float | Mapping[str, float]) -> dict[str, float]:
-        humans = [name for name in operators if self.operators[name].kind == "human"]
-        return {name: stress.get(name, 0.0) if isinstance(stress, Mapping) else stress for name in humans}
 
     @cached_property
     def digest(self) -> str:

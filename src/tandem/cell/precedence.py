@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from tandem.errors import Fault
 
 if TYPE_CHECKING:
-    from tandem.cell.model import Cell
+    from tandem.cell.parts import Fields
 
 MOST = 20
 """Cycles told of at once; whoever mends these will see the next."""
@@ -16,7 +16,7 @@ SHOWN = 12
 """Tasks of one cycle that a message spells out."""
 
 
-def no_task_waits_for_itself(cell: Cell) -> Iterator[Fault]:
+def no_task_waits_for_itself(cell: Fields) -> Iterator[Fault]:
     """No chain of predecessors leads back to where it began. A task that names itself has a rule of its own."""
     after = {name: tuple(first for first in task.after if first != name and first in cell.tasks) for name, task in cell.tasks.items()}
     for cycle, _ in zip(cycles(after), range(MOST), strict=False):

@@ -10,27 +10,26 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from tandem.cell.times import a_deadline_can_be_met, breaks_are_apart, exact_planning_can_count_it, numbers_have_few_decimals
-from tandem.cell.precedence import no_task_waits_for_itself
 from tandem.cell.names import Known, difference, twins
+from tandem.cell.precedence import no_task_waits_for_itself
 from tandem.cell.slips import slips
+from tandem.cell.times import a_deadline_can_be_met, breaks_are_apart, exact_planning_can_count_it, numbers_have_few_decimals
 from tandem.cell.written import number
 from tandem.errors import Fault
 
 if TYPE_CHECKING:
-    from tandem.cell.model import Cell
-    from tandem.cell.parts import Task
+    from tandem.cell.parts import Fields, Task
 
 Path = tuple[str | int, ...]
 
 
-def faults(cell: Cell) -> Iterator[Fault]:
+def faults(cell: Fields) -> Iterator[Fault]:
     """Everything that keeps the cell from being sound, rule by rule."""
     for rule in RULES:
         yield from rule(cell)
 
 
-def operators_are_known(cell: Cell) -> Iterator[Fault]:
+def operators_are_known(cell: Fields) -> Iterator[Fault]:
     """Whoever a task or a tool names is one of the cell's operators."""
     known = Known(cell.operators)
     for path, name, what in _operators_named(cell):
@@ -38,7 +37,7 @@ def operators_are_known(cell: Cell) -> Iterator[Fault]:
             yield Fault(f"{what} names {name!r}, who is no operator of the cell. {known.hint(name)}", path)
 
 
-def names_can_be_told_apart(cell: Cell) -> Iterator[Fault]:
+def names_can_be_told_apart(cell: Fields) -> Iterator[Fault]:
     """No two tasks, operators, tools or zones look alike though they are made of other signs, such as a Cyrillic letter."""
     used: dict[str, dict[str, Path]] = {"operators": {}, "tasks": {}, "tools": {}, "zones": {}}
     for name, task in cell.tasks.items():
@@ -59,7 +58,7 @@ def names_can_be_told_apart(cell: Cell) -> Iterator[Fault]:
             )
 
 
-def tasks_are_known(cell: Cell) -> Iterator[Fault]:
+def tasks_are_known(cell: Fields) -> Iterator[Fault]:
     """Whatever stands in `after` and `same_operator` is one of the cell's tasks; `stress_of_set` has a rule of its own."""
     known = Known(cell.tasks)
     for name, task in cell.tasks.items():
@@ -72,7 +71,7 @@ def tasks_are_known(cell: Cell) -> Iterator[Fault]:
                 yield Fault(f"same_operator names {name!r}, which is no task. {known.hint(name)}", ("same_operator", place, side))
 
 
-def no_task_comes_after_itself(cell: Cell) -> Iterator[Fault]:
+def no_task_comes_after_itself(cell: Fields) -> Iterator[Fault]:
     """A task is not its own predecessor, and no pair of `same_operator` holds one task twice."""
     for name, task in cell.tasks.items():
         if name in task.after:
@@ -82,7 +81,7 @@ def no_task_comes_after_itself(cell: Cell) -> Iterator[Fault]:
             yield Fault(f"same_operator pairs task {one!r} with itself. Name two different tasks, or take the pair out.", ("same_operator", place))
 
 
-def a_group_names_each_operator_once(cell: Cell) -> Iterator[Fault]:
+def a_group_names_each_operator_once(cell: Fields) -> Iterator[Fault]:
     """No operator takes part in a joint task twice, and no group is stated twice for a task."""
     for name, task in cell.tasks.items():
         seen: dict[frozenset[str], int] = {}
@@ -100,7 +99,7 @@ def a_group_names_each_operator_once(cell: Cell) -> Iterator[Fault]:
                 yield Fault(f"task {name!r}: the group {_listed(joint.operators)} is stated twice, with {times}. Keep one of them.", path)
 
 
-def someone_can_do_each_task(cell: Cell) -> Iterator[Fault]:
+def someone_can_do_each_task(cell: Fields) -> Iterator[Fault]:
     """Each task has a way of being done that finds room: enough places in its zone and enough of its tool."""
     for name, task in cell.tasks.items():
         path: Path = ("tasks", name)
@@ -111,7 +110,7 @@ def someone_can_do_each_task(cell: Cell) -> Iterator[Fault]:
             yield from _room_for_a_group(cell, name, task)
 
 
-def _room_for_a_group(cell: Cell, name: str, task: Task) -> Iterator[Fault]:
+def _room_for_a_group(cell: Fields, name: str, task: Task) -> Iterator[Fault]:
     smallest = min(task.together, key=lambda joint: len(set(joint.operators)))
     size = len(set(smallest.operators))
     for key, used, table in (("zone", task.zone, cell.zones), ("tool", task.tool, cell.tools)):
@@ -127,7 +126,7 @@ def _room_for_a_group(cell: Cell, name: str, task: Task) -> Iterator[Fault]:
             )
 
 
-def stress_is_put_on_humans(cell: Cell) -> Iterator[Fault]:
+def stress_is_put_on_humans(cell: Fields) -> Iterator[Fault]:
     """Stress per human names humans, and only humans have a stress limit."""
     for path, stress, what in _stresses(cell):
         for who in stress:
@@ -140,7 +139,7 @@ def stress_is_put_on_humans(cell: Cell) -> Iterator[Fault]:
             )
 
 
-def stress_of_a_group_is_put_on_its_members(cell: Cell) -> Iterator[Fault]:
+def stress_of_a_group_is_put_on_its_members(cell: Fields) -> Iterator[Fault]:
     """A group's stress per human names humans who take part; a number for anybody else would count for nobody."""
     for name, task in cell.tasks.items():
         for place, joint in enumerate(task.together):
@@ -156,7 +155,7 @@ def stress_of_a_group_is_put_on_its_members(cell: Cell) -> Iterator[Fault]:
                     )
 
 
-def pairs_have_a_common_way(cell: Cell) -> Iterator[Fault]:
+def pairs_have_a_common_way(cell: Fields) -> Iterator[Fault]:
     """Two tasks that must be done by the same operators can be done by the same operators."""
     for place, (one, other) in enumerate(cell.same_operator):
         if one == other or one not in cell.tasks or other not in cell.tasks:
@@ -171,7 +170,7 @@ def pairs_have_a_common_way(cell: Cell) -> Iterator[Fault]:
             )
 
 
-def sets_are_spelled_in_order(cell: Cell) -> Iterator[Fault]:
+def sets_are_spelled_in_order(cell: Fields) -> Iterator[Fault]:
     """The keys of `stress_of_set` are known tasks, each once, in the cell's order, joined by commas."""
     if cell.stress_of_set is None:
         return
@@ -197,7 +196,7 @@ def sets_are_spelled_in_order(cell: Cell) -> Iterator[Fault]:
         seen.setdefault(right, key)
 
 
-def listed_tools_and_zones_are_not_misspelled(cell: Cell) -> Iterator[Fault]:
+def listed_tools_and_zones_are_not_misspelled(cell: Fields) -> Iterator[Fault]:
     """A tool or zone that is listed, used by nobody and spelled almost like an unlisted one in use is a slip of the pen.
 
     One that is listed, unused and like no other is no fault.
@@ -211,7 +210,7 @@ def listed_tools_and_zones_are_not_misspelled(cell: Cell) -> Iterator[Fault]:
                 yield Fault(f"{key[:-1]} {name!r} is listed but never used, while {meant!r} is used but not listed. Spell both alike.", (key, name))
 
 
-def tools_and_zones_are_spelled_alike(cell: Cell) -> Iterator[Fault]:
+def tools_and_zones_are_spelled_alike(cell: Fields) -> Iterator[Fault]:
     """Tools, and zones, that differ by capitals or one letter are one; listing both says that they are two.
 
     A name that is listed and used by nobody is left to the rule above.
@@ -237,7 +236,7 @@ def tools_and_zones_are_spelled_alike(cell: Cell) -> Iterator[Fault]:
                 )
 
 
-def _operators_named(cell: Cell) -> Iterator[tuple[Path, str, str]]:
+def _operators_named(cell: Fields) -> Iterator[tuple[Path, str, str]]:
     for name, task in cell.tasks.items():
         here: Path = ("tasks", name)
         for who in task.time:
@@ -258,7 +257,7 @@ def _operators_named(cell: Cell) -> Iterator[tuple[Path, str, str]]:
             yield ("tools", name, "changeover", who), who, f"tool {name!r}: changeover"
 
 
-def _stresses(cell: Cell) -> Iterator[tuple[Path, Mapping[str, float], str]]:
+def _stresses(cell: Fields) -> Iterator[tuple[Path, Mapping[str, float], str]]:
     """Every stress that is stated per human."""
     for name, task in cell.tasks.items():
         if isinstance(task.stress, Mapping):
@@ -281,7 +280,7 @@ def _listed(names: object) -> str:
     return quoted[0] if len(quoted) == 1 else f"{', '.join(quoted[:-1])} and {quoted[-1]}"
 
 
-RULES: tuple[Callable[[Cell], Iterator[Fault]], ...] = (
+RULES: tuple[Callable[[Fields], Iterator[Fault]], ...] = (
     names_can_be_told_apart,
     operators_are_known,
     tasks_are_known,

@@ -15,7 +15,7 @@ from tandem.cell.written import number
 from tandem.errors import Fault
 
 if TYPE_CHECKING:
-    from tandem.cell.model import Cell
+    from tandem.cell.parts import Fields
 
 DECIMALS = 6
 MICRO = 1_000_000
@@ -25,7 +25,7 @@ LARGEST = 2**40
 Path = tuple[str | int, ...]
 
 
-def breaks_are_apart(cell: Cell) -> Iterator[Fault]:
+def breaks_are_apart(cell: Fields) -> Iterator[Fault]:
     """A break ends after it starts, and an operator's breaks do not overlap; touching ones may."""
     for who, operator in cell.operators.items():
         here: Path = ("operators", who, "breaks")
@@ -60,7 +60,7 @@ class Earliest:
     operators: tuple[str, ...]
 
 
-def a_deadline_can_be_met(cell: Cell) -> Iterator[Fault]:
+def a_deadline_can_be_met(cell: Fields) -> Iterator[Fault]:
     """No task is bound to be late: its predecessors and itself, each in its quickest way, from the release on, around breaks."""
     if all(task.deadline is None for task in cell.tasks.values()):
         return
@@ -81,7 +81,7 @@ def a_deadline_can_be_met(cell: Cell) -> Iterator[Fault]:
 class _Rests:
     """When operators are off, alone and together, in whole microseconds."""
 
-    def __init__(self, cell: Cell):
+    def __init__(self, cell: Fields):
         self.of_each = {who: [(_micro(a), _micro(b)) for a, b in operator.breaks if b > a] for who, operator in cell.operators.items()}
         self._joint: dict[tuple[str, ...], list[tuple[int, int]]] = {}
 
@@ -115,7 +115,7 @@ def _apart(rests: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
     return joined
 
 
-def _earliest(cell: Cell, name: str, found: Mapping[str, Earliest], rest: _Rests) -> Earliest | None:
+def _earliest(cell: Fields, name: str, found: Mapping[str, Earliest], rest: _Rests) -> Earliest | None:
     task = cell.tasks[name]
     ways = [((who,), time) for who, time in task.time.items()] + [(joint.operators, joint.time) for joint in task.together]
     ways = [(who, time) for who, time in ways if all(one in rest for one in who)]
@@ -133,7 +133,7 @@ def _earliest(cell: Cell, name: str, found: Mapping[str, Earliest], rest: _Rests
     return Earliest(end, chain_start + min(_micro(time) for _, time in ways), first, operators)
 
 
-def _too_late(cell: Cell, name: str, found: Mapping[str, Earliest]) -> str:
+def _too_late(cell: Fields, name: str, found: Mapping[str, Earliest]) -> str:
     chain = [name]
     while (first := found[chain[-1]].first) is not None:
         chain.append(first)
@@ -149,14 +149,14 @@ def _too_late(cell: Cell, name: str, found: Mapping[str, Earliest]) -> str:
     )
 
 
-def _step(cell: Cell, name: str) -> str:
+def _step(cell: Fields, name: str) -> str:
     task = cell.tasks[name]
     quickest = min([*task.time.values(), *(joint.time for joint in task.together)])
     release = f", released at {number(task.release)} s" if task.release else ""
     return f"{name!r} ({number(quickest)} s{release})"
 
 
-def _in_order(cell: Cell) -> list[str]:
+def _in_order(cell: Fields) -> list[str]:
     """Tasks so that predecessors come first; those on a circle or behind one are left out."""
     waiting = {name: len({first for first in task.after if first in cell.tasks}) for name, task in cell.tasks.items()}
     behind: dict[str, list[str]] = {name: [] for name in cell.tasks}
@@ -173,7 +173,7 @@ def _in_order(cell: Cell) -> list[str]:
     return ready
 
 
-def numbers_have_few_decimals(cell: Cell) -> Iterator[Fault]:
+def numbers_have_few_decimals(cell: Fields) -> Iterator[Fault]:
     """At most six decimals: more than any stopwatch has, and few enough to count exactly."""
     for path, value in _numbers(cell):
         if round(value, DECIMALS) != value:
@@ -182,7 +182,7 @@ def numbers_have_few_decimals(cell: Cell) -> Iterator[Fault]:
             yield Fault(f"{value!r} has more than {DECIMALS} decimals. Round it{example}.", path)
 
 
-def exact_planning_can_count_it(cell: Cell) -> Iterator[Fault]:
+def exact_planning_can_count_it(cell: Fields) -> Iterator[Fault]:
     """All times together, and all stress together, in units of the finest of them, stay below 2^40."""
     times, stresses = [], []
     longest = stressed = 0.0
@@ -224,7 +224,7 @@ def _scale(numbers: Sequence[float]) -> int:
     return MICRO
 
 
-def _numbers(cell: Cell) -> Iterator[tuple[Path, float]]:
+def _numbers(cell: Fields) -> Iterator[tuple[Path, float]]:
     """Every number of the cell and where it stands."""
     for who, operator in cell.operators.items():
         for place, pair in enumerate(operator.breaks):

@@ -14,8 +14,8 @@ from tandem.errors import UsageError
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
-    from tandem.explain.explanation import TaskAnswer
     from tandem.explain.bottleneck import Floor
+    from tandem.explain.explanation import TaskAnswer
     from tandem.explain.sensitivity import Effect, Sensitivity
     from tandem.plan.result import Front
 
@@ -59,8 +59,8 @@ def explain_command(
 
     Each cost is that of a schedule found by planning anew with the other choice forced.
     """
-    from tandem.files.load import load
     from tandem.explain.explanation import explain
+    from tandem.files.load import load
 
     check_time(time_limit, workers)
     cell = load(cell_file, form)
@@ -77,8 +77,8 @@ class Telling:
         self.point = point
 
     def __call__(self, answer: Front | Floor | TaskAnswer) -> None:
-        from tandem.explain.explanation import TaskAnswer, chosen_point, heading
         from tandem.explain.bottleneck import Floor, sentences
+        from tandem.explain.explanation import TaskAnswer, chosen_point, heading
 
         if isinstance(answer, TaskAnswer):
             lines = answer.sentences()
@@ -128,9 +128,9 @@ def _tell_stale(*names: str) -> None:
 
 
 def _compare_cells(before_file: str, after_file: str, planned: bool, time_limit: float, seed: int, as_json: bool) -> None:
-    from tandem.files.load import load
     from tandem.explain.compare import compare_cells
     from tandem.explain.fronts import changes
+    from tandem.files.load import load
     from tandem.plan.methods import plan
 
     before, after = load(before_file), load(after_file)
@@ -212,9 +212,9 @@ def sensitivity_command(
 
     Each change is planned anew, in parallel processes.
     """
-    from tandem.files.load import load
     from tandem.draw.saving import PICTURES
     from tandem.explain.sensitivity import sensitivity
+    from tandem.files.load import load
 
     check_time(time_limit, workers)
     if output is not None and output.suffix.lower() not in PICTURES:

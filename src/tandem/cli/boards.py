@@ -32,8 +32,8 @@ def board_command(cell_file: str, form: str | None, output: tuple[Path, ...], pr
       tandem generate desk | tandem board - --optimum
       tandem board cell.yaml -o board.svg
     """
-    from tandem.lab.yu2020.board import Board
     from tandem.files.load import load
+    from tandem.lab.yu2020.board import Board
 
     board = Board.of(load(cell_file, form))
     document: dict[str, Any] = {
@@ -47,8 +47,8 @@ def board_command(cell_file: str, form: str | None, output: tuple[Path, ...], pr
         needs_jax("the optimum of a board")
         document["optimum"] = {name: _proof(board, waiting) for name, waiting in (("no_waiting", False), ("waiting", True))}
     for file in output:
-        from tandem.lab.yu2020.board_picture import plot_board
         from tandem.draw.saving import save
+        from tandem.lab.yu2020.board_picture import plot_board
 
         save(plot_board(board), file)
         click.echo(f"wrote {file}", err=True)

@@ -10,8 +10,8 @@ import click
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
-    from tandem.lab.yu2020.board import Board
     from tandem.cell.model import Cell
+    from tandem.lab.yu2020.board import Board
 
 OUTPUT = click.option(
     "-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Cell file to write, .yaml or .json; YAML on stdout when absent."
@@ -139,7 +139,7 @@ def _put(cell: Cell, output: Path | None) -> None:
 
 def _draw(board: Board, picture: Path | None) -> None:
     if picture is not None:
-        from tandem.lab.yu2020.board_picture import plot_board
         from tandem.draw.saving import save
+        from tandem.lab.yu2020.board_picture import plot_board
 
         click.echo(f"wrote {save(plot_board(board), picture)}", err=True)

@@ -22,8 +22,8 @@ from tandem.errors import UsageError
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
     from tandem.dispatch.journal import Journal
-    from tandem.dispatch.shift.simulated import Floor
     from tandem.dispatch.shift.live import Settings, Shift
+    from tandem.dispatch.shift.simulated import Floor
 
 Show = Callable[["Shift", dict[str, Any]], None]
 
@@ -107,8 +107,8 @@ def dispatch_command(ctx: click.Context, /, **given: Any) -> int:
 
     An event is {"event": "done", "at": 12.5, "task": "4"}; the manual has them all. Advice, not a safety function.
     """
-    from tandem.files.load import load
     from tandem.dispatch.journal import IN_MEMORY, Journal
+    from tandem.files.load import load
 
     if given["cell_file"] == "-":
         raise UsageError("CELL cannot come from standard input, where the events come from. Name a file.")
@@ -172,8 +172,8 @@ def _live(shift: Shift, floor: Floor | None, given: dict[str, Any], show: Show, 
 
 def _settings(given: dict[str, Any]) -> Settings:
     from tandem.dispatch.deciders.policy import Options
-    from tandem.dispatch.shift.live import Settings
     from tandem.dispatch.lookahead.objective import Objective
+    from tandem.dispatch.shift.live import Settings
 
     time_weight, stress_weight = given["weights"]
     options = Options(

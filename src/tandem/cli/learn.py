@@ -185,8 +185,8 @@ def evaluate_command(
       tandem evaluate runs/my-run
       tandem evaluate runs/my-run --gantt greedy.svg --curves training.svg
     """
-    from tandem.files.load import load
     from tandem.draw.saving import save
+    from tandem.files.load import load
 
     keep_compiled()
     from tandem.learn.training.evaluate import evaluate

@@ -111,8 +111,8 @@ def plan_command(
     Ctrl-C ends the search: what was found so far is printed with its bounds and saved (in CELL.interrupted.json when no .json file
     was asked for), and the exit code is 130.
     """
-    from tandem.files.load import load
     from tandem.explain.variant import variant
+    from tandem.files.load import load
     from tandem.plan.methods import plan
     from tandem.plan.question import Question
     from tandem.report.files import ready_to_write, write

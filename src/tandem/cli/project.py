@@ -51,10 +51,10 @@ def _as_typed(folder: Path, name: str) -> str:
 
 def _beginning(source: Path | None) -> tuple[Cell, bytes | None]:
     """The cell to begin with and, of a YAML file, its text as it is."""
-    from tandem.files.load import load
     from tandem.cell.model import Cell
-    from tandem.files.spreadsheet.form import EXAMPLE
+    from tandem.files.load import load
     from tandem.files.spreadsheet.draft import read_workbook
+    from tandem.files.spreadsheet.form import EXAMPLE
     from tandem.files.spreadsheet.workbook import ENDINGS
 
     if source is None:

@@ -7,8 +7,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tandem.files.atomic import store
 from tandem.errors import UsageError
+from tandem.files.atomic import store
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

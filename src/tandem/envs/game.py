@@ -16,11 +16,11 @@ from tandem.errors import UsageError
 from tandem.schedule.model import Schedule
 from tandem.world import state as world
 from tandem.world.arrays import Names
-from tandem.world.population import crowd
 from tandem.world.episode import Shift, begin, decide, is_over, run_on
-from tandem.world.randomness import OFF, Chance, Draw, fate
 from tandem.world.people import Person
 from tandem.world.people import crew as crew_of
+from tandem.world.population import crowd
+from tandem.world.randomness import OFF, Chance, Draw, fate
 
 RENDER_MODES = ("ansi", "rgb_array")
 

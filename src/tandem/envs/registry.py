@@ -2,31 +2,21 @@
 
 from __future__ import annotations
 
-import importlib
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
 from tandem.errors import UsageError
+from tandem.extensions import added, resolved
 
 if TYPE_CHECKING:
     from pettingzoo import ParallelEnv
 
-PARALLEL = {
-    "duo": "tandem.lab.zhang2022.parallel:DuoParallel",
-    "chessboard": "tandem.lab.yu2020.parallel:ChessboardParallel",
-    "thesis": "tandem.lab.kinat2023.parallel:ThesisParallel",
-    "events": "tandem.envs.parallel:EventsParallel",
-    "grid": "tandem.lab.alessio2022.parallel:GridParallel",
-}
+PARALLEL = {"events": "tandem.envs.parallel:EventsParallel", **added("environments")}
 """Name -> the PettingZoo face, `module:class`."""
 
-SINGLE = {
-    "tandem/Thesis-v0": "tandem.lab.kinat2023.single:ThesisEnv",
-    "tandem/RobotBesideHuman-v0": "tandem.envs.single:RobotBesideHuman",
-    "tandem/Repair-v0": "tandem.lab.antonelli2021.single:RepairEnv",
-}
+SINGLE = {"tandem/RobotBesideHuman-v0": "tandem.envs.single:RobotBesideHuman", **added("gymnasium")}
 """Gymnasium id -> the single-agent face, `module:class`."""
 
 
@@ -38,8 +28,7 @@ def parallel_env(name: str, *arguments: Any, **options: Any) -> ParallelEnv[str,
     if name not in PARALLEL:
         meant = "".join(f" Did you mean {near!r}?" for near in get_close_matches(name, PARALLEL, 1))
         raise UsageError(f"environment {name!r}: there is none.{meant} There are: {', '.join(PARALLEL)}.")
-    module, face = PARALLEL[name].split(":")
-    made: ParallelEnv[str, Any, Any] = getattr(importlib.import_module(module), face)(*arguments, **options)
+    made: ParallelEnv[str, Any, Any] = resolved(PARALLEL[name])(*arguments, **options)
     return made
 
 

@@ -11,8 +11,8 @@ from tandem.cell.written import number, signed
 from tandem.errors import CellError, InfeasibleError, NothingFoundError
 from tandem.explain.variant import force_modes
 from tandem.plan import exact
-from tandem.plan.list_scheduling import Layout, append_in_order
 from tandem.plan.instance import Instance
+from tandem.plan.list_scheduling import Layout, append_in_order
 from tandem.plan.question import Question
 from tandem.plan.result import Result, Status
 from tandem.schedule.measures import exact as decimal

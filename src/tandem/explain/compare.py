@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from tandem.cell.model import Cell, plain
-from tandem.files.yaml_writer import flow
 from tandem.cell.written import number
+from tandem.files.yaml_writer import flow
 from tandem.schedule.measures import exact
 from tandem.schedule.model import Assignment, Schedule
 

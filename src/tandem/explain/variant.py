@@ -7,11 +7,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from tandem.cell.model import Cell, plain
-from tandem.cell.parts import Mode, Table, Task
 from tandem.cell.names import Known, clean
-from tandem.files.yaml_writer import flow
-from tandem.files.validate import cell_of
+from tandem.cell.parts import Mode, Table, Task
 from tandem.errors import UsageError
+from tandem.files.validate import cell_of
+from tandem.files.yaml_writer import flow
 from tandem.schedule.measures import exact
 
 

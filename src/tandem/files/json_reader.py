@@ -7,8 +7,8 @@ import re
 from bisect import bisect_right
 from typing import Any
 
-from tandem.files.positions import DEPTH, MOST_VALUES, Document, Entry, Node, enter, too_many
 from tandem.errors import CellError, Fault
+from tandem.files.positions import DEPTH, MOST_VALUES, Document, Entry, Node, enter, too_many
 
 BLANK = re.compile(r"[ \t\r\n]*")
 NUMBER = re.compile(r"-?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?(?:[eE][-+]?[0-9]+)?")

@@ -8,17 +8,18 @@ import os
 import re
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
-from tandem.files.formats.table import FORMATS, detected
 from tandem.cell.model import Cell
 from tandem.cell.names import Known
-from tandem.files.yaml_writer import escaped, to_yaml
-from tandem.files.validate import cell_of
-from tandem.files.atomic import store
 from tandem.errors import CellError, Fault, NotReadWarning, UsageError
+from tandem.files.atomic import store
+from tandem.files.formats.table import FORMATS, detected
+from tandem.files.validate import cell_of
+from tandem.files.yaml_writer import escaped, to_yaml
 
 LARGEST = 20_000_000
 """Bytes that a cell file may have: a cell of 10,000 tasks has about one million."""
@@ -27,11 +28,11 @@ SHEETS = (".xls", ".ods", ".csv", ".tsv")
 CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff]")
 
 
-def load(path: str | os.PathLike[str], format: str | None = None) -> Cell:
-    """The cell that a file holds; `-` reads standard input.
+def load(path: str | os.PathLike[str] | Mapping[str, Any], format: str | None = None) -> Cell:
+    """The cell that a file holds, or that plain values keyed as in a cell file describe; `-` reads standard input.
 
     Args:
-      path: the file.
+      path: the file, or the values.
       format: a name from `FORMATS`, such as "yaml", "json" or "fjs"; told from the content, and the ending, when not given.
 
     Warns `NotReadWarning` of what stands in the file and has no place in a cell.
@@ -40,6 +41,8 @@ def load(path: str | os.PathLike[str], format: str | None = None) -> Cell:
       CellError: the file cannot be read, is not of its form, or describes no sound cell; with every fault at its line and column.
       UsageError: there is no such format.
     """
+    if isinstance(path, Mapping):
+        return cell_of(path)
     if os.fspath(path) == "-":
         return loads(_text(sys.stdin.buffer.read(LARGEST + 1), "standard input", format), format, source="standard input")
     source = os.fspath(path)

@@ -10,8 +10,8 @@ from typing import Any
 from pydantic import ValidationError
 
 from tandem.cell.model import Cell
-from tandem.cell.parts import Operator, Task, Together, Tool, Zone
 from tandem.cell.names import Known, clean, harm_in
+from tandem.cell.parts import Operator, Task, Together, Tool, Zone
 from tandem.cell.written import number
 from tandem.errors import Fault
 

@@ -9,7 +9,7 @@ from typing import Any
 from tandem.cell.model import Cell
 
 ID = "urn:tandem:cell:1"
-SHIPPED = files("tandem.cell") / "cell.schema.json"
+SHIPPED = files("tandem.files") / "cell.schema.json"
 """The same schema as a file of the package, for editors; a test keeps both equal."""
 
 

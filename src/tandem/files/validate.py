@@ -7,12 +7,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from tandem.files.positions import Path, Place
 from tandem.cell.model import Cell
 from tandem.cell.names import clean
-from tandem.files.repair import repaired
-from tandem.files.messages import Flaw, flaws
 from tandem.errors import CellError, Fault
+from tandem.files.messages import Flaw, flaws
+from tandem.files.positions import Path, Place
+from tandem.files.repair import repaired
 
 MOST = 50
 """Faults told of one by one; nobody reads more before mending some."""

@@ -11,8 +11,8 @@ from typing import Any
 
 import yaml
 
-from tandem.files.positions import DEPTH, MOST_VALUES, Document, Entry, Node, enter, too_many
 from tandem.errors import CellError, Fault
+from tandem.files.positions import DEPTH, MOST_VALUES, Document, Entry, Node, enter, too_many
 
 INTEGER = re.compile(r"[-+]?[0-9]+")
 FLOAT = re.compile(r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?")

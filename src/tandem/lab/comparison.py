@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from tandem.cell.model import Cell
-from tandem.files.atomic import store
 from tandem.errors import CellError
-from tandem.lab.antonelli2021.experiment import own_cell
+from tandem.files.atomic import store
+from tandem.lab.antonelli2021.cells import own_cell
+from tandem.lab.kinat2023.runs import thesis_cell
 from tandem.lab.probes import PROBES, Entry, base, features, other_cells, tooled
 from tandem.lab.systems import SYSTEMS, System
-from tandem.lab.kinat2023.runs import thesis_cell
 from tandem.learn.room import make_room
 from tandem.learn.training.runs import versions
 from tandem.report.from_markdown import html_of

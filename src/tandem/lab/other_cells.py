@@ -8,11 +8,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from tandem.files.load import load
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.files.atomic import store
-from tandem.experiments.records import stored_document
+from tandem.files.load import load
+from tandem.lab.records import stored_document
 from tandem.learn.training.runs import versions
 
 RANDOM_TASKS, RANDOM_SEEDS = 12, (0, 1)
@@ -60,7 +60,7 @@ def stored() -> dict[str, Any]:
 
     Raises CellError when this copy of the package has none, or a damaged one.
     """
-    return stored_document("cells")
+    return stored_document("other_cells.json", "cells")
 
 
 def run(cases: Sequence[Path] = (), *, seeds: int = SEEDS, tell: Callable[[str], None] = lambda _: None) -> list[dict[str, Any]]:
@@ -108,7 +108,7 @@ def _one(cell: Cell, factor: float, seeds: int) -> dict[str, Any]:
     from tandem.learn.training.trainer import train
 
     with TemporaryDirectory() as scratch:
-        document = train(cell, stress_factor=factor, seeds=range(seeds), folder=Path(scratch) / "run", front_limit=120)
+        document = train(cell, recipe_name="station", stress_factor=factor, seeds=range(seeds), folder=Path(scratch) / "run", front_limit=120)
     gaps = [seed["greedy"]["gap"] for seed in document["seeds"]]
     finished = [gap for gap in gaps if gap is not None]
     return {

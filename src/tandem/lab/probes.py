@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 from tandem.cell.model import Cell
 from tandem.errors import CellError, UsageError
+from tandem.files.validate import cell_of
 from tandem.lab.systems import Document, Experiment, Features, Played
 
 SEED = 0
@@ -37,13 +38,13 @@ def base(**changes: Any) -> Cell:
     }
     for name, more in changes.items():
         tasks[name] = {**tasks[name], **more}
-    return Cell.of({"operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}}, "tasks": tasks})
+    return cell_of({"operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}}, "tasks": tasks})
 
 
 def tooled(changeover: float) -> Cell:
     """The base, one task of it with a tool that the robot must take up first."""
     data = base(left={"tool": "gripper"}, top={"tool": "driver", "time": {"robot": 3}}).to_dict()
-    return Cell.of({**data, "tools": {"driver": {"changeover": {"robot": changeover}}, "gripper": {"changeover": {"robot": changeover}}}})
+    return cell_of({**data, "tools": {"driver": {"changeover": {"robot": changeover}}, "gripper": {"changeover": {"robot": changeover}}}})
 
 
 def joint() -> Cell:
@@ -59,7 +60,7 @@ def other() -> Cell:
 def larger() -> Cell:
     """The base and one more task on top: a cell of another size."""
     data = base().to_dict()
-    return Cell.of({**data, "tasks": {**data["tasks"], "lid": {"time": {"robot": 2, "human": 2}, "after": ["top"]}}})
+    return cell_of({**data, "tasks": {**data["tasks"], "lid": {"time": {"robot": 2, "human": 2}, "after": ["top"]}}})
 
 
 def in_a_row() -> Cell:

@@ -10,8 +10,8 @@ from typing import Any, TypeVar, get_args, get_type_hints
 from pydantic import AfterValidator, BaseModel, ConfigDict, ValidationError
 
 from tandem.cell.names import Known
-from tandem.files.messages import shown
 from tandem.errors import CellError, Fault, UsageError
+from tandem.files.messages import shown
 
 STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
 """How settings are read; a class of them says so with `__pydantic_config__`."""

@@ -1,10 +1,43 @@
-"""How far a learned result is above the exact optimum, under what the agents are paid for."""
+"""What a player reached in an episode, what that costs, and how far it is above the exact optimum."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 from tandem.plan.result import Front
+from tandem.schedule.model import Schedule
+
+SECOND = 10.0
+"""What a second costs beside a unit of stress times the stress factor, as in the thesis's rewards."""
+
+
+@dataclass(frozen=True)
+class Reached:
+    """One episode.
+
+    Attributes:
+      makespan, stress: seconds and stress; None when the assembly was not finished.
+      illegal: rules broken.
+      cost: what all agents together were paid, negated: of several finished episodes the best has the least.
+      schedule: what was done, when it was finished.
+    """
+
+    makespan: float | None
+    stress: float | None
+    illegal: int
+    cost: float
+    schedule: Schedule | None
+
+    @property
+    def done(self) -> bool:
+        """Whether the assembly was finished."""
+        return self.makespan is not None
+
+
+def paid(stress_factor: float) -> dict[str, Any]:
+    """What time and stress cost where a second costs `SECOND`, for `cost`."""
+    return {"step": -SECOND, "per_second": 1, "stress_factor": stress_factor}
 
 
 def cost(makespan: float, stress: float, *, step: float, per_second: int, stress_factor: float) -> float:

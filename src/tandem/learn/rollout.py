@@ -9,27 +9,17 @@ import jax
 
 from tandem.cell.model import Cell
 from tandem.learn.algorithm import Row
-from tandem.learn.alphazero.config import Wander
-from tandem.learn.alphazero.network import Judge, Scorer, opinion
+from tandem.learn.alphazero.network import Judge, opinion
 from tandem.learn.alphazero.selfplay import Looking, Played, played
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.cell_env import CellGame, reached
 from tandem.learn.env import Game, many
-from tandem.learn.results import Reached
-from tandem.learn.algorithm import Order
-
-SECOND = 10.0
-"""What a second costs beside a unit of stress times the stress factor, as in the thesis's rewards."""
+from tandem.learn.results import SECOND, Reached
 
 
 def game_of(cell: Cell, stress_factor: float, *, waiting: bool) -> CellGame:
     """The cell's game as it is learned."""
     return CellGame.of(cell, time_weight=SECOND, stress_weight=stress_factor, waiting=waiting)
-
-
-def paid(stress_factor: float) -> dict[str, Any]:
-    """What time and stress cost in it, for `gaps.cost`."""
-    return {"step": -SECOND, "per_second": 1, "stress_factor": stress_factor}
 
 
 def play(cell: Cell, game: CellGame, trained: Trained, looking: Looking | None = None, *, games: int = 1, seed: int = 0) -> list[Reached]:
@@ -43,13 +33,6 @@ def alone(cell: Cell, game: CellGame, judge: Judge, parameters: Any) -> list[tup
     found, expected = jax.device_get(_alone(judge, parameters, many(game, 1)))
     seeds = range(len(expected))
     return [(reached(cell, jax.tree.map(lambda leaf, place=place: leaf[place, 0], found)), float(expected[place])) for place in seeds]
-
-
-def at_random(cell: Cell, order: Order, *, games: int, seed: int) -> list[Reached]:
-    """Games in which every move is any legal one, nobody waiting of his own will."""
-    game = game_of(cell, order.stress_factor, waiting=False)
-    judge = Scorer(1)
-    return play(cell, game, Trained(judge, judge.start(jax.random.key(0))), Wander(share=1.0), games=games, seed=seed)
 
 
 def told(result: Reached) -> Row:

@@ -19,11 +19,11 @@ from time import perf_counter
 from tandem.cell.model import Cell
 from tandem.cell.written import number
 from tandem.errors import InfeasibleError, NothingFoundError
-from tandem.plan.chronological import Key, Moves, Node
 from tandem.plan.bounds import heads, least_makespan, least_stress, load_prices
-from tandem.plan.list_scheduling import Layout
+from tandem.plan.chronological import Key, Moves, Node
 from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
 from tandem.plan.instance import Instance
+from tandem.plan.list_scheduling import Layout
 from tandem.plan.method import Progress
 from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Result, Status

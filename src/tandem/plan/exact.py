@@ -21,12 +21,12 @@ from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError
 from tandem.plan.archive import Archive
 from tandem.plan.bounds import load_prices
-from tandem.plan.list_scheduling import Layout
 from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
 from tandem.plan.instance import Instance
+from tandem.plan.list_scheduling import Layout
 from tandem.plan.method import Progress
-from tandem.plan.question import Question
 from tandem.plan.portfolio import SMALL, Answer, Effort, Goal, Race
+from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Result, Status
 from tandem.plan.rules import SPECS, attempts, build
 from tandem.plan.starts import Starts, measures

@@ -19,8 +19,8 @@ from time import perf_counter
 from typing import NamedTuple
 
 from tandem.plan.bounds import least_makespan, load_prices
-from tandem.plan.list_scheduling import Layout
 from tandem.plan.instance import Instance
+from tandem.plan.list_scheduling import Layout
 
 MOST_NODES = 400_000
 """Nodes of one size kept at once before the proof is given up."""

@@ -9,7 +9,7 @@ from typing import Any
 
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault, InfeasibleError, UsageError
-from tandem.plan import exact, dynamic_programming
+from tandem.plan import dynamic_programming, exact
 from tandem.plan.infeasible import reasons
 from tandem.plan.method import Method, Progress
 from tandem.plan.question import Question

@@ -20,8 +20,8 @@ from ortools.sat.python import cp_model
 
 from tandem.plan import cpsat
 from tandem.plan.cpsat import Decisions, formulate
-from tandem.plan.list_scheduling import Layout
 from tandem.plan.door import Admitted, Door
+from tandem.plan.list_scheduling import Layout
 from tandem.plan.lns import plan_anew, take_out
 from tandem.plan.lower_bound import Proof, prove_makespan
 from tandem.plan.starts import Starts, append, keeps_deadlines, list_schedule, measures

@@ -1,19 +1,14 @@
-"""What is asked of a cell: the whole front, or one best schedule, within limits. And what a method tells while it works."""
+"""What is asked of a cell: the whole front, or one best schedule, within limits."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import Any, Literal
 
-from tandem.cell.model import Cell, plain
+from tandem.cell.model import plain
 from tandem.cell.written import number
 from tandem.errors import UsageError
-from tandem.schedule.model import Schedule
-
-if TYPE_CHECKING:
-    from tandem.plan.result import Front, Result
 
 
 @dataclass(frozen=True)
@@ -54,43 +49,3 @@ class Question:
         """As the `question` of a result document."""
         weights = {"weights": plain(self.weights)} if self.minimize == "weighted" else {}
         return {"minimize": self.minimize, **weights, "max_makespan": plain(self.max_makespan), "max_stress": plain(self.max_stress)}
-
-
-@dataclass(frozen=True)
-class Progress:
-    """What a method knows so far.
-
-    Attributes:
-      found: the results so far that nothing found beats, sorted by makespan.
-      bound: no schedule that answers the question now being worked on can be below this makespan, seconds.
-      wall_s: since the method began.
-    """
-
-    found: tuple[Result, ...]
-    bound: float
-    wall_s: float
-
-
-class Method(Protocol):
-    """Every method of planning: a cell and a question in, a front out.
-
-    `time_limit` in seconds (None: until done), `workers` threads or processes (None: as many as there are cores; 1 repeats exactly for a seed),
-    `hint` a schedule to begin with, `on_solution` is called with each improvement and may raise `KeyboardInterrupt` to stop: the
-    front found so far is then returned with `interrupted` set.
-
-    Raises:
-      InfeasibleError: it is proven that no schedule answers the question.
-      NothingFoundError: none was found within the limit.
-    """
-
-    def __call__(
-        self,
-        cell: Cell,
-        question: Question = Question(),
-        *,
-        time_limit: float | None = None,
-        seed: int = 0,
-        workers: int | None = None,
-        hint: Schedule | None = None,
-        on_solution: Callable[[Progress], None] | None = None,
-    ) -> Front: ...

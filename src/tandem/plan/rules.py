@@ -12,10 +12,10 @@ from time import perf_counter
 from tandem.cell.model import Cell
 from tandem.errors import NothingFoundError
 from tandem.plan.bounds import least_makespan, least_stress, load_prices
-from tandem.plan.list_scheduling import Layout, State, Step
 from tandem.plan.door import Door
 from tandem.plan.greedy import Score, by_rank, by_score, clockwise
 from tandem.plan.instance import Instance
+from tandem.plan.list_scheduling import Layout, State, Step
 from tandem.plan.method import Method, Progress
 from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Result, Status

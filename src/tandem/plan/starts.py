@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from random import Random
 
-from tandem.plan.list_scheduling import Layout, Step, append_in_order
 from tandem.plan.instance import Instance
+from tandem.plan.list_scheduling import Layout, Step, append_in_order
 from tandem.plan.rules import SPECS, build
 
 Starts = tuple[tuple[int, int], ...]

@@ -11,11 +11,11 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from tandem.files.atomic import store
 from tandem.cell.written import number
 from tandem.draw.saving import save
 from tandem.draw.style import task_label
 from tandem.errors import UsageError
+from tandem.files.atomic import store
 from tandem.plan.result import Front
 from tandem.report.html import write_html
 from tandem.schedule.critical import critical_path, slack

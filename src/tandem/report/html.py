@@ -10,8 +10,8 @@ from importlib import resources
 from pathlib import Path
 
 from tandem.cell.model import Cell
-from tandem.files.atomic import store
 from tandem.draw.style import Look, looks
+from tandem.files.atomic import store
 from tandem.plan.result import Front, Result, Status
 from tandem.report.instruction_sheet import sheets
 from tandem.report.language import Words, words

@@ -10,11 +10,11 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
-from tandem.files.load import dumps, load
 from tandem.cell.model import Cell
-from tandem.files.atomic import store
-from tandem.files.messages import shown
 from tandem.errors import CellError, Fault, UsageError
+from tandem.files.atomic import store
+from tandem.files.load import dumps, load
+from tandem.files.messages import shown
 from tandem.schedule.checker import faults
 from tandem.schedule.model import Schedule
 

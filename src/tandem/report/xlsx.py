@@ -10,8 +10,8 @@ from math import ceil
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
-from tandem.files.spreadsheet.template import to_workbook, workbook_bytes
 from tandem.draw.style import contrast, looks, task_label
+from tandem.files.spreadsheet.template import to_workbook, workbook_bytes
 from tandem.plan.result import Front, Result
 from tandem.report.instructions import rules, times, turns
 from tandem.report.language import Words, words

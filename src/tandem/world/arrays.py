@@ -18,8 +18,8 @@ import numpy as np
 from tandem.cell.model import Cell
 from tandem.cell.parts import Mode
 from tandem.errors import CellError, Fault, UsageError
-from tandem.plan.list_scheduling import Layout
 from tandem.plan.instance import Instance
+from tandem.plan.list_scheduling import Layout
 from tandem.schedule.model import Assignment, Schedule
 
 Array = Any

@@ -16,7 +16,7 @@ import numpy as np
 from tandem.cell.names import Known, clean
 from tandem.errors import UsageError
 from tandem.world.arrays import Arrays, Names
-from tandem.world.people import Person, compliant, harm, stacked
+from tandem.world.people import Person, compliant, harm
 
 WORKERS = {"strong": 0.8, "normal": 1.0, "weak": 1.2}
 """Kind of worker -> factor on how fast it tires. Source: the public code of Xue et al. (human fatigue in a multi-agent production cell)."""
@@ -138,62 +138,6 @@ class Group:
     def varies(self) -> bool:
         """Two of them can differ."""
         return any(value.low != value.high for trait in self.traits for value in (*trait.numbers.values(), *trait.weights.values()))
-
-
-@dataclass(frozen=True)
-class Crowd:
-    """Who may stand at the station.
-
-    Attributes:
-      spec: how it was asked for.
-      names, arrays: of the cell.
-      groups: who is in it.
-    """
-
-    spec: str
-    names: Names
-    arrays: Arrays
-    groups: tuple[Group, ...]
-
-    @property
-    def is_one(self) -> bool:
-        """All of them are alike."""
-        return len(self.groups) == 1 and not self.groups[0].varies
-
-    @property
-    def makes_mistakes(self) -> bool:
-        """Somebody may."""
-        return any(trait.kind == "forgetful" for group in self.groups for trait in group.traits)
-
-    def draw(self, rng: np.random.Generator, count: int) -> Person:
-        """So many people with a leading axis, drawn by the groups' shares."""
-        if self.is_one:
-            one = person(self.groups[0].traits, self.names, self.arrays)
-            return Person(*(np.broadcast_to(value, (count, *np.shape(value))) for value in one))
-        shares = np.array([group.share for group in self.groups])
-        of = rng.choice(len(self.groups), count, p=shares / shares.sum())
-        return stacked([person(self.groups[group].traits, self.names, self.arrays, rng.random) for group in of])
-
-
-def crowd(spec: str, names: Names, arrays: Arrays, *, part: str = "held_out") -> Crowd:
-    """The people that a text describes: one person, or `population:FILE`.
-
-    Args:
-      part: of a population file, "train" or "held_out"; `population:FILE:train` in the text says it, too.
-
-    Raises:
-      UsageError: the text is wrong.
-      CellError: the population file is.
-    """
-    kind, _, rest = spec.partition(":")
-    if kind.strip() == "population":
-        from tandem.world.population import PARTS, load
-
-        file, _, last = rest.rpartition(":")
-        path, part = (file, last) if file and last in PARTS else (rest, part)
-        return Crowd(spec, names, arrays, load(path.strip(), names)[part])
-    found = traits(spec, names)
-    return Crowd(spec, names, arrays, (Group(spec, found),))
 
 
 def _trait(kind: str, words: list[str], names: Names) -> tuple[Trait, list[str]]:

@@ -18,8 +18,8 @@ from tandem.schedule.model import Assignment
 from tandem.world import people as crew
 from tandem.world import state as world
 from tandem.world.arrays import NEVER, Array, Arrays, Names, namespace
-from tandem.world.randomness import Draw, Fate, away_until, fate, next_absence, real_ticks, with_rests
 from tandem.world.people import Person
+from tandem.world.randomness import Draw, Fate, away_until, fate, next_absence, real_ticks, with_rests
 from tandem.world.state import State
 
 if TYPE_CHECKING:

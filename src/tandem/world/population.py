@@ -1,4 +1,4 @@
-"""Population files: who learners train with, and who they are judged with, kept apart.
+"""Who may stand at the station: one person in words, or a population file, which keeps apart who learners train with and who they are judged with.
 
     format: 1
     name: Day shift
@@ -13,15 +13,19 @@ YAML, read as strictly as a cell: unknown keys are refused with the nearest know
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tandem.files import yaml_reader
-from tandem.files.positions import Document
+import numpy as np
+
 from tandem.cell.names import Known
 from tandem.errors import CellError, Fault, UsageError
-from tandem.world.arrays import Names
-from tandem.world.behaviour import Group, traits
+from tandem.files import yaml_reader
+from tandem.files.positions import Document
+from tandem.world.arrays import Arrays, Names
+from tandem.world.behaviour import Group, person, traits
+from tandem.world.people import Person, stacked
 
 PARTS = ("train", "held_out")
 """The two parts of a population; nobody may be in both."""
@@ -108,3 +112,57 @@ class _Reader:
             for sentence in str(error).splitlines():
                 self.note((*path, "person"), sentence)
             return None
+
+
+@dataclass(frozen=True)
+class Crowd:
+    """Who may stand at the station.
+
+    Attributes:
+      spec: how it was asked for.
+      names, arrays: of the cell.
+      groups: who is in it.
+    """
+
+    spec: str
+    names: Names
+    arrays: Arrays
+    groups: tuple[Group, ...]
+
+    @property
+    def is_one(self) -> bool:
+        """All of them are alike."""
+        return len(self.groups) == 1 and not self.groups[0].varies
+
+    @property
+    def makes_mistakes(self) -> bool:
+        """Somebody may."""
+        return any(trait.kind == "forgetful" for group in self.groups for trait in group.traits)
+
+    def draw(self, rng: np.random.Generator, count: int) -> Person:
+        """So many people with a leading axis, drawn by the groups' shares."""
+        if self.is_one:
+            one = person(self.groups[0].traits, self.names, self.arrays)
+            return Person(*(np.broadcast_to(value, (count, *np.shape(value))) for value in one))
+        shares = np.array([group.share for group in self.groups])
+        of = rng.choice(len(self.groups), count, p=shares / shares.sum())
+        return stacked([person(self.groups[group].traits, self.names, self.arrays, rng.random) for group in of])
+
+
+def crowd(spec: str, names: Names, arrays: Arrays, *, part: str = "held_out") -> Crowd:
+    """The people that a text describes: one person, or `population:FILE`.
+
+    Args:
+      part: of a population file, "train" or "held_out"; `population:FILE:train` in the text says it, too.
+
+    Raises:
+      UsageError: the text is wrong.
+      CellError: the population file is.
+    """
+    kind, _, rest = spec.partition(":")
+    if kind.strip() == "population":
+        file, _, last = rest.rpartition(":")
+        path, part = (file, last) if file and last in PARTS else (rest, part)
+        return Crowd(spec, names, arrays, load(path.strip(), names)[part])
+    found = traits(spec, names)
+    return Crowd(spec, names, arrays, (Group(spec, found),))

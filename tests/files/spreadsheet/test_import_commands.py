@@ -8,9 +8,9 @@ import pytest
 from click.testing import CliRunner, Result
 from tests.files.spreadsheet import books
 
-from tandem.files.load import load
 from tandem.cli.sheets import import_command, template_command
 from tandem.errors import CellError, UsageError
+from tandem.files.load import load
 
 
 def run(command: object, *arguments: object) -> Result:

@@ -19,8 +19,8 @@ from openpyxl.utils import get_column_letter
 from tests.files.spreadsheet import books
 
 from tandem.cell.model import Cell
-from tandem.files.spreadsheet import import_cell
 from tandem.errors import CellError
+from tandem.files.spreadsheet import import_cell
 
 Work = dict[str, dict[str, Any]]
 """Task -> its times, stress, predecessors and moments."""

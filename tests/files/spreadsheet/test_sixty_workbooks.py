@@ -12,8 +12,8 @@ import openpyxl
 import pytest
 from tests.files.spreadsheet import books
 
-from tandem.files.spreadsheet import import_cell
 from tandem.errors import CellError
+from tandem.files.spreadsheet import import_cell
 
 Rows = Sequence[Sequence[Any]]
 

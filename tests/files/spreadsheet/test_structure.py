@@ -11,9 +11,9 @@ import pytest
 from openpyxl.styles import Alignment
 from tests.files.spreadsheet import books
 
+from tandem.errors import CellError
 from tandem.files.spreadsheet import import_cell, read_workbook
 from tandem.files.spreadsheet.draft import Draft
-from tandem.errors import CellError
 
 Rows = Sequence[Sequence[Any]]
 

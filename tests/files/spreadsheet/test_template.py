@@ -16,11 +16,11 @@ from tests.files.spreadsheet import books
 from tests.strategies import cells
 
 from tandem.cell.model import Cell
+from tandem.errors import UsageError
 from tandem.files.spreadsheet import import_cell
 from tandem.files.spreadsheet.draft import read_book
 from tandem.files.spreadsheet.template import export_cell, lost, to_workbook, write_template
 from tandem.files.spreadsheet.workbook import book_of
-from tandem.errors import UsageError
 
 
 @pytest.mark.parametrize("lang", ["en", "de"])

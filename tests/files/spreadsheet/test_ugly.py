@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from tests.files.spreadsheet import books
 
-from tandem.files.spreadsheet import import_cell, read_workbook
 from tandem.errors import CellError, UsageError
+from tandem.files.spreadsheet import import_cell, read_workbook
 
 
 def notes(found: Any, kind: str) -> str:

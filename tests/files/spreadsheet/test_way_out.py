@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tandem.files.spreadsheet import import_cell
 from tandem.errors import CellError
+from tandem.files.spreadsheet import import_cell
 
 
 @pytest.mark.parametrize("column", ["t human [s]", "Stress", "Release [s]", "Deadline [s]"])

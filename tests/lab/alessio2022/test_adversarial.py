@@ -13,9 +13,9 @@ import pytest
 
 from tandem.cell.generators import layered
 from tandem.lab.alessio2022.adversarial import Against, ByChance, Draws, Envious, Frozen, OneOf, Seated, against, alternately, hostile, reduced
-from tandem.learn.ppo.config import Config, Stage
-from tandem.learn.ppo.recipes import TANDEM
 from tandem.lab.kinat2023.learn_env import StationWorld
+from tandem.lab.kinat2023.recipe import STATION
+from tandem.learn.ppo.config import Config, Stage
 from tandem.learn.world import Outcome
 
 
@@ -121,7 +121,7 @@ def test_an_opponent_draws_anew_at_each_step_and_the_same_in_each_question_of_on
 
 @pytest.fixture(scope="module")
 def station():
-    return StationWorld.of(layered(4, seed=0), TANDEM)
+    return StationWorld.of(layered(4, seed=0), STATION)
 
 
 def play(world, state, seat, generator):

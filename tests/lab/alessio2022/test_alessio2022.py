@@ -13,17 +13,17 @@ pytest.importorskip("jax", reason="learning needs the extra tandem[learn]")
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.dispatch.lookahead.dynamic_programming import minimax, values
-from tandem.lab.alessio2022 import exact, layout, robots
-from tandem.lab.kinat2023 import decisions
-from tandem.lab.kinat2023.rewards import reward_set
-from tandem.lab.kinat2023.station import station
-from tandem.lab.kinat2023.world import HUMAN, ROBOT, reset
 from tandem.errors import CellError
-from tandem.lab.alessio2022 import experiment, cells as alessio_cells, grid_runs
+from tandem.lab.alessio2022 import cells as alessio_cells
+from tandem.lab.alessio2022 import exact, experiment, grid_runs, layout, robots
 from tandem.lab.alessio2022.cells import HOSTILE, as_state, nominal_robot, play, times, trade
 from tandem.lab.alessio2022.grid_runs import ADVERSARIAL, DESCRIBED, PLAIN
-from tandem.lab.statistics import interval, larger, rank_sum
+from tandem.lab.kinat2023 import decisions
+from tandem.lab.kinat2023.rewards import reward_set
 from tandem.lab.kinat2023.runs import thesis_cell
+from tandem.lab.kinat2023.station import station
+from tandem.lab.kinat2023.world import HUMAN, ROBOT, reset
+from tandem.lab.statistics import interval, larger, rank_sum
 from tandem.plan.methods import plan
 
 

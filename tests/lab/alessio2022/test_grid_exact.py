@@ -7,10 +7,10 @@ from functools import cache
 import numpy as np
 import pytest
 
+from tandem.errors import NothingFoundError
 from tandem.lab.alessio2022 import exact, grid, layout, legal, random_layout, reset, robots, step, tables
 from tandem.lab.alessio2022.exact import Place
 from tandem.lab.alessio2022.world import HUMAN, NOWHERE, REACHED_RIGHT, ROBOT, WAIT, Rewards, is_over
-from tandem.errors import NothingFoundError
 
 RACE = "R.G\n###\nH.W"
 """The robot moves first and needs two moves, as the human does."""

@@ -10,10 +10,10 @@ from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
 from pettingzoo.utils import parallel_to_aec
 
 import tandem.envs
+from tandem.errors import UsageError
 from tandem.lab.alessio2022 import LAYOUTS, Layout, Rewards, coverage, grid, is_over, is_success, layout, legal, observe, random_layout, reset, step
 from tandem.lab.alessio2022.people import goals, pursues, wanders
 from tandem.lab.alessio2022.world import DOWN, HUMAN, LEFT, REACHED_RIGHT, REACHED_WRONG, RIGHTWARDS, ROBOT, UP, WAIT
-from tandem.errors import UsageError
 
 ROOM = """
     R.G

@@ -10,8 +10,8 @@ import pytest
 
 pytest.importorskip("jax", reason="learning needs the extra tandem[learn]")
 
-from tandem.lab.antonelli2021.markov import policy_values, reaching_states, value_iteration
 from tandem.lab.antonelli2021 import experiment
+from tandem.lab.antonelli2021.markov import policy_values, reaching_states, value_iteration
 from tandem.lab.kinat2023.runs import thesis_cell
 
 

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tandem.lab.antonelli2021.markov import Outcome, Process, explore, policy_values, reaching_states, sure_states, value_iteration
 from tandem.errors import NothingFoundError
+from tandem.lab.antonelli2021.markov import Outcome, Process, explore, policy_values, reaching_states, sure_states, value_iteration
 
 
 def made(options, actions=2, limit=100):

@@ -9,13 +9,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from tandem.cell.model import Cell
-from tandem.lab.antonelli2021.markov import policy_values, value_iteration
-from tandem.lab.antonelli2021 import repair
 from tandem.errors import UsageError
+from tandem.files.validate import cell_of
+from tandem.lab.antonelli2021 import repair
+from tandem.lab.antonelli2021.markov import policy_values, value_iteration
 from tandem.lab.antonelli2021.qlearning import Config, Episodes, greedy, play, sweep_seeds, train_seeds
 
-LID = Cell.of({
+LID = cell_of({
     "operators": {"robot": {"kind": "robot"}},
     "tasks": {"base": {"time": {"robot": 10}}, "lid": {"time": {"robot": 4}, "after": ["base"]}},
 })  # fmt: skip
@@ -95,7 +95,7 @@ def test_what_never_happens_in_training_is_not_learned_and_exploring_starts_mend
 
 def test_a_discount_and_a_bonus_are_those_of_the_formula():
     """One part, no slips: Q(mount) = 10 - 100; taking it off wrongly mounted: 5 + 0.9 (10 - 100)."""
-    world = repair(Cell.of({"operators": {"robot": {"kind": "robot"}}, "tasks": {"lid": {"time": {"robot": 10}}}}))
+    world = repair(cell_of({"operators": {"robot": {"kind": "robot"}}, "tasks": {"lid": {"time": {"robot": 10}}}}))
     learned = train_seeds(keys(1), world.process(0.0), Config(steps=2000, gamma=0.9, bonus=100.0, exploring_starts=True))
     table = np.asarray(learned.table[0])
     assert table[0, 0] == pytest.approx(-90)

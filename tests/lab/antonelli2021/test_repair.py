@@ -12,11 +12,10 @@ from tests.lab.conftest import THESIS, cell_of
 
 import tandem.envs  # noqa: F401, makes the environments known to Gymnasium
 from tandem.cell.generators import layered
-from tandem.cell.model import Cell
-from tandem.lab.antonelli2021.markov import reaching_states, sure_states, value_iteration
-from tandem.lab.antonelli2021 import ABSENT, RIGHT, WRONG, Slips, product, repair
-from tandem.lab.antonelli2021.world import legal, operation_words
 from tandem.errors import CellError, UsageError
+from tandem.lab.antonelli2021 import ABSENT, RIGHT, WRONG, Slips, product, repair
+from tandem.lab.antonelli2021.markov import reaching_states, sure_states, value_iteration
+from tandem.lab.antonelli2021.world import legal, operation_words
 
 ONE = cell_of({"lid": ({"robot": 10}, 0, [])})
 TWO = cell_of({"base": ({"robot": 10}, 0, []), "lid": ({"robot": 10}, 0, ["base"])})
@@ -116,13 +115,13 @@ def test_a_quicker_way_of_taking_off_counts():
 )
 def test_what_it_cannot_express_is_refused_by_name(more, names):
     with pytest.raises(CellError, match=f"knows no {names}"):
-        repair(Cell.of({"operators": {"robot": {"kind": "robot"}}, "tasks": {"a": {"time": {"robot": 3}}}, **more}))
+        repair(cell_of({"operators": {"robot": {"kind": "robot"}}, "tasks": {"a": {"time": {"robot": 3}}}, **more}))
 
 
 def test_everything_that_does_not_fit_is_said_at_once():
     with pytest.raises(CellError) as caught:
         repair(
-            Cell.of(
+            cell_of(
                 {"operators": {"robot": {"kind": "robot"}}, "tasks": {"a": {"time": {"robot": 3}, "tool": "driver", "release": 1, "deadline": 9}}}
             )
         )
@@ -130,7 +129,7 @@ def test_everything_that_does_not_fit_is_said_at_once():
 
 
 def test_what_makes_no_difference_one_at_a_time_is_let_through():
-    cell = Cell.of({
+    cell = cell_of({
         "operators": {"r": {"kind": "robot"}, "h": {"kind": "human"}, "i": {"kind": "human"}},
         "tasks": {"a": {"time": {"r": 3, "h": 2, "i": 4}, "zone": "table", "stress": 3}, "b": {"together": [{"operators": ["r", "h"], "time": 5}]}},
     })  # fmt: skip

@@ -15,10 +15,10 @@ from tests.lab.conftest import random_cell
 from tests.lab.kinat2023.test_thesis_quirks import PUBLISHED
 
 import tandem.envs
+from tandem.errors import CellError, UsageError
 from tandem.files.load import dump
 from tandem.lab.kinat2023 import Rewards
 from tandem.lab.kinat2023.episode import actions_of
-from tandem.errors import CellError, UsageError
 from tandem.schedule.checker import faults
 
 WAYS = [(by, seen) for by in ("ticks", "decisions") for seen in ("thesis", "scaled", "normalised")]

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from tests.lab.conftest import cell_of, random_cell
 
+from tandem.errors import CellError, NothingFoundError, UsageError
 from tandem.lab.kinat2023 import Rewards, reset, reward_set, station, step
 from tandem.lab.kinat2023.episode import follow, play
 from tandem.lab.kinat2023.optimal import return_optimal
-from tandem.errors import CellError, NothingFoundError, UsageError
 
 TABLE = [
     # rewards, stage, ergonomic factor, return-optimal (makespan, stress)

@@ -7,8 +7,8 @@ import pytest
 from tests.lab.conftest import cell_of
 
 from tandem.cell.model import Cell
-from tandem.lab.kinat2023 import REWARDS, reward_set, station, whole_ticks
 from tandem.errors import CellError, UsageError
+from tandem.lab.kinat2023 import REWARDS, reward_set, station, whole_ticks
 
 
 def test_the_thesis_cell_is_the_thesis_arrays(thesis):

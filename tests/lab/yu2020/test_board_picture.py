@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from matplotlib.patches import Polygon
 
+from tandem.draw.fitted import FittedText
 from tandem.lab.yu2020.board import Who, desk
 from tandem.lab.yu2020.board_picture import COLOURS, HATCHES, Frame, plot_board, plot_film
-from tandem.draw.fitted import FittedText
 
 
 def words(ax) -> dict[str, str]:

@@ -6,14 +6,14 @@ import jax
 import numpy as np
 import pytest
 
-from tandem.lab.yu2020.board import random_board
+from tandem.errors import UsageError
 from tandem.lab import yu2020
+from tandem.lab.yu2020 import board_training
+from tandem.lab.yu2020.board import random_board
+from tandem.lab.yu2020.config import YuConfig, YuSearch
 from tandem.lab.yu2020.optimal import optimum
 from tandem.lab.yu2020.play import play
-from tandem.errors import UsageError
-from tandem.lab.yu2020 import board_training
 from tandem.learn.alphazero.config import Config, Wander
-from tandem.lab.yu2020.config import YuConfig, YuSearch
 
 pytestmark = pytest.mark.usefixtures("quickly_compiled")
 

@@ -6,11 +6,11 @@ import jax
 import numpy as np
 import pytest
 
-from tandem.lab.yu2020.board import Board, Piece, Who, random_board
+from tandem.errors import UsageError
 from tandem.lab.yu2020 import HUMAN, PLAYERS, ROBOT, Chance, Fate, fate, layout, reset, stacked, step, to_play
+from tandem.lab.yu2020.board import Board, Piece, Who, random_board
 from tandem.lab.yu2020.optimal import replanning
 from tandem.lab.yu2020.play import by_rule, makespans, play
-from tandem.errors import UsageError
 
 BOARD = Board("two", 2, 2, (Piece("h", 1, 1, 1, Who.EITHER, 3), Piece("r", 1, 2, 2, Who.ROBOT, 2), Piece("top", 2, 1, 2, Who.ROBOT, 4)))
 

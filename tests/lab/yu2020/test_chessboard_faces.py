@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import tandem.envs
-from tandem.lab.yu2020.board import Board, desk, random_board
-from tandem.files.load import dump
-from tandem.lab.yu2020.chance import Chance
 from tandem.errors import CellError, UsageError
+from tandem.files.load import dump
+from tandem.lab.yu2020.board import Board, desk, random_board
+from tandem.lab.yu2020.chance import Chance
 
 SMALL = random_board(4, 4, 3, 2, 5, 6, seed=3)
 

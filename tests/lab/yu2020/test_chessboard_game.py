@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from tests.lab.yu2020.overlap_port import OverlapGame
 
-from tandem.lab.yu2020.board import Board, Piece, Who, desk, random_board
+from tandem.errors import UsageError
 from tandem.lab.yu2020 import HUMAN, PLAYERS, ROBOT, is_over, layout, legal, observe, reset, stacked, step, to_play
+from tandem.lab.yu2020.board import Board, Piece, Who, desk, random_board
 from tandem.lab.yu2020.pictures import film
 from tandem.lab.yu2020.play import by_rule, follow, makespans, play
 from tandem.lab.yu2020.world import bottom, levels
-from tandem.errors import UsageError
 from tandem.schedule.checker import faults
 
 R, E, H = Who.ROBOT, Who.EITHER, Who.HUMAN

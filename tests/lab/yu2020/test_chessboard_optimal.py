@@ -7,10 +7,10 @@ from dataclasses import replace
 import pytest
 from tests.lab.yu2020.overlap_port import OverlapGame
 
+from tandem.errors import NothingFoundError
 from tandem.lab.yu2020.board import Board, Piece, Who, desk, random_board
 from tandem.lab.yu2020.optimal import optimum, replanning
 from tandem.lab.yu2020.play import follow, play
-from tandem.errors import NothingFoundError
 from tandem.plan.methods import plan
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import makespan

@@ -9,16 +9,17 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import tandem
-from tandem.lab.yu2020.board import Board, Who, desk, random_board
-from tandem.lab.yu2020.columns import Order, clash, rows, spans
 from tandem.cell.model import Cell
 from tandem.errors import CellError
+from tandem.files.validate import cell_of as read
+from tandem.lab.yu2020.board import Board, Who, desk, random_board
+from tandem.lab.yu2020.columns import Order, clash, rows, spans
 
 
-def cell_of(after, time=None, **more):
+def cell_with(after, time=None, **more):
     able = {"robot": 3, "human": 3}
     tasks = {name: {"time": (time or {}).get(name, able), "after": list(firsts)} for name, firsts in after.items()}
-    return Cell.of({"operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}}, "tasks": tasks, **more})
+    return read({"operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}}, "tasks": tasks, **more})
 
 
 def order_on(board: Board) -> dict[str, set[str]]:
@@ -52,10 +53,10 @@ def precedence(draw):
 def test_pieces_lie_apart_and_wait_for_exactly_what_their_tasks_wait_for(after):
     columns = spans(after)
     assume(columns is not None)
-    board = Board.of(cell_of(after))
+    board = Board.of(cell_with(after))
     cells = [(piece.row, column) for piece in board.pieces for column in range(piece.first, piece.last + 1)]
     assert len(cells) == len(set(cells))
-    assert order_on(board) == order_in(cell_of(after))
+    assert order_on(board) == order_in(cell_with(after))
     assert clash(after) is None
 
 
@@ -94,11 +95,11 @@ def test_a_tree_of_assembly_always_has_a_board():
 def test_precedence_that_no_board_has_is_refused_with_the_tasks_that_show_it(after):
     """In the second, x, y and z lie side by side under the hub; what waits for the middle one alone finds no room of its own."""
     with pytest.raises(CellError, match=r"tasks\.\w+\.after: no arrangement of columns .* each have to lie to the left of the other"):
-        Board.of(cell_of(after))
+        Board.of(cell_with(after))
 
 
 def test_every_reason_is_given_at_once():
-    cell = cell_of(
+    cell = cell_with(
         TWO_WAIT_FOR_TWO,
         {"a": {"robot": 2, "human": 3}, "b": {"robot": 1.5}},
         operators={"robot": {"kind": "robot"}, "human": {"kind": "human", "breaks": [[1, 2]]}, "second": {"kind": "human"}},
@@ -124,7 +125,7 @@ def test_the_thesis_cell_is_refused_for_times_and_stress_alone():
 
 
 def test_who_can_do_it_is_told_by_the_kind_not_the_name():
-    cell = Cell.of(
+    cell = read(
         {"operators": {"anna": {"kind": "human"}, "cobot": {"kind": "robot"}}, "tasks": {"a": {"time": {"anna": 2}}, "b": {"time": {"cobot": 1}}}}
     )
     assert [piece.who for piece in Board.of(cell).pieces] == [Who.HUMAN, Who.ROBOT]

@@ -6,14 +6,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-
 from tests.lab.yu2020.plain_yu import PlainGame, PlainSearch
-from tandem.lab.yu2020.board import random_board
+
 from tandem.lab import yu2020
+from tandem.lab.yu2020.board import random_board
 from tandem.lab.yu2020.config import YuSearch
+from tandem.lab.yu2020.learn_env import BoardGame
 from tandem.lab.yu2020.network import YuNetworks
 from tandem.lab.yu2020.search import yu_search
-from tandem.lab.yu2020.learn_env import BoardGame
 from tandem.learn.env import many
 
 pytestmark = pytest.mark.usefixtures("quickly_compiled")

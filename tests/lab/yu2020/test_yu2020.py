@@ -10,11 +10,10 @@ import pytest
 pytest.importorskip("jax", reason="learning needs the extra tandem[learn]")
 
 import tandem
-from tandem.lab.yu2020.board import desk, random_board
-from tandem.lab.yu2020 import layout
-from tandem.lab.yu2020.play import follow, play
 from tandem.errors import CellError
-from tandem.lab.yu2020 import experiment, games, runs
+from tandem.lab.yu2020 import experiment, games, layout, runs
+from tandem.lab.yu2020.board import desk, random_board
+from tandem.lab.yu2020.play import follow, play
 
 
 @pytest.fixture(scope="module")

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 import tandem
+from tandem.lab.systems import SYSTEMS
 from tandem.lab.yu2020.board import desk
 from tandem.lab.yu2021 import experiment
-from tandem.lab.systems import SYSTEMS
 
 STORED = Path(experiment.__file__).parent / "results" / experiment.STORED
 

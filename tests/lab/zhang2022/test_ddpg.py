@@ -10,19 +10,19 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from tests.learn.probes import LateReward, OneBestAssignment
 
 import tandem
-from learn.probes import LateReward, OneBestAssignment
-from tandem.lab.zhang2022 import world as rules
-from tandem.lab.zhang2022.display import CALM
-from tandem.lab.zhang2022.setting import HUMAN, ROBOT, duo, setting
 from tandem.errors import UsageError
-from tandem.lab.zhang2022.play import fresh, pairs_of
 from tandem.lab.zhang2022 import ddpg
+from tandem.lab.zhang2022 import world as rules
 from tandem.lab.zhang2022.ddpg import Replay, drawn, legal_pairs, random_pairs, store
 from tandem.lab.zhang2022.ddpg_config import Config
+from tandem.lab.zhang2022.display import CALM
 from tandem.lab.zhang2022.learn_env import DuoWorld
 from tandem.lab.zhang2022.pairs import asked_with, candidates, choose, scores, value_of, values_of
+from tandem.lab.zhang2022.play import fresh, pairs_of
+from tandem.lab.zhang2022.setting import HUMAN, ROBOT, duo, setting
 
 SMALL = Config(
     steps=9600,

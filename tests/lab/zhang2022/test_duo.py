@@ -12,12 +12,13 @@ import pytest
 
 import tandem
 from tandem.cell.model import Cell
+from tandem.errors import CellError, UsageError
+from tandem.files.validate import cell_of
 from tandem.lab.zhang2022 import Kind, choices, duo, happen, is_done, narrow, observe, possible, reset, setting, step
 from tandem.lab.zhang2022.change import Change
 from tandem.lab.zhang2022.setting import HUMAN, RECOVERY, ROBOT
 from tandem.lab.zhang2022.world import chance, cost, now, observation_size, tired
 from tandem.lab.zhang2022.yardstick import as_stress, best_of_rest, best_rule, exact_front, matching, rest
-from tandem.errors import CellError, UsageError
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import difficulty, makespan
 from tandem.world import state as events
@@ -44,7 +45,7 @@ SMALL = {
 
 @pytest.fixture(scope="module")
 def small() -> Cell:
-    return Cell.of(SMALL)
+    return cell_of(SMALL)
 
 
 @pytest.fixture(scope="module")
@@ -367,7 +368,7 @@ def test_the_agents_see_the_bill_of_materials_and_not_the_future(small: Cell) ->
 
 
 def test_what_cannot_be_expressed_is_named_all_at_once() -> None:
-    cell = Cell.of(
+    cell = cell_of(
         {
             "operators": {"ann": {"kind": "human", "stress_limit": 9}, "bob": {"kind": "human"}},
             "tasks": {"x": {"time": {"ann": 3, "bob": 4}, "deadline": 50}},

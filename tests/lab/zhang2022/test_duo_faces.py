@@ -10,10 +10,10 @@ from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
 from pettingzoo.utils import parallel_to_aec
 
 import tandem.envs
-from tandem.cell.model import Cell
 from tandem.errors import CellError, UsageError
+from tandem.files.validate import cell_of
 
-PAIR = Cell.of(
+PAIR = cell_of(
     {
         "operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}},
         "tasks": {

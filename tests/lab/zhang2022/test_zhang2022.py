@@ -10,14 +10,14 @@ import pytest
 pytest.importorskip("jax", reason="learning needs the extra tandem[learn]")
 
 import tandem
-from tandem.cell.model import Cell
-from tandem.lab.zhang2022.display import episode, lines, shown
-from tandem.lab.zhang2022.yardstick import exact_front
 from tandem.errors import CellError
+from tandem.files.validate import cell_of
 from tandem.lab.zhang2022 import experiment
+from tandem.lab.zhang2022.display import episode, lines, shown
 from tandem.lab.zhang2022.play import play_on
 from tandem.lab.zhang2022.runs import ARMS, FACTORS, OURS, Arm, Size, alternator, run
 from tandem.lab.zhang2022.summary import summary
+from tandem.lab.zhang2022.yardstick import exact_front
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import difficulty, makespan
 from tandem.schedule.model import Schedule
@@ -80,7 +80,7 @@ def test_the_document_of_a_short_run_is_shown_and_drawn(short: list[dict[str, An
 
 
 def test_the_display_says_what_to_do_now_and_next() -> None:
-    cell = Cell.of(
+    cell = cell_of(
         {
             "operators": {"robot": {"kind": "robot"}, "ann": {"kind": "human"}},
             "tasks": {

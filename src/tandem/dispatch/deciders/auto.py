@@ -11,8 +11,8 @@ from tandem.dispatch.deciders.by_rule import by_rule
 from tandem.dispatch.deciders.policy import Decision, Options, Policy
 from tandem.dispatch.deciders.replan import robust
 from tandem.dispatch.deciders.table import POLICIES
-from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.lookahead.objective import Objective
+from tandem.dispatch.situation.model import Situation
 from tandem.errors import TandemError
 
 RULE = "longest-tail"

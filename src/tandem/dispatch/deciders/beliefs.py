@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Start
+from tandem.dispatch.lookahead.objective import Objective
+from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.dispatch.situation.legal import legal
 from tandem.dispatch.situation.model import Running, Situation
-from tandem.dispatch.lookahead.transitions import Moves, Position
-from tandem.dispatch.lookahead.objective import Objective
 
 AWAY_S = 60.0
 """ASSUMPTION: who is absent or failed is planned for as being back in so many seconds from now, whenever one asks."""

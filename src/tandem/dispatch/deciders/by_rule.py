@@ -8,13 +8,13 @@ from random import Random
 from time import perf_counter
 
 from tandem.cell.model import Cell
+from tandem.dispatch.deciders.beliefs import Models, allowed, position
 from tandem.dispatch.deciders.policy import Decision, Options
 from tandem.dispatch.deciders.reply import reply
-from tandem.dispatch.deciders.beliefs import Models, allowed, position
-from tandem.dispatch.situation.model import Situation
-from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.lookahead.residual import rest
+from tandem.dispatch.lookahead.transitions import Moves, Position
+from tandem.dispatch.situation.model import Situation
 from tandem.plan.list_scheduling import Layout, State
 from tandem.plan.rules import SPECS, build
 

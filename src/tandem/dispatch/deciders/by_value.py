@@ -7,14 +7,14 @@ from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 from tandem.cell.model import Cell
+from tandem.dispatch.deciders.beliefs import Models, allowed, cost_so_far, position
 from tandem.dispatch.deciders.policy import Decision, Options
 from tandem.dispatch.deciders.reply import reply
-from tandem.dispatch.deciders.beliefs import Models, allowed, cost_so_far, position
-from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.lookahead.dynamic_programming import Human, Values, values
-from tandem.dispatch.lookahead.transitions import Moves, Position
-from tandem.dispatch.lookahead.objective import SECONDS, Objective
 from tandem.dispatch.lookahead.mistakes import repair_values
+from tandem.dispatch.lookahead.objective import SECONDS, Objective
+from tandem.dispatch.lookahead.transitions import Moves, Position
+from tandem.dispatch.situation.model import Situation
 from tandem.errors import NothingFoundError, UsageError
 
 TIES = 1e-6

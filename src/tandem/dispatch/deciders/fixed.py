@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from time import perf_counter
 
 from tandem.cell.model import Cell
+from tandem.dispatch.deciders.beliefs import Models, numbered, position
 from tandem.dispatch.deciders.policy import Basis, Decision, Options, Start
 from tandem.dispatch.deciders.reply import reply
-from tandem.dispatch.deciders.beliefs import Models, numbered, position
-from tandem.dispatch.situation.transitions import beginning
+from tandem.dispatch.lookahead.objective import Objective
+from tandem.dispatch.lookahead.transitions import Moves
 from tandem.dispatch.situation.legal import legal, next_change
 from tandem.dispatch.situation.model import Situation
-from tandem.dispatch.lookahead.transitions import Moves
-from tandem.dispatch.lookahead.objective import Objective
+from tandem.dispatch.situation.transitions import beginning
 from tandem.plan.methods import plan
 from tandem.plan.result import Result
 

@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 
 from tandem.cell.model import Cell
+from tandem.dispatch.deciders.beliefs import Models, allowed, position
 from tandem.dispatch.deciders.policy import Decision, Options
 from tandem.dispatch.deciders.reply import Ranked, reply
-from tandem.dispatch.deciders.beliefs import Models, allowed, position
-from tandem.dispatch.situation.model import Situation
-from tandem.dispatch.lookahead.transitions import Moves
 from tandem.dispatch.lookahead.objective import Objective
-from tandem.errors import CellError, Fault, UsageError
+from tandem.dispatch.lookahead.transitions import Moves
+from tandem.dispatch.situation.model import Situation
+from tandem.errors import UsageError
 from tandem.learn.policy import Policy
-from tandem.learn.ppo import observation
 from tandem.learn.ppo.decider import worth
+from tandem.learn.ppo.players import fits, must_be_whole
 from tandem.learn.training.runs import RunFolder
 from tandem.world import state as world
 from tandem.world.arrays import NEVER, Arrays, Names
@@ -33,37 +33,25 @@ def learned(cell: Cell, objective: Objective, options: Options) -> Learned:
     """The best response in `options.learned`: a policy's file, or the folder of its run (the first seed then).
 
     Raises:
-      UsageError: none is named, or it was trained on another cell.
+      UsageError: none is named, or it was trained on a cell of another shape.
       CellError: the file is no policy, or the world cannot hold the cell.
     """
     if options.learned is None:
-        raise UsageError("learned: name a trained policy with --learned FILE. Train one with: tandem train CELL --recipe response")
+        raise UsageError("learned: name a trained policy with --learned FILE. Train one with: tandem train CELL")
     path = Path(options.learned)
     if path.is_dir():
         run = RunFolder(path)
         if not run.seeds:
-            raise UsageError(f"{path}: holds no trained policy. Train one with: tandem train CELL --recipe response")
+            raise UsageError(f"{path}: holds no trained policy. Train one with: tandem train CELL")
         path = run.policy(run.seeds[0])
     policy = Policy.load(path)
-    if policy.notes.get("kind") != "response":
-        raise UsageError(f"{path}: is no best response to people. Train one with: tandem train CELL --recipe response")
-    if policy.notes.get("digest") != cell.digest:
-        raise UsageError(f"{path}: was trained on {policy.notes.get('cell') or 'another cell'!r} as it was then; train it anew on this cell.")
+    if policy.notes.get("kind") not in ("ppo", "response"):  # files of earlier versions say "response"
+        raise UsageError(f"{path}: was trained on the thesis's station, which knows no events. Train one for dispatch with: tandem train CELL")
     names = Names.of(cell)
     arrays = names.arrays(undo=1.0)
-    size, choices = observation.observation_size(arrays), len(names.ways) + 1
-    if policy.shared or (len(policy.agents), policy.observation_size, policy.actions) != (1, size, choices):
-        raise CellError(
-            [
-                Fault(
-                    "does not fit the cell that it says it was trained on: "
-                    f"{len(policy.agents)} agents that see {policy.observation_size} numbers and choose among {policy.actions}, "
-                    f"where the cell has 1 decider, {size} numbers to see and {choices} choices.",
-                    (),
-                    str(path),
-                )
-            ]
-        )
+    if policy.notes.get("digest") == cell.digest:
+        must_be_whole(policy, arrays, path)
+    fits(policy, arrays, cell)
     return Learned(policy, names, arrays, Models(cell, objective.max_stress))
 
 

@@ -16,16 +16,16 @@ from math import inf
 from time import perf_counter
 
 from tandem.cell.model import Cell
+from tandem.dispatch.deciders.beliefs import Models, allowed, cost_so_far, position
 from tandem.dispatch.deciders.by_rule import ByRule
 from tandem.dispatch.deciders.policy import Decision, Options
 from tandem.dispatch.deciders.reply import reply
-from tandem.dispatch.deciders.beliefs import Models, allowed, cost_so_far, position
-from tandem.dispatch.situation.model import Situation
-from tandem.dispatch.situation.pace import Pace, estimates
-from tandem.dispatch.lookahead.transitions import Moves, Position
+from tandem.dispatch.lookahead.branch_and_bound import OutOfTimeError, Search
 from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.lookahead.residual import Plan, build, rest, solve
-from tandem.dispatch.lookahead.branch_and_bound import OutOfTimeError, Search
+from tandem.dispatch.lookahead.transitions import Moves, Position
+from tandem.dispatch.situation.model import Situation
+from tandem.dispatch.situation.pace import Pace, estimates
 
 TIE = 1e-6
 """Costs closer than this are equal."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from time import perf_counter
 
-from tandem.dispatch.deciders.policy import Alternative, Decision, Start
 from tandem.dispatch.deciders.beliefs import if_all_return
+from tandem.dispatch.deciders.policy import Alternative, Decision, Start
 from tandem.dispatch.deciders.words import phrase
-from tandem.dispatch.situation.transitions import beginning
-from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.lookahead.transitions import Moves, Position
+from tandem.dispatch.situation.model import Situation
+from tandem.dispatch.situation.transitions import beginning
 
 Ranked = Sequence[tuple[tuple[int, ...], float | None]]
 """Choices (sets of ways that could begin now), best first, each with the cost of the whole assembly that it is reckoned to come to."""

@@ -17,8 +17,8 @@ from tandem.dispatch.evaluation.observed import Observer
 from tandem.dispatch.evaluation.ticking import by_hand, compiled, rows
 from tandem.world.arrays import NEVER, Arrays, Names
 from tandem.world.episode import Shift
-from tandem.world.randomness import Draw, Fate, fates
 from tandem.world.people import Person
+from tandem.world.randomness import Draw, Fate, fates
 
 FEW = 12
 """So many episodes are played in NumPy, one after the other: quicker than compiling."""

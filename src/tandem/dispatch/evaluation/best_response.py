@@ -9,9 +9,9 @@ import numpy as np
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.by_value import MOST_TASKS
 from tandem.dispatch.lookahead.dynamic_programming import SLIGHTLY, Human, values
-from tandem.dispatch.lookahead.transitions import Moves
 from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.lookahead.residual import rest, solve
+from tandem.dispatch.lookahead.transitions import Moves
 from tandem.errors import CellError, InfeasibleError, NothingFoundError
 from tandem.plan.methods import plan
 from tandem.world.people import Person

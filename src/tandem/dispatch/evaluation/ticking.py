@@ -12,8 +12,8 @@ from tandem.world import episode
 from tandem.world import state as world
 from tandem.world.arrays import NEVER, Arrays, namespace
 from tandem.world.episode import Shift
-from tandem.world.randomness import Fate, away_until, next_absence
 from tandem.world.people import Person, crew
+from tandem.world.randomness import Fate, away_until, next_absence
 
 T = TypeVar("T", bound=tuple[Any, ...])
 

@@ -16,14 +16,14 @@ from tandem.cell.names import Known
 from tandem.dispatch.deciders.memory import settled_memory
 from tandem.dispatch.deciders.policy import Basis, Options, Policy, basis_of
 from tandem.dispatch.deciders.table import POLICIES, policy
-from tandem.dispatch.evaluation.best_response import optimum
 from tandem.dispatch.evaluation.batch import Outcome, Stage
+from tandem.dispatch.evaluation.best_response import optimum
 from tandem.dispatch.lookahead.objective import SECONDS, Objective
 from tandem.errors import CellError, TandemError, UsageError
 from tandem.world.arrays import Names
+from tandem.world.people import Person
 from tandem.world.population import Crowd, crowd
 from tandem.world.randomness import OFF, Chance, Draw
-from tandem.world.people import Person
 
 MOST_PERSONS = 64
 """A crowd of more different people gets no exact optimum: it would be one dynamic programme for each."""

@@ -13,8 +13,8 @@ from math import inf
 
 from tandem.cell.model import Cell
 from tandem.dispatch.lookahead.dynamic_programming import COMPLIANT, MOST_POSITIONS, Human, Values, may_wait, values
-from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.dispatch.lookahead.objective import SECONDS, Objective
+from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.errors import NothingFoundError
 
 Belief = tuple[tuple[int, Position], ...]

@@ -16,8 +16,8 @@ from functools import cached_property
 from math import inf
 
 from tandem.cell.model import Cell
-from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.dispatch.lookahead.objective import SECONDS, Objective
+from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.errors import CellError, Fault, NothingFoundError
 
 MOST_POSITIONS = 400_000

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from tandem.cell.model import Cell
 from tandem.dispatch.lookahead.dynamic_programming import COMPLIANT, Human, Values, values
-from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.dispatch.lookahead.objective import SECONDS, Objective
+from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.errors import NothingFoundError
 
 SETTLED = 1e-9

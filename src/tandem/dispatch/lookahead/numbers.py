@@ -9,8 +9,8 @@ from typing import Any, Self
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault
 from tandem.plan.bounds import load_prices
-from tandem.plan.list_scheduling import Layout
 from tandem.plan.instance import Instance
+from tandem.plan.list_scheduling import Layout
 
 PER_SECOND = 1000
 """Ticks in a second at least, so that a pace of 0.6 or 1.25 leaves whole numbers."""

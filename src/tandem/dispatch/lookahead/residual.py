@@ -10,8 +10,8 @@ from ortools.sat.python import cp_model
 
 from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.plan.cpsat import formulate
-from tandem.plan.list_scheduling import Layout, append_in_order
 from tandem.plan.instance import Instance, Way
+from tandem.plan.list_scheduling import Layout, append_in_order
 from tandem.plan.starts import Starts, list_schedule, measures
 
 SCALE = 1 << 20

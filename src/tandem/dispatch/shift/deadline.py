@@ -17,9 +17,9 @@ from typing import Literal
 
 from tandem.dispatch.deciders.policy import Decision, Policy
 from tandem.dispatch.deciders.words import phrase
-from tandem.dispatch.situation.transitions import beginning
 from tandem.dispatch.situation.legal import legal
 from tandem.dispatch.situation.model import Situation
+from tandem.dispatch.situation.transitions import beginning
 
 Instead = Literal["", "late", "failed"]
 

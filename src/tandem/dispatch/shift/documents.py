@@ -12,10 +12,10 @@ from typing import Any
 from tandem.dispatch.deciders.policy import Decision, Start
 from tandem.dispatch.journal import Entry
 from tandem.dispatch.shift.deadline import Answered
-from tandem.dispatch.situation.transitions import ordered, revoked
 from tandem.dispatch.situation.events import Event
 from tandem.dispatch.situation.legal import hindrances, is_ready, legal, next_change
 from tandem.dispatch.situation.model import Situation
+from tandem.dispatch.situation.transitions import ordered, revoked
 
 SCHEMA_VERSION = 1
 """Of events, answers and decisions."""

@@ -15,13 +15,13 @@ from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Basis, Options, basis_of
 from tandem.dispatch.deciders.table import policy
 from tandem.dispatch.journal import Entry, Journal, JournalError
-from tandem.dispatch.shift.documents import SCHEMA_VERSION, Document, digest, document, event_of, over, told
+from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.shift.deadline import Answered, InTime
-from tandem.dispatch.situation.transitions import after, ordered
+from tandem.dispatch.shift.documents import SCHEMA_VERSION, Document, digest, document, event_of, over, told
 from tandem.dispatch.situation.events import LONGEST_LINE, MOST_BYTES, Event, EventError, read_event, start_of
 from tandem.dispatch.situation.model import TAKING_APART, Situation
 from tandem.dispatch.situation.objections import objections, remarks
-from tandem.dispatch.lookahead.objective import Objective
+from tandem.dispatch.situation.transitions import after, ordered
 
 RULE = "longest-tail"
 """The rule that answers when the decider cannot."""

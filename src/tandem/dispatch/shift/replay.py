@@ -10,8 +10,8 @@ from typing import Any
 
 from tandem.cell.model import Cell
 from tandem.dispatch.journal import Entry, Journal, JournalError
-from tandem.dispatch.shift.documents import Document, digest
 from tandem.dispatch.shift.deadline import Instead, InTime
+from tandem.dispatch.shift.documents import Document, digest
 from tandem.dispatch.shift.live import Shift, opened_with
 
 PATIENCE = 20.0

@@ -15,16 +15,16 @@ import numpy as np
 from tandem.cell.model import Cell
 from tandem.dispatch.journal import Entry
 from tandem.dispatch.shift.documents import event_of, told
-from tandem.dispatch.situation.transitions import after, ordered
 from tandem.dispatch.situation.events import Event
 from tandem.dispatch.situation.model import Situation
+from tandem.dispatch.situation.transitions import after, ordered
 from tandem.errors import UsageError
 from tandem.world import state as world
 from tandem.world.arrays import NEVER, Names
-from tandem.world.population import crowd
 from tandem.world.episode import begin, decide, is_over
-from tandem.world.randomness import OFF, Chance, Draw, away_until, fate, next_absence
 from tandem.world.people import Person, crew
+from tandem.world.population import crowd
+from tandem.world.randomness import OFF, Chance, Draw, away_until, fate, next_absence
 
 ROUNDS = 10
 """After so many rounds in which everybody was asked and nothing began or is to come, the floor stands still for good."""

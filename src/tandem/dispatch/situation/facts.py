@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from tandem.cell.model import Cell
 from tandem.cell.parts import Mode
-from tandem.plan.list_scheduling import Layout
 from tandem.plan.instance import Instance
+from tandem.plan.list_scheduling import Layout
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
-from tandem.dispatch.situation.transitions import task_of
 from tandem.dispatch.situation.events import Event
 from tandem.dispatch.situation.legal import hindrances, is_ready
 from tandem.dispatch.situation.model import Situation, mode
+from tandem.dispatch.situation.transitions import task_of
 
 
 def objections(situation: Situation, event: Event) -> list[str]:

@@ -15,10 +15,10 @@ from difflib import get_close_matches
 from itertools import islice
 from typing import Any
 
-from tandem.files.formats.lines import NUMBERLIKE, Row, Translated, broken, few_enough, rows, seconds, shown, title, whole
-from tandem.files.positions import Path
 from tandem.cell.names import Known
 from tandem.errors import Fault
+from tandem.files.formats.lines import NUMBERLIKE, Row, Translated, broken, few_enough, rows, seconds, shown, title, whole
+from tandem.files.positions import Path
 
 SECTION = re.compile(r"<\s*(.*?)\s*>?")
 NEEDED = ("number of tasks", "task times", "precedence relations")

@@ -13,11 +13,11 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
+from tandem.cell.names import clean
+from tandem.errors import CellError, Fault
 from tandem.files.formats.lines import Translated
 from tandem.files.json_reader import read as read_json
 from tandem.files.positions import Document, Path, Place
-from tandem.cell.names import clean
-from tandem.errors import CellError, Fault
 
 _Name = Annotated[str, AfterValidator(clean)]
 

@@ -10,9 +10,9 @@ from itertools import islice
 from pathlib import PurePath
 from typing import Any, NamedTuple
 
-from tandem.files.positions import Path, Place
 from tandem.cell.names import harm_in
 from tandem.errors import CellError, Fault
+from tandem.files.positions import Path, Place
 
 MOST_OPERATORS = 1_000
 MOST_WAYS = 2_000_000

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any, Protocol
 
+from tandem.errors import CellError, Fault
 from tandem.files import json_reader, yaml_reader
 from tandem.files.formats import alb, alwabp, case, fjs, fjs_dag, jsp
 from tandem.files.formats.lines import nearly_numbers, rows
 from tandem.files.positions import Path, Place
-from tandem.errors import CellError, Fault
 
 
 class Readable(Protocol):

@@ -11,23 +11,23 @@ from pydantic import ValidationError
 
 from tandem.cell.model import Cell
 from tandem.cell.names import Known, clean
-from tandem.files.spreadsheet.other_sheets import Beside, lists_operators, operators_named, read_beside, read_sets, role_of, tables_beside
+from tandem.errors import CellError, Fault, UsageError
+from tandem.files.messages import flaws
 from tandem.files.spreadsheet.findings import Findings, Note, listed
 from tandem.files.spreadsheet.grid import Book, Grid, shown
 from tandem.files.spreadsheet.header import TIMED, Column, Table, amounts_of, find_table
 from tandem.files.spreadsheet.joint import with_joint_ways
 from tandem.files.spreadsheet.mapping import check_overrides, overrides_from, settled
+from tandem.files.spreadsheet.other_sheets import Beside, lists_operators, operators_named, read_beside, read_sets, role_of, tables_beside
 from tandem.files.spreadsheet.outline import with_outline
 from tandem.files.spreadsheet.precedence import ABOUT_PRECEDENCE, is_about_precedence, listed_headers, with_precedence
 from tandem.files.spreadsheet.repeats import once_a_column
 from tandem.files.spreadsheet.scores import without_scores
 from tandem.files.spreadsheet.tasks import Tasks, read_tasks, unit_of
 from tandem.files.spreadsheet.values import marks_of
-from tandem.files.spreadsheet.who_can import is_table_of_abilities, restrict, with_time_of_each
 from tandem.files.spreadsheet.vocabulary import Kind, Meaning, is_machine, key, kind_of
+from tandem.files.spreadsheet.who_can import is_table_of_abilities, restrict, with_time_of_each
 from tandem.files.spreadsheet.workbook import open_book, refused
-from tandem.files.messages import flaws
-from tandem.errors import CellError, Fault, UsageError
 
 PREVIEW_ROWS = 5
 

@@ -8,6 +8,7 @@ from decimal import Decimal
 from typing import Any
 
 from tandem.cell.model import plain
+from tandem.errors import Fault
 from tandem.files.spreadsheet.grid import Grid, Value, shown, tidy
 from tandem.files.spreadsheet.values import (
     FINEST_AMOUNT,
@@ -22,7 +23,6 @@ from tandem.files.spreadsheet.values import (
     seconds,
     unit_named,
 )
-from tandem.errors import Fault
 
 Path = tuple[str | int, ...]
 

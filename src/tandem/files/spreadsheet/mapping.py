@@ -8,6 +8,7 @@ from dataclasses import replace
 from difflib import get_close_matches
 
 from tandem.cell.names import Known
+from tandem.errors import UsageError
 from tandem.files.spreadsheet.abilities import settled_abilities
 from tandem.files.spreadsheet.findings import Findings
 from tandem.files.spreadsheet.grid import Grid, blank, shown, tidy
@@ -17,7 +18,6 @@ from tandem.files.spreadsheet.rows import task_rows
 from tandem.files.spreadsheet.shape import refuse_values_beyond_the_header
 from tandem.files.spreadsheet.stated_units import say_units
 from tandem.files.spreadsheet.vocabulary import Meaning, is_kind_word, key, kind_of, meaning, split_unit, without_scale
-from tandem.errors import UsageError
 
 ONCE = ("part", "tool", "zone", "release", "deadline", "operator", "same operator", "outline number", "outline level", "milestone", "quantity")
 JOINED = ("after", "after rows", "before", *MATRIX.values())

@@ -9,8 +9,8 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-from tandem.files.spreadsheet.grid import MOST_ROWS, Book, Grid, letters
 from tandem.errors import CellError, Fault
+from tandem.files.spreadsheet.grid import MOST_ROWS, Book, Grid, letters
 
 MOST_COLUMNS, MOST_SIGNS = 16_384, 32_767
 """What a sheet and a cell of Excel hold."""

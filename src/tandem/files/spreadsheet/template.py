@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
 from tandem.cell.parts import Task
+from tandem.errors import UsageError
+from tandem.files.atomic import store
+from tandem.files.spreadsheet.draft import read_book
 from tandem.files.spreadsheet.form import CHECKS, EXAMPLE, HEADERS, HELP, SHEETS, Language
 from tandem.files.spreadsheet.outline import LEADING
-from tandem.files.spreadsheet.draft import read_book
 from tandem.files.spreadsheet.references import unquoted
 from tandem.files.spreadsheet.rows import is_total
 from tandem.files.spreadsheet.vocabulary import meaning
 from tandem.files.spreadsheet.workbook import unpacked
-from tandem.files.atomic import store
-from tandem.errors import UsageError
 
 if TYPE_CHECKING:
     from openpyxl import Workbook

@@ -8,10 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from tandem.errors import CellError, Fault
 from tandem.files.spreadsheet import hidden_content, separated
 from tandem.files.spreadsheet.confined import REMEDY, RefusedError, open_apart
 from tandem.files.spreadsheet.grid import MOST_ROWS, Book, Grid
-from tandem.errors import CellError, Fault
 
 MOST_BYTES = 50_000_000
 MOST_BYTES_UNPACKED = 600_000_000

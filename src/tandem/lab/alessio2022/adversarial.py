@@ -17,9 +17,9 @@ from typing import Any, NamedTuple, Protocol, Self
 import jax
 import jax.numpy as jnp
 
+from tandem.learn.networks import Network, forward, masked_log_softmax, sample
 from tandem.learn.ppo import ppo
 from tandem.learn.ppo.config import Config, StageValues
-from tandem.learn.networks import Network, forward, masked_log_softmax, sample
 from tandem.learn.ppo.ppo import Learner, Parameters, Report
 from tandem.learn.world import Outcome, State, World
 

@@ -22,11 +22,12 @@ from tandem.dispatch.lookahead.dynamic_programming import COMPLIANT, Human, Valu
 from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.lab.kinat2023 import decisions
 from tandem.lab.kinat2023.observations import observe_normalised
+from tandem.lab.kinat2023.recipe import STATION, StationRecipe
+from tandem.lab.kinat2023.runs import thesis_cell
 from tandem.lab.kinat2023.station import station, whole_ticks
 from tandem.lab.kinat2023.world import HUMAN, ROBOT, State, Station, reset
-from tandem.lab.kinat2023.runs import thesis_cell
 from tandem.learn.networks import Network, forward, init
-from tandem.learn.ppo.recipes import TANDEM, Recipe, longer
+from tandem.learn.ppo.recipes import longer
 
 HOSTILE = Human(spoils=True)
 RANDOM_TASKS, RANDOM_SEEDS = 7, (1, 3, 14)
@@ -220,7 +221,7 @@ def cells() -> dict[str, Cell]:
 
 def compare(cell: Cell, name: str, *, seeds: int, quick: bool = False) -> dict[str, Any]:
     """The exact trade, the optimiser's robot, and per seed the (nominal, guaranteed) seconds of robots learned with and without an adversary."""
-    recipe = longer(TANDEM, QUICK) if quick else TANDEM
+    recipe = longer(STATION, QUICK) if quick else STATION
     learned = {
         kind: [times(cell, learned_robot(cell, actor)) for actor in learn(cell, adversary=kind == "adversarial", seeds=range(seeds), recipe=recipe)]
         for kind in ("plain", "adversarial")
@@ -237,7 +238,7 @@ def compare(cell: Cell, name: str, *, seeds: int, quick: bool = False) -> dict[s
 
 def untrained(cell: Cell, *, seeds: int) -> list[tuple[float, float]]:
     """(nominal, guaranteed) seconds of robots whose networks know nothing: what comes of itself, one a seed."""
-    tasks, hidden = len(cell.tasks), TANDEM.config.hidden
+    tasks, hidden = len(cell.tasks), STATION.config.hidden
     data = station(cell, per_second=whole_ticks(cell))
     inputs = observe_normalised(data, reset(data)).shape[1]
     draws = (partial(np.random.default_rng(seed).uniform, -1.0, 1.0) for seed in range(seeds))
@@ -250,7 +251,7 @@ def _diligent(cell: Cell) -> Values:
     return Diligent(hostile.moves, HOSTILE, hostile.weights, hostile.most)
 
 
-def learn(cell: Cell, *, adversary: bool, seeds: Sequence[int], recipe: Recipe = TANDEM) -> list[Network]:
+def learn(cell: Cell, *, adversary: bool, seeds: Sequence[int], recipe: StationRecipe = STATION) -> list[Network]:
     """The robot's actor of each seed, trained by decisions for time alone, side by side.
 
     Args:
@@ -273,7 +274,7 @@ def learn(cell: Cell, *, adversary: bool, seeds: Sequence[int], recipe: Recipe =
     return [jax.tree.map(lambda leaf, seed=seed: np.asarray(leaf[seed]), actors) for seed in range(len(seeds))]
 
 
-def learned_robot(cell: Cell, actor: Network, activation: str = TANDEM.config.activation) -> Robots:
+def learned_robot(cell: Cell, actor: Network, activation: str = STATION.config.activation) -> Robots:
     """The greedy robot of an actor from `learn`, as the exact values can follow it."""
     data = _without_stress(station(cell, per_second=whole_ticks(cell)))
     moves = Moves.of(cell)

@@ -13,9 +13,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from tandem.errors import NothingFoundError
 from tandem.lab.alessio2022.layout import HUMAN_START, RIGHT, ROBOT_START, WRONG, Layout
 from tandem.lab.alessio2022.world import HUMAN, ROBOT, WAIT
-from tandem.errors import NothingFoundError
 
 NEVER = 1 << 30
 """Moves until success where the human can prevent it."""

@@ -15,13 +15,12 @@ from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell
 from tandem.files.atomic import store
-from tandem.lab.alessio2022 import exact, robots
+from tandem.lab.alessio2022 import cells, exact, grid_runs, results_table, robots
+from tandem.lab.alessio2022.grid_runs import ADVERSARIAL, DESCRIBED, PLAIN
 from tandem.lab.alessio2022.layout import Layout, layout
 from tandem.lab.kinat2023.station import station, whole_ticks
 from tandem.lab.kinat2023.world import Station
-from tandem.lab.alessio2022 import cells, grid_runs, results_table
-from tandem.lab.alessio2022.grid_runs import ADVERSARIAL, DESCRIBED, PLAIN
-from tandem.experiments.records import read_record, stored_document
+from tandem.lab.records import read_record, stored_document
 from tandem.lab.statistics import interval, larger, rank_sum
 from tandem.learn.training.runs import versions
 
@@ -71,7 +70,7 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
 
 def stored() -> dict[str, Any]:
     """The document of the long run that ships with the package. Raises CellError when this copy has none, or a damaged one."""
-    return stored_document("alessio2022")
+    return stored_document("alessio2022/results.json", "alessio2022")
 
 
 def runs_on(cell: Cell) -> Station:

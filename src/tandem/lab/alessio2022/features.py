@@ -7,15 +7,15 @@ from typing import Any
 
 from tandem.cell.model import Cell
 from tandem.dispatch.lookahead.dynamic_programming import minimax
+from tandem.lab.alessio2022 import adversarial, cells
 from tandem.lab.alessio2022.layout import layout
-from tandem.lab.kinat2023.station import station, whole_ticks
-from tandem.lab.alessio2022 import cells
-from tandem.lab.systems import Features, Played
-from tandem.lab.alessio2022 import adversarial
 from tandem.lab.alessio2022.learn_env import GridWorld
-from tandem.learn.ppo.recipes import TANDEM, longer
+from tandem.lab.kinat2023.recipe import STATION
+from tandem.lab.kinat2023.station import station, whole_ticks
+from tandem.lab.systems import Features, Played
+from tandem.learn.ppo.recipes import longer
 
-SHORT = longer(TANDEM, cells.QUICK)
+SHORT = longer(STATION, cells.QUICK)
 
 
 def _guaranteed(cell: Cell) -> float:

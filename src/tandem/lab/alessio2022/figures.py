@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from tandem.draw.figure import blank
 from tandem.draw.style import FAINT_INK, HUMAN_COLOURS, ROBOT_COLOURS, RULE
+from tandem.lab.alessio2022.grid_runs import ADVERSARIAL, PLAIN
 from tandem.lab.alessio2022.layout import HUMAN_START, RIGHT, ROBOT_START, Layout
 from tandem.lab.alessio2022.pictures import plot_paths
-from tandem.lab.alessio2022.grid_runs import ADVERSARIAL, PLAIN
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

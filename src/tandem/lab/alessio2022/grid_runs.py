@@ -14,10 +14,10 @@ from typing import Any, Literal
 import numpy as np
 
 from tandem.lab.alessio2022 import exact, robots
-from tandem.lab.alessio2022.layout import HUMAN_START, WRONG, Layout, random_layout
 from tandem.lab.alessio2022.adversarial import SHARE
-from tandem.learn.ppo.config import Config, Stage
+from tandem.lab.alessio2022.layout import HUMAN_START, WRONG, Layout, random_layout
 from tandem.learn.networks import Network, forward
+from tandem.learn.ppo.config import Config, Stage
 
 Sees = Literal["published", "marked"]
 
@@ -162,8 +162,8 @@ def cover(drawn: Layout, seeds: Sequence[int], *, updates: int) -> list[dict[str
 
     from tandem.lab.alessio2022 import coverage
     from tandem.lab.alessio2022 import training as compiled
-    from tandem.learn.ppo import play
     from tandem.lab.alessio2022.learn_env import CoverageWorld
+    from tandem.learn.ppo import play
 
     limit = 4 * len(drawn.text)
     world, settings = CoverageWorld.of(drawn, limit=limit), replace(config(updates), discount=0.99)
@@ -187,8 +187,8 @@ def cover(drawn: Layout, seeds: Sequence[int], *, updates: int) -> list[dict[str
 
 def _train(keys: Any, world: Any, others: Any, training: Training, settings: Config, updates: int) -> Any:
     """The robot's actor of each seed, leading axis the seeds."""
-    from tandem.lab.alessio2022 import training as compiled
     from tandem.lab.alessio2022 import adversarial
+    from tandem.lab.alessio2022 import training as compiled
 
     paid = adversarial.hostile(world) if training.human == "hostile" else adversarial.reduced(world, training.share)
     if training.beside == "adversary" and training.order == "together":

@@ -10,10 +10,10 @@ import jax
 import jax.numpy as jnp
 
 from tandem.lab.alessio2022 import coverage, people, world
+from tandem.lab.alessio2022.adversarial import Draws
 from tandem.lab.alessio2022.layout import RIGHT, WRONG, Layout
 from tandem.lab.alessio2022.observations import OBSERVATIONS, observe
 from tandem.lab.alessio2022.world import Grid, Rewards, State
-from tandem.lab.alessio2022.adversarial import Draws
 from tandem.learn.ppo.config import StageValues
 from tandem.learn.world import Outcome, World
 

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from tandem.envs.door import Door, is_legal
+from tandem.errors import UsageError
 from tandem.lab.alessio2022 import world
 from tandem.lab.alessio2022.layout import Layout, layout
 from tandem.lab.alessio2022.observations import OBSERVATIONS, observe
 from tandem.lab.alessio2022.pictures import text
 from tandem.lab.alessio2022.world import ROBOT, Rewards
-from tandem.errors import UsageError
 
 AGENTS = ("robot_0", "human_0")
 RENDER_MODES = ("ansi",)

@@ -12,13 +12,13 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from tandem.lab.alessio2022.layout import WRONG, Layout
-from tandem.lab.alessio2022.world import REACHED_RIGHT
 from tandem.lab.alessio2022 import adversarial
-from tandem.learn.ppo import play, ppo
 from tandem.lab.alessio2022.adversarial import Against, ByChance, Frozen, OneOf
-from tandem.learn.ppo.config import Config
+from tandem.lab.alessio2022.layout import WRONG, Layout
 from tandem.lab.alessio2022.learn_env import Pursuer
+from tandem.lab.alessio2022.world import REACHED_RIGHT
+from tandem.learn.ppo import play, ppo
+from tandem.learn.ppo.config import Config
 
 Array = Any
 HUMANS = ("random", "random goal", "wrong goal", "adversary")

@@ -10,23 +10,22 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from functools import cache, partial
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from tandem.files.load import load
 from tandem.cell.model import Cell
 from tandem.files.atomic import store
+from tandem.files.validate import cell_of
+from tandem.lab.antonelli2021 import Repair, qlearning, repair
+from tandem.lab.antonelli2021.cells import cells, own_cell
 from tandem.lab.antonelli2021.markov import policy_values, reaching_states, sure_states, value_iteration
-from tandem.lab.antonelli2021 import Repair, repair
-from tandem.lab.origin import origin
-from tandem.experiments.records import read_record, stored_document
-from tandem.lab.systems import Features, Played
-from tandem.lab.kinat2023.runs import thesis_cell
-from tandem.lab.antonelli2021 import qlearning
 from tandem.lab.antonelli2021.qlearning import Config
+from tandem.lab.kinat2023.runs import thesis_cell
+from tandem.lab.origin import origin
+from tandem.lab.records import read_record, stored_document
+from tandem.lab.systems import Features, Played
 from tandem.learn.training.runs import versions
 from tandem.plan.methods import plan
 from tandem.plan.question import Question
@@ -53,17 +52,6 @@ PRECISE_AT = {0.0: 5.0, 0.1: 5.0, 0.2: 10.0, 0.3: 15.0, 0.5: 60.0}
 PATIENCE = 200
 """Operations after which an assembly counts as not finished."""
 EPISODES = 1000
-
-
-def cells() -> dict[str, Cell]:
-    """The cells that it is run on: its own, and one that is not."""
-    return {"flanges": own_cell(), "thesis": thesis_cell()}
-
-
-def own_cell() -> Cell:
-    """Two flanges on a base, each with fasteners."""
-    with resources.as_file(resources.files("tandem.lab") / "antonelli2021.yaml") as file:
-        return load(file)
 
 
 def runs_on(cell: Cell) -> Repair:
@@ -127,7 +115,7 @@ def _kept(file: Path, asked: Mapping[str, Any], make: Callable[[], Any]) -> Any:
 
 def stored() -> dict[str, Any]:
     """The document of the long run that ships with the package. Raises CellError when this copy has none, or a damaged one."""
-    return stored_document("antonelli2021")
+    return stored_document("antonelli2021/results.json", "antonelli2021")
 
 
 def on_cell(cell: Cell, chances: Sequence[float], seeds: Sequence[int], ours: Config = OURS) -> dict[str, Any]:
@@ -262,7 +250,7 @@ def joint(cell: Cell) -> Cell:
         name: {"together": [{"operators": everybody, "time": min(mode.time for mode in cell.modes(name)), "stress": 0}], "after": task.after}
         for name, task in cell.tasks.items()
     }
-    return Cell.of({"format": 1, "operators": {name: {"kind": operator.kind} for name, operator in cell.operators.items()}, "tasks": tasks})
+    return cell_of({"format": 1, "operators": {name: {"kind": operator.kind} for name, operator in cell.operators.items()}, "tasks": tasks})
 
 
 def table(document: Mapping[str, Any]) -> str:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 def figures(document: Mapping[str, Any]) -> Iterator[tuple[str, Figure]]:
     """Name and figure, one after the other."""
-    from tandem.lab.antonelli2021.experiment import own_cell
+    from tandem.lab.antonelli2021.cells import own_cell
 
     cell = own_cell()
     figure = figure_for(cell, kind="graph")

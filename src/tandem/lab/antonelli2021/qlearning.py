@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from tandem.lab.antonelli2021.markov import Process
 from tandem.errors import UsageError
+from tandem.lab.antonelli2021.markov import Process
 
 GOLDEN = 0.6180339887498949
 """Multiples of the golden ratio's fraction fill [0, 1) more evenly than any other (Knuth, volume 3, section 6.4)."""

@@ -10,12 +10,12 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from tandem.files.load import load
 from tandem.cell.model import Cell
 from tandem.envs.door import CONTROLLER, OUTSIDE, Door, is_legal
+from tandem.errors import UsageError
+from tandem.files.load import load
 from tandem.lab.antonelli2021.product import UNMOUNT_SHARE
 from tandem.lab.antonelli2021.world import RIGHT, WRONG, Slips, operation_words, repair
-from tandem.errors import UsageError
 
 Observation = dict[str, NDArray[Any]]
 

@@ -23,9 +23,9 @@ from functools import cached_property
 import numpy as np
 
 from tandem.cell.model import Cell
+from tandem.errors import CellError, Fault, NothingFoundError, UsageError
 from tandem.lab.antonelli2021.markov import Outcome, Process, explore
 from tandem.lab.antonelli2021.product import UNMOUNT_SHARE, Product, product
-from tandem.errors import CellError, Fault, NothingFoundError, UsageError
 
 ABSENT, RIGHT, WRONG = 0, 1, 2
 Node = tuple[int, ...]

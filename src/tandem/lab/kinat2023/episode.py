@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from tandem.cell.model import Cell
+from tandem.errors import UsageError
 from tandem.lab.kinat2023.decisions import decide_step
 from tandem.lab.kinat2023.station import station
 from tandem.lab.kinat2023.world import Info, Rewards, State, Station, reset, step
-from tandem.errors import UsageError
 from tandem.schedule.model import Assignment, Schedule
 
 STEPS_OF_THE_THESIS = 1400

@@ -11,14 +11,15 @@ from typing import Any
 
 from tandem.cell.model import Cell
 from tandem.lab.kinat2023.optimal import return_optimal
+from tandem.lab.kinat2023.recipe import STATION
 from tandem.lab.kinat2023.rewards import reward_set
+from tandem.lab.kinat2023.runs import FACTORS, OURS, PUBLISHED, VARIANTS, run_all, run_ours, run_thesis, thesis_cell
 from tandem.lab.kinat2023.station import station, whole_ticks
 from tandem.lab.kinat2023.world import State, Station
 from tandem.lab.origin import origin
-from tandem.experiments.records import read_record, stored_document
+from tandem.lab.records import read_record, stored_document
 from tandem.lab.systems import Features, Played
-from tandem.lab.kinat2023.runs import FACTORS, OURS, PUBLISHED, VARIANTS, run_all, run_ours, run_thesis, thesis_cell
-from tandem.learn.ppo.recipes import TANDEM, longer
+from tandem.learn.ppo.recipes import longer
 from tandem.learn.training.runs import versions
 from tandem.plan.methods import plan
 
@@ -56,7 +57,7 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
 
 def stored() -> dict[str, Any]:
     """The document of the long run that ships with the package. Raises CellError when this copy has none, or a damaged one."""
-    return stored_document("thesis")
+    return stored_document("kinat2023/results.json", "thesis")
 
 
 def assemble(records: Sequence[Mapping[str, Any]], *, quick: bool = False) -> dict[str, Any]:
@@ -184,7 +185,7 @@ def runs_on(cell: Cell) -> Station:
 
 
 def _quick_records(seeds: int) -> Iterator[dict[str, Any]]:
-    yield from run_ours(range(seeds), recipe=longer(TANDEM, QUICK))
+    yield from run_ours(range(seeds), recipe=longer(STATION, QUICK))
     for variant, recipe in VARIANTS.items():
         for seed in range(seeds):
             yield run_thesis(variant, FACTORS[seed % len(FACTORS)], seed, longer(recipe, QUICK / 4), most_steps=20_000)
@@ -233,11 +234,11 @@ def _least_cost(cell: Cell) -> float:
 
 def _carry(trained_on: Cell, played_on: Cell, seed: int) -> Played:
     from tandem.lab.kinat2023.episode import play, seconds
+    from tandem.lab.kinat2023.players import chooser
     from tandem.learn.training.agents import PPO
-    from tandem.learn.training.evaluate import chooser
 
-    agents = PPO(trained_on, stress_factor=STRESS_FACTOR, seed=seed)
-    agents.recipe = longer(TANDEM, SHORT)
+    agents = PPO(trained_on, recipe_name="station", stress_factor=STRESS_FACTOR, seed=seed)
+    agents.recipe = longer(STATION, SHORT)
     policy = agents.learn().policy
     assert policy is not None
     decide, times = chooser(policy, "decisions"), []
@@ -256,7 +257,7 @@ def _carry(trained_on: Cell, played_on: Cell, seed: int) -> Played:
 def _agents() -> Sequence[str]:
     from tandem.lab.kinat2023.learn_env import StationWorld
 
-    return StationWorld.of(thesis_cell(), TANDEM, stress_factor=STRESS_FACTOR).agents
+    return StationWorld.of(thesis_cell(), STATION, stress_factor=STRESS_FACTOR).agents
 
 
 def _trains() -> Callable[..., Any]:

@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tandem.cell.model import Cell
+from tandem.errors import UsageError
 from tandem.lab.kinat2023.decisions import choices, decide_step, deciding
 from tandem.lab.kinat2023.episode import STEPS_OF_THE_THESIS, Record, seconds
 from tandem.lab.kinat2023.observations import observe, observe_normalised, observe_scaled
 from tandem.lab.kinat2023.rewards import reward_set
 from tandem.lab.kinat2023.station import station
 from tandem.lab.kinat2023.world import Array, Info, Rewards, State, Station, legal, reset, step
-from tandem.errors import UsageError
 from tandem.schedule.model import Schedule
 
 AGENTS = ("robot_0", "human_0")

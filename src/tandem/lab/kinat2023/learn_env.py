@@ -12,12 +12,11 @@ import jax.numpy as jnp
 from tandem.cell.model import Cell
 from tandem.lab.kinat2023 import decisions
 from tandem.lab.kinat2023 import world as ticks
+from tandem.lab.kinat2023.recipe import OBSERVATIONS, StationRecipe
 from tandem.lab.kinat2023.rewards import reward_set
 from tandem.lab.kinat2023.station import station, whole_ticks
 from tandem.lab.kinat2023.world import HUMAN, ROBOT, Rewards, State, Station
 from tandem.learn.ppo.config import StageValues
-from tandem.lab.kinat2023.recipe import OBSERVATIONS
-from tandem.learn.ppo.recipes import Recipe
 from tandem.learn.world import Outcome
 
 Array = Any
@@ -58,7 +57,7 @@ class StationWorld:
         return 6 * self.tasks + 4 + squares if self.sees == "normalised" else 2 + 3 * self.tasks + squares
 
     @classmethod
-    def of(cls, cell: Cell, recipe: Recipe, *, stress_factor: float = 0.0) -> Self:
+    def of(cls, cell: Cell, recipe: StationRecipe, *, stress_factor: float = 0.0) -> Self:
         """The cell as the recipe wants it; times that are no whole seconds of at least 2 are counted in smaller ticks.
 
         The rewards are those of the thesis's later stages; what idling costs in a stage of the training is the stage's to say.

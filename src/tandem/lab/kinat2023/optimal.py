@@ -13,10 +13,10 @@ from itertools import product
 from typing import NamedTuple
 
 from tandem.cell.model import Cell
+from tandem.errors import NothingFoundError, UsageError
 from tandem.lab.kinat2023.episode import seconds
 from tandem.lab.kinat2023.station import station
 from tandem.lab.kinat2023.world import HUMAN, ROBOT, Rewards
-from tandem.errors import NothingFoundError, UsageError
 
 
 class Way(NamedTuple):

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from difflib import get_close_matches
 
-from tandem.lab.kinat2023.world import Rewards
 from tandem.errors import UsageError
+from tandem.lab.kinat2023.world import Rewards
 
 REWARDS: dict[str, Rewards] = {
     "appendix": Rewards(step=-10.0, task_done=0.0, illegal=-10.0, idle=-10.0, all_done=50.0, stress_factor=0.0),

@@ -16,16 +16,15 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from tandem.files.load import load
 from tandem.cell.model import Cell
-from tandem.learn.ppo.recipes import TANDEM, Recipe
-from tandem.lab.kinat2023.recipe import THESIS, varied
+from tandem.files.load import load
+from tandem.lab.kinat2023.recipe import STATION, THESIS, StationRecipe, varied
 
 FACTORS = (0, 1, 5)
 PUBLISHED = {0: (23, 17), 1: (23, 7), 5: (24, 3)}
 """Ergonomic factor -> (makespan, stress) in table 6-1."""
 
-VARIANTS: dict[str, Recipe] = {
+VARIANTS: dict[str, StationRecipe] = {
     "thesis": THESIS,
     "thesis, normalised advantages": varied(THESIS, normalise_advantages=True),
     "thesis, scaled observations": varied(THESIS, sees="scaled"),
@@ -42,7 +41,7 @@ MOST_STEPS = 400_000
 
 def thesis_cell() -> Cell:
     """The exemplary assembly of Kinat (2023), chapter 6."""
-    with resources.as_file(resources.files("tandem.lab") / "thesis.yaml") as file:
+    with resources.as_file(resources.files("tandem.lab.kinat2023") / "thesis.yaml") as file:
         return load(file)
 
 
@@ -60,13 +59,13 @@ def run_all(folder: Path, variants: Sequence[str], seeds: Iterable[int], factors
                 yield file
 
 
-def run_thesis(variant: str, factor: float, seed: int, recipe: Recipe | None = None, most_steps: int = MOST_STEPS) -> dict[str, Any]:
+def run_thesis(variant: str, factor: float, seed: int, recipe: StationRecipe | None = None, most_steps: int = MOST_STEPS) -> dict[str, Any]:
     """The record of one training with the thesis's recipe (or `recipe`, by the name `variant`)."""
     import jax
     import numpy as np
 
-    from tandem.learn.ppo import ppo
     from tandem.lab.kinat2023.learn_env import StationWorld
+    from tandem.learn.ppo import ppo
 
     recipe = recipe or VARIANTS[variant]
     world = StationWorld.of(thesis_cell(), recipe, stress_factor=factor)
@@ -82,13 +81,13 @@ def run_thesis(variant: str, factor: float, seed: int, recipe: Recipe | None = N
     return record(variant, factor, seed, recipe, learner, history, play_key, world, cpu_s)
 
 
-def run_ours(seeds: Sequence[int], factors: Sequence[float] = FACTORS, recipe: Recipe = TANDEM) -> list[dict[str, Any]]:
+def run_ours(seeds: Sequence[int], factors: Sequence[float] = FACTORS, recipe: StationRecipe = STATION) -> list[dict[str, Any]]:
     """The records of our recipe for every factor and seed, all trained side by side (one `vmap`)."""
     import jax
     import jax.numpy as jnp
 
-    from tandem.learn.ppo import ppo
     from tandem.lab.kinat2023.learn_env import StationWorld
+    from tandem.learn.ppo import ppo
 
     cell, config = thesis_cell(), recipe.config
     began = time.process_time()
@@ -108,7 +107,7 @@ def run_ours(seeds: Sequence[int], factors: Sequence[float] = FACTORS, recipe: R
 
 
 def record(
-    variant: str, factor: float, seed: int, recipe: Recipe, learner: Any, history: Any, play_key: Any, world: Any, cpu_s: float
+    variant: str, factor: float, seed: int, recipe: StationRecipe, learner: Any, history: Any, play_key: Any, world: Any, cpu_s: float
 ) -> dict[str, Any]:
     """What a run was, in plain data.
 

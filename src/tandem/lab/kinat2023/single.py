@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from tandem.cell.model import Cell
 from tandem.envs.door import CONTROLLER, OUTSIDE, Door, is_legal
+from tandem.errors import UsageError
 from tandem.lab.kinat2023.decisions import after_human
 from tandem.lab.kinat2023.game import RENDER_MODES, Game, Options
 from tandem.lab.kinat2023.world import HUMAN, ROBOT
-from tandem.errors import UsageError
 
 Observation = dict[str, NDArray[Any]]
 

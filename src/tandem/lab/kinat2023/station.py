@@ -9,8 +9,8 @@ import numpy as np
 
 from tandem.cell.model import Cell
 from tandem.cell.parts import Task
-from tandem.lab.kinat2023.world import Station
 from tandem.errors import CellError, Fault, UsageError
+from tandem.lab.kinat2023.world import Station
 
 LONGEST = 30_000
 """The largest time, ticks, that the world's whole numbers are meant for."""

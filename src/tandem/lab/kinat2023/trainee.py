@@ -1,4 +1,4 @@
-"""Independent PPO as the trainer wants it: compiled for all seeds, its figures, its results."""
+"""Independent PPO on the thesis's station as the trainer wants it: compiled for all seeds, its figures, its results."""
 
 from __future__ import annotations
 
@@ -11,15 +11,16 @@ import numpy as np
 
 from tandem.cell.model import plain
 from tandem.lab.kinat2023.episode import seconds
+from tandem.lab.kinat2023.learn_env import StationWorld
+from tandem.lab.kinat2023.players import costs, players
+from tandem.lab.kinat2023.recipe import StationRecipe
 from tandem.lab.kinat2023.station import whole_ticks
+from tandem.learn.algorithm import Order, Row
+from tandem.learn.policy import Policy
 from tandem.learn.ppo import play, ppo
-from tandem.learn.algorithm import Row
 from tandem.learn.ppo.config import Config
 from tandem.learn.ppo.play import Played
-from tandem.learn.policy import Policy
-from tandem.learn.ppo.recipes import Recipe
-from tandem.lab.kinat2023.learn_env import StationWorld
-from tandem.learn.algorithm import Order
+from tandem.learn.ppo.trainee import of_seed, share
 
 EPISODES_BETWEEN_FIGURES = 30
 LONGEST_PLAY = 1400
@@ -27,10 +28,13 @@ BEST_OF = 64
 
 
 class Trainee:
-    """PPO on an order whose recipe is a `recipes.Recipe`. Raises CellError when the thesis's station cannot hold the cell."""
+    """PPO on an order whose recipe is a `StationRecipe`. Raises CellError when the thesis's station cannot hold the cell."""
+
+    players = staticmethod(players)
+    costs = staticmethod(costs)
 
     def __init__(self, order: Order) -> None:
-        assert isinstance(order.recipe, Recipe)
+        assert isinstance(order.recipe, StationRecipe)
         self.order, self.recipe = order, order.recipe
         self.world = StationWorld.of(order.cell, self.recipe, stress_factor=order.stress_factor)
 
@@ -40,8 +44,7 @@ class Trainee:
 
     @property
     def paid(self) -> dict[str, Any]:
-        step = float(self.world.rewards.step)
-        return {"step": step, "per_second": whole_ticks(self.order.cell), "stress_factor": self.order.stress_factor}
+        return costs(self.order.cell, self.order)
 
     def begin(self) -> ppo.Learner:
         keys = jax.numpy.stack([jax.random.key(seed) for seed in self.order.seeds])
@@ -75,6 +78,7 @@ class Trainee:
         order, config = self.order, self.config
         actor = jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters["actor"])
         notes = {
+            "kind": "station",
             "cell": order.cell.name,
             "digest": order.cell.digest,
             "recipe": order.name,
@@ -109,29 +113,9 @@ class Trainee:
         return {"makespan": makespan, "stress": stress, "illegal": int(np.sum(played.illegal[place]))}
 
 
-def share(learners: ppo.Learner, config: Config) -> float:
-    """How much of the budget the slowest seed has behind it, 0 to 1."""
-    stages, done = config.stages, []
-    for place, stage in enumerate(np.asarray(learners.stage).tolist()):
-        left = 0.0
-        if stage < len(stages):
-            within = (
-                int(learners.stage_episodes[place]) / (stages[stage].episodes or 2**31),
-                int(learners.stage_steps[place]) / (stages[stage].steps or 2**31),
-            )
-            left = min(max(within), 1.0)
-        done.append((stage + left) / len(stages))
-    return min(done)
-
-
 def best_of(played: Played) -> int:
     """Which of the episodes that ended has the largest sum of returns; 0 when none ended."""
     return int(np.argmax(np.where(played.done, np.asarray(played.returns).sum(-1), -np.inf)))
-
-
-def of_seed(tree: Any, place: int) -> Any:
-    """One seed's part of results that have a leading axis of seeds."""
-    return jax.tree.map(lambda leaf: leaf[place], tree)
 
 
 # --- Compiled, for all seeds ---

@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from tandem.lab.yu2020.board import Board, Piece, Who
 from tandem.draw.figure import axes_or_new
 from tandem.draw.style import FAINT_INK, HUMAN_COLOURS, INK, ROBOT_COLOURS, ROBOT_HATCHES, RULE, tint
+from tandem.lab.yu2020.board import Board, Piece, Who
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

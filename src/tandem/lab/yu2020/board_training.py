@@ -12,20 +12,20 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from tandem.lab.yu2020.board import Board
+from tandem.errors import UsageError
 from tandem.lab import yu2020
 from tandem.lab.yu2020 import Fate, Layout
-from tandem.lab.yu2020.play import play as play_one
-from tandem.errors import UsageError
-from tandem.learn.alphazero import training
 from tandem.lab.yu2020 import training as yu_training
-from tandem.learn.alphazero.config import Config
+from tandem.lab.yu2020.board import Board
 from tandem.lab.yu2020.config import YuConfig
+from tandem.lab.yu2020.learn_env import BoardGame
+from tandem.lab.yu2020.network import YuNetworks
+from tandem.lab.yu2020.play import play as play_one
+from tandem.learn.alphazero import training
+from tandem.learn.alphazero.config import Config
 from tandem.learn.alphazero.network import Judge, liked
 from tandem.learn.alphazero.selfplay import Looking, find
 from tandem.learn.alphazero.trained import Trained
-from tandem.lab.yu2020.network import YuNetworks
-from tandem.lab.yu2020.learn_env import BoardGame
 from tandem.learn.env import stacked
 
 Array = Any

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from tandem.lab.yu2020.world import Array, Fate, Layout, namespace
 from tandem.errors import UsageError
+from tandem.lab.yu2020.world import Array, Fate, Layout, namespace
 
 MOST_MISTAKES = 9
 """How often in a row the human may do one piece wrong."""

@@ -12,18 +12,17 @@ from typing import Any
 
 import numpy as np
 
-from tandem.lab.yu2020.board import Board, desk
 from tandem.cell.model import Cell
+from tandem.lab.kinat2023.experiment import mean
+from tandem.lab.origin import origin
+from tandem.lab.quick import compiled_quickly
+from tandem.lab.records import kept_record, read_record, stored_document
+from tandem.lab.systems import Features, Played
+from tandem.lab.yu2020 import games, runs
+from tandem.lab.yu2020.board import Board, desk
 from tandem.lab.yu2020.chance import Chance, fate
 from tandem.lab.yu2020.layout import layout
 from tandem.lab.yu2020.play import play as play_one
-from tandem.lab.yu2020 import games as games
-from tandem.lab.yu2020 import runs as runs
-from tandem.lab.origin import origin
-from tandem.lab.quick import compiled_quickly
-from tandem.experiments.records import kept_record, read_record, stored_document
-from tandem.lab.systems import Features, Played
-from tandem.lab.kinat2023.experiment import mean
 from tandem.learn.training.runs import versions
 
 STORED = "yu2020.json"
@@ -100,7 +99,7 @@ def _exact_results(test: Sequence[int], first: Sequence[int]) -> dict[str, Any]:
 
 def stored() -> dict[str, Any]:
     """The document of the long run that ships with the package. Raises CellError when this copy has none, or a damaged one."""
-    return stored_document("yu2020")
+    return stored_document("yu2020/results.json", "yu2020")
 
 
 def summary(document: Mapping[str, Any]) -> list[dict[str, Any]]:

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tandem.lab.yu2020.board import desk, random_board
-from tandem.lab.yu2020.board_picture import board_size, plot_board, plot_film
 from tandem.draw.curves import COLOURS, plot_curves
 from tandem.draw.figure import blank
 from tandem.draw.style import FAINT_INK, RULE
+from tandem.lab.yu2020.board import desk, random_board
+from tandem.lab.yu2020.board_picture import board_size, plot_board, plot_film
 from tandem.lab.yu2020.pictures import film
 from tandem.lab.yu2020.play import follow, play
 from tandem.lab.yu2020.runs import RECIPES

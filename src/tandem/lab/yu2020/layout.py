@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tandem.errors import UsageError
 from tandem.lab.yu2020.board import Board, Piece
 from tandem.lab.yu2020.world import Layout
-from tandem.errors import UsageError
 
 
 def layout(board: Board, *, height: int | None = None, width: int | None = None) -> Layout:

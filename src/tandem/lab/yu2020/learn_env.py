@@ -10,9 +10,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from tandem.lab.yu2020.board import Board, Who
 from tandem.lab import yu2020
 from tandem.lab.yu2020 import HUMAN, ROBOT, Layout, State
+from tandem.lab.yu2020.board import Board, Who
 from tandem.lab.yu2020.layout import waits
 from tandem.learn.observation import Ahead, Standing, ahead, look, time_to_come
 

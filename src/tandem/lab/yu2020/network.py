@@ -19,9 +19,9 @@ import numpy as np
 from pydantic import ConfigDict
 
 from tandem.learn.alphazero.network import Opinion, drawn
-from tandem.learn.ppo.config import MOST_UNITS
 from tandem.learn.forms import STRICT
 from tandem.learn.networks import Network, forward
+from tandem.learn.ppo.config import MOST_UNITS
 from tandem.learn.settings import counts, must_hold
 
 Array = Any
@@ -40,6 +40,7 @@ class YuNetworks:
     dense: int = 128
     value_norm: tuple[float, float] = (110.0, 90.0)
 
+    kind: ClassVar[str] = "yu"
     __pydantic_config__: ClassVar[ConfigDict] = STRICT
 
     def __post_init__(self) -> None:

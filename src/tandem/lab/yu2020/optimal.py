@@ -15,11 +15,11 @@ from dataclasses import dataclass
 from heapq import heappop, heappush
 from typing import NamedTuple
 
+from tandem.errors import NothingFoundError
 from tandem.lab.yu2020.board import Board, Piece, Who
 from tandem.lab.yu2020.layout import tails, waits
 from tandem.lab.yu2020.play import NAMES
 from tandem.lab.yu2020.world import HUMAN, ROBOT, Layout, State
-from tandem.errors import NothingFoundError
 from tandem.schedule.model import Assignment, Schedule
 
 NOBODY = -1

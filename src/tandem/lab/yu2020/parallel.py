@@ -12,13 +12,13 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from tandem.lab.yu2020.board import Board
 from tandem.cell.model import Cell
+from tandem.envs.door import OUTSIDE, Door, is_legal
+from tandem.errors import UsageError
+from tandem.lab.yu2020.board import Board
 from tandem.lab.yu2020.chance import Chance, fate
 from tandem.lab.yu2020.layout import layout
 from tandem.lab.yu2020.world import HUMAN, ROBOT, is_over, legal, observe, reset, step, to_play
-from tandem.envs.door import OUTSIDE, Door, is_legal
-from tandem.errors import UsageError
 
 AGENTS = {ROBOT: "robot_0", HUMAN: "human_0"}
 

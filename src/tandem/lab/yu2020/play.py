@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tandem.errors import UsageError
 from tandem.lab.yu2020.board import HUMAN as HUMAN_NAME
 from tandem.lab.yu2020.board import ROBOT as ROBOT_NAME
 from tandem.lab.yu2020.board import Board
 from tandem.lab.yu2020.layout import by_place, layout
 from tandem.lab.yu2020.players import Player
 from tandem.lab.yu2020.world import HUMAN, ROBOT, Array, Fate, Layout, State, eligible, is_over, legal, reset, step, to_play
-from tandem.errors import UsageError
 from tandem.schedule.model import Assignment, Schedule
 
 NAMES = {ROBOT: ROBOT_NAME, HUMAN: HUMAN_NAME}

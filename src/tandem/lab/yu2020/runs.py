@@ -14,15 +14,15 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from tandem.lab.records import kept_record
 from tandem.lab.yu2020.board import Board, desk
+from tandem.lab.yu2020.config import YuConfig, YuSearch
+from tandem.lab.yu2020.games import HELD, TRAINING, Decider, Tell, boards
 from tandem.lab.yu2020.optimal import optimum, replanning
 from tandem.lab.yu2020.play import by_rule
 from tandem.lab.yu2020.play import play as play_one
 from tandem.lab.yu2020.players import PLAYERS
-from tandem.experiments.records import kept_record
-from tandem.lab.yu2020.games import HELD, TRAINING, Decider, Tell, boards
 from tandem.learn.alphazero.config import Config, Search
-from tandem.lab.yu2020.config import YuConfig, YuSearch
 
 RECIPES = ("ours", "as described")
 NOT_IMITATED = "ours, nothing imitated"
@@ -170,11 +170,13 @@ def kinds(records: Sequence[dict[str, Any]]) -> list[str]:
 
 def loaded(folder: Path, recipe: str, *places: str) -> tuple[Any, str] | None:
     """The network of the first seed that was trained on the first of these places that there is a record of, and that place."""
+    from tandem.lab.yu2020.network import YuNetworks
+    from tandem.learn.alphazero.network import Scorer
     from tandem.learn.alphazero.trained import Trained
 
     for place in places:
         if files := sorted(folder.glob(f"{recipe.replace(' ', '-')}_{place}_*.json")):
-            return Trained.load(weights_of(files[0])), place
+            return Trained.load(weights_of(files[0]), YuNetworks, Scorer), place
     return None
 
 

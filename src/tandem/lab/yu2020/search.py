@@ -27,6 +27,7 @@ import jax.numpy as jnp
 from tandem.lab.yu2020.config import YuSearch
 from tandem.learn.alphazero.network import IMPOSSIBLE, Judge, Opinion, Parameters, opinion
 from tandem.learn.alphazero.search import Found
+from tandem.learn.alphazero.selfplay import SEARCHES
 from tandem.learn.env import Game, State
 
 Array = Any
@@ -188,3 +189,6 @@ def _climbed(tree: Tree, path: Path, leaf: Array, arrived: Array, config: YuSear
     found = backed_up(tree.cost[edges], tree.visits[edges], times, leaf, quirk=config.quirk)
     rows = jnp.where(path.on & arrived, path.nodes, tree.value.shape[0])
     return tree._replace(cost=tree.cost.at[rows, path.moves].set(found, mode="drop"), visits=tree.visits.at[rows, path.moves].add(1.0, mode="drop"))
+
+
+SEARCHES[YuSearch] = yu_search

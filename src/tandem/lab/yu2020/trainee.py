@@ -11,27 +11,59 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from tandem.lab.yu2020.board import HUMAN, ROBOT, Board
 from tandem.cell.model import Cell, plain
-from tandem.lab.yu2020.play import play as play_one
 from tandem.errors import UsageError
-from tandem.learn.algorithm import Row
 from tandem.lab.yu2020 import board_training, training
+from tandem.lab.yu2020.board import HUMAN, ROBOT, Board
 from tandem.lab.yu2020.config import YuConfig, YuSearch
+from tandem.lab.yu2020.learn_env import BoardGame
+from tandem.lab.yu2020.network import YuNetworks
+from tandem.lab.yu2020.play import play as play_one
 from tandem.lab.yu2020.recipe import YuRecipe
+from tandem.learn.algorithm import Order, Row
 from tandem.learn.alphazero.selfplay import Looking
 from tandem.learn.alphazero.trained import Trained
-from tandem.lab.yu2020.network import YuNetworks
-from tandem.lab.yu2020.learn_env import BoardGame
-from tandem.learn.forms import unreadable
 from tandem.learn.env import Game, stacked
-from tandem.learn.results import Reached
-from tandem.learn.algorithm import Order
-from tandem.learn.rollout import paid, told
+from tandem.learn.forms import unreadable
+from tandem.learn.results import Reached, paid
+from tandem.learn.rollout import told
 from tandem.schedule.model import Schedule
 
 GAMES_BETWEEN_FIGURES = 10
 MOST_SEARCHED = 16
+
+
+def players(path: Path, cell: Cell, order: Order, *, seed: int, episodes: int) -> dict[str, list[Reached]]:
+    """How the networks play the cell: alone, under their search, and with moves drawn by the visits.
+
+    Raises:
+      CellError: the board cannot hold the cell. UsageError: it makes a board of another size than the one that was learned on.
+    """
+    recipe = order.recipe
+    assert isinstance(recipe, YuRecipe)
+    trained, board = Trained.load(path, YuNetworks), Board.of(cell)
+    trained_on = Board.of(order.cell)
+    if (board.height // 4, board.width) != (trained_on.height // 4, trained_on.width):
+        raise UsageError(
+            f"the networks read a board of {trained_on.height} rows and {trained_on.width} columns; "
+            f"this cell makes one of {board.height} and {board.width}."
+        )
+    assert isinstance(trained.judge, YuNetworks)
+    if not trained.judge.reads(trained.parameters, board.height, board.width):
+        raise unreadable(path, [f"does not fit the run: its networks read no board of {board.height} rows and {board.width} columns."])
+
+    def game(looking: Looking | None) -> Reached:
+        done = play_one(board, board_training.decider(trained, board, looking=looking, seed=seed))
+        return replace(_reached(done.makespan), schedule=_in_words_of(cell, done.schedule))
+
+    games = min(episodes, MOST_SEARCHED)
+    drawn = [_reached(seconds) for seconds in board_training.play(trained, [board], looking=drawing(recipe), samples=games, seed=seed)[0]]
+    return {
+        "greedy": [game(None)],
+        f"searched ({recipe.config.search.simulations})": [game(sure(recipe))],
+        "sampled": drawn,
+        f"best of {games}": [min(drawn, key=lambda one: one.cost)],
+    }
 
 
 class Trainee:
@@ -40,6 +72,9 @@ class Trainee:
     Raises:
       CellError: the board cannot hold the cell. UsageError: stress is to count, which their game does not know.
     """
+
+    players = staticmethod(players)
+    costs = staticmethod(lambda cell, order: paid(order.stress_factor))
 
     def __init__(self, order: Order) -> None:
         recipe = order.recipe
@@ -95,38 +130,6 @@ class Trainee:
 
     def _trained(self, learners: training.Learner, place: int) -> Trained:
         return Trained(training.networks(self.recipe.config), jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters))
-
-
-def players(path: Path, cell: Cell, order: Order, *, seed: int, episodes: int) -> dict[str, list[Reached]]:
-    """How the networks play the cell: alone, under their search, and with moves drawn by the visits.
-
-    Raises:
-      CellError: the board cannot hold the cell. UsageError: it makes a board of another size than the one that was learned on.
-    """
-    recipe = order.recipe
-    assert isinstance(recipe, YuRecipe)
-    trained, board = Trained.load(path), Board.of(cell)
-    trained_on = Board.of(order.cell)
-    if (board.height // 4, board.width) != (trained_on.height // 4, trained_on.width):
-        raise UsageError(
-            f"the networks read a board of {trained_on.height} rows and {trained_on.width} columns; "
-            f"this cell makes one of {board.height} and {board.width}."
-        )
-    if not isinstance(trained.judge, YuNetworks) or not trained.judge.reads(trained.parameters, board.height, board.width):
-        raise unreadable(path, [f"does not fit the run: its networks read no board of {board.height} rows and {board.width} columns."])
-
-    def game(looking: Looking | None) -> Reached:
-        done = play_one(board, board_training.decider(trained, board, looking=looking, seed=seed))
-        return replace(_reached(done.makespan), schedule=_in_words_of(cell, done.schedule))
-
-    games = min(episodes, MOST_SEARCHED)
-    drawn = [_reached(seconds) for seconds in board_training.play(trained, [board], looking=drawing(recipe), samples=games, seed=seed)[0]]
-    return {
-        "greedy": [game(None)],
-        f"searched ({recipe.config.search.simulations})": [game(sure(recipe))],
-        "sampled": drawn,
-        f"best of {games}": [min(drawn, key=lambda one: one.cost)],
-    }
 
 
 def sure(recipe: YuRecipe) -> YuSearch:

@@ -12,9 +12,9 @@ import jax.numpy as jnp
 import optax
 
 from tandem.lab.yu2020.config import YuConfig
-from tandem.learn.alphazero.network import Parameters, liked
 from tandem.lab.yu2020.network import YuNetworks
 from tandem.lab.yu2020.search import yu_search
+from tandem.learn.alphazero.network import Parameters, liked
 from tandem.learn.env import Game, State, many
 
 Array = Any

@@ -17,15 +17,17 @@ from statistics import fmean
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from tandem.lab.yu2020.board import ROBOT, desk
 from tandem.cell.model import Cell
 from tandem.files.atomic import store
+from tandem.files.validate import cell_of
 from tandem.lab.quick import compiled_quickly
-from tandem.experiments.records import stored_document
+from tandem.lab.records import stored_document
 from tandem.lab.systems import Features, Played
-from tandem.learn.alphazero.recipes import ALPHAZERO, SearchRecipe
+from tandem.lab.yu2020.board import ROBOT, desk
 from tandem.lab.yu2021.recipe import YU_2021
+from tandem.learn.alphazero.recipes import ALPHAZERO, SearchRecipe
 from tandem.learn.dqn.recipes import ValueRecipe
+from tandem.learn.results import Reached
 from tandem.learn.training.runs import RunFolder, versions
 
 STORED = "yu2021.json"
@@ -67,7 +69,7 @@ class Instance:
             for name, task in whole.tasks.items()
         }
         operators = {**{name: {"kind": "robot"} for name in robots}, **{name: {"kind": "human"} for name in humans}}
-        return Cell.of({"name": self.name, "operators": operators, "tasks": tasks})
+        return cell_of({"name": self.name, "operators": operators, "tasks": tasks})
 
 
 INSTANCES = (Instance(4, 2, 1), Instance(4, 2, 2), Instance(8, 2, 1), Instance(8, 2, 2))
@@ -169,15 +171,26 @@ def _trained(cell: Cell, recipe: ValueRecipe | SearchRecipe, seeds: Sequence[int
 
 
 def _random(cell: Cell) -> list[float]:
-    from tandem.learn.algorithm import Order
-    from tandem.learn.rollout import at_random
+    return [game.makespan for game in at_random(cell, games=RANDOM_GAMES) if game.makespan is not None]
 
-    return [game.makespan for game in at_random(cell, Order(cell, YU_2021), games=RANDOM_GAMES, seed=0) if game.makespan is not None]
+
+def at_random(cell: Cell, *, games: int, seed: int = 0) -> list[Reached]:
+    """Games in which every move is any legal one, nobody waiting of his own will."""
+    import jax
+
+    from tandem.learn.alphazero.config import Wander
+    from tandem.learn.alphazero.network import Scorer
+    from tandem.learn.alphazero.trained import Trained
+    from tandem.learn.rollout import game_of, play
+
+    judge = Scorer(1)
+    nobody = Trained(judge, judge.start(jax.random.key(0)))
+    return play(cell, game_of(cell, 0.0, waiting=False), nobody, Wander(share=1.0), games=games, seed=seed)
 
 
 def stored() -> dict[str, Any]:
     """The document of the long run that ships with the package. Raises CellError when this copy has none, or a damaged one."""
-    return stored_document("yu2021")
+    return stored_document("yu2021/results.json", "yu2021")
 
 
 def table(document: Mapping[str, Any]) -> str:
@@ -235,9 +248,10 @@ def runs_on(cell: Cell) -> Cell:
 
 def _small(cell: Cell, stress_factor: float = 0.0) -> tuple[Any, Any]:
     """The cell's game, and networks after a training of seconds."""
-    from tandem.learn.training import trainer
     from tandem.learn.alphazero.trained import Trained
+    from tandem.learn.dqn.network import ValueNetworks
     from tandem.learn.rollout import game_of
+    from tandem.learn.training import trainer
 
     recipe = replace(YU_2021, samples=1, config=replace(YU_2021.config, decisions=480, games=8, kept=256, minibatch=16, warm_up=5, units=8))
     with TemporaryDirectory() as scratch:
@@ -245,7 +259,7 @@ def _small(cell: Cell, stress_factor: float = 0.0) -> tuple[Any, Any]:
         order: dict[str, Any] = {"own_recipe": recipe, "seeds": (0,), "front_limit": 1.0, "stress_factor": stress_factor}
         if trainer.train(cell, recipe_name="yu2021", folder=folder, **order)["interrupted"]:
             raise KeyboardInterrupt
-        trained = Trained.load(RunFolder(folder).policy(0))
+        trained = Trained.load(RunFolder(folder).policy(0), ValueNetworks)
     return game_of(cell, stress_factor, waiting=False), trained
 
 
@@ -261,10 +275,7 @@ def _agents() -> Sequence[str]:
 
 def _cost(cell: Cell) -> float:
     """What random play costs in the game's own cost, the mean of some games with the same draws."""
-    from tandem.learn.algorithm import Order
-    from tandem.learn.rollout import at_random
-
-    return fmean(game.cost for game in at_random(cell, Order(cell, YU_2021), games=16, seed=0))
+    return fmean(game.cost for game in at_random(cell, games=16))
 
 
 def _play(cell: Cell, seed: int) -> Played:

@@ -23,8 +23,8 @@ import jax.numpy as jnp
 import optax
 
 from tandem.lab.zhang2022.ddpg_config import Config
-from tandem.learn.networks import ILLEGAL, Network, init
 from tandem.lab.zhang2022.pairs import FIRST, SECOND, Networks, asked_with, candidates, choose, scores, value_of, values_of
+from tandem.learn.networks import ILLEGAL, Network, init
 from tandem.learn.world import State, World
 
 Array = jax.Array

@@ -13,13 +13,13 @@ from typing import Any
 
 from tandem.cell.model import Cell
 from tandem.files.atomic import store
-from tandem.lab.zhang2022.setting import AGENTS, Duo, duo
-from tandem.lab.zhang2022.yardstick import best_rule, exact_front, matching
-from tandem.experiments.records import kept_record, stored_document
-from tandem.lab.systems import Features, Played
 from tandem.lab.kinat2023.runs import thesis_cell
+from tandem.lab.records import kept_record, stored_document
+from tandem.lab.systems import Features, Played
 from tandem.lab.zhang2022.runs import ARMS, FACTORS, QUICK, Arm, Record, Size, alternator, random_player, run
+from tandem.lab.zhang2022.setting import AGENTS, Duo, duo
 from tandem.lab.zhang2022.summary import guides, summary, table
+from tandem.lab.zhang2022.yardstick import best_rule, exact_front, matching
 
 STORED = "zhang2022.json"
 OTHERS: dict[str, Callable[[], Cell]] = {"thesis": thesis_cell}
@@ -91,7 +91,7 @@ def assemble(
 
 def stored() -> dict[str, Any]:
     """The document of the long run that ships with the package. Raises CellError when this copy has none, or a damaged one."""
-    return stored_document("zhang2022")
+    return stored_document("zhang2022/results.json", "zhang2022")
 
 
 def draw_figures(document: Mapping[str, Any], folder: Path) -> list[Path]:

@@ -11,12 +11,12 @@ import jax.numpy as jnp
 
 from tandem.cell.model import Cell
 from tandem.lab.zhang2022 import world as rules
+from tandem.lab.zhang2022.ddpg import legal_pairs, random_pairs
+from tandem.lab.zhang2022.pairs import Networks, choose
 from tandem.lab.zhang2022.setting import AGENTS, HUMAN, Duo, Setting
 from tandem.lab.zhang2022.setting import duo as duo_of
 from tandem.lab.zhang2022.world import Paid, State
 from tandem.learn.ppo.config import StageValues
-from tandem.lab.zhang2022.ddpg import legal_pairs, random_pairs
-from tandem.lab.zhang2022.pairs import Networks, choose
 from tandem.learn.world import Outcome
 
 Array = Any

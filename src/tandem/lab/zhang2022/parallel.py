@@ -13,11 +13,11 @@ from pettingzoo import ParallelEnv
 
 from tandem.cell.model import Cell
 from tandem.envs.door import Door, is_legal
+from tandem.errors import UsageError
+from tandem.lab.kinat2023.game import as_cell
 from tandem.lab.zhang2022.display import words
 from tandem.lab.zhang2022.setting import AGENTS, HUMAN, ROBOT, duo, setting
 from tandem.lab.zhang2022.world import chance, choices, cost, is_done, narrow, observation_size, observe, reset, step
-from tandem.lab.kinat2023.game import as_cell
-from tandem.errors import UsageError
 
 Observation = dict[str, NDArray[Any]]
 

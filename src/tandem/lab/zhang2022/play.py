@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from tandem.cell.model import Cell
+from tandem.lab.systems import Played
 from tandem.lab.zhang2022.change import Change
+from tandem.lab.zhang2022.pairs import Networks, choose
+from tandem.lab.zhang2022.runs import OURS
 from tandem.lab.zhang2022.setting import HUMAN, Duo, duo, setting
 from tandem.lab.zhang2022.world import State, choices, is_done, narrow, observation_size, observe, reset, step
-from tandem.lab.systems import Played
-from tandem.lab.zhang2022.runs import OURS
 from tandem.learn.networks import init
-from tandem.lab.zhang2022.pairs import Networks, choose
 from tandem.world.arrays import NEVER
 
 

@@ -12,11 +12,11 @@ from importlib import resources
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from tandem.files.load import load
 from tandem.cell.model import Cell
+from tandem.files.load import load
+from tandem.lab.zhang2022.ddpg_config import Config
 from tandem.lab.zhang2022.setting import Setting, duo, setting
 from tandem.lab.zhang2022.yardstick import best_of_rest, matching
-from tandem.lab.zhang2022.ddpg_config import Config
 
 if TYPE_CHECKING:
     from tandem.lab.zhang2022.learn_env import Played
@@ -108,7 +108,7 @@ QUICK = Size(seeds=1, steps=1600, noisy=20, changed=20, sampled=2)
 
 def alternator() -> Cell:
     """The alternator-like cell: an ASSUMPTION, made for this."""
-    with resources.as_file(resources.files("tandem.lab") / "alternator.yaml") as file:
+    with resources.as_file(resources.files("tandem.lab.zhang2022") / "alternator.yaml") as file:
         return load(file)
 
 

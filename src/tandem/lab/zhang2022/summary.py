@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from tandem.cell.model import Cell
-from tandem.lab.zhang2022.display import episode, lines, shown
 from tandem.lab.origin import origin
+from tandem.lab.zhang2022.display import episode, lines, shown
 
 WITHIN = 0.05
 """What counts as near the matching point."""

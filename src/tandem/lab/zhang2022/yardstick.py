@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from tandem.cell.model import Cell
+from tandem.files.validate import cell_of
 from tandem.lab.zhang2022.change import Happened
 from tandem.lab.zhang2022.setting import difficulty_of
 from tandem.plan.methods import plan
@@ -33,7 +34,7 @@ def as_stress(cell: Cell) -> Cell:
             mode = next(mode for mode in cell.modes(name) if set(mode.operators) == set(joint["operators"]) and mode.time == joint["time"])
             joint["stress"] = dict(difficulty_of(cell, name, mode))
     data.pop("stress_of_set", None)
-    return Cell.of(data)
+    return cell_of(data)
 
 
 def exact_front(cell: Cell, *, time_limit: float = 120.0) -> Front:
@@ -107,7 +108,7 @@ def rest(cell: Cell, names: Names, assembly: Assembly, happened: Happened) -> tu
         data["operators"][name] = {"kind": operator.kind, "breaks": [[names.seconds(a), names.seconds(b)] for a, b in _merged(rests)]}
         if tool >= 0:
             data["operators"][name]["tool"] = list(cell.tools)[tool]
-    return Cell.of(data), names.seconds(lead)
+    return cell_of(data), names.seconds(lead)
 
 
 def _open(cell: Cell, names: Names, name: str, refused: Any, done: set[str], release: float) -> dict[str, Any]:

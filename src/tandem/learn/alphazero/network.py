@@ -19,11 +19,11 @@ import jax
 import jax.numpy as jnp
 from pydantic import ConfigDict
 
-from tandem.learn.ppo.config import MOST_UNITS
-from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES
-from tandem.learn.forms import STRICT
 from tandem.learn.env import Game, Look, State
+from tandem.learn.forms import STRICT
 from tandem.learn.networks import Network, forward, init
+from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES
+from tandem.learn.ppo.config import MOST_UNITS
 from tandem.learn.settings import counts, must_hold
 
 Array = Any
@@ -38,7 +38,13 @@ class Opinion(NamedTuple):
 
 
 class Judge(Protocol):
-    """A network that a search can ask. It is hashable: it holds sizes, never weights."""
+    """A network that a search can ask. It is hashable: it holds sizes, never weights.
+
+    Attributes:
+      kind: what its files call its form.
+    """
+
+    kind: ClassVar[str]
 
     def start(self, key: Array, game: Game) -> Parameters:
         """Weights that know nothing yet."""
@@ -75,6 +81,7 @@ class Scorer:
 
     units: int = 64
 
+    kind: ClassVar[str] = "scorer"
     __pydantic_config__: ClassVar[ConfigDict] = STRICT
 
     def __post_init__(self) -> None:

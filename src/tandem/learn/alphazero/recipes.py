@@ -1,4 +1,4 @@
-"""The recipes of self-play with a search: ours, and that of Yu, Huang and Chang (2020) as it was described."""
+"""The recipe of self-play with a search."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from typing import Any, ClassVar
 from pydantic import ConfigDict
 
 from tandem.learn.alphazero.config import MOST_SIMULATIONS, Config, Search
-from tandem.lab.yu2020.config import YuConfig
 from tandem.learn.forms import STRICT
 from tandem.learn.settings import counts, must_hold
 
@@ -48,34 +47,5 @@ class SearchRecipe:
         return {"config": self.config.to_dict(), "waiting": self.waiting, "simulations": self.simulations, "samples": self.samples}
 
 
-@dataclass(frozen=True)
-class YuRecipe:
-    """How Yu, Huang and Chang (2020) train, for a cell that can be put on their board.
-
-    Attributes:
-      config: of the learner.
-      samples: games that are drawn from the visits when the best of several is asked for. ASSUMPTION: the authors play one.
-    """
-
-    config: YuConfig
-    samples: int = 16
-
-    algorithm: ClassVar[str] = "yu"
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
-
-    def __post_init__(self) -> None:
-        must_hold(self.faults())
-
-    def faults(self) -> Iterator[str]:
-        """Everything that is wrong with it, beside its `config`."""
-        yield from counts(self, ("samples",), most=MOST_GAMES)
-
-    def to_dict(self) -> dict[str, Any]:
-        return {"config": self.config.to_dict(), "samples": self.samples}
-
-
 ALPHAZERO = SearchRecipe(Config(search=Search(simulations=16, gumbel_scale=3.0), iterations=30, games=32, minibatch=256, minibatches=16))
 """Ours: Gumbel search of 16 simulations, 32 games at a time. It is told what a cell is by features, so that it plays cells it was not trained on."""
-
-YU_2020 = YuRecipe(YuConfig())
-"""Yu, Huang and Chang (2020): their networks, search and schedule of 500 games. Their seed is 999."""

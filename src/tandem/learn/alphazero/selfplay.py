@@ -12,14 +12,13 @@ import jax
 import jax.numpy as jnp
 
 from tandem.learn.alphazero.config import Search, Wander
-from tandem.lab.yu2020.config import YuSearch
 from tandem.learn.alphazero.network import Judge, Parameters, liked
 from tandem.learn.alphazero.search import Found, search
-from tandem.lab.yu2020.search import yu_search
 from tandem.learn.env import Game, State
 
 Array = Any
-Looking = Search | YuSearch | Wander
+Looking = Any
+"""How a move is found: a `Search`, a `Wander`, or what else `SEARCHES` knows; frozen, so that it can be compiled for."""
 
 
 def wander(key: Array, judge: Judge, parameters: Parameters, games: Game, states: State, config: Wander) -> Found:
@@ -32,8 +31,8 @@ def wander(key: Array, judge: Judge, parameters: Parameters, games: Game, states
     return Found(jnp.where(astray, drawn, best).astype(jnp.int32), jax.nn.one_hot(best, legal.shape[1]), jnp.zeros(best.shape))
 
 
-SEARCHES: dict[type[Looking], Any] = {Search: search, YuSearch: yu_search, Wander: wander}
-"""How a search is told -> the search. One more is a line here."""
+SEARCHES: dict[type[Any], Any] = {Search: search, Wander: wander}
+"""How a search is told -> the search. One more is a line here, or an entry by who has it (`SEARCHES[Mine] = my_search`)."""
 
 
 def find(key: Array, judge: Judge, parameters: Parameters, games: Game, states: State, config: Looking) -> Found:

@@ -5,29 +5,23 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
-from tandem.learn.alphazero.network import Judge, Parameters, Scorer
-from tandem.lab.yu2020.network import YuNetworks
-from tandem.learn.dqn.network import ValueNetworks
-from tandem.learn.forms import Form, SettingsError, key_of, unreadable
+from tandem.learn.alphazero.network import Judge, Parameters
+from tandem.learn.forms import Form, SettingsError, unreadable
 from tandem.learn.settings import read
 from tandem.learn.tensors import misfits, read_tensors, write_tensors
 
 FORMAT = "tandem network 1"
 
 
-NETWORKS: dict[str, type[Judge]] = {"scorer": Scorer, "yu": YuNetworks, "values": ValueNetworks}
-"""What a file says of its network's form -> that form. One more is a line here."""
-
-
 class _About(Form):
     """The document beside a network's arrays."""
 
     format: Literal["tandem network 1"]
-    network: Annotated[str, key_of(NETWORKS)]
+    network: str
     sizes: dict[str, Any]
     notes: dict[str, Any]
 
@@ -48,21 +42,23 @@ class Trained:
 
     def save(self, path: str | Path) -> Path:
         """One file; returns where."""
-        kind = next(name for name, form in NETWORKS.items() if type(self.judge) is form)
-        about = {"format": FORMAT, "network": kind, "sizes": asdict(self.judge), "notes": dict(self.notes)}  # type: ignore[call-overload]
+        about = {"format": FORMAT, "network": self.judge.kind, "sizes": asdict(self.judge), "notes": dict(self.notes)}  # type: ignore[call-overload]
         write_tensors(path, {name: np.asarray(array) for name, array in _named(self.parameters).items()}, about)
         return Path(path)
 
     @classmethod
-    def load(cls, path: str | Path) -> Trained:
-        """What `save` wrote.
+    def load(cls, path: str | Path, *forms: type[Judge]) -> Trained:
+        """What `save` wrote of a network of one of these forms.
 
         Raises:
           CellError: the file cannot be read, or holds no such network; with everything that is wrong.
         """
         arrays, about = read_tensors(path, _About, "network")
+        known = {form.kind: form for form in forms}
+        if about.network not in known:
+            raise unreadable(path, [f"is no network: network {about.network!r}: choose {' or '.join(map(repr, known))}."])
         try:
-            judge = read(NETWORKS[about.network], about.sizes)
+            judge = read(known[about.network], about.sizes)
         except SettingsError as error:
             raise unreadable(path, [f"is no network: sizes.{fault}" for fault in error.faults]) from None
         if said := misfits(arrays, _named(judge.like(arrays))):

@@ -12,22 +12,40 @@ import jax.numpy as jnp
 import numpy as np
 
 from tandem.cell.model import Cell
-from tandem.learn.algorithm import Row
+from tandem.learn.algorithm import Order, Row
 from tandem.learn.alphazero import training
 from tandem.learn.alphazero.config import Config, Search
+from tandem.learn.alphazero.network import Scorer
 from tandem.learn.alphazero.recipes import SearchRecipe
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.env import Game, stacked
-from tandem.learn.results import Reached
-from tandem.learn.algorithm import Order
-from tandem.learn.rollout import alone, game_of, paid, play, told
+from tandem.learn.results import Reached, paid
+from tandem.learn.rollout import alone, game_of, play, told
 
 MOST_SEARCHED = 16
 """Searched games of `tandem evaluate`, however many episodes are asked for."""
 
 
+def players(path: Path, cell: Cell, order: Order, *, seed: int, episodes: int) -> dict[str, list[Reached]]:
+    """How what a run has learned plays a cell, any cell: alone, under the run's search, and the best of so many searched games."""
+    recipe = order.recipe
+    assert isinstance(recipe, SearchRecipe)
+    trained, game = Trained.load(path, Scorer), game_of(cell, order.stress_factor, waiting=recipe.waiting)
+    games = min(episodes, MOST_SEARCHED)
+    drawn = play(cell, game, trained, drawing(recipe), games=games, seed=seed)
+    return {
+        "greedy": play(cell, game, trained),
+        f"searched ({recipe.simulations})": play(cell, game, trained, sure(recipe)),
+        "sampled": drawn,
+        f"best of {games}": [min(drawn, key=lambda one: one.cost)],
+    }
+
+
 class Trainee:
     """Self-play on an order whose recipe is a `SearchRecipe`. Raises CellError when the cell's times are too large to be counted."""
+
+    players = staticmethod(players)
+    costs = staticmethod(lambda cell, order: paid(order.stress_factor))
 
     def __init__(self, order: Order) -> None:
         recipe = order.recipe
@@ -78,21 +96,6 @@ class Trainee:
         parameters = jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters)
         notes = {"cell": self.order.cell.name, "digest": self.order.cell.digest, "recipe": self.order.name, "seed": self.order.seeds[place]}
         Trained(training.judge(self.recipe.config), parameters, notes).save(path)
-
-
-def players(path: Path, cell: Cell, order: Order, *, seed: int, episodes: int) -> dict[str, list[Reached]]:
-    """How what a run has learned plays a cell, any cell: alone, under the run's search, and the best of so many searched games."""
-    recipe = order.recipe
-    assert isinstance(recipe, SearchRecipe)
-    trained, game = Trained.load(path), game_of(cell, order.stress_factor, waiting=recipe.waiting)
-    games = min(episodes, MOST_SEARCHED)
-    drawn = play(cell, game, trained, drawing(recipe), games=games, seed=seed)
-    return {
-        "greedy": play(cell, game, trained),
-        f"searched ({recipe.simulations})": play(cell, game, trained, sure(recipe)),
-        "sampled": drawn,
-        f"best of {games}": [min(drawn, key=lambda one: one.cost)],
-    }
 
 
 def sure(recipe: SearchRecipe) -> Search:

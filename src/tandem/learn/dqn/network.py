@@ -11,9 +11,9 @@ import jax.numpy as jnp
 from pydantic import ConfigDict
 
 from tandem.learn.alphazero.network import Opinion, Scorer
-from tandem.learn.ppo.config import MOST_UNITS
-from tandem.learn.forms import STRICT
 from tandem.learn.env import Look
+from tandem.learn.forms import STRICT
+from tandem.learn.ppo.config import MOST_UNITS
 from tandem.learn.settings import counts, must_hold
 
 Array = Any
@@ -34,6 +34,7 @@ class ValueNetworks:
     agents: int = 1
     units: int = 64
 
+    kind: ClassVar[str] = "values"
     __pydantic_config__: ClassVar[ConfigDict] = STRICT
 
     def __post_init__(self) -> None:

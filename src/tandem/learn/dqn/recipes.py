@@ -1,4 +1,4 @@
-"""The recipes of deep Q-learning: ours, and that of Yu, Huang and Chang (2021) as far as it is known."""
+"""The recipe of deep Q-learning."""
 
 from __future__ import annotations
 
@@ -46,6 +46,3 @@ class ValueRecipe:
 
 DQN = ValueRecipe(Config(double=True, agents="each", horizon="next"))
 """Ours: double DQN, a network for each operator; a value goes on with whoever decides next."""
-
-YU_2021 = ValueRecipe(Config(), waiting=False)
-"""Yu, Huang and Chang (2021): a DQN for each agent on the same game, nobody waits. All numbers are ASSUMPTION: none is public."""

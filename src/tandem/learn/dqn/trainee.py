@@ -11,23 +11,35 @@ import jax.numpy as jnp
 import numpy as np
 
 from tandem.cell.model import Cell
-from tandem.learn.algorithm import Row
+from tandem.learn.algorithm import Order, Row
 from tandem.learn.alphazero.config import Wander
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.dqn import learning
 from tandem.learn.dqn.config import Config
+from tandem.learn.dqn.network import ValueNetworks
 from tandem.learn.dqn.recipes import ValueRecipe
 from tandem.learn.env import Game
-from tandem.learn.results import Reached
-from tandem.learn.algorithm import Order
-from tandem.learn.rollout import alone, game_of, paid, play, told
+from tandem.learn.results import Reached, paid
+from tandem.learn.rollout import alone, game_of, play, told
 
 INTERVALS = 30
 """Figures of a training."""
 
 
+def players(path: Path, cell: Cell, order: Order, *, seed: int, episodes: int) -> dict[str, list[Reached]]:
+    """How what a run has learned plays a cell: greedy, and with a twentieth of the moves drawn."""
+    recipe = order.recipe
+    assert isinstance(recipe, ValueRecipe)
+    trained, game = Trained.load(path, ValueNetworks), game_of(cell, order.stress_factor, waiting=recipe.waiting)
+    drawn = play(cell, game, trained, Wander(), games=episodes, seed=seed)
+    return {"greedy": play(cell, game, trained), "sampled": drawn, f"best of {episodes}": [min(drawn, key=lambda one: one.cost)]}
+
+
 class Trainee:
     """Deep Q-learning on an order whose recipe is a `ValueRecipe`. Raises CellError when the cell's times are too large to be counted."""
+
+    players = staticmethod(players)
+    costs = staticmethod(lambda cell, order: paid(order.stress_factor))
 
     def __init__(self, order: Order) -> None:
         recipe = order.recipe
@@ -76,15 +88,6 @@ class Trainee:
         parameters = jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters)
         notes = {"cell": self.order.cell.name, "digest": self.order.cell.digest, "recipe": self.order.name, "seed": self.order.seeds[place]}
         Trained(self.judge, parameters, notes).save(path)
-
-
-def players(path: Path, cell: Cell, order: Order, *, seed: int, episodes: int) -> dict[str, list[Reached]]:
-    """How what a run has learned plays a cell: greedy, and with a twentieth of the moves drawn."""
-    recipe = order.recipe
-    assert isinstance(recipe, ValueRecipe)
-    trained, game = Trained.load(path), game_of(cell, order.stress_factor, waiting=recipe.waiting)
-    drawn = play(cell, game, trained, Wander(), games=episodes, seed=seed)
-    return {"greedy": play(cell, game, trained), "sampled": drawn, f"best of {episodes}": [min(drawn, key=lambda one: one.cost)]}
 
 
 @partial(jax.jit, static_argnames=("config", "rounds"))

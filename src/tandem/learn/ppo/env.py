@@ -14,15 +14,15 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from tandem.learn.ppo.config import StageValues
 from tandem.learn.ppo import observation
+from tandem.learn.ppo.config import StageValues
 from tandem.learn.world import Outcome
 from tandem.world import episode, state
 from tandem.world.arrays import Array, Arrays
-from tandem.world.population import Crowd
 from tandem.world.episode import Shift
-from tandem.world.randomness import OFF, Chance, Draw, Fate, fate
 from tandem.world.people import Person, crew
+from tandem.world.population import Crowd
+from tandem.world.randomness import OFF, Chance, Draw, Fate, fate
 
 UNFINISHED = 2.0
 """What an assembly that nobody can finish costs, in units of `sight.scale`."""

@@ -16,8 +16,8 @@ import jax
 import jax.numpy as jnp
 import optax
 
-from tandem.learn.ppo.config import Config, StageValues
 from tandem.learn.networks import Network, forward, init, masked_log_softmax, sample
+from tandem.learn.ppo.config import Config, StageValues
 from tandem.learn.world import State, World
 
 Array = jax.Array

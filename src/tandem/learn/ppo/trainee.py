@@ -1,4 +1,4 @@
-"""The best response as the trainer wants it: PPO with one agent beside a crowd, its figures and its results."""
+"""PPO as the trainer wants it: one decider for all operators of any cell, beside people; its figures and its results."""
 
 from __future__ import annotations
 
@@ -12,45 +12,47 @@ import jax.numpy as jnp
 import numpy as np
 
 from tandem.cell.model import plain
-from tandem.learn.ppo import ppo
-from tandem.learn.algorithm import Row
-from tandem.learn.ppo.config import Config
+from tandem.learn.algorithm import Order, Row
 from tandem.learn.networks import Network, forward
 from tandem.learn.policy import Policy
-from tandem.lab.kinat2023.trainee import of_seed, share
-from tandem.learn.ppo import observation
+from tandem.learn.ppo import observation, ppo
+from tandem.learn.ppo.config import Config
 from tandem.learn.ppo.env import BesidePeople
-from tandem.learn.response.recipes import ResponseRecipe
-from tandem.learn.algorithm import Order
+from tandem.learn.ppo.players import players
+from tandem.learn.ppo.recipes import Recipe
+from tandem.learn.results import SECOND, cost, paid
 from tandem.world import episode
 from tandem.world.arrays import Array, Arrays, Names
-from tandem.world.population import crowd
 from tandem.world.episode import Shift
-from tandem.world.randomness import fate
 from tandem.world.people import Person, compliant, crew, stacked
+from tandem.world.population import crowd
+from tandem.world.randomness import fate
 
 BEST_OF, PEOPLE = 64, 256
 INTERVAL = 8
 """Updates between two rows of figures, at the most; a stage holds a whole number of intervals."""
-STEP = -10.0
-"""What a second costs where a unit of stress costs the stress factor, as in the thesis's rewards."""
 
 
 class Trainee:
-    """PPO on an order whose recipe is a `ResponseRecipe`.
+    """PPO on an order whose recipe is a `recipes.Recipe`.
 
     Raises CellError when the world cannot hold the cell or a population file is wrong, UsageError when the people's description is.
     """
 
+    players = staticmethod(players)
+    costs = staticmethod(lambda cell, order: paid(order.stress_factor))
+
     def __init__(self, order: Order) -> None:
         self.order, self.names = order, Names.of(order.cell)
-        assert isinstance(order.recipe, ResponseRecipe)
-        arrays, weights = self.names.arrays(), (1.0, order.stress_factor / -STEP)
+        assert isinstance(order.recipe, Recipe)
+        arrays, weights = self.names.arrays(), (1.0, order.stress_factor / SECOND)
         self.crowd = crowd(order.recipe.people, self.names, arrays, part="train")
         self.world = BesidePeople.of(self.crowd, weights=weights, seed=order.seeds[0])
-        drawn = self.crowd.draw(np.random.default_rng(order.seeds[0]), PEOPLE)
-        obedient = stacked([compliant(arrays)] * (1 + BEST_OF))
-        self.company = Person(*(np.concatenate(parts) for parts in zip(obedient, drawn, strict=True)))
+        # Beside whom it is judged: one who does all that is asked, the same for the drawn plays, and the people of the recipe, if they are others.
+        company = [compliant(arrays)] * (1 + BEST_OF)
+        self.people = 0 if order.recipe.people == "compliant" else PEOPLE
+        drawn = self.crowd.draw(np.random.default_rng(order.seeds[0]), self.people)
+        self.company = Person(*(np.concatenate(parts) for parts in zip(stacked(company), drawn, strict=True)))
 
     @property
     def config(self) -> Config:
@@ -59,7 +61,7 @@ class Trainee:
 
     @property
     def paid(self) -> dict[str, Any]:
-        return {"step": STEP, "per_second": 1, "stress_factor": self.order.stress_factor}
+        return paid(self.order.stress_factor)
 
     def begin(self) -> ppo.Learner:
         keys = jax.numpy.stack([jax.random.key(seed) for seed in self.order.seeds])
@@ -101,7 +103,7 @@ class Trainee:
         actor = jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters["actor"])
         cell, config = self.order.cell, self.config
         notes = {
-            "kind": "response",
+            "kind": "ppo",
             "cell": cell.name,
             "digest": cell.digest,
             "people": self.crowd.spec,
@@ -112,7 +114,7 @@ class Trainee:
         Policy(self.world.agents, actor, config.activation, config.masked, config.share_actor, notes).save(path)
 
     def _played(self, learners: ppo.Learner) -> list[Played]:
-        """Per seed: one episode beside somebody obedient, `BEST_OF` with drawn actions, and one beside each of `PEOPLE` people."""
+        """Per seed: one episode beside somebody obedient, `BEST_OF` with drawn actions, and one beside each of the people."""
         found = jax.device_get(_episodes(learners.parameters["actor"], self.world, self.company, self.config))
         return [of_seed(found, place) for place in range(len(self.order.seeds))]
 
@@ -124,14 +126,16 @@ class Trainee:
         return {"makespan": plain(self.names.seconds(int(played.makespan[place]))), "stress": plain(stress), "illegal": 0}
 
     def _cost(self, row: Row) -> float:
-        return float("inf") if row["makespan"] is None else -STEP * row["makespan"] + self.order.stress_factor * row["stress"]
+        return float("inf") if row["makespan"] is None else cost(row["makespan"], row["stress"], **self.paid)
 
     def _beside_people(self, played: Played) -> Row:
-        """Means over the episodes that came to their end, and which share did."""
-        rows = [self._reached(played, place) for place in range(1 + BEST_OF, 1 + BEST_OF + PEOPLE)]
+        """Means over the episodes that came to their end, and which share did; nothing where everybody does what is asked."""
+        if not self.people:
+            return {}
+        rows = [self._reached(played, place) for place in range(1 + BEST_OF, 1 + BEST_OF + self.people)]
         ended = [row for row in rows if row["makespan"] is not None]
         mean = {f"people_{name}": round(float(np.mean([row[name] for row in ended])), 4) if ended else None for name in ("makespan", "stress")}
-        return {**mean, "people_finished": len(ended) / PEOPLE}
+        return {**mean, "people_finished": len(ended) / self.people}
 
 
 class Played(NamedTuple):
@@ -142,14 +146,24 @@ class Played(NamedTuple):
     done: Array
 
 
-def players(path: Path, cell: Any, order: Order, *, seed: int, episodes: int) -> Any:
-    """Not here: a best response is judged beside people.
+def share(learners: ppo.Learner, config: Config) -> float:
+    """How much of the budget the slowest seed has behind it, 0 to 1."""
+    stages, done = config.stages, []
+    for place, stage in enumerate(np.asarray(learners.stage).tolist()):
+        left = 0.0
+        if stage < len(stages):
+            within = (
+                int(learners.stage_episodes[place]) / (stages[stage].episodes or 2**31),
+                int(learners.stage_steps[place]) / (stages[stage].steps or 2**31),
+            )
+            left = min(max(within), 1.0)
+        done.append((stage + left) / len(stages))
+    return min(done)
 
-    Raises UsageError that says how.
-    """
-    from tandem.errors import UsageError
 
-    raise UsageError(f"a best response is judged beside people: tandem simulate CELL --policy learned,auto --learned {path} --people random:0.5")
+def of_seed(tree: Any, place: int) -> Any:
+    """One seed's part of results that have a leading axis of seeds."""
+    return jax.tree.map(lambda leaf: leaf[place], tree)
 
 
 # --- Compiled, for all seeds ---

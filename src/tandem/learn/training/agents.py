@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, Self
 from tandem.cell.model import Cell
 from tandem.errors import UsageError
 from tandem.learn.policy import Policy
-from tandem.learn.ppo.recipes import Recipe, longer
+from tandem.learn.ppo.config import Config
+from tandem.learn.ppo.recipes import longer
 from tandem.learn.training.recipes import recipe
 
 if TYPE_CHECKING:
@@ -18,10 +19,10 @@ if TYPE_CHECKING:
 
 
 class PPO:
-    """Two independent PPO agents for a cell with one robot and one human.
+    """PPO for a cell: one decider for all its operators, or with the laboratory's recipes two agents on the thesis's station.
 
         agents = PPO(cell, stress_factor=5).learn()
-        actions, _ = agents.predict(observation, action_masks=masks)
+        agents.save("cell.safetensors")     # for `tandem dispatch --policy learned --learned cell.safetensors`
 
     Attributes:
       policy: the trained actors; None before `learn` or `load`.
@@ -30,10 +31,10 @@ class PPO:
 
     def __init__(self, cell: Cell | None = None, *, recipe_name: str = "tandem", stress_factor: float = 0.0, seed: int = 0) -> None:
         chosen = recipe(recipe_name)
-        if not isinstance(chosen, Recipe):
-            raise UsageError(f"recipe {recipe_name!r}: trains no PPO agents of the thesis's station; use `tandem.learn.training.trainer.train`.")
+        if not isinstance(chosen.config, Config):
+            raise UsageError(f"recipe {recipe_name!r}: is none of PPO's; use `tandem.learn.training.trainer.train`.")
         self.cell = cell
-        self.recipe = chosen
+        self.recipe: Any = chosen
         self.recipe_name = recipe_name
         self.stress_factor = stress_factor
         self.seed = seed
@@ -51,7 +52,7 @@ class PPO:
 
         Raises:
           UsageError: there is no cell to learn on, or the recipe counts episodes and `total_timesteps` is given.
-          CellError: the thesis's station cannot hold the cell.
+          CellError: the recipe's world cannot hold the cell.
         """
         from tandem.learn.training.trainer import train
 

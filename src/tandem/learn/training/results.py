@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tandem.cell.model import plain
 from tandem.learn.results import relative_gap
-
-if TYPE_CHECKING:
-    from tandem.learn.training.state import Training
+from tandem.learn.training.state import Training
 
 
 def gap(training: Training, makespan: float | None, stress: float | None) -> float | None:

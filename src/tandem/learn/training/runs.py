@@ -27,10 +27,11 @@ from typing import Annotated, Any, TypeVar
 from pydantic import ConfigDict, Field
 
 from tandem.cell.model import Cell
-from tandem.files.atomic import store
 from tandem.errors import CellError, UsageError
-from tandem.learn.training.algorithms import ALGORITHMS
+from tandem.files.atomic import store
+from tandem.files.validate import cell_of
 from tandem.learn.forms import Form, key_of, parsed, read_document, unreadable
+from tandem.learn.training.algorithms import ALGORITHMS, FORMERLY
 
 RUNS = Path("runs")
 """Where runs are put when no folder is named."""
@@ -39,11 +40,11 @@ Loaded = TypeVar("Loaded")
 
 
 class Asked(Form):
-    """`run.json`: what was asked. The cell and the settings are plain data; `trainer.Order.of` makes them what they are."""
+    """`run.json`: what was asked. The cell and the settings are plain data; `trainer.order_of` makes them what they are."""
 
     cell: dict[str, Any]
     recipe: str
-    algorithm: Annotated[str, key_of(ALGORITHMS)] = "ppo"
+    algorithm: Annotated[str, key_of([*ALGORITHMS, *FORMERLY])] = "ppo"
     settings: dict[str, Any]
     seeds: tuple[int, ...] = Field(min_length=1)
     stress_factor: float
@@ -230,7 +231,7 @@ def _row(file: Path, line: bytes) -> dict[str, Any]:
 def asked_cell(run: RunFolder, asked: Asked) -> Cell:
     """The cell that a run was asked about. Raises CellError at `run.json` with everything that is wrong with it."""
     try:
-        return Cell.of(asked.cell)
+        return cell_of(asked.cell)
     except CellError as error:
         raise unreadable(run.path / "run.json", [f"cell: {fault}" for fault in error.faults]) from None
 

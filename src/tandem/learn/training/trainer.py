@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import time
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,16 +12,16 @@ import jax
 import numpy as np
 
 from tandem.cell.model import Cell
-from tandem.files.messages import shown
 from tandem.errors import CellError, NothingFoundError, UsageError
-from tandem.learn.training import checkpoint
-from tandem.learn.algorithm import Algorithm, Learners, Row
-from tandem.learn.training.algorithms import algorithm
+from tandem.learn.algorithm import AnyRecipe, Order, Row
 from tandem.learn.forms import SettingsError, unreadable
-from tandem.learn.algorithm import AnyRecipe
-from tandem.learn.training.recipes import recipe, recipe_from
 from tandem.learn.room import make_room
-from tandem.learn.training.runs import RunFolder, asked_cell, new_folder
+from tandem.learn.training import checkpoint
+from tandem.learn.training.algorithms import FORMERLY, algorithm
+from tandem.learn.training.recipes import recipe, recipe_from
+from tandem.learn.training.results import gap, result
+from tandem.learn.training.runs import Asked, RunFolder, asked_cell, new_folder
+from tandem.learn.training.state import Training
 from tandem.plan.methods import plan
 from tandem.plan.result import Front
 
@@ -39,91 +38,33 @@ class Progress:
     rows: Sequence[Row]
 
 
-@dataclass(frozen=True)
-class Order:
-    """What is to be trained.
+def order_of(run: RunFolder) -> Order:
+    """What a run was asked.
 
-    Attributes:
-      recipe: and `name`, what it is called.
-      seeds: one training each, side by side.
-      stress_factor: how much a unit of stress counts in the rewards.
-      front_limit: seconds that the planner has for the exact front, against which everything is held.
+    Raises CellError when the folder holds no run, or one whose cell or settings do not hold; with everything that is wrong.
     """
-
-    cell: Cell
-    recipe: AnyRecipe
-    name: str = "tandem"
-    seeds: tuple[int, ...] = (0,)
-    stress_factor: float = 0.0
-    front_limit: float = 30.0
-
-    def __post_init__(self) -> None:
-        if not self.seeds or len(set(self.seeds)) < len(self.seeds):
-            raise UsageError(f"seeds {', '.join(map(str, self.seeds)) or 'empty'}: give one or more, each once.")
-        if not all(0 <= seed < 2**32 for seed in self.seeds):
-            raise UsageError(f"seeds {shown(self.seeds[0])} ...: each is a whole number from 0 to {2**32 - 1}.")
-        if not (np.isfinite(self.stress_factor) and self.stress_factor >= 0):
-            raise UsageError(f"stress factor {self.stress_factor}: must be a number, 0 or more.")
-        if not (np.isfinite(self.front_limit) and self.front_limit > 0):
-            raise UsageError(f"front limit {self.front_limit}: must be a number of seconds above 0.")
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values."""
-        return {
-            "cell": self.cell.to_dict(),
-            "recipe": self.name,
-            "algorithm": self.recipe.algorithm,
-            "settings": self.recipe.to_dict(),
-            "seeds": list(self.seeds),
-            "stress_factor": self.stress_factor,
-            "front_limit": self.front_limit,
-        }
-
-    @classmethod
-    def of(cls, run: RunFolder) -> Order:
-        """What a run was asked.
-
-        Raises CellError when the folder holds no run, or one whose cell or settings do not hold; with everything that is wrong.
-        """
-        asked, faults = run.asked(), list[str]()
-        try:
-            cell = asked_cell(run, asked)
-        except CellError as error:
-            faults += [fault.message for fault in error.faults]
-        try:
-            made = recipe_from(asked.algorithm, asked.settings)
-        except SettingsError as error:
-            faults += [f"settings.{fault}" for fault in error.faults]
-        if faults:
-            raise unreadable(run.path / "run.json", faults)
-        try:
-            return cls(cell, made, asked.recipe, asked.seeds, asked.stress_factor, asked.front_limit)
-        except UsageError as error:
-            raise unreadable(run.path / "run.json", [str(error)]) from None
+    asked, faults = run.asked(), list[str]()
+    try:
+        cell = asked_cell(run, asked)
+    except CellError as error:
+        faults += [fault.message for fault in error.faults]
+    try:
+        made = recipe_from(_algorithm_of(asked), asked.settings)
+    except SettingsError as error:
+        faults += [f"settings.{fault}" for fault in error.faults]
+    if faults:
+        raise unreadable(run.path / "run.json", faults)
+    try:
+        return Order(cell, made, asked.recipe, asked.seeds, asked.stress_factor, asked.front_limit)
+    except UsageError as error:
+        raise unreadable(run.path / "run.json", [str(error)]) from None
 
 
-@dataclass
-class Training:
-    """A training under way."""
-
-    order: Order
-    folder: RunFolder
-    algorithm: Algorithm
-    front: Front | None
-    learners: Learners
-    interval: int = 0
-    cpu_s: float = 0.0
-    tensorboard: Any = None
-    since: float = field(default_factory=time.process_time)
-
-    @property
-    def share(self) -> float:
-        """How much of the budget the slowest seed has behind it, 0 to 1."""
-        return self.algorithm.share(self.learners)
-
-    def spent(self) -> float:
-        """CPU seconds so far, compiling included."""
-        return self.cpu_s + time.process_time() - self.since
+def _algorithm_of(asked: Asked) -> str:
+    """The algorithm of a run; earlier versions called PPO on the thesis's station "ppo" too, and said its pace."""
+    if asked.algorithm == "ppo" and "pace" in asked.settings:
+        return "station"
+    return FORMERLY.get(asked.algorithm, asked.algorithm)
 
 
 def train(
@@ -177,7 +118,7 @@ def resume(
     Raises CellError when the folder holds no run, or one that is damaged beyond that; nothing has been changed then.
     """
     run = RunFolder(Path(folder))
-    order = Order.of(run)
+    order = order_of(run)
     try:
         learner = algorithm(order)
     except UsageError as error:
@@ -201,8 +142,6 @@ def exact_front(cell: Cell, limit: float) -> Front | None:
 
 
 def _go_on(training: Training, tensorboard: bool, on_progress: Callable[[Progress], None] | None) -> dict[str, Any]:
-    from tandem.learn.training.results import result
-
     if tensorboard:
         from tensorboardX import SummaryWriter
 
@@ -229,8 +168,6 @@ def _go_on(training: Training, tensorboard: bool, on_progress: Callable[[Progres
 
 def _interval(training: Training) -> list[Row]:
     """Trains up to the next figures, writes them down and saves."""
-    from tandem.learn.training.results import gap
-
     learners, report = training.algorithm.advance(training.learners)
     finite = [bool(np.all(own)) for own in np.asarray(report.finite)]
     if not all(finite):

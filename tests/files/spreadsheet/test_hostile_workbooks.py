@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 from tests.files.spreadsheet import books
 
+from tandem.errors import CellError
 from tandem.files.spreadsheet import confined, separated, workbook
 from tandem.files.spreadsheet.draft import import_cell
 from tandem.files.spreadsheet.workbook import open_book
-from tandem.errors import CellError
 
 SHEET = "xl/worksheets/sheet1.xml"
 ROWS = [["Task", "Human [s]", "Robot [s]", "Predecessors"], ["a", 10, 20, None], ["b", 5, 6, "a"]]

@@ -12,9 +12,9 @@ import pytest
 from tests.files.spreadsheet import books
 
 from tandem.cell.model import Cell
+from tandem.errors import CellError
 from tandem.files.spreadsheet import import_cell, read_workbook
 from tandem.files.spreadsheet.number_format import Dress, dress
-from tandem.errors import CellError
 
 HEADER = ["Task", "Time human [s]", "Time robot [s]", "Predecessors", "Stress"]
 

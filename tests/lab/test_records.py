@@ -35,15 +35,15 @@ HEADLESS = {
 @pytest.fixture
 def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Where the stored results are looked for."""
-    (tmp_path / "results").mkdir()
     monkeypatch.setattr(records.resources, "files", lambda _: tmp_path)
-    return tmp_path / "results"
+    return tmp_path
 
 
 @pytest.mark.parametrize("name", SYSTEMS)
 @pytest.mark.parametrize("damage", [*DAMAGED, *HEADLESS, "missing", "a folder"])
 def test_a_damaged_stored_result_is_named(package: Path, capfd: pytest.CaptureFixture[str], name: str, damage: str) -> None:
-    file = package / f"{name}.json"
+    file = package / {"thesis": "kinat2023/results.json", "cells": "other_cells.json"}.get(name, f"{name}/results.json")
+    file.parent.mkdir(exist_ok=True)
     if damage == "a folder":
         file.mkdir()
     elif damage != "missing":

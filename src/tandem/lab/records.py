@@ -11,8 +11,8 @@ from typing import Any
 
 from pydantic import ConfigDict, ValidationError
 
-from tandem.files.atomic import store
 from tandem.errors import CellError, Fault
+from tandem.files.atomic import store
 from tandem.learn.forms import Form, complaints
 
 
@@ -26,12 +26,12 @@ class _Head(Form):
     versions: dict[str, str]
 
 
-def stored_document(name: str) -> dict[str, Any]:
-    """The document of the long run of a system, which ships with the package.
+def stored_document(path: str, name: str) -> dict[str, Any]:
+    """The document of the long run of a system, which ships with the package, at a path below `lab`; the system's name is for the remedy.
 
     Raises CellError when this copy of the package has none, or a damaged one.
     """
-    file = resources.files("tandem.lab") / "results" / f"{name}.json"
+    file = resources.files("tandem.lab") / path
     if not file.is_file():
         raise CellError([Fault(f"the stored result is not there; run `tandem reproduce {name}`.", (), str(file))])
     document: dict[str, Any] = _read(file, f"Install Tandem anew, or run `tandem reproduce {name}`.")

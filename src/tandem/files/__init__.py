@@ -1,0 +1,1 @@
+"""Every door for cells: YAML, JSON, public benchmark formats, planners' workbooks; what is wrong with them in words."""

@@ -1,0 +1,1 @@
+"""Independent proximal policy optimisation: every agent a learner of its own."""

@@ -1,0 +1,1 @@
+"""Trainings that can be followed, stopped and taken up again; what they found, held against the exact front."""

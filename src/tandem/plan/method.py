@@ -1,0 +1,52 @@
+"""What every method of planning is: a cell and a question in, a front out, and what it tells while it works."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from tandem.cell.model import Cell
+from tandem.plan.question import Question
+from tandem.plan.result import Front, Result
+from tandem.schedule.model import Schedule
+
+
+@dataclass(frozen=True)
+class Progress:
+    """What a method knows so far.
+
+    Attributes:
+      found: the results so far that nothing found beats, sorted by makespan.
+      bound: no schedule that answers the question now being worked on can be below this makespan, seconds.
+      wall_s: since the method began.
+    """
+
+    found: tuple[Result, ...]
+    bound: float
+    wall_s: float
+
+
+class Method(Protocol):
+    """Every method of planning: a cell and a question in, a front out.
+
+    `time_limit` in seconds (None: until done), `workers` threads or processes (None: as many as there are cores; 1 repeats exactly for a seed),
+    `hint` a schedule to begin with, `on_solution` is called with each improvement and may raise `KeyboardInterrupt` to stop: the
+    front found so far is then returned with `interrupted` set.
+
+    Raises:
+      InfeasibleError: it is proven that no schedule answers the question.
+      NothingFoundError: none was found within the limit.
+    """
+
+    def __call__(
+        self,
+        cell: Cell,
+        question: Question = Question(),
+        *,
+        time_limit: float | None = None,
+        seed: int = 0,
+        workers: int | None = None,
+        hint: Schedule | None = None,
+        on_solution: Callable[[Progress], None] | None = None,
+    ) -> Front: ...
