@@ -1,20 +1,20 @@
 #!/usr/bin/env python3
 """Everything a developer does here, on a bare Python 3.11, 3.12 or 3.13 with pip.
 
-    python3 dev.py run              plan the example cell, train two agents on it: front, Gantt, a report as one HTML file
-    python3 dev.py run ARGUMENTS    the command itself: run plan my-cell.yaml
-    python3 dev.py test             format, lint, types, import rules, docs, tests
-    python3 dev.py test --changed   only the tests that what you changed since the last commit can break (or since COMMIT)
-    python3 dev.py test ARGUMENTS   pytest alone, with these arguments
-    python3 dev.py lint             all of `test` that is not a test
-    python3 dev.py fix              mend what ruff can mend: format and simple findings
-    python3 dev.py docs             build the documentation into docs/_build/html
-    python3 dev.py bench [NAME ...] list the benchmarks, or run one with its arguments
-    python3 dev.py fuzz [NAME ...]  list the fuzzing programs, or run one: random inputs until something differs
-    python3 dev.py clean [--all]    remove what tools left behind; with --all also .venv
+    python3 dev.py run              plan the example cell, train two agents on it: front, Gantt, a
+    report as one HTML file python3 dev.py run ARGUMENTS    the command itself: run plan
+    my-cell.yaml python3 dev.py test             format, lint, types, import rules, docs, tests
+    python3 dev.py test --changed   only the tests that what you changed since the last commit can
+    break (or since COMMIT) python3 dev.py test ARGUMENTS   pytest alone, with these arguments
+    python3 dev.py lint             all of `test` that is not a test python3 dev.py fix
+    mend what ruff can mend: format and simple findings python3 dev.py docs             build the
+    documentation into docs/_build/html python3 dev.py bench [NAME ...] list the benchmarks, or run
+    one with its arguments python3 dev.py fuzz [NAME ...]  list the fuzzing programs, or run one:
+    random inputs until something differs python3 dev.py clean [--all]    remove what tools left
+    behind; with --all also .venv
 
-What is needed is installed into .venv the first time, and again when pyproject.toml or constraints.txt change.
-Only the standard library is used here.
+What is needed is installed into .venv the first time, and again when pyproject.toml or
+constraints.txt change. Only the standard library is used here.
 """
 
 from __future__ import annotations
@@ -38,7 +38,17 @@ STATE = VENV / "tandem-install.json"
 LOG = VENV / "tandem-install.log"
 REPORT = ROOT / "tandem-out" / "thesis.html"
 LEARNED = ROOT / "tandem-out" / "thesis-run"
-LEFTOVERS = (".pytest_cache", ".mypy_cache", ".ruff_cache", ".import_linter_cache", ".hypothesis", "build", "dist", "docs/_build", "tandem-out")
+LEFTOVERS = (
+    ".pytest_cache",
+    ".mypy_cache",
+    ".ruff_cache",
+    ".import_linter_cache",
+    ".hypothesis",
+    "build",
+    "dist",
+    "docs/_build",
+    "tandem-out",
+)
 FORMATTED = ("src", "tests", "docs", "examples", "benchmarks", "dev.py")
 
 # ---------------------------------------------------------------- installing
@@ -50,20 +60,44 @@ def say(text: str) -> None:
 
 def environment() -> dict[str, str]:
     """The caller's environment without what would lead an install or an import elsewhere."""
-    kept = {k: v for k, v in os.environ.items() if k not in ("PYTHONHOME", "PYTHONPATH", "PIP_USER", "PIP_TARGET", "PIP_PREFIX", "VIRTUAL_ENV")}
-    return kept | {"PIP_DISABLE_PIP_VERSION_CHECK": "1", "PATH": f"{BIN}{os.pathsep}{os.environ.get('PATH', os.defpath)}"}
+    kept = {
+        k: v
+        for k, v in os.environ.items()
+        if k
+        not in (
+            "PYTHONHOME",
+            "PYTHONPATH",
+            "PIP_USER",
+            "PIP_TARGET",
+            "PIP_PREFIX",
+            "VIRTUAL_ENV",
+        )
+    }
+    return kept | {
+        "PIP_DISABLE_PIP_VERSION_CHECK": "1",
+        "PATH": f"{BIN}{os.pathsep}{os.environ.get('PATH', os.defpath)}",
+    }
 
 
 def fingerprint() -> str:
-    """Changes when something does that makes the environment stale: what is asked for, this Python, or where we are."""
+    """Changes when something does that makes the environment stale: what is asked for, this Python,
+    or where we are.
+    """
     facts = [(ROOT / name).read_bytes() for name in ("pyproject.toml", "constraints.txt")]
-    return hashlib.sha256(b"\0".join([*facts, sys.version.encode(), str(ROOT).encode()])).hexdigest()
+    return hashlib.sha256(
+        b"\0".join([*facts, sys.version.encode(), str(ROOT).encode()])
+    ).hexdigest()
 
 
 def install(*extras: str) -> None:
-    """Makes .venv hold Tandem (editable) with at least these extras; does nothing when it already does."""
+    """Makes .venv hold Tandem (editable) with at least these extras; does nothing when it already
+    does.
+    """
     if not (3, 11) <= sys.version_info[:2] <= (3, 13):
-        raise SystemExit(f"dev.py: this is Python {sys.version.split()[0]}; use 3.11, 3.12 or 3.13 (OR-Tools 9.14 has no build for others).")
+        raise SystemExit(
+            f"dev.py: this is Python {sys.version.split()[0]}; use 3.11, 3.12 or 3.13 (OR-Tools"
+            " 9.14 has no build for others)."
+        )
     state = installed()
     known, wanted = set(state.get("extras", ())), set(extras)
     if state.get("done") == fingerprint() and wanted <= known and PYTHON.exists():
@@ -75,7 +109,11 @@ def install(*extras: str) -> None:
         say("this folder or the Python was another one: starting afresh.")
         shutil.rmtree(VENV)
     begun = time.monotonic()
-    if not (PYTHON.exists() and subprocess.run([str(PYTHON), "-m", "pip", "--version"], capture_output=True).returncode == 0):
+    if not (
+        PYTHON.exists()
+        and subprocess.run([str(PYTHON), "-m", "pip", "--version"], capture_output=True).returncode
+        == 0
+    ):
         create()
     wanted |= known
     note = {"extras": sorted(wanted), "python": sys.version, "root": str(ROOT)}
@@ -83,7 +121,10 @@ def install(*extras: str) -> None:
     what = f".[{','.join(sorted(wanted))}]" if wanted else "."
     pip("install", "--progress-bar", "off", "-c", "constraints.txt", "-e", what)
     write_state(note | {"done": fingerprint()})
-    say(f"installed {what.replace('.', 'tandem', 1)} into .venv in {time.monotonic() - begun:.0f} s.")
+    say(
+        f"installed {what.replace('.', 'tandem', 1)} into .venv in"
+        f" {time.monotonic() - begun:.0f} s."
+    )
 
 
 def installed() -> dict:
@@ -101,41 +142,74 @@ def write_state(note: dict) -> None:
 
 
 def create() -> None:
-    """A new virtual environment. Some systems split off `ensurepip`; then the pip that is there fills it."""
+    """A new virtual environment. Some systems split off `ensurepip`; then the pip that is there
+    fills it.
+    """
     base = getattr(sys, "_base_executable", None) or sys.executable
     say("creating .venv")
-    made = subprocess.run([base, "-m", "venv", "--clear", str(VENV)], capture_output=True, text=True)
+    made = subprocess.run(
+        [base, "-m", "venv", "--clear", str(VENV)], capture_output=True, text=True
+    )
     if made.returncode == 0:
         return
-    bare = subprocess.run([base, "-m", "venv", "--clear", "--without-pip", str(VENV)], capture_output=True, text=True)
+    bare = subprocess.run(
+        [base, "-m", "venv", "--clear", "--without-pip", str(VENV)], capture_output=True, text=True
+    )
     if bare.returncode == 0:
-        bare = subprocess.run([base, "-m", "pip", "--python", str(PYTHON), "install", "-q", "pip"], capture_output=True, text=True)
+        bare = subprocess.run(
+            [base, "-m", "pip", "--python", str(PYTHON), "install", "-q", "pip"],
+            capture_output=True,
+            text=True,
+        )
     if bare.returncode:
         shutil.rmtree(VENV, ignore_errors=True)
         raise SystemExit(
-            f"dev.py: cannot create .venv.\n{made.stdout}{made.stderr}{bare.stderr}Install the system's package for Python's venv module."
+            f"dev.py: cannot create .venv.\n{made.stdout}{made.stderr}{bare.stderr}Install the"
+            " system's package for Python's venv module."
         )
 
 
 def pip(*arguments: str) -> None:
-    """Runs pip in .venv: its log goes to a file, one line that changes to the terminal, and the end of the log when it fails."""
+    """Runs pip in .venv: its log goes to a file, one line that changes to the terminal, and the end
+    of the log when it fails.
+    """
     live, begun = sys.stderr.isatty(), time.monotonic()
     if not live:
         say("installing; the log is .venv/tandem-install.log")
     with LOG.open("w", encoding="utf-8") as log:
         process = subprocess.Popen(
-            [str(PYTHON), "-m", "pip", *arguments], cwd=ROOT, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+            [str(PYTHON), "-m", "pip", *arguments],
+            cwd=ROOT,
+            env=environment(),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
         )
         assert process.stdout
         for line in process.stdout:
             log.write(line)
             if live:
-                print(f"\r\033[Kinstalling, {time.monotonic() - begun:.0f} s: {line.strip()[:60]}", end="", file=sys.stderr, flush=True)
+                print(
+                    f"\r\033[Kinstalling, {time.monotonic() - begun:.0f} s: {line.strip()[:60]}",
+                    end="",
+                    file=sys.stderr,
+                    flush=True,
+                )
     if live:
         print("\r\033[K", end="", file=sys.stderr)
     if process.wait():
         tail = LOG.read_text(encoding="utf-8").splitlines()[-25:]
-        raise SystemExit("\n".join([*tail, f"dev.py: pip ended with {process.returncode}; all it said is in .venv/tandem-install.log."]))
+        raise SystemExit(
+            "\n".join(
+                [
+                    *tail,
+                    (
+                        f"dev.py: pip ended with {process.returncode}; all it said is in"
+                        " .venv/tandem-install.log."
+                    ),
+                ]
+            )
+        )
 
 
 # ---------------------------------------------------------------- verbs
@@ -146,17 +220,25 @@ def call(*command: str | Path) -> int:
 
 
 def run(arguments: Sequence[str]) -> int:
-    """The main job: the proven front of the thesis cell, then two agents that learn it by trial and error, beside each other."""
+    """The main job: the proven front of the thesis cell, then two agents that learn it by trial and
+    error, beside each other.
+    """
     install()
     if arguments:
         return subprocess.run([str(BIN / "tandem"), *arguments], env=environment()).returncode
     REPORT.parent.mkdir(exist_ok=True)
-    cell, report, kept = Path("examples", "thesis.yaml"), REPORT.relative_to(ROOT), LEARNED.relative_to(ROOT)
+    cell, report, kept = (
+        Path("examples", "thesis.yaml"),
+        REPORT.relative_to(ROOT),
+        LEARNED.relative_to(ROOT),
+    )
     if ended := shown("plan", cell, "--report", report):
         return ended
     install("learn")
     shutil.rmtree(LEARNED, ignore_errors=True)
-    return shown("train", cell, "--stress-factor", "5", "--run", kept) or shown("evaluate", kept, "--report", report)
+    return shown("train", cell, "--stress-factor", "5", "--run", kept) or shown(
+        "evaluate", kept, "--report", report
+    )
 
 
 def shown(*arguments: str | Path) -> int:
@@ -173,24 +255,47 @@ def checks() -> dict[str, list[str | Path]]:
         "lint": [BIN / "ruff", "check", *there],
         "types": [BIN / "mypy"],
         "imports": [BIN / "lint-imports", "--no-cache"],
-        "docs": [PYTHON, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "docs", "docs/_build/html"],
+        "docs": [
+            PYTHON,
+            "-m",
+            "sphinx",
+            "-W",
+            "--keep-going",
+            "-q",
+            "-b",
+            "html",
+            "docs",
+            "docs/_build/html",
+        ],
     }
 
 
 def look() -> list[str]:
-    """Runs the checks side by side and prints what they found. Returns the names of those that failed."""
+    """Runs the checks side by side and prints what they found. Returns the names of those that
+    failed.
+    """
 
-    def one(item: tuple[str, list[str | Path]]) -> tuple[str, subprocess.CompletedProcess[str], float]:
+    def one(
+        item: tuple[str, list[str | Path]],
+    ) -> tuple[str, subprocess.CompletedProcess[str], float]:
         begun = time.monotonic()
         done = subprocess.run(
-            [str(part) for part in item[1]], cwd=ROOT, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+            [str(part) for part in item[1]],
+            cwd=ROOT,
+            env=environment(),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
         )
         return item[0], done, time.monotonic() - begun
 
     failed = []
     with ThreadPoolExecutor(max_workers=min(4, os.cpu_count() or 1)) as pool:
         for name, done, seconds in pool.map(one, checks().items()):
-            print(f"{name:8} {'ok' if done.returncode == 0 else 'FAILED':6} {seconds:5.1f} s", flush=True)
+            print(
+                f"{name:8} {'ok' if done.returncode == 0 else 'FAILED':6} {seconds:5.1f} s",
+                flush=True,
+            )
             if done.returncode:
                 failed.append(name)
                 print(done.stdout, flush=True)
@@ -233,15 +338,24 @@ def docs(_: Sequence[str]) -> int:
 
 def programs(folder: str) -> dict[str, Path]:
     """What can be started in this folder, by name."""
-    return {path.stem: path for path in sorted((ROOT / folder).glob("*.py")) if '__name__ == "__main__"' in path.read_text(encoding="utf-8")}
+    return {
+        path.stem: path
+        for path in sorted((ROOT / folder).glob("*.py"))
+        if '__name__ == "__main__"' in path.read_text(encoding="utf-8")
+    }
 
 
 def choose(verb: str, folder: str, arguments: Sequence[str]) -> tuple[Path | None, int]:
-    """The program named first, or None and how to end: the list was asked for (0), or there is no such program (2)."""
+    """The program named first, or None and how to end: the list was asked for (0), or there is no
+    such program (2).
+    """
     there = programs(folder)
     if not arguments:
         for name, path in there.items():
-            print(f"python3 dev.py {verb} {name:14} {path.read_text(encoding='utf-8').splitlines()[0].strip(chr(34))}")
+            print(
+                f"python3 dev.py {verb} {name:14}"
+                f" {path.read_text(encoding='utf-8').splitlines()[0].strip(chr(34))}"
+            )
         return None, 0
     if arguments[0] not in there:
         say(f"{verb}: nothing is called {arguments[0]!r}; there are {', '.join(there) or 'none'}.")
@@ -279,7 +393,8 @@ def clean(arguments: Sequence[str]) -> int:
 
 
 VERBS: dict[str, Callable[[Sequence[str]], int]] = {
-    "run": run, "test": test, "lint": lint, "fix": fix, "docs": docs, "bench": bench, "fuzz": fuzz, "clean": clean
+    "run": run, "test": test, "lint": lint, "fix": fix, "docs": docs, "bench": bench, "fuzz": fuzz,
+    "clean": clean
 }  # fmt: skip
 
 

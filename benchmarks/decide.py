@@ -1,4 +1,5 @@
-"""How long a trained policy takes to decide in NumPy: microseconds per joint decision of robot and human.
+"""How long a trained policy takes to decide in NumPy: microseconds per joint decision of robot and
+human.
 
     python benchmarks/decide.py [--tasks 7 50] [--repeats 2000]
 
@@ -30,7 +31,10 @@ def policy(tasks: int) -> Policy:
     rng = np.random.default_rng(0)
     sizes = [6 * tasks + 4 + tasks * tasks, *STATION.config.hidden, tasks + 1]
     actor = {
-        str(place): {"weight": rng.standard_normal((2, *shape), np.float32) / shape[0] ** 0.5, "bias": np.zeros((2, shape[1]), np.float32)}
+        str(place): {
+            "weight": rng.standard_normal((2, *shape), np.float32) / shape[0] ** 0.5,
+            "bias": np.zeros((2, shape[1]), np.float32),
+        }
         for place, shape in enumerate(itertools.pairwise(sizes))
     }
     return Policy(("robot_0", "human_0"), actor, STATION.config.activation, True, False, {})
@@ -45,11 +49,17 @@ def measure(tasks: int, repeats: int) -> dict[str, float]:
         began = time.perf_counter()
         agents.predict(seen[place], action_masks=masks)
         spent.append(1e6 * (time.perf_counter() - began))
-    return {"tasks": tasks, "median_us": round(float(np.median(spent)), 1), "p99_us": round(float(np.percentile(spent, 99)), 1)}
+    return {
+        "tasks": tasks,
+        "median_us": round(float(np.median(spent)), 1),
+        "p99_us": round(float(np.percentile(spent, 99)), 1),
+    }
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--tasks", type=int, nargs="+", default=[7, 50])
     parser.add_argument("--repeats", type=int, default=2000)
     asked = parser.parse_args()
@@ -57,7 +67,13 @@ def main() -> None:
     assert "jax" not in sys.modules
     print(
         json.dumps(
-            {"benchmark": "decide", "python": platform.python_version(), "numpy": np.__version__, "machine": platform.machine(), "rows": rows},
+            {
+                "benchmark": "decide",
+                "python": platform.python_version(),
+                "numpy": np.__version__,
+                "machine": platform.machine(),
+                "rows": rows,
+            },
             indent=1,
         )
     )

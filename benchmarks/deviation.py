@@ -1,12 +1,15 @@
-"""People who deviate, beside everybody who can decide live: makespan, stress, regret against the exact optimum, with 95 % intervals.
+"""People who deviate, beside everybody who can decide live: makespan, stress, regret against the
+exact optimum, with 95 % intervals.
 
-    python benchmarks/deviation.py [--case FILE] [--learned FILE] [-o benchmarks/results/deviation.csv]
-    python benchmarks/deviation.py --show benchmarks/results/deviation.csv
+    python benchmarks/deviation.py [--case FILE] [--learned FILE] [-o
+    benchmarks/results/deviation.csv] python benchmarks/deviation.py --show
+    benchmarks/results/deviation.csv
 
-Cells: the thesis's, ten random layered cells of 9 to 12 tasks (seeds 0 to 9), a case study (--case), Yu's desk. All deciders meet the same
-episodes (seed 0). Where everything is certain one episode is as good as many; those who re-plan by CP-SAT get fewer episodes than the
-others, and the large cells fewer than the small ones; each row says how many. Cells already in the output file are kept, so a run that was
-stopped goes on.
+Cells: the thesis's, ten random layered cells of 9 to 12 tasks (seeds 0 to 9), a case study
+(--case), Yu's desk. All deciders meet the same episodes (seed 0). Where everything is certain one
+episode is as good as many; those who re-plan by CP-SAT get fewer episodes than the others, and the
+large cells fewer than the small ones; each row says how many. Cells already in the output file are
+kept, so a run that was stopped goes on.
 """
 
 from __future__ import annotations
@@ -33,7 +36,8 @@ from tandem.world.randomness import Chance
 
 ROOT = Path(__file__).resolve().parents[1]
 PEOPLE = (
-    "compliant", "random:0.1", "random:0.5", "random:1", "pace:0.6", "pace:2", "utility:stress=1", "adversarial", "refusing:0.2", "forgetful:0.1",
+    "compliant", "random:0.1", "random:0.5", "random:1", "pace:0.6", "pace:2", "utility:stress=1",
+    "adversarial", "refusing:0.2", "forgetful:0.1",
 )  # fmt: skip
 ELSEWHERE = ("compliant", "random:0.5", "pace:0.6", "pace:2", "adversarial", "forgetful:0.1")
 """On the other cells."""
@@ -43,8 +47,10 @@ SCATTER = Chance(spread="lognormal", cv=0.3)
 SCATTERED = "compliant, times scatter (cv 0.3)"
 POLICIES = ("replan-robust", "fixed", "longest-tail", "replan", "expected", "minimax")
 COLUMNS = (
-    "cell", "digest", "tasks", "people", "policy", "episodes", "done", "makespan", "low", "high", "p95", "stress", "stress_low", "stress_high",
-    "changes", "optimum", "regret_share", "regret_low", "regret_high", "proximity", "difference", "difference_low", "difference_high",
+    "cell", "digest", "tasks", "people", "policy", "episodes", "done", "makespan", "low", "high",
+    "p95", "stress", "stress_low", "stress_high",
+    "changes", "optimum", "regret_share", "regret_low", "regret_high", "proximity", "difference",
+    "difference_low", "difference_high",
     "p50_ms", "p99_ms",
 )  # fmt: skip
 
@@ -60,16 +66,24 @@ def cells(case: Path | None) -> Iterator[tuple[str, Cell, int]]:
 
 
 def fewer(people: str, episodes: int, small: bool) -> dict[str, int]:
-    """How many episodes the deciders get, where it is less than all: what re-plans is slow, and so is what meets no situation twice."""
+    """How many episodes the deciders get, where it is less than all: what re-plans is slow, and so
+    is what meets no situation twice.
+    """
     if people in CERTAIN:
         return dict.fromkeys((*POLICIES, "learned"), 2)
     slow = max(3, episodes // 10)
     if people == SCATTERED or (people.startswith("forgetful") and not small):
-        return dict.fromkeys((*POLICIES, "learned"), min(slow, 12)) if not small else {"replan": slow, "replan-robust": slow}
+        return (
+            dict.fromkeys((*POLICIES, "learned"), min(slow, 12))
+            if not small
+            else {"replan": slow, "replan-robust": slow}
+        )
     return {"replan": slow, "replan-robust": max(slow, episodes // 2)}
 
 
-def rows_of(name: str, cell: Cell, episodes: int, options: Options, tell: Callable[[str], None]) -> Iterator[tuple[Any, ...]]:
+def rows_of(
+    name: str, cell: Cell, episodes: int, options: Options, tell: Callable[[str], None]
+) -> Iterator[tuple[Any, ...]]:
     """One row per people and decider."""
     small = len(cell.tasks) <= MOST_TASKS
     policies = tuple(one for one in POLICIES if small or one not in ("expected", "minimax"))
@@ -88,31 +102,52 @@ def rows_of(name: str, cell: Cell, episodes: int, options: Options, tell: Callab
         )
         (document,) = judge(cell, trial, tell)
         for row in document["policies"]:
-            time_, stress, latency, apart = row["makespan"], row["stress"], row["latency_ms"], row.get("difference", {"mean": "", "ci95": ["", ""]})
+            time_, stress, latency, apart = (
+                row["makespan"],
+                row["stress"],
+                row["latency_ms"],
+                row.get("difference", {"mean": "", "ci95": ["", ""]}),
+            )
             best = document["optimum"]
-            regret = [None, None] if best is None else [round(edge / best, 5) for edge in row["regret_ci95"]]
+            regret = (
+                [None, None]
+                if best is None
+                else [round(edge / best, 5) for edge in row["regret_ci95"]]
+            )
             yield (
-                name, cell.digest, len(cell.tasks), people, row["policy"], row["episodes"], row["done"], time_["mean"], *time_["ci95"], time_["p95"],
-                stress["mean"], *stress["ci95"], row["changes"], best, row["regret_share"], *regret, row["proximity"], apart["mean"], *apart["ci95"],
+                name, cell.digest, len(cell.tasks), people, row["policy"], row["episodes"],
+                row["done"], time_["mean"], *time_["ci95"], time_["p95"],
+                stress["mean"], *stress["ci95"], row["changes"], best, row["regret_share"], *regret,
+                row["proximity"], apart["mean"], *apart["ci95"],
                 latency["p50"], latency["p99"],
             )  # fmt: skip
 
 
 def show(rows: list[dict[str, str]]) -> None:
-    """Regret in %, or the makespan where there is no exact optimum; the random cells as the mean over them."""
+    """Regret in %, or the makespan where there is no exact optimum; the random cells as the mean
+    over them.
+    """
     groups: dict[str, list[dict[str, str]]] = {}
     for row in rows:
-        groups.setdefault("layered" if row["cell"].startswith("layered") else row["cell"], []).append(row)
+        groups.setdefault(
+            "layered" if row["cell"].startswith("layered") else row["cell"], []
+        ).append(row)
     for title, mine in groups.items():
         policies = list(dict.fromkeys(row["policy"] for row in mine))
         count = len({row["cell"] for row in mine})
-        print(f"\n{title} ({count} cell{'s' * (count != 1)}): regret against the exact optimum, % (half its 95 % interval);")
+        print(
+            f"\n{title} ({count} cell{'s' * (count != 1)}): regret against the exact optimum, %"
+            " (half its 95 % interval);"
+        )
         print("where there is none: seconds above replan-robust in the same episodes")
         print(f"{'':<36}" + "".join(f"{policy:>18}" for policy in policies))
         for people in dict.fromkeys(row["people"] for row in mine):
             print(
                 f"{people:<36}"
-                + "".join(f"{_entry([row for row in mine if row['people'] == people and row['policy'] == policy]):>18}" for policy in policies)
+                + "".join(
+                    f"{_entry([row for row in mine if row['people'] == people and row['policy'] == policy]):>18}"
+                    for policy in policies
+                )
             )
 
 
@@ -120,19 +155,29 @@ def _entry(rows: list[dict[str, str]]) -> str:
     if not rows:
         return "-"
     if all(row["regret_share"] for row in rows):
-        low, high = (sum(float(row[edge]) for row in rows) / len(rows) for edge in ("regret_low", "regret_high"))
-        half = sum(((float(row["regret_high"]) - float(row["regret_low"])) / 2) ** 2 for row in rows) ** 0.5 / len(rows)
+        low, high = (
+            sum(float(row[edge]) for row in rows) / len(rows)
+            for edge in ("regret_low", "regret_high")
+        )
+        half = sum(
+            ((float(row["regret_high"]) - float(row["regret_low"])) / 2) ** 2 for row in rows
+        ) ** 0.5 / len(rows)
         return f"{50 * (low + high):.1f} ({100 * half:.1f})"
     mean = sum(float(row["makespan"]) for row in rows) / len(rows)
     if all(row["difference"] for row in rows):
         apart = sum(float(row["difference"]) for row in rows) / len(rows)
-        half = sum(((float(row["difference_high"]) - float(row["difference_low"])) / 2) ** 2 for row in rows) ** 0.5 / len(rows)
+        half = sum(
+            ((float(row["difference_high"]) - float(row["difference_low"])) / 2) ** 2
+            for row in rows
+        ) ** 0.5 / len(rows)
         return f"{apart:+.2f} s ({half:.2f})"
     return f"{mean:.2f} s"
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--case", type=Path, help="a case study: a cell of any format")
     parser.add_argument("--learned", help="a trained best response for the thesis's cell")
     parser.add_argument("--only", nargs="+", help="only these cells")
@@ -155,7 +200,10 @@ def main() -> int:
             continue
         episodes = max(3, episodes // 10) if options.quick else episodes
         settings = replace(Options(), budget_ms=options.budget, learned=options.learned)
-        rows += [["" if one is None else str(one) for one in row] for row in rows_of(name, cell, episodes, settings, lambda _: None)]
+        rows += [
+            ["" if one is None else str(one) for one in row]
+            for row in rows_of(name, cell, episodes, settings, lambda _: None)
+        ]
         print(f"{name}: {time.perf_counter() - began:.0f} s", file=sys.stderr, flush=True)
         if options.output:
             _write(options.output, rows, options)
@@ -167,8 +215,18 @@ def _write(path: Path, rows: list[list[str]], options: argparse.Namespace) -> No
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerows([COLUMNS, *rows])
-    case = None if options.case is None else {"name": options.case.name, "digest": load(options.case).digest}
-    about = {"seed": 0, "budget_ms": options.budget, "case": case, "learned": options.learned is not None, "versions": versions()}
+    case = (
+        None
+        if options.case is None
+        else {"name": options.case.name, "digest": load(options.case).digest}
+    )
+    about = {
+        "seed": 0,
+        "budget_ms": options.budget,
+        "case": case,
+        "learned": options.learned is not None,
+        "versions": versions(),
+    }
     path.with_suffix(".json").write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
 
 

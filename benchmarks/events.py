@@ -1,9 +1,11 @@
-"""How fast the event world moves: decisions and events per second with random legal ways, by cell, people and batch.
+"""How fast the event world moves: decisions and events per second with random legal ways, by cell,
+people and batch.
 
     python benchmarks/events.py [--cell FILE] [--seconds 2] [--batches 1 64 1024]
 
-An event is a decision or a stretch of time that runs on. One call plays a whole batch of episodes from their random numbers to their end; the best
-call counts. The last rows are the same episodes in NumPy, one after the other, and the Gymnasium face.
+An event is a decision or a stretch of time that runs on. One call plays a whole batch of episodes
+from their random numbers to their end; the best call counts. The last rows are the same episodes in
+NumPy, one after the other, and the Gymnasium face.
 """
 
 from __future__ import annotations
@@ -35,7 +37,12 @@ from tandem.world.state import legal_of
 
 ROOT = Path(__file__).resolve().parents[1]
 WILD = Chance("lognormal", cv=0.2, failure_s=60.0, absence_s=60.0)
-PEOPLE = {"compliant": OFF, "random:0.5": OFF, "random:0.5+pace:0.7..2+tiring:weak": WILD, "random:0.5+forgetful:0.1+refusing:0.1": WILD}
+PEOPLE = {
+    "compliant": OFF,
+    "random:0.5": OFF,
+    "random:0.5+pace:0.7..2+tiring:weak": WILD,
+    "random:0.5+forgetful:0.1+refusing:0.1": WILD,
+}
 
 
 class Measured(NamedTuple):
@@ -46,7 +53,9 @@ class Measured(NamedTuple):
 
 
 def best_of(play: Callable[[], int], seconds: float) -> Measured:
-    """Calls `play`, which returns how many events it made, for about so long; the quickest call counts."""
+    """Calls `play`, which returns how many events it made, for about so long; the quickest call
+    counts.
+    """
     play()
     wall = cpu = 0.0
     end = time.perf_counter() + seconds
@@ -59,18 +68,27 @@ def best_of(play: Callable[[], int], seconds: float) -> Measured:
 
 
 def any_way(arrays: Arrays, shift: Shift) -> Any:
-    """A legal way of whose turn it is that changes from decision to decision: random enough, and it needs no random numbers of its own."""
+    """A legal way of whose turn it is that changes from decision to decision: random enough, and it
+    needs no random numbers of its own.
+    """
     mine = legal_of(arrays, shift.mask, shift.turn)
     xp = namespace(mine)
     rank = (shift.decisions * 7 + shift.state.clock) % xp.maximum(1, xp.sum(mine))
     return xp.argmax(xp.cumsum(mine) > rank)
 
 
-def prepared(cell: Cell, spec: str, chance: Chance, batch: int) -> tuple[Names, Arrays, Draw, Person]:
+def prepared(
+    cell: Cell, spec: str, chance: Chance, batch: int
+) -> tuple[Names, Arrays, Draw, Person]:
     names = Names.of(cell)
     people = crowd(spec, names, names.arrays())
     arrays = names.arrays(undo=chance.undo if people.makes_mistakes else None)
-    return names, arrays, Draw.of(names, arrays, chance), people.draw(np.random.default_rng(0), batch)
+    return (
+        names,
+        arrays,
+        Draw.of(names, arrays, chance),
+        people.draw(np.random.default_rng(0), batch),
+    )
 
 
 def compiled(cell: Cell, spec: str, chance: Chance, batch: int) -> Callable[[], int]:
@@ -90,7 +108,13 @@ def in_numpy(cell: Cell, spec: str, chance: Chance) -> Callable[[], int]:
     """Twenty episodes, one after the other."""
     names, arrays, draw, people = prepared(cell, spec, chance, 20)
     chances = fates(jax.random.key(0), draw, arrays, 20)
-    ready = [(Fate(*(part[e] for part in chances)), crew_of(arrays, Person(*(part[e] for part in people)))) for e in range(20)]
+    ready = [
+        (
+            Fate(*(part[e] for part in chances)),
+            crew_of(arrays, Person(*(part[e] for part in people))),
+        )
+        for e in range(20)
+    ]
 
     def play() -> int:
         return sum(
@@ -102,7 +126,10 @@ def in_numpy(cell: Cell, spec: str, chance: Chance) -> Callable[[], int]:
 
 def gymnasium_loop(cell: Cell, spec: str, chance: Chance) -> Callable[[], int]:
     """Our Gymnasium face in the loop that every client writes: decisions."""
-    env, rng = gymnasium.make("tandem/RobotBesideHuman-v0", cell=cell, person=spec, chance=chance), np.random.default_rng(0)
+    env, rng = (
+        gymnasium.make("tandem/RobotBesideHuman-v0", cell=cell, person=spec, chance=chance),
+        np.random.default_rng(0),
+    )
 
     def play() -> int:
         steps = 0
@@ -110,14 +137,18 @@ def gymnasium_loop(cell: Cell, spec: str, chance: Chance) -> Callable[[], int]:
             observation, _ = env.reset()
             ended = cut = False
             while not (ended or cut):
-                observation, _, ended, cut, _ = env.step(int(rng.choice(np.flatnonzero(observation["action_mask"]))))
+                observation, _, ended, cut, _ = env.step(
+                    int(rng.choice(np.flatnonzero(observation["action_mask"])))
+                )
                 steps += 1
         return steps
 
     return play
 
 
-def rows(cell: Cell, batches: list[int]) -> Iterator[tuple[str, str, int, Callable[[], Callable[[], int]]]]:
+def rows(
+    cell: Cell, batches: list[int]
+) -> Iterator[tuple[str, str, int, Callable[[], Callable[[], int]]]]:
     """How, beside whom, batch, and what makes the player."""
     for spec, chance in PEOPLE.items():
         for batch in batches:
@@ -134,7 +165,11 @@ def main() -> None:
     parser.add_argument("--batches", type=int, nargs="+", default=[1, 64, 1024])
     given = parser.parse_args()
     cell, device = load(given.cell), jax.devices()[0]
-    print(f"{cell.name}; {len(os.sched_getaffinity(0))} cores, load {os.getloadavg()[0]:.1f}; {device.platform} {device.device_kind}; ", end="")
+    print(
+        f"{cell.name}; {len(os.sched_getaffinity(0))} cores, load {os.getloadavg()[0]:.1f};"
+        f" {device.platform} {device.device_kind}; ",
+        end="",
+    )
     print(f"JAX {jax.__version__}, NumPy {np.__version__}, Python {platform.python_version()}")
     print(f"{'':24}{'people':42}{'batch':>6}{'events/s':>14}{'per CPU s':>14}")
     for how, spec, batch, make in rows(cell, given.batches):

@@ -1,14 +1,16 @@
-"""Fronts under a time limit: how the time is spent, how much is proven, and how good what was found is.
+"""Fronts under a time limit: how the time is spent, how much is proven, and how good what was found
+is.
 
     python benchmarks/fronts.py [--tasks 31 60 100 160] [--seeds 2] [--seconds 10] [-o AFTER.json]
     python benchmarks/fronts.py --compare BEFORE.json AFTER.json
 
-To hold two versions against each other, run the first command with each (PYTHONPATH=OTHER/src) in one session, in turn. On a
-machine that others use too, wall time says little; so two figures stand beside it: processor seconds, and `wanted`, the share of
-the time in which at least as many threads wanted a core as there are workers, whether they got one or not (Linux only).
+To hold two versions against each other, run the first command with each (PYTHONPATH=OTHER/src) in
+one session, in turn. On a machine that others use too, wall time says little; so two figures stand
+beside it: processor seconds, and `wanted`, the share of the time in which at least as many threads
+wanted a core as there are workers, whether they got one or not (Linux only).
 
-`gap` is the mean distance of a point's makespan to its bound. `volume` is the hypervolume of a front as a share of the best of all
-compared, both axes scaled to the range of all points found.
+`gap` is the mean distance of a point's makespan to its bound. `volume` is the hypervolume of a
+front as a share of the best of all compared, both axes scaled to the range of all points found.
 """
 
 from __future__ import annotations
@@ -32,7 +34,9 @@ Row = dict[str, Any]
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--tasks", nargs="+", type=int, default=[31, 60, 100, 160])
     parser.add_argument("--humans", type=int, default=1)
     parser.add_argument("--robots", type=int, default=1)
@@ -40,11 +44,19 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("-o", "--output", type=Path)
-    parser.add_argument("--compare", nargs="+", type=Path, help="print the tables of earlier runs side by side instead")
+    parser.add_argument(
+        "--compare",
+        nargs="+",
+        type=Path,
+        help="print the tables of earlier runs side by side instead",
+    )
     options = parser.parse_args()
     if options.compare:
         return _compare(options.compare)
-    print(f"{Path(tandem.__file__).parent}, {options.workers} workers, {options.seconds:g} s", flush=True)
+    print(
+        f"{Path(tandem.__file__).parent}, {options.workers} workers, {options.seconds:g} s",
+        flush=True,
+    )
     rows: list[Row] = []
     for tasks in options.tasks:
         for seed in range(options.seeds):
@@ -59,7 +71,9 @@ def _measured(tasks: int, seed: int, options: argparse.Namespace) -> Row:
     """One front, and what it took."""
     cell = layered(tasks, options.humans, options.robots, seed=seed)
     ours, theirs = multiprocessing.Pipe()
-    watch = multiprocessing.get_context("spawn").Process(target=_watch, args=(os.getpid(), options.workers, theirs), daemon=True)
+    watch = multiprocessing.get_context("spawn").Process(
+        target=_watch, args=(os.getpid(), options.workers, theirs), daemon=True
+    )
     watch.start()
     ours.recv()  # it has begun
     wall, cpu = time.monotonic(), _processor_seconds()
@@ -74,7 +88,10 @@ def _measured(tasks: int, seed: int, options: argparse.Namespace) -> Row:
         "cpu": round(cpu, 2),
         "wanted": wanted,
         "complete": front.complete,
-        "points": [[r.makespan, r.stress, r.bound.makespan, r.bound.stress, str(r.status) == "optimal"] for r in front],
+        "points": [
+            [r.makespan, r.stress, r.bound.makespan, r.bound.stress, str(r.status) == "optimal"]
+            for r in front
+        ],
         "recommended": [front.knee.makespan, front.knee.stress],
     }
 
@@ -85,7 +102,9 @@ def _processor_seconds() -> float:
 
 
 def _watch(pid: int, workers: int, pipe: Any) -> None:
-    """Counts, from outside, how often at least so many threads of the process run or wait for a core only."""
+    """Counts, from outside, how often at least so many threads of the process run or wait for a
+    core only.
+    """
     pipe.send("begun")
     looks = enough = 0
     while not pipe.poll(SAMPLE_S):
@@ -110,24 +129,32 @@ def _line(row: Row, volume: float | None = None) -> str:
     gap = sum((point[0] - point[2]) / point[0] for point in points) / len(points)
     wanted = "" if row["wanted"] is None else f"wanted {row['wanted']:4.0%}  "
     return (
-        f"{row['cell']:<24} wall {row['wall']:6.2f} s  cpu {row['cpu']:6.2f} s  {wanted}{proven:>3} of {len(points):>3} proven"
-        f"{'  complete' if row['complete'] else '          '}  gap {gap:6.2%}" + ("" if volume is None else f"  volume {volume:7.2%}")
+        f"{row['cell']:<24} wall {row['wall']:6.2f} s  cpu {row['cpu']:6.2f} s  {wanted}{proven:>3}"
+        f" of {len(points):>3} proven{'  complete' if row['complete'] else '          '}  gap"
+        f" {gap:6.2%}" + ("" if volume is None else f"  volume {volume:7.2%}")
     )
 
 
 def _compare(paths: list[Path]) -> int:
     """The same cells, file by file."""
-    runs = {path.stem: {row["cell"]: row for row in json.loads(path.read_text(encoding="utf-8"))} for path in paths}
+    runs = {
+        path.stem: {row["cell"]: row for row in json.loads(path.read_text(encoding="utf-8"))}
+        for path in paths
+    }
     for cell in dict.fromkeys(cell for rows in runs.values() for cell in rows):
         rows = {name: rows[cell] for name, rows in runs.items() if cell in rows}
-        volumes = _volumes([[(point[0], point[1]) for point in row["points"]] for row in rows.values()])
+        volumes = _volumes(
+            [[(point[0], point[1]) for point in row["points"]] for row in rows.values()]
+        )
         for (name, row), volume in zip(rows.items(), volumes, strict=True):
             print(f"{name:<12} {_line(row, volume)}")
     return 0
 
 
 def _volumes(fronts: list[list[tuple[float, float]]]) -> list[float]:
-    """Hypervolume of each front within the box of all their points, as a share of that of all points together."""
+    """Hypervolume of each front within the box of all their points, as a share of that of all
+    points together.
+    """
     everything = [point for front in fronts for point in front]
     latest, most = (max(axis) for axis in zip(*everything, strict=True))
     whole = _volume(everything, latest, most)

@@ -1,10 +1,13 @@
-"""Does a shift survive `kill -9`? Real processes, real SIGKILL, random moments; then each event and decision is held against a shift nobody killed.
+"""Does a shift survive `kill -9`? Real processes, real SIGKILL, random moments; then each event and
+decision is held against a shift nobody killed.
 
     python benchmarks/kill.py [--kills 100] [--policy longest-tail] [--tasks 40] [--seed 0]
 
-Twice so many kills: once a simulated floor drives the shift inside the process (`--simulate`), once the floor is outside and sends lines through a
-pipe, sending again, under the same id, whatever was not answered. A life ends while the program starts, while it waits, or within milliseconds after
-an event was sent. Exit code 1 when an event was lost or doubled, a decision differs, or something was told that the journal does not hold.
+Twice so many kills: once a simulated floor drives the shift inside the process (`--simulate`), once
+the floor is outside and sends lines through a pipe, sending again, under the same id, whatever was
+not answered. A life ends while the program starts, while it waits, or within milliseconds after an
+event was sent. Exit code 1 when an event was lost or doubled, a decision differs, or something was
+told that the journal does not hold.
 """
 
 from __future__ import annotations
@@ -41,7 +44,8 @@ class Lives:
     Attributes:
       entries: of the journal at the end.
       said: documents that were told completely, by all lives.
-      kills: how many lives were ended; `starting` of them before they had said anything, `open_event` while an event was sent and not answered.
+      kills: how many lives were ended; `starting` of them before they had said anything,
+        `open_event` while an event was sent and not answered.
       again: events that were sent again and were known already.
     """
 
@@ -54,23 +58,61 @@ class Lives:
 
 
 def command(cell: Path, journal: Path, policy: str, seed: int, *more: str) -> list[str]:
-    """The program on a journal. The budget is so wide that a busy machine makes no decision late."""
-    base = [sys.executable, "-m", "tandem.cli", "dispatch", str(cell), "--journal", str(journal), "--json"]
-    return [*base, *([] if journal.exists() and _begun(journal) else ["--policy", policy, "--seed", str(seed), "--budget", "60000"]), *more]
+    """The program on a journal. The budget is so wide that a busy machine makes no decision
+    late.
+    """
+    base = [
+        sys.executable,
+        "-m",
+        "tandem.cli",
+        "dispatch",
+        str(cell),
+        "--journal",
+        str(journal),
+        "--json",
+    ]
+    return [
+        *base,
+        *(
+            []
+            if journal.exists() and _begun(journal)
+            else ["--policy", policy, "--seed", str(seed), "--budget", "60000"]
+        ),
+        *more,
+    ]
 
 
 def undisturbed(cell: Path, journal: Path, policy: str, seed: int) -> list[Entry]:
     """The shift that nobody kills."""
-    subprocess.run(command(cell, journal, policy, seed, *FLOOR, *_seed(journal, seed)), check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(
+        command(cell, journal, policy, seed, *FLOOR, *_seed(journal, seed)),
+        check=True,
+        stdout=subprocess.DEVNULL,
+    )
     return _entries(journal)
 
 
-def killed_inside(cell: Path, journal: Path, policy: str, seed: int, kills: int, chance: random.Random, seconds: float, makespan: float) -> Lives:
-    """The shift with its floor inside the process, killed so often; a life lasts `seconds` on average once it has begun."""
+def killed_inside(
+    cell: Path,
+    journal: Path,
+    policy: str,
+    seed: int,
+    kills: int,
+    chance: random.Random,
+    seconds: float,
+    makespan: float,
+) -> Lives:
+    """The shift with its floor inside the process, killed so often; a life lasts `seconds` on
+    average once it has begun.
+    """
     lives = Lives()
     speed = makespan / (kills * seconds)
     while lives.kills < kills:
-        with _Life(command(cell, journal, policy, seed, *FLOOR, *_seed(journal, seed), "--speed", str(speed))) as life:
+        with _Life(
+            command(
+                cell, journal, policy, seed, *FLOOR, *_seed(journal, seed), "--speed", str(speed)
+            )
+        ) as life:
             if chance.random() < IN_STARTING:
                 time.sleep(chance.uniform(0, 1.0))
                 lives.starting += not life.has_said_something()
@@ -81,13 +123,27 @@ def killed_inside(cell: Path, journal: Path, policy: str, seed: int, kills: int,
             if ended:
                 break
             lives.kills += 1
-    subprocess.run(command(cell, journal, policy, seed, *FLOOR, *_seed(journal, seed)), check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(
+        command(cell, journal, policy, seed, *FLOOR, *_seed(journal, seed)),
+        check=True,
+        stdout=subprocess.DEVNULL,
+    )
     lives.entries = _entries(journal)
     return lives
 
 
-def killed_outside(cell: Path, journal: Path, policy: str, seed: int, kills: int, chance: random.Random, events: list[str]) -> Lives:
-    """The shift with its floor outside, which sends these lines and sends again what was not answered; killed so often."""
+def killed_outside(
+    cell: Path,
+    journal: Path,
+    policy: str,
+    seed: int,
+    kills: int,
+    chance: random.Random,
+    events: list[str],
+) -> Lives:
+    """The shift with its floor outside, which sends these lines and sends again what was not
+    answered; killed so often.
+    """
     lives, sent = Lives(), 0
     deaths = sorted(chance.randrange(len(events)) for _ in range(kills))
     while sent < len(events):
@@ -107,7 +163,10 @@ def killed_outside(cell: Path, journal: Path, policy: str, seed: int, kills: int
                     time.sleep(chance.uniform(0, 0.012))
                     lives.kills += 1
                     life.killed()
-                    lives.open_event += not any(document["type"] == "answer" and document.get("id") == _id(events[sent]) for document in life.said)
+                    lives.open_event += not any(
+                        document["type"] == "answer" and document.get("id") == _id(events[sent])
+                        for document in life.said
+                    )
                     break
                 answer = life.documents(1)[0]
                 lives.again += "duplicate_of" in answer
@@ -120,22 +179,32 @@ def killed_outside(cell: Path, journal: Path, policy: str, seed: int, kills: int
 
 
 def judged(reference: list[Entry], lives: Lives) -> list[str]:
-    """What is wrong about the killed shift; empty when every event was kept once and every decision is the reference's."""
+    """What is wrong about the killed shift; empty when every event was kept once and every decision
+    is the reference's.
+    """
     wrong = []
     if [entry.number for entry in lives.entries] != list(range(len(lives.entries))):
         wrong.append("the journal's numbers have gaps.")
-    then, now = ([entry for entry in entries if entry.number == 0 or entry.event is not None] for entries in (reference, lives.entries))
+    then, now = (
+        [entry for entry in entries if entry.number == 0 or entry.event is not None]
+        for entries in (reference, lives.entries)
+    )
     if [entry.event for entry in then] != [entry.event for entry in now]:
         wrong.append(f"the events are others: {len(then)} without kills, {len(now)} with them.")
     for one, other in zip(then, now, strict=False):
-        if _lasting(one) != _lasting(other) or (one.number == other.number and one.situation != other.situation):
+        if _lasting(one) != _lasting(other) or (
+            one.number == other.number and one.situation != other.situation
+        ):
             wrong.append(
-                f"entry {other.number}: the decision or the situation is another one than number {one.number} of the shift that nobody killed."
+                f"entry {other.number}: the decision or the situation is another one than number"
+                f" {one.number} of the shift that nobody killed."
             )
     kept = {entry.number: entry for entry in lives.entries}
     for document in lives.said:
         entry = kept.get(document.get("number", -1))
-        if document["type"] in ("answer", "decision") and (entry is None or document not in (entry.answer, entry.decision)):
+        if document["type"] in ("answer", "decision") and (
+            entry is None or document not in (entry.answer, entry.decision)
+        ):
             wrong.append(f"it was told, but is not in the journal: {json.dumps(document)[:200]}")
     return wrong
 
@@ -145,7 +214,9 @@ class _Life:
 
     def __init__(self, program: list[str], piped: bool = False) -> None:
         stdin = subprocess.PIPE if piped else subprocess.DEVNULL
-        self.process = subprocess.Popen(program, stdin=stdin, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.process = subprocess.Popen(
+            program, stdin=stdin, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        )
         self.said: list[dict[str, Any]] = []
 
     def __enter__(self) -> _Life:
@@ -188,7 +259,9 @@ class _Life:
         return bool(select.select([self.process.stdout], [], [], 0)[0])
 
     def killed(self) -> bool:
-        """Kills it and hears what was still in the pipe; True when it had ended by itself before."""
+        """Kills it and hears what was still in the pipe; True when it had ended by itself
+        before.
+        """
         ended = self.process.poll() is not None
         self.process.kill()
         self.process.wait()
@@ -212,13 +285,26 @@ def _entries(journal: Path) -> list[Entry]:
 
 
 def _lasting(entry: Entry) -> dict[str, Any]:
-    """The decision without numbers of entries, which count lines that came twice, and without what is measured."""
-    return {key: value for key, value in _without_orders(entry.decision or {}) if key not in ("number", "latency_ms")}
+    """The decision without numbers of entries, which count lines that came twice, and without what
+    is measured.
+    """
+    return {
+        key: value
+        for key, value in _without_orders(entry.decision or {})
+        if key not in ("number", "latency_ms")
+    }
 
 
 def _without_orders(decision: Any) -> Iterator[tuple[str, Any]]:
     for key, value in decision.items():
-        yield key, [{k: v for k, v in row.items() if k != "order"} for row in value] if key in ("starts", "revoked") else value
+        yield (
+            key,
+            (
+                [{k: v for k, v in row.items() if k != "order"} for row in value]
+                if key in ("starts", "revoked")
+                else value
+            ),
+        )
 
 
 def _id(text: str) -> str:
@@ -227,10 +313,17 @@ def _id(text: str) -> str:
 
 def replayed(cell: Path, journal: Path) -> bool:
     """Whether the program itself finds the same decisions when it replays the journal."""
-    return subprocess.run(command(cell, journal, "", 0, "--replay"), stdout=subprocess.DEVNULL).returncode == 0
+    return (
+        subprocess.run(
+            command(cell, journal, "", 0, "--replay"), stdout=subprocess.DEVNULL
+        ).returncode
+        == 0
+    )
 
 
-def run(kills: int, policy: str, tasks: int, seed: int, seconds: float, folder: Path) -> dict[str, Any]:
+def run(
+    kills: int, policy: str, tasks: int, seed: int, seconds: float, folder: Path
+) -> dict[str, Any]:
     """Both ways of killing; the document that is printed."""
     cell, chance = folder / "cell.yaml", random.Random(seed)
     dump(layered(tasks, seed=seed), cell)
@@ -240,7 +333,9 @@ def run(kills: int, policy: str, tasks: int, seed: int, seconds: float, folder: 
     for floor in ("inside", "outside"):
         journal = folder / f"{floor}.db"
         if floor == "inside":
-            lives = killed_inside(cell, journal, policy, seed, kills, chance, seconds, json.loads(lines[-1])["at"])
+            lives = killed_inside(
+                cell, journal, policy, seed, kills, chance, seconds, json.loads(lines[-1])["at"]
+            )
         else:
             lives = killed_outside(cell, journal, policy, seed, kills, chance, lines)
         wrong = judged(reference, lives)
@@ -270,15 +365,24 @@ def run(kills: int, policy: str, tasks: int, seed: int, seconds: float, folder: 
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--kills", type=int, default=100, help="for each of the two floors")
     parser.add_argument("--policy", default="longest-tail")
     parser.add_argument("--tasks", type=int, default=40)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--seconds", type=float, default=0.15, help="that a life lasts on average, once it has begun")
+    parser.add_argument(
+        "--seconds",
+        type=float,
+        default=0.15,
+        help="that a life lasts on average, once it has begun",
+    )
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        document = run(asked.kills, asked.policy, asked.tasks, asked.seed, asked.seconds, Path(folder))
+        document = run(
+            asked.kills, asked.policy, asked.tasks, asked.seed, asked.seconds, Path(folder)
+        )
     print(json.dumps(document, indent=1))
     sys.exit(any(row["wrong"] or not row["replay_is_the_same"] for row in document["rows"]))
 

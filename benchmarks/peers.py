@@ -1,6 +1,8 @@
-"""The peers that Tandem is held against, given the same cell, the same cores and the same seconds: a plain CP-SAT model, and PyJobShop.
+"""The peers that Tandem is held against, given the same cell, the same cores and the same seconds:
+a plain CP-SAT model, and PyJobShop.
 
-Both minimize the makespan. They model what the benchmark cells need: precedence, eligibility, own times, joint tasks, `same_operator`.
+Both minimize the makespan. They model what the benchmark cells need: precedence, eligibility, own
+times, joint tasks, `same_operator`.
 """
 
 from __future__ import annotations
@@ -20,7 +22,9 @@ from tandem.schedule.model import Schedule
 
 @dataclass(frozen=True)
 class Run:
-    """What a solver had: `makespan` in seconds (None: nothing), a bound, whether it was proven, wall time, (second, makespan) along the way."""
+    """What a solver had: `makespan` in seconds (None: nothing), a bound, whether it was proven,
+    wall time, (second, makespan) along the way.
+    """
 
     makespan: float | None
     bound: float | None
@@ -40,9 +44,17 @@ def tandem_exact(cell: Cell, seconds: float, workers: int, seed: int = 0) -> Run
     def note(progress: Progress) -> None:
         course.append((progress.wall_s, min(result.makespan for result in progress.found)))
 
-    front = plan(cell, minimize="makespan", time_limit=seconds, workers=workers, seed=seed, on_solution=note)
+    front = plan(
+        cell, minimize="makespan", time_limit=seconds, workers=workers, seed=seed, on_solution=note
+    )
     best = front[0]
-    return Run(best.makespan, best.bound.makespan, best.bound.makespan >= best.makespan, front.wall_s, (*course, (front.wall_s, best.makespan)))
+    return Run(
+        best.makespan,
+        best.bound.makespan,
+        best.bound.makespan >= best.makespan,
+        front.wall_s,
+        (*course, (front.wall_s, best.makespan)),
+    )
 
 
 class _Course(cp_model.CpSolverSolutionCallback):
@@ -55,7 +67,9 @@ class _Course(cp_model.CpSolverSolutionCallback):
 
 
 def plain_cpsat(cell: Cell, seconds: float, workers: int, seed: int = 0) -> Run:
-    """The model of the textbook: an optional interval per alternative, no overlap per operator, precedence, and nothing else."""
+    """The model of the textbook: an optional interval per alternative, no overlap per operator,
+    precedence, and nothing else.
+    """
     began = time.monotonic()
     instance = Instance.of(cell)
     model = cp_model.CpModel()
@@ -81,7 +95,14 @@ def plain_cpsat(cell: Cell, seconds: float, workers: int, seed: int = 0) -> Run:
             model.add(starts[task] >= ends[first])
     for one, two in instance.same_operator:
         for group in {way.operators for task in (one, two) for way in instance.ways[task]}:
-            sides = [sum(x for x, way in zip(chosen[task], instance.ways[task], strict=True) if way.operators == group) for task in (one, two)]
+            sides = [
+                sum(
+                    x
+                    for x, way in zip(chosen[task], instance.ways[task], strict=True)
+                    if way.operators == group
+                )
+                for task in (one, two)
+            ]
             model.add(sides[0] == sides[1])
     makespan = model.new_int_var(0, horizon, "")
     model.add_max_equality(makespan, ends)
@@ -96,12 +117,26 @@ def plain_cpsat(cell: Cell, seconds: float, workers: int, seed: int = 0) -> Run:
     value = solver.objective_value / instance.per_second if found else None
     if found:
         ways = [next(w for w, x in enumerate(literals) if solver.value(x)) for literals in chosen]
-        _must_be_sound(cell, instance.schedule((way, solver.value(start)) for way, start in zip(ways, starts, strict=True)), "cp-sat")
-    return Run(value, solver.best_objective_bound / instance.per_second, status == cp_model.OPTIMAL, time.monotonic() - began, tuple(watch.course))
+        _must_be_sound(
+            cell,
+            instance.schedule(
+                (way, solver.value(start)) for way, start in zip(ways, starts, strict=True)
+            ),
+            "cp-sat",
+        )
+    return Run(
+        value,
+        solver.best_objective_bound / instance.per_second,
+        status == cp_model.OPTIMAL,
+        time.monotonic() - began,
+        tuple(watch.course),
+    )
 
 
 def pyjobshop(cell: Cell, seconds: float, workers: int, seed: int = 0) -> Run:
-    """PyJobShop on the same OR-Tools. It tells nothing along the way, so `course` holds its end alone."""
+    """PyJobShop on the same OR-Tools. It tells nothing along the way, so `course` holds its end
+    alone.
+    """
     from pyjobshop import Model
 
     began = time.monotonic()
@@ -123,17 +158,36 @@ def pyjobshop(cell: Cell, seconds: float, workers: int, seed: int = 0) -> Run:
     if not result.best.tasks:
         return Run(None, None, False, wall)
     value = max(task.end for task in result.best.tasks) / instance.per_second
-    rows = [(tuple(sorted(task.resources)), task.end - task.start, task.start) for task in result.best.tasks]
+    rows = [
+        (tuple(sorted(task.resources)), task.end - task.start, task.start)
+        for task in result.best.tasks
+    ]
     ways = [
-        next(w for w, way in enumerate(instance.ways[place]) if way.operators == team and way.ticks == ticks)
+        next(
+            w
+            for w, way in enumerate(instance.ways[place])
+            if way.operators == team and way.ticks == ticks
+        )
         for place, (team, ticks, _) in enumerate(rows)
     ]
-    _must_be_sound(cell, instance.schedule((way, start) for way, (_, _, start) in zip(ways, rows, strict=True)), "pyjobshop")
-    return Run(value, result.lower_bound / instance.per_second, result.status.value == "Optimal", wall, ((wall, value),))
+    _must_be_sound(
+        cell,
+        instance.schedule((way, start) for way, (_, _, start) in zip(ways, rows, strict=True)),
+        "pyjobshop",
+    )
+    return Run(
+        value,
+        result.lower_bound / instance.per_second,
+        result.status.value == "Optimal",
+        wall,
+        ((wall, value),),
+    )
 
 
 def _must_be_sound(cell: Cell, schedule: Schedule, solver: str) -> None:
-    """A peer's schedule is judged as ours are, so that nobody is credited with what cannot be done."""
+    """A peer's schedule is judged as ours are, so that nobody is credited with what cannot be
+    done.
+    """
     if wrong := faults(cell, schedule):
         raise AssertionError(f"{solver}: " + "; ".join(wrong))
 

@@ -1,10 +1,12 @@
-"""Random layered cells of 20 to 500 tasks: the gap to the best bound known after 1, 10 and 30 s, Tandem beside plain CP-SAT and PyJobShop.
+"""Random layered cells of 20 to 500 tasks: the gap to the best bound known after 1, 10 and 30 s,
+Tandem beside plain CP-SAT and PyJobShop.
 
-    python benchmarks/scaling.py [--tasks 20 50 100 200 500] [--operators 2 4] [--seeds 10] [--seconds 1 10 30] [-o FILE.csv]
-    python benchmarks/scaling.py --show FILE.csv
+    python benchmarks/scaling.py [--tasks 20 50 100 200 500] [--operators 2 4] [--seeds 10]
+    [--seconds 1 10 30] [-o FILE.csv] python benchmarks/scaling.py --show FILE.csv
 
-The best bound known of a cell is the best that any of the three proved in this run. PyJobShop says nothing while it works, so it is run once for
-each number of seconds. Every schedule goes through the checker; a claim of optimality that another solver refutes is printed as WRONG.
+The best bound known of a cell is the best that any of the three proved in this run. PyJobShop says
+nothing while it works, so it is run once for each number of seconds. Every schedule goes through
+the checker; a claim of optimality that another solver refutes is printed as WRONG.
 """
 
 from __future__ import annotations
@@ -20,11 +22,24 @@ sys.path.insert(0, str(Path(__file__).parent))
 from peers import PEERS, Run
 from tandem.cell.generators import layered
 
-COLUMNS = ("tasks", "operators", "seed", "solver", "seconds", "makespan", "bound", "proven", "wall_s", "best_bound")
+COLUMNS = (
+    "tasks",
+    "operators",
+    "seed",
+    "solver",
+    "seconds",
+    "makespan",
+    "bound",
+    "proven",
+    "wall_s",
+    "best_bound",
+)
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--tasks", nargs="+", type=int, default=[20, 50, 100, 200, 500])
     parser.add_argument("--operators", nargs="+", type=int, default=[2, 3, 4])
     parser.add_argument("--seeds", type=int, default=10)
@@ -36,7 +51,11 @@ def main() -> int:
     options = parser.parse_args()
     if options.show:
         return _show(options.show)
-    print(f"{options.workers} workers, ortools {version('ortools')}, pyjobshop {version('pyjobshop')}", flush=True)
+    print(
+        f"{options.workers} workers, ortools {version('ortools')}, pyjobshop"
+        f" {version('pyjobshop')}",
+        flush=True,
+    )
     rows: list[tuple] = []
     for tasks in options.tasks:
         for operators in options.operators:
@@ -58,9 +77,22 @@ def _show(path: Path) -> int:
 
 def _row(record: dict[str, str]) -> tuple:
     """A line of the CSV file as `_table` wants it."""
-    key = (int(record["tasks"]), int(record["operators"]), int(record["seed"]), record["solver"], float(record["seconds"]))
+    key = (
+        int(record["tasks"]),
+        int(record["operators"]),
+        int(record["seed"]),
+        record["solver"],
+        float(record["seconds"]),
+    )
     found = float(record["makespan"]) if record["makespan"] else None
-    return (*key, found, None, record["proven"] == "True", float(record["wall_s"]), float(record["best_bound"]))
+    return (
+        *key,
+        found,
+        None,
+        record["proven"] == "True",
+        float(record["wall_s"]),
+        float(record["best_bound"]),
+    )
 
 
 def _measured(cell, key: tuple[int, int, int], options: argparse.Namespace) -> list[tuple]:
@@ -71,17 +103,39 @@ def _measured(cell, key: tuple[int, int, int], options: argparse.Namespace) -> l
         if peer == "pyjobshop":
             done: Run | None = None
             for seconds in sorted(options.seconds):
-                done = done if done is not None and done.proven else PEERS[peer](cell, seconds, options.workers)
+                done = (
+                    done
+                    if done is not None and done.proven
+                    else PEERS[peer](cell, seconds, options.workers)
+                )
                 found.append((peer, seconds, done.makespan, done))
         else:
             run = PEERS[peer](cell, longest, options.workers)
-            found += [(peer, seconds, run.after(seconds) if seconds < longest else run.makespan, run) for seconds in options.seconds]
+            found += [
+                (peer, seconds, run.after(seconds) if seconds < longest else run.makespan, run)
+                for seconds in options.seconds
+            ]
     best = max(run.bound for _, _, _, run in found if run.bound is not None and run.bound < 1e12)
     least = min((value for _, _, value, _ in found if value is not None), default=None)
     for peer, _, value, run in found:
         if run.proven and least is not None and value is not None and run.makespan > least + 1e-9:
-            print(f"WRONG: {peer} claims {run.makespan} is optimal for {key}, {least} was found", flush=True)
-    return [(*key, peer, s, value, run.bound, run.proven and run.wall_s <= s + 0.5, round(run.wall_s, 2), best) for peer, s, value, run in found]
+            print(
+                f"WRONG: {peer} claims {run.makespan} is optimal for {key}, {least} was found",
+                flush=True,
+            )
+    return [
+        (
+            *key,
+            peer,
+            s,
+            value,
+            run.bound,
+            run.proven and run.wall_s <= s + 0.5,
+            round(run.wall_s, 2),
+            best,
+        )
+        for peer, s, value, run in found
+    ]
 
 
 def _table(rows: list[tuple]) -> None:
@@ -94,8 +148,12 @@ def _table(rows: list[tuple]) -> None:
             gaps = [(row[5] - row[9]) / row[9] for row in mine if row[5] is not None]
             mean = f"{sum(gaps) / len(gaps):7.2%}" if gaps else "nothing"
             lost = f" ({len(mine) - len(gaps)} none)" if len(gaps) < len(mine) and gaps else ""
-            parts.append(f"{seconds:g} s: {mean}{lost} {sum(row[7] for row in mine)}/{len(mine)} proven")
-        print(f"{tasks:>4} tasks {operators} operators  {peer:<10} " + "   ".join(parts), flush=True)
+            parts.append(
+                f"{seconds:g} s: {mean}{lost} {sum(row[7] for row in mine)}/{len(mine)} proven"
+            )
+        print(
+            f"{tasks:>4} tasks {operators} operators  {peer:<10} " + "   ".join(parts), flush=True
+        )
 
 
 def _write(path: Path | None, rows: list[tuple]) -> None:

@@ -1,9 +1,11 @@
-"""How many simulations a second a search makes on the desk, beside the same search in plain Python; and how long one decision takes.
+"""How many simulations a second a search makes on the desk, beside the same search in plain Python;
+and how long one decision takes.
 
     python benchmarks/search.py [--seconds 3] [--batches 1 64 256]
 
-One table, one run, one machine. All play whole games on the height-adjustable desk (Yu, Huang and Chang 2020): 53 pieces, 30 simulations for each
-decision. "Yu 2020" is their search and networks; the peer is `tests/learn/plain_yu.py`, held against it by a test. Weights are untrained.
+One table, one run, one machine. All play whole games on the height-adjustable desk (Yu, Huang and
+Chang 2020): 53 pieces, 30 simulations for each decision. "Yu 2020" is their search and networks;
+the peer is `tests/learn/plain_yu.py`, held against it by a test. Weights are untrained.
 """
 
 from __future__ import annotations
@@ -39,7 +41,9 @@ SIMULATIONS = 30
 
 
 def best_of(play: Callable[[], int], seconds: float) -> tuple[float, float]:
-    """Simulations per second of wall and of CPU time: `play` is called for about so long, and the quickest call counts."""
+    """Simulations per second of wall and of CPU time: `play` is called for about so long, and the
+    quickest call counts.
+    """
     play()
     wall = cpu = 0.0
     end = time.perf_counter() + seconds
@@ -68,10 +72,14 @@ def plain(trained: Trained, config: YuSearch) -> Callable[[], int]:
 
 
 def batched(trained: Trained, looking: Looking, batch: int) -> Callable[[], int]:
-    """Ours: a decision of so many games at once, then the next one, from the start of the games on."""
+    """Ours: a decision of so many games at once, then the next one, from the start of the games
+    on.
+    """
     game = BoardGame.of(desk(), sees="board" if isinstance(looking, YuSearch) else "features")
     games, decisions = many(game, batch), 3
-    first = jax.tree.map(lambda leaf: np.repeat(np.asarray(leaf)[None], batch, 0), yu2020.reset(game.layout))
+    first = jax.tree.map(
+        lambda leaf: np.repeat(np.asarray(leaf)[None], batch, 0), yu2020.reset(game.layout)
+    )
 
     @jax.jit
     def decided(key: Any, games: BoardGame, states: Any) -> Any:
@@ -90,12 +98,18 @@ def batched(trained: Trained, looking: Looking, batch: int) -> Callable[[], int]
 
 def main() -> None:
     """The command line."""
-    parser = argparse.ArgumentParser(description="Simulations a second, and milliseconds a decision, on the desk.")
+    parser = argparse.ArgumentParser(
+        description="Simulations a second, and milliseconds a decision, on the desk."
+    )
     parser.add_argument("--seconds", type=float, default=3.0, help="how long each row is measured")
     parser.add_argument("--batches", type=int, nargs="+", default=[1, 64, 256])
     given = parser.parse_args()
     device = jax.devices()[0]
-    print(f"{desk().name}; {SIMULATIONS} simulations; {len(os.sched_getaffinity(0))} cores, load {os.getloadavg()[0]:.1f}; ", end="")
+    print(
+        f"{desk().name}; {SIMULATIONS} simulations; {len(os.sched_getaffinity(0))} cores, load"
+        f" {os.getloadavg()[0]:.1f}; ",
+        end="",
+    )
     print(f"{device.platform}; ", end="")
     print(f"JAX {jax.__version__}, NumPy {np.__version__}, Python {platform.python_version()}")
     print(f"{'':34}{'games':>6}{'sims/s':>12}{'per CPU s':>12}{'x plain':>9}")
@@ -105,14 +119,24 @@ def main() -> None:
     kinds: list[tuple[str, Trained, Looking]] = [
         ("Yu 2020, batched", theirs, YuSearch(SIMULATIONS)),
         ("Gumbel, our network", ours, Search(simulations=SIMULATIONS, gumbel_scale=0.0)),
-        ("PUCT, our network", ours, Search("puct", simulations=SIMULATIONS, noise=0.0, temperature=0.0)),
+        (
+            "PUCT, our network",
+            ours,
+            Search("puct", simulations=SIMULATIONS, noise=0.0, temperature=0.0),
+        ),
     ]
     for name, trained, looking in kinds:
         for batch in given.batches:
             wall, cpu = best_of(batched(trained, looking, batch), given.seconds)
-            print(f"{name:34}{batch:>6}{wall:>12,.0f}{cpu:>12,.0f}{cpu / base[1]:>9,.0f}", flush=True)
+            print(
+                f"{name:34}{batch:>6}{wall:>12,.0f}{cpu:>12,.0f}{cpu / base[1]:>9,.0f}", flush=True
+            )
     for name, trained, looking in kinds:
-        print(f"{name}: {decide_ms(trained, desk(), looking=looking):.1f} ms a decision (median of a game, one game at a time)", flush=True)
+        print(
+            f"{name}: {decide_ms(trained, desk(), looking=looking):.1f} ms a decision (median of a"
+            " game, one game at a time)",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

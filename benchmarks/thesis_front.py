@@ -1,4 +1,5 @@
-"""The whole front of the thesis cell, proven, inside the process: Tandem beside a plain CP-SAT epsilon-constraint loop, turn by turn.
+"""The whole front of the thesis cell, proven, inside the process: Tandem beside a plain CP-SAT
+epsilon-constraint loop, turn by turn.
 
 python benchmarks/thesis_front.py [--turns 20] [--cell examples/thesis.yaml]
 """
@@ -20,7 +21,9 @@ from tandem.plan.methods import plan
 
 
 def plain_loop(cell: Cell) -> list[tuple[float, float]]:
-    """The textbook: least makespan under a cap on stress, then least stress at that makespan, then a cap just below it, one model each."""
+    """The textbook: least makespan under a cap on stress, then least stress at that makespan, then
+    a cap just below it, one model each.
+    """
     instance = Instance.of(cell)
     points: list[tuple[float, float]] = []
     cap = None
@@ -38,12 +41,17 @@ def _least(instance: Instance, cap: int | None, makespan_cap: int | None) -> int
     model = cp_model.CpModel()
     starts, ends, stress, lanes = [], [], [], [[] for _ in instance.operators]
     for ways in instance.ways:
-        start, end = model.new_int_var(0, instance.horizon, ""), model.new_int_var(0, instance.horizon, "")
+        start, end = (
+            model.new_int_var(0, instance.horizon, ""),
+            model.new_int_var(0, instance.horizon, ""),
+        )
         literals = [model.new_bool_var("") for _ in ways]
         model.add_exactly_one(literals)
         for way, literal in zip(ways, literals, strict=True):
             for operator in way.operators:
-                lanes[operator].append(model.new_optional_interval_var(start, way.ticks, end, literal, ""))
+                lanes[operator].append(
+                    model.new_optional_interval_var(start, way.ticks, end, literal, "")
+                )
             stress.append(way.stress * literal)
         starts.append(start)
         ends.append(end)
@@ -62,9 +70,13 @@ def _least(instance: Instance, cap: int | None, makespan_cap: int | None) -> int
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--turns", type=int, default=20)
-    parser.add_argument("--cell", type=Path, default=Path(__file__).parent.parent / "examples" / "thesis.yaml")
+    parser.add_argument(
+        "--cell", type=Path, default=Path(__file__).parent.parent / "examples" / "thesis.yaml"
+    )
     options = parser.parse_args()
     cell = load(options.cell)
     ours: list[float] = []

@@ -1,9 +1,11 @@
-"""How fast the thesis's station moves: joint steps per second with random legal actions, beside other ways to write it and other worlds.
+"""How fast the thesis's station moves: joint steps per second with random legal actions, beside
+other ways to write it and other worlds.
 
     python benchmarks/world.py [--cell FILE] [--seconds 2] [--batches 1 64 1024]
 
-One table, one run, one machine. Every player draws a legal action for each agent at each step, and a finished assembly begins again.
-Rows for Jumanji and JaxMARL appear when they are installed (`pip install jumanji jaxmarl`); else the table says that they are absent.
+One table, one run, one machine. Every player draws a legal action for each agent at each step, and
+a finished assembly begins again. Rows for Jumanji and JaxMARL appear when they are installed (`pip
+install jumanji jaxmarl`); else the table says that they are absent.
 """
 
 from __future__ import annotations
@@ -31,21 +33,35 @@ from tests.envs.thesis_port import ThesisPort  # noqa: E402
 import tandem.envs  # noqa: E402
 from tandem.cell.model import Cell  # noqa: E402
 from tandem.files.load import load  # noqa: E402
-from tandem.lab.kinat2023 import HUMAN, after_human, choices, decide_step, legal, reset, reward_set, station, step  # noqa: E402
+from tandem.lab.kinat2023 import (
+    HUMAN,
+    after_human,
+    choices,
+    decide_step,
+    legal,
+    reset,
+    reward_set,
+    station,
+    step,
+)  # noqa: E402
 
 INNER = 500
 """Steps in one compiled call."""
 
 
 class Measured(NamedTuple):
-    """Joint steps per second of wall time and of CPU time (all threads), the best of the repeats."""
+    """Joint steps per second of wall time and of CPU time (all threads), the best of the
+    repeats.
+    """
 
     wall: float
     cpu: float
 
 
 def best_of(play: Callable[[], int], seconds: float) -> Measured:
-    """Calls `play`, which returns how many joint steps it made, for about so long; the quickest call counts."""
+    """Calls `play`, which returns how many joint steps it made, for about so long; the quickest
+    call counts.
+    """
     play()
     wall = cpu = 0.0
     end = time.perf_counter() + seconds
@@ -60,7 +76,9 @@ def best_of(play: Callable[[], int], seconds: float) -> Measured:
 def picked(mask: Any, bits: Any) -> Any:
     """`[...]` int32: one of the legal actions of `mask` `[..., A]`, drawn by 16 random bits."""
     rank = (bits * jnp.sum(mask, axis=-1, dtype=jnp.int32)) >> 16
-    return jnp.sum(jnp.cumsum(mask, axis=-1, dtype=jnp.int32) <= rank[..., None], axis=-1, dtype=jnp.int32)
+    return jnp.sum(
+        jnp.cumsum(mask, axis=-1, dtype=jnp.int32) <= rank[..., None], axis=-1, dtype=jnp.int32
+    )
 
 
 def halves(bits: Any) -> tuple[Any, Any]:
@@ -70,7 +88,9 @@ def halves(bits: Any) -> tuple[Any, Any]:
 
 def tick(data: Any, paid: Any, state: Any, bits: Any) -> tuple[Any, Any]:
     """One second of the station under random legal actions."""
-    state, reward, done, _ = step(data, paid, state, picked(legal(data, state), jnp.stack(halves(bits))))
+    state, reward, done, _ = step(
+        data, paid, state, picked(legal(data, state), jnp.stack(halves(bits)))
+    )
     return jax.tree.map(partial(jnp.where, done), reset(data), state), reward
 
 
@@ -84,7 +104,9 @@ def decision(data: Any, paid: Any, state: Any, bits: Any) -> tuple[Any, Any]:
 
 
 def compiled(move: Callable[..., Any], cell: Cell, batch: int) -> Callable[[], int]:
-    """The station in JAX: random bits drawn once per step for the whole batch, `INNER` steps a call."""
+    """The station in JAX: random bits drawn once per step for the whole batch, `INNER` steps a
+    call.
+    """
     data, paid = station(cell), reward_set(stress_factor=1.0)
     one = jax.vmap(partial(move, data, paid))
 
@@ -97,7 +119,9 @@ def compiled(move: Callable[..., Any], cell: Cell, batch: int) -> Callable[[], i
 
         return jax.lax.scan(body, (state, jnp.zeros((batch, 2))), jax.random.split(key, INNER))[0]
 
-    state = jax.tree.map(lambda part: jnp.repeat(jnp.asarray(part)[None], batch, axis=0), reset(data))
+    state = jax.tree.map(
+        lambda part: jnp.repeat(jnp.asarray(part)[None], batch, axis=0), reset(data)
+    )
     keys = keys_from(0)
 
     def play() -> int:
@@ -120,7 +144,9 @@ def keys_from(seed: int) -> Iterator[Any]:
 def numpy_port(cell: Cell) -> Callable[[], int]:
     """The literal NumPy port of the tests, with NumPy's random numbers."""
     data, rng = station(cell), np.random.default_rng(0)
-    port = ThesisPort(data.time[0], data.time[1], data.stress, data.needs, reward_set(stress_factor=1.0)._asdict())
+    port = ThesisPort(
+        data.time[0], data.time[1], data.stress, data.needs, reward_set(stress_factor=1.0)._asdict()
+    )
     port.reset()
 
     def drawn(agent: int) -> int:
@@ -140,23 +166,39 @@ def numpy_port(cell: Cell) -> Callable[[], int]:
 
 
 class Lists:
-    """The same rules in plain Python, on lists and ints: what a careful programmer writes without any library."""
+    """The same rules in plain Python, on lists and ints: what a careful programmer writes without
+    any library.
+    """
 
     def __init__(self, cell: Cell):
         data, self.pay = station(cell), reward_set(stress_factor=1.0)
         self.start = [[max(ticks - 1, 0) for ticks in row] for row in data.time.tolist()]
         self.stress = data.stress.tolist()
-        self.needs = [sum(1 << j for j, needed in enumerate(row) if needed) for row in data.needs.tolist()]
+        self.needs = [
+            sum(1 << j for j, needed in enumerate(row) if needed) for row in data.needs.tolist()
+        ]
         self.reset()
 
     def reset(self) -> None:
-        self.time, self.doing, self.ended, self.left = [row[:] for row in self.start], [-1, -1], 0, len(self.stress)
+        self.time, self.doing, self.ended, self.left = (
+            [row[:] for row in self.start],
+            [-1, -1],
+            0,
+            len(self.stress),
+        )
 
     def legal(self, agent: int) -> list[int]:
         if self.doing[agent] >= 0:
             return [-1]
         ended = self.ended
-        return [-1, *(i for i, ticks in enumerate(self.time[agent]) if ticks and not self.needs[i] & ~ended)]
+        return [
+            -1,
+            *(
+                i
+                for i, ticks in enumerate(self.time[agent])
+                if ticks and not self.needs[i] & ~ended
+            ),
+        ]
 
     def step(self, robot: int, human: int) -> tuple[float, float, bool]:
         pay, action, reward = self.pay, [robot, human], [self.pay.step, self.pay.step]
@@ -165,7 +207,11 @@ class Lists:
         for agent in (0, 1):
             named = action[agent]
             if named >= 0:
-                broken = (self.doing[agent] >= 0) + bool(needs[named] & ~ended) + (self.time[agent][named] == 0)
+                broken = (
+                    (self.doing[agent] >= 0)
+                    + bool(needs[named] & ~ended)
+                    + (self.time[agent][named] == 0)
+                )
                 if broken:
                     reward[agent] += pay.illegal * broken
                     action[agent], frozen[agent] = -1, True
@@ -176,7 +222,11 @@ class Lists:
             if task >= 0 and not frozen[agent]:
                 self.time[agent][task] -= 1
                 if self.time[agent][task] == 0:
-                    self.doing[agent], self.ended, self.left = -1, self.ended | 1 << task, self.left - 1
+                    self.doing[agent], self.ended, self.left = (
+                        -1,
+                        self.ended | 1 << task,
+                        self.left - 1,
+                    )
                     reward[agent] += pay.task_done
         if action[0] == action[1]:
             action[0] = -1
@@ -196,7 +246,9 @@ def plain_python(cell: Cell) -> Callable[[], int]:
     def play() -> int:
         for _ in range(5000):
             robot, human = world.legal(0), world.legal(1)
-            if world.step(robot[int(rng.random() * len(robot))], human[int(rng.random() * len(human))])[2]:
+            if world.step(
+                robot[int(rng.random() * len(robot))], human[int(rng.random() * len(human))]
+            )[2]:
                 world.reset()
         return 5000
 
@@ -211,7 +263,10 @@ def pettingzoo_loop(cell: Cell) -> Callable[[], int]:
     def play() -> int:
         nonlocal observations
         for _ in range(300):
-            actions = {agent: env.action_space(agent).sample(observations[agent]["action_mask"]) for agent in env.agents}
+            actions = {
+                agent: env.action_space(agent).sample(observations[agent]["action_mask"])
+                for agent in env.agents
+            }
             observations = env.step(actions)[0]
             if not env.agents:
                 observations, _ = env.reset()
@@ -221,11 +276,15 @@ def pettingzoo_loop(cell: Cell) -> Callable[[], int]:
 
 
 def jumanji_job_shop(batch: int) -> Callable[[], int]:
-    """Jumanji's JobShop, 5 jobs of up to 4 operations on 4 machines, random legal jobs on every machine."""
+    """Jumanji's JobShop, 5 jobs of up to 4 operations on 4 machines, random legal jobs on every
+    machine.
+    """
     from jumanji.environments.packing.job_shop import JobShop
     from jumanji.environments.packing.job_shop.generator import RandomGenerator
 
-    env = JobShop(generator=RandomGenerator(num_jobs=5, num_machines=4, max_num_ops=4, max_op_duration=10))
+    env = JobShop(
+        generator=RandomGenerator(num_jobs=5, num_machines=4, max_num_ops=4, max_op_duration=10)
+    )
 
     def move(state: Any, key: Any) -> Any:
         action = jax.random.categorical(key, jnp.where(state.action_mask, 0.0, -jnp.inf))
@@ -237,21 +296,29 @@ def jumanji_job_shop(batch: int) -> Callable[[], int]:
 
 
 def jaxmarl_overcooked(batch: int) -> Callable[[], int]:
-    """JaxMARL's Overcooked, cramped room, two cooks with random actions (all are legal there); it resets itself."""
+    """JaxMARL's Overcooked, cramped room, two cooks with random actions (all are legal there); it
+    resets itself.
+    """
     from jaxmarl import make
 
     env = make("overcooked")
 
     def move(state: Any, key: Any) -> Any:
         drawn = jax.random.randint(key, (2,), 0, 6)
-        _, state, reward, _, _ = env.step(key, state, {agent: drawn[i] for i, agent in enumerate(env.agents)})
+        _, state, reward, _, _ = env.step(
+            key, state, {agent: drawn[i] for i, agent in enumerate(env.agents)}
+        )
         return state, reward[env.agents[0]]
 
     return foreign(lambda key: env.reset(key)[1], move, batch)
 
 
-def foreign(first: Callable[[Any], Any], move: Callable[[Any, Any], Any], batch: int) -> Callable[[], int]:
-    """Another library's world in the same scan; each takes a key per environment and step, as it is made."""
+def foreign(
+    first: Callable[[Any], Any], move: Callable[[Any, Any], Any], batch: int
+) -> Callable[[], int]:
+    """Another library's world in the same scan; each takes a key per environment and step, as it is
+    made.
+    """
     keys = keys_from(0)
     state = jax.vmap(first)(jax.random.split(next(keys), batch))
 
@@ -273,7 +340,9 @@ def foreign(first: Callable[[Any], Any], move: Callable[[Any, Any], Any], batch:
     return play
 
 
-def rows(cell: Cell, batches: list[int]) -> Iterator[tuple[str, int, Callable[[], Callable[[], int]]]]:
+def rows(
+    cell: Cell, batches: list[int]
+) -> Iterator[tuple[str, int, Callable[[], Callable[[], int]]]]:
     """Name, batch, and what makes the player."""
     yield "literal NumPy port (tests)", 1, partial(numpy_port, cell)
     yield "plain Python, lists", 1, partial(plain_python, cell)
@@ -290,14 +359,20 @@ def rows(cell: Cell, batches: list[int]) -> Iterator[tuple[str, int, Callable[[]
 
 def main() -> None:
     """The command line."""
-    parser = argparse.ArgumentParser(description="Joint steps per second of the thesis's station and others.")
+    parser = argparse.ArgumentParser(
+        description="Joint steps per second of the thesis's station and others."
+    )
     parser.add_argument("--cell", type=Path, default=ROOT / "examples" / "thesis.yaml")
     parser.add_argument("--seconds", type=float, default=2.0, help="how long each row is measured")
     parser.add_argument("--batches", type=int, nargs="+", default=[1, 64, 1024])
     given = parser.parse_args()
     cell, base = load(given.cell), None
     device = jax.devices()[0]
-    print(f"{cell.name}; {len(os.sched_getaffinity(0))} cores, load {os.getloadavg()[0]:.1f}; {device.platform} {device.device_kind}; ", end="")
+    print(
+        f"{cell.name}; {len(os.sched_getaffinity(0))} cores, load {os.getloadavg()[0]:.1f};"
+        f" {device.platform} {device.device_kind}; ",
+        end="",
+    )
     print(f"JAX {jax.__version__}, NumPy {np.__version__}, Python {platform.python_version()}")
     print(f"{'':28}{'batch':>6}{'steps/s':>14}{'per CPU s':>14}{'x NumPy port':>14}")
     for name, batch, make in rows(cell, given.batches):
@@ -307,7 +382,10 @@ def main() -> None:
             print(f"{name:28}{batch:>6}  absent: {missing}")
             continue
         base = base or found.wall
-        print(f"{name:28}{batch:>6}{found.wall:>14,.0f}{found.cpu:>14,.0f}{found.wall / base:>14,.1f}", flush=True)
+        print(
+            f"{name:28}{batch:>6}{found.wall:>14,.0f}{found.cpu:>14,.0f}{found.wall / base:>14,.1f}",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

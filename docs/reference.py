@@ -1,4 +1,5 @@
-"""Writes the parts of the documentation that the code itself knows: keys of a cell file, formats, methods, commands.
+"""Writes the parts of the documentation that the code itself knows: keys of a cell file, formats,
+methods, commands.
 
 A page asks for one with a line of its own such as `<!-- cell reference -->`.
 """
@@ -19,7 +20,12 @@ from tandem.files.schema import schema
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
 
-PLAIN = {"string": "text", "number": "number", "integer": "whole number", "boolean": "true or false"}
+PLAIN = {
+    "string": "text",
+    "number": "number",
+    "integer": "whole number",
+    "boolean": "true or false",
+}
 
 
 def fill_in(app: Sphinx, page: str, source: list[str]) -> None:
@@ -33,7 +39,9 @@ def fill_in(app: Sphinx, page: str, source: list[str]) -> None:
 
 
 def cell_reference() -> str:
-    """One table for the cell and one for each thing in it, as Markdown, from the model's JSON Schema."""
+    """One table for the cell and one for each thing in it, as Markdown, from the model's JSON
+    Schema.
+    """
     document = schema()
     parts = {"Cell": document, **document["$defs"]}
     titles = {
@@ -44,7 +52,9 @@ def cell_reference() -> str:
         "Tool": "A tool",
         "Zone": "A zone",
     }
-    missing = [name for name, part in parts.items() if name not in titles and part.get("properties")]
+    missing = [
+        name for name, part in parts.items() if name not in titles and part.get("properties")
+    ]
     if missing:
         raise LookupError(f"docs/reference.py has no title for {missing}.")
     return "\n\n".join(_table(titles[name], parts[name]) for name in titles)
@@ -55,7 +65,9 @@ def _table(title: str, part: Mapping[str, Any]) -> str:
     rows = ["| key | what it holds | when left out | meaning |", "|---|---|---|---|"]
     for key, field in part["properties"].items():
         absent = "**needed**" if key in needed else _absent(field)
-        rows.append(f"| `{key}` | {_kind(field)} | {absent} | {_cell(field.get('description', ''))} |")
+        rows.append(
+            f"| `{key}` | {_kind(field)} | {absent} | {_cell(field.get('description', ''))} |"
+        )
     return "\n".join([f"### {title}", "", *rows])
 
 
@@ -73,7 +85,9 @@ def _kind(field: Mapping[str, Any]) -> str:
     if "enum" in field:
         return " or ".join(f"`{value}`" for value in field["enum"])
     if options := field.get("anyOf", field.get("oneOf")):
-        return " or ".join(dict.fromkeys(_kind(option) for option in options if option.get("type") != "null"))
+        return " or ".join(
+            dict.fromkeys(_kind(option) for option in options if option.get("type") != "null")
+        )
     if field.get("type") == ["string", "number"]:  # a name; a number is taken as its digits
         return "text"
     if field.get("type") == "object":
@@ -109,14 +123,26 @@ def format_reference() -> str:
     """Every format that can be read, as a Markdown table."""
     from tandem.files.formats.table import FORMATS
 
-    return "\n".join(["| name | what |", "|---|---|", *(f"| `{name}` | {_cell(one.what)} |" for name, one in FORMATS.items())])
+    return "\n".join(
+        [
+            "| name | what |",
+            "|---|---|",
+            *(f"| `{name}` | {_cell(one.what)} |" for name, one in FORMATS.items()),
+        ]
+    )
 
 
 def method_reference() -> str:
     """Every planning method, as a Markdown table."""
     from tandem.plan.methods import METHODS, describe
 
-    return "\n".join(["| name | what it does |", "|---|---|", *(f"| `{name}` | {_cell(describe(name))} |" for name in METHODS)])
+    return "\n".join(
+        [
+            "| name | what it does |",
+            "|---|---|",
+            *(f"| `{name}` | {_cell(describe(name))} |" for name in METHODS),
+        ]
+    )
 
 
 # ---------------------------------------------------------------- the commands
@@ -148,14 +174,21 @@ def _section(path: str, command: click.Command) -> str:
     context = click.Context(command, info_name=path)
     usage = " ".join([path, *command.collect_usage_pieces(context)])
     lines = [f"## {path}", "", "```text", usage, "```", "", _prose(command.help or "")]
-    rows = [_option(context, option) for option in command.params if isinstance(option, click.Option) and not option.hidden]
+    rows = [
+        _option(context, option)
+        for option in command.params
+        if isinstance(option, click.Option) and not option.hidden
+    ]
     if rows:
         lines += ["", "| option | meaning |", "|---|---|", *rows]
     return "\n".join(lines)
 
 
 def _option(context: click.Context, option: click.Option) -> str:
-    names, help_text = option.get_help_record(context) or (", ".join(option.opts), option.help or "")
+    names, help_text = option.get_help_record(context) or (
+        ", ".join(option.opts),
+        option.help or "",
+    )
     return f"| `{_cell(names)}` | {_cell(help_text).replace('<', '&lt;')} |"
 
 
@@ -164,10 +197,17 @@ def _prose(help_text: str) -> str:
     paragraphs = []
     for paragraph in inspect.cleandoc(help_text).split("\n\n"):
         if paragraph.startswith("\b"):
-            paragraphs.append("```text\n" + inspect.cleandoc(paragraph.removeprefix("\b")) + "\n```")
+            paragraphs.append(
+                "```text\n" + inspect.cleandoc(paragraph.removeprefix("\b")) + "\n```"
+            )
         else:
             paragraphs.append(paragraph.strip())
     return "\n\n".join(paragraphs)
 
 
-REFERENCES = {"cell": cell_reference, "format": format_reference, "method": method_reference, "command": command_reference}
+REFERENCES = {
+    "cell": cell_reference,
+    "format": format_reference,
+    "method": method_reference,
+    "command": command_reference,
+}

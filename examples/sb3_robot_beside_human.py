@@ -1,9 +1,12 @@
-"""MaskablePPO of sb3-contrib learns to work beside a person as any client would: `gymnasium.make`, masks, `learn`, `predict`.
+"""MaskablePPO of sb3-contrib learns to work beside a person as any client would: `gymnasium.make`,
+masks, `learn`, `predict`.
 
     pip install 'tandem[sb3]'
-    python examples/sb3_robot_beside_human.py CELL.yaml [--person random:0.5] [--steps 40000] [--episodes 200] [--seed 0]
+    python examples/sb3_robot_beside_human.py CELL.yaml [--person random:0.5] [--steps 40000]
+    [--episodes 200] [--seed 0]
 
-Trains beside the person, then plays so many further episodes with the greedy policy and as many with random legal actions, on the same seeds.
+Trains beside the person, then plays so many further episodes with the greedy policy and as many
+with random legal actions, on the same seeds.
 """
 
 from __future__ import annotations
@@ -23,7 +26,9 @@ import tandem.envs  # makes "tandem/RobotBesideHuman-v0" known
 
 @dataclass(frozen=True)
 class Learned:
-    """Mean makespan (s) of the greedy policy and of random legal actions on the same episodes; steps, seconds and CPU seconds of the training."""
+    """Mean makespan (s) of the greedy policy and of random legal actions on the same episodes;
+    steps, seconds and CPU seconds of the training.
+    """
 
     makespan: float
     random: float
@@ -32,7 +37,14 @@ class Learned:
     cpu_s: float
 
 
-def learn(cell: object, *, person: str = "random:0.5", steps: int = 40_000, episodes: int = 200, seed: int = 0) -> Learned:
+def learn(
+    cell: object,
+    *,
+    person: str = "random:0.5",
+    steps: int = 40_000,
+    episodes: int = 200,
+    seed: int = 0,
+) -> Learned:
     """Trains beside the person for so many steps, then measures."""
     import torch
     from sb3_contrib import MaskablePPO
@@ -53,14 +65,29 @@ def learn(cell: object, *, person: str = "random:0.5", steps: int = 40_000, epis
     )
     model.learn(steps)
     wall_s, cpu_s = time.perf_counter() - began, time.process_time() - began_cpu
-    arena, rng = gymnasium.make("tandem/RobotBesideHuman-v0", cell=cell, person=person), np.random.default_rng(seed)
-    greedy = mean_makespan(arena, lambda seen: int(model.predict(seen, deterministic=True, action_masks=seen["action_mask"])[0]), episodes)
-    random = mean_makespan(arena, lambda seen: int(rng.choice(np.flatnonzero(seen["action_mask"]))), episodes)
+    arena, rng = (
+        gymnasium.make("tandem/RobotBesideHuman-v0", cell=cell, person=person),
+        np.random.default_rng(seed),
+    )
+    greedy = mean_makespan(
+        arena,
+        lambda seen: int(
+            model.predict(seen, deterministic=True, action_masks=seen["action_mask"])[0]
+        ),
+        episodes,
+    )
+    random = mean_makespan(
+        arena, lambda seen: int(rng.choice(np.flatnonzero(seen["action_mask"]))), episodes
+    )
     return Learned(greedy, random, model.num_timesteps, wall_s, cpu_s)
 
 
-def mean_makespan(env: gymnasium.Env, act: Callable[[dict[str, np.ndarray]], int], episodes: int) -> float:
-    """Seconds, over the episodes of the seeds 1,000,000, 1,000,001, ...: the same people and the same chance for everybody."""
+def mean_makespan(
+    env: gymnasium.Env, act: Callable[[dict[str, np.ndarray]], int], episodes: int
+) -> float:
+    """Seconds, over the episodes of the seeds 1,000,000, 1,000,001, ...: the same people and the
+    same chance for everybody.
+    """
     total = 0.0
     for episode in range(episodes):
         observation, info = env.reset(seed=1_000_000 + episode)
@@ -80,10 +107,17 @@ def main() -> None:
     parser.add_argument("--episodes", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
-    found = learn(tandem.load(given.cell), person=given.person, steps=given.steps, episodes=given.episodes, seed=given.seed)
+    found = learn(
+        tandem.load(given.cell),
+        person=given.person,
+        steps=given.steps,
+        episodes=given.episodes,
+        seed=given.seed,
+    )
     sys.stdout.write(
-        f"beside {given.person}: mean makespan {found.makespan:.3f} s, random legal actions {found.random:.3f} s ({given.episodes} episodes) "
-        f"after {found.steps:,} steps, {found.wall_s:.1f} s, {found.cpu_s:.1f} CPU s\n"
+        f"beside {given.person}: mean makespan {found.makespan:.3f} s, random legal actions"
+        f" {found.random:.3f} s ({given.episodes} episodes) after {found.steps:,} steps,"
+        f" {found.wall_s:.1f} s, {found.cpu_s:.1f} CPU s\n"
     )
 
 

@@ -14,5 +14,7 @@ def folder(name: str = "") -> Path:
     """The folder of one set, or of all; where it is absent the test is skipped."""
     found = Path(os.environ.get("TANDEM_BENCHMARKS", BESIDE)) / name
     if not found.is_dir():
-        pytest.skip("the public benchmark sets are not here; TANDEM_BENCHMARKS=FOLDER says where they are")
+        pytest.skip(
+            "the public benchmark sets are not here; TANDEM_BENCHMARKS=FOLDER says where they are"
+        )
     return found

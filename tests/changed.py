@@ -1,7 +1,9 @@
-"""`pytest --changed`: only the tests that a change can break, so that a developer hears of it within two minutes.
+"""`pytest --changed`: only the tests that a change can break, so that a developer hears of it
+within two minutes.
 
-A test file runs when it was changed itself, when it stands in the room of a changed module, or when what it imports leads down to one. Tests that are
-marked slow run only in the room that was changed; the whole suite (`python3 dev.py test`) runs them all.
+A test file runs when it was changed itself, when it stands in the room of a changed module, or when
+what it imports leads down to one. Tests that are marked slow run only in the room that was changed;
+the whole suite (`python3 dev.py test`) runs them all.
 """
 
 from __future__ import annotations
@@ -26,7 +28,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         const="",
         default=None,
         metavar="COMMIT",
-        help="Run only what differs from COMMIT can break: from HEAD where the tree is dirty, else from the commit before.",
+        help=(
+            "Run only what differs from COMMIT can break: from HEAD where the tree is dirty, else"
+            " from the commit before."
+        ),
     )
 
 
@@ -41,14 +46,18 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def changed_files(since: str = "") -> frozenset[str]:
-    """The files that differ from the commit, as paths from the root; also those that git does not know yet."""
+    """The files that differ from the commit, as paths from the root; also those that git does not
+    know yet.
+    """
     new = _git("ls-files", "--others", "--exclude-standard")
     since = since or ("HEAD" if new or _git("diff", "--name-only", "HEAD") else "HEAD~1")
     return frozenset(new + _git("diff", "--name-only", since))
 
 
 def _git(*arguments: str) -> list[str]:
-    return subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split("\n")[:-1]
+    return subprocess.run(
+        ["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout.split("\n")[:-1]
 
 
 def _concerns(item: pytest.Item, files: frozenset[str]) -> bool:
@@ -56,7 +65,9 @@ def _concerns(item: pytest.Item, files: frozenset[str]) -> bool:
     if files & set(EVERYTHING):
         return is_quick
     file = item.path.relative_to(ROOT).as_posix()
-    if file in files or (room_of(file) in {room_of(name) for name in files if name.startswith("src/")}):
+    if file in files or (
+        room_of(file) in {room_of(name) for name in files if name.startswith("src/")}
+    ):
         return True
     return is_quick and bool(_imports(item.path) & _downstream(files))
 
@@ -95,7 +106,9 @@ def _downstream(files: frozenset[str]) -> frozenset[str]:
 
 @cache
 def _imports(path: Path) -> frozenset[str]:
-    """The modules of Tandem that a test file imports itself, or through the helpers of other tests."""
+    """The modules of Tandem that a test file imports itself, or through the helpers of other
+    tests.
+    """
     found = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         named = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []

@@ -16,7 +16,8 @@ from hypothesis import settings
 from tandem.cli.compiled import keep_compiled
 
 if "PYTEST_XDIST_WORKER" not in os.environ and "JAX_COMPILATION_CACHE_DIR" not in os.environ:
-    # What one test, worker or command has compiled the others need not: JAX and every command read these variables.
+    # What one test, worker or command has compiled the others need not: JAX and every command read
+    # these variables.
     compiled = tempfile.mkdtemp(prefix="tandem-compiled-")
     os.environ["JAX_COMPILATION_CACHE_DIR"] = compiled
     keep_compiled()
@@ -30,7 +31,9 @@ settings.load_profile("tandem")
 
 @pytest.fixture(autouse=True, scope="module")
 def _room_for_what_the_next_module_compiles() -> Iterator[None]:
-    """A run in one process compiles more than the memory maps of a process hold; what follows is a segmentation fault."""
+    """A run in one process compiles more than the memory maps of a process hold; what follows is a
+    segmentation fault.
+    """
     yield
     if "jax" in sys.modules:
         from tandem.learn.room import make_room
@@ -49,7 +52,9 @@ def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest
 
 
 def _no_excuse(report: Any) -> Any:
-    """Where TANDEM_CI is set, all that `apt-get install` can bring is there: what is skipped for want of it has failed."""
+    """Where TANDEM_CI is set, all that `apt-get install` can bring is there: what is skipped for
+    want of it has failed.
+    """
     if os.environ.get("TANDEM_CI") and report.skipped and "apt-get install" in str(report.longrepr):
         report.outcome = "failed"
     return report
@@ -70,11 +75,18 @@ CHROMIUM_OPTIONS = [
 @pytest.fixture(scope="session")
 def browser() -> Generator[Any, None, None]:
     """A real Chromium, one for all tests of a process: Playwright starts only once in it."""
-    program = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    program = os.environ.get("CHROMIUM") or next(
+        filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
+    )
     if not program:
         pytest.skip("no browser: apt-get install chromium")
-    api = pytest.importorskip("playwright.sync_api", reason="no browser control: pip install playwright (and apt-get install chromium)")
+    api = pytest.importorskip(
+        "playwright.sync_api",
+        reason="no browser control: pip install playwright (and apt-get install chromium)",
+    )
     with api.sync_playwright() as running:
-        chromium = running.chromium.launch(executable_path=program, headless=True, args=CHROMIUM_OPTIONS)
+        chromium = running.chromium.launch(
+            executable_path=program, headless=True, args=CHROMIUM_OPTIONS
+        )
         yield chromium
         chromium.close()

@@ -1,4 +1,6 @@
-"""Random small cells with every feature, for hypothesis. They are sound by construction; some have no schedule at all."""
+"""Random small cells with every feature, for hypothesis. They are sound by construction; some have
+no schedule at all.
+"""
 
 from __future__ import annotations
 
@@ -15,11 +17,18 @@ STEPS = (1.0, 1.0, 0.5, 0.1, 0.25)
 
 
 @st.composite
-def cells(draw: st.DrawFn, min_tasks: int = 1, max_tasks: int = 7, max_operators: int = 3, rich: bool = True) -> Cell:
+def cells(
+    draw: st.DrawFn,
+    min_tasks: int = 1,
+    max_tasks: int = 7,
+    max_operators: int = 3,
+    rich: bool = True,
+) -> Cell:
     """A sound cell of 1 to 5 tasks, seldom more, and 1 to 3 operators.
 
-    `rich=False` leaves out tools, zones, breaks, deadlines, limits, pairs and tables: only times, joint tasks, precedence and stress.
-    Most cells can be planned; deadlines, stress limits and tables make some of them infeasible.
+    `rich=False` leaves out tools, zones, breaks, deadlines, limits, pairs and tables: only times,
+    joint tasks, precedence and stress. Most cells can be planned; deadlines, stress limits and
+    tables make some of them infeasible.
     """
     step = draw(st.sampled_from(STEPS))
     operators = draw(_operators(max_operators, step, rich))
@@ -33,7 +42,13 @@ def cells(draw: st.DrawFn, min_tasks: int = 1, max_tasks: int = 7, max_operators
         tasks[name] = draw(_task(operators, names[:place], step))
         if rich:
             _add_place_and_tool(draw, tasks[name], tools, zones, step)
-    data: dict[str, Any] = {"name": "random", "operators": operators, "tasks": tasks, "tools": tools, "zones": zones}
+    data: dict[str, Any] = {
+        "name": "random",
+        "operators": operators,
+        "tasks": tasks,
+        "tools": tools,
+        "zones": zones,
+    }
     if rich:
         _put_tools_in_hands(draw, operators, tools)
         data["same_operator"] = draw(_pairs(tasks))
@@ -71,7 +86,9 @@ def _operators(draw: st.DrawFn, most: int, step: float, rich: bool) -> dict[str,
             operator["breaks"] = [first]
             if draw(_seldom()):
                 gap = draw(st.integers(0, 5))
-                operator["breaks"].append((round(first[1] + gap * step, 6), round(first[1] + (gap + 2) * step, 6)))
+                operator["breaks"].append(
+                    (round(first[1] + gap * step, 6), round(first[1] + (gap + 2) * step, 6))
+                )
         if rich and kind == "human" and draw(_seldom()):
             operator["stress_limit"] = draw(st.integers(0, 14))
         operators[f"{kind}_{place}"] = operator
@@ -82,34 +99,51 @@ def _operators(draw: st.DrawFn, most: int, step: float, rich: bool) -> dict[str,
 def _tools(draw: st.DrawFn, operators: list[str], step: float) -> dict[str, dict[str, Any]]:
     tools = {}
     for name in ("driver", "wrench")[: draw(st.sampled_from((0, 0, 1, 2, 2)))]:
-        changeover = draw(st.dictionaries(st.sampled_from(operators), _seconds(step, 0, 4), max_size=3))
+        changeover = draw(
+            st.dictionaries(st.sampled_from(operators), _seconds(step, 0, 4), max_size=3)
+        )
         tools[name] = {"capacity": draw(st.integers(1, 2)), "changeover": changeover}
     return tools
 
 
 @st.composite
 def _zones(draw: st.DrawFn) -> dict[str, dict[str, Any]]:
-    return {name: {"capacity": draw(st.integers(1, 2))} for name in ("jig", "bench")[: draw(st.sampled_from((0, 0, 0, 1, 2)))]}
+    return {
+        name: {"capacity": draw(st.integers(1, 2))}
+        for name in ("jig", "bench")[: draw(st.sampled_from((0, 0, 0, 1, 2)))]
+    }
 
 
 @st.composite
-def _task(draw: st.DrawFn, operators: dict[str, Any], earlier: list[str], step: float) -> dict[str, Any]:
+def _task(
+    draw: st.DrawFn, operators: dict[str, Any], earlier: list[str], step: float
+) -> dict[str, Any]:
     names = list(operators)
     humans = [name for name in names if operators[name]["kind"] == "human"]
     groups = [group for size in range(2, len(names) + 1) for group in combinations(names, size)]
-    together = draw(st.lists(st.sampled_from(groups), unique=True, max_size=2)) if groups and draw(_seldom()) else []
+    together = (
+        draw(st.lists(st.sampled_from(groups), unique=True, max_size=2))
+        if groups and draw(_seldom())
+        else []
+    )
     alone = draw(st.lists(st.sampled_from(names), unique=True, min_size=0 if together else 1))
     task: dict[str, Any] = {"time": {name: draw(_seconds(step)) for name in alone}}
 
     def stress(among: list[str]) -> Any:
         if among and draw(_seldom()):
-            return {name: draw(_stress()) for name in draw(st.lists(st.sampled_from(among), unique=True))}
+            return {
+                name: draw(_stress())
+                for name in draw(st.lists(st.sampled_from(among), unique=True))
+            }
         return draw(_stress())
 
     task["stress"] = stress(humans)
     task["together"] = []
     for group in together:
-        joint: dict[str, Any] = {"operators": draw(st.permutations(group)), "time": draw(_seconds(step))}
+        joint: dict[str, Any] = {
+            "operators": draw(st.permutations(group)),
+            "time": draw(_seconds(step)),
+        }
         if draw(st.booleans()):
             joint["stress"] = stress([name for name in humans if name in group])
         task["together"].append(joint)
@@ -118,7 +152,9 @@ def _task(draw: st.DrawFn, operators: dict[str, Any], earlier: list[str], step: 
     return task
 
 
-def _add_place_and_tool(draw: st.DrawFn, task: dict[str, Any], tools: dict[str, Any], zones: dict[str, Any], step: float) -> None:
+def _add_place_and_tool(
+    draw: st.DrawFn, task: dict[str, Any], tools: dict[str, Any], zones: dict[str, Any], step: float
+) -> None:
     """Where and with what a task is done; only what leaves room for one way of doing it."""
     least = 1 if task["time"] else min(len(joint["operators"]) for joint in task["together"])
     for key, table in (("tool", tools), ("zone", zones)):
@@ -140,18 +176,26 @@ def _put_tools_in_hands(draw: st.DrawFn, operators: dict[str, Any], tools: dict[
 
 
 def _groups(task: dict[str, Any]) -> set[frozenset[str]]:
-    return {frozenset((name,)) for name in task["time"]} | {frozenset(joint["operators"]) for joint in task["together"]}
+    return {frozenset((name,)) for name in task["time"]} | {
+        frozenset(joint["operators"]) for joint in task["together"]
+    }
 
 
 @st.composite
 def _pairs(draw: st.DrawFn, tasks: dict[str, dict[str, Any]]) -> list[tuple[str, str]]:
     fitting = [(a, b) for a, b in combinations(tasks, 2) if _groups(tasks[a]) & _groups(tasks[b])]
-    return draw(st.lists(st.sampled_from(fitting), max_size=1)) if fitting and draw(_seldom()) else []
+    return (
+        draw(st.lists(st.sampled_from(fitting), max_size=1)) if fitting and draw(_seldom()) else []
+    )
 
 
 @st.composite
-def _table(draw: st.DrawFn, tasks: dict[str, dict[str, Any]], operators: dict[str, Any]) -> dict[str, float]:
-    """Stress of every set of tasks that humans may do, not additive; a few sets are left out and so forbidden."""
+def _table(
+    draw: st.DrawFn, tasks: dict[str, dict[str, Any]], operators: dict[str, Any]
+) -> dict[str, float]:
+    """Stress of every set of tasks that humans may do, not additive; a few sets are left out and so
+    forbidden.
+    """
     weights = {
         name: draw(st.integers(0, 6))
         for name, task in tasks.items()
@@ -161,17 +205,25 @@ def _table(draw: st.DrawFn, tasks: dict[str, dict[str, Any]], operators: dict[st
     sets = [chosen for size in range(len(weights) + 1) for chosen in combinations(weights, size)]
     missing = draw(st.lists(st.sampled_from(sets), max_size=2))
     return {
-        ",".join(s): sum(weights[x] for x in s) + bend * max((weights[x] for x in s), default=0) * len(s)
+        ",".join(s): sum(weights[x] for x in s)
+        + bend * max((weights[x] for x in s), default=0) * len(s)
         for s in sets
         if s not in missing or s == sets[-1]
     }
 
 
 def _with_deadlines(draw: st.DrawFn, data: dict[str, Any], step: float) -> Cell:
-    """The cell with one or two deadlines, or without when not even a chain of quickest tasks could keep them."""
-    chosen = draw(st.lists(st.sampled_from(list(data["tasks"])), unique=True, min_size=1, max_size=2))
+    """The cell with one or two deadlines, or without when not even a chain of quickest tasks could
+    keep them.
+    """
+    chosen = draw(
+        st.lists(st.sampled_from(list(data["tasks"])), unique=True, min_size=1, max_size=2)
+    )
     late = {name: draw(_seconds(step, 2, 30)) for name in chosen}
-    tasks = {name: {**task, "deadline": late[name]} if name in late else task for name, task in data["tasks"].items()}
+    tasks = {
+        name: {**task, "deadline": late[name]} if name in late else task
+        for name, task in data["tasks"].items()
+    }
     try:
         return Cell.model_validate({**data, "tasks": tasks})
     except CellError:

@@ -1,4 +1,6 @@
-"""The documentation says what the code does: every key, format, method, command and option is in it, and its examples run."""
+"""The documentation says what the code does: every key, format, method, command and option is in
+it, and its examples run.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +50,9 @@ def test_every_command_and_option_is_explained(path: str) -> None:
     for option in command.params:
         if isinstance(option, click.Option) and not option.hidden:
             assert all(name in section for name in option.opts)
-            assert option.help or set(option.opts) & OUTERMOST, f"{path} {option.opts} has no help text"
+            assert option.help or set(option.opts) & OUTERMOST, (
+                f"{path} {option.opts} has no help text"
+            )
 
 
 def test_people_wrote_about_every_command() -> None:
@@ -57,7 +61,12 @@ def test_people_wrote_about_every_command() -> None:
 
 
 def test_every_option_that_the_pages_use_exists() -> None:
-    known = {name for command in COMMANDS.values() for option in command.params for name in [*option.opts, *option.secondary_opts]} | {"--help"}
+    known = {
+        name
+        for command in COMMANDS.values()
+        for option in command.params
+        for name in [*option.opts, *option.secondary_opts]
+    } | {"--help"}
     used = set(re.findall(r"tandem [^`\n]*", written()))
     wrong = {word for line in used for word in re.findall(r"(?<=\s)--[a-z][a-z-]*", line)} - known
     assert wrong == set()
@@ -65,7 +74,11 @@ def test_every_option_that_the_pages_use_exists() -> None:
 
 def test_every_benchmark_is_described() -> None:
     page = (DOCS / "benchmarks.md").read_text()
-    programs = [path for path in (ROOT / "benchmarks").glob("*.py") if '__name__ == "__main__"' in path.read_text()]
+    programs = [
+        path
+        for path in (ROOT / "benchmarks").glob("*.py")
+        if '__name__ == "__main__"' in path.read_text()
+    ]
     assert [path.stem for path in programs if f"| `{path.stem}` |" not in page] == []
 
 
@@ -74,8 +87,12 @@ def test_every_page_is_reachable() -> None:
     assert listed == {page.stem for page in DOCS.glob("*.md")} - {"index"}
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python")], ids=lambda page: page.name)
-def test_the_python_examples_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if blocks(page, "python")], ids=lambda page: page.name
+)
+def test_the_python_examples_run(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     if page.name in ("environments.md", "learning.md", "yu.md", "people.md"):
         pytest.importorskip("pettingzoo", reason="needs tandem[learn]")
     shutil.copytree(ROOT / "examples", tmp_path / "examples")
@@ -90,16 +107,26 @@ def test_the_python_examples_run(page: Path, tmp_path: Path, monkeypatch: pytest
 CONSOLE = [(page, block) for page in PAGES for block in blocks(page, "console")]
 
 
-@pytest.mark.parametrize(("page", "block"), CONSOLE, ids=[f"{page.name}-{i}" for i, (page, _) in enumerate(CONSOLE)])
+@pytest.mark.parametrize(
+    ("page", "block"), CONSOLE, ids=[f"{page.name}-{i}" for i, (page, _) in enumerate(CONSOLE)]
+)
 def test_the_commands_that_are_shown_run_and_print_what_is_shown(
-    page: Path, block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+    page: Path,
+    block: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
-    """Lines that begin with `$` are run in a folder that holds `examples`; what stands below must be what was printed, seconds of computing aside."""
+    """Lines that begin with `$` are run in a folder that holds `examples`; what stands below must
+    be what was printed, seconds of computing aside.
+    """
     shutil.copytree(ROOT / "examples", tmp_path / "examples")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "90")
     for command, shown in re.findall(r"^\$ tandem (.*)\n((?:(?!\$ ).*\n)*)", block, re.MULTILINE):
-        code = run([*shlex.split(command), *(["--workers", "1"] if command.startswith("plan") else [])])
+        code = run(
+            [*shlex.split(command), *(["--workers", "1"] if command.startswith("plan") else [])]
+        )
         printed = capfd.readouterr()
         assert code == 0, printed.err
         if shown.strip():
@@ -107,5 +134,7 @@ def test_the_commands_that_are_shown_run_and_print_what_is_shown(
 
 
 def settled(text: str) -> str:
-    """Without what changes from run to run: seconds of computing, and where lines are broken for it."""
+    """Without what changes from run to run: seconds of computing, and where lines are broken for
+    it.
+    """
     return re.sub(r"\d+(\.\d+)? s, cp-sat [\d.]+", "* s, cp-sat *", " ".join(text.split()))

@@ -1,4 +1,6 @@
-"""What someone meets before the first plan: the import, the command, the wheel, the files around the code."""
+"""What someone meets before the first plan: the import, the command, the wheel, the files around
+the code.
+"""
 
 from __future__ import annotations
 
@@ -17,17 +19,35 @@ import pytest
 import tandem
 
 ROOT = Path(__file__).resolve().parents[1]
-HEAVY = {"jax", "jaxlib", "torch", "matplotlib", "starlette", "pandas", "numpy", "ortools", "pydantic", "rich", "click"}
+HEAVY = {
+    "jax",
+    "jaxlib",
+    "torch",
+    "matplotlib",
+    "starlette",
+    "pandas",
+    "numpy",
+    "ortools",
+    "pydantic",
+    "rich",
+    "click",
+}
 
 
 def python(*arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([sys.executable, *arguments], capture_output=True, text=True, env=os.environ | variables, cwd=ROOT)
+    return subprocess.run(
+        [sys.executable, *arguments],
+        capture_output=True,
+        text=True,
+        env=os.environ | variables,
+        cwd=ROOT,
+    )
 
 
 def test_importing_is_quick_and_loads_nothing_heavy() -> None:
     program = (
-        "import json, sys, time; begun = time.perf_counter(); import tandem; spent = time.perf_counter() - begun;"
-        "print(json.dumps([spent, sorted(sys.modules)]))"
+        "import json, sys, time; begun = time.perf_counter(); import tandem; spent ="
+        " time.perf_counter() - begun;print(json.dumps([spent, sorted(sys.modules)]))"
     )
     runs = [json.loads(python("-c", program).stdout) for _ in range(3)]
     assert min(spent for spent, _ in runs) < 0.3
@@ -36,16 +56,21 @@ def test_importing_is_quick_and_loads_nothing_heavy() -> None:
 
 def test_asking_the_command_for_help_is_quick_and_loads_neither_solver_nor_pictures() -> None:
     program = (
-        "import json, sys, time; begun = time.perf_counter()\nfrom tandem.cli import main\nsys.argv = ['tandem', '--help']\n"
-        "try: main()\nexcept SystemExit: pass\n"
-        "print(json.dumps([time.perf_counter() - begun, sorted(sys.modules)]), file=sys.stderr)"
+        "import json, sys, time; begun = time.perf_counter()\nfrom tandem.cli import main\nsys.argv"
+        " = ['tandem', '--help']\ntry: main()\nexcept SystemExit:"
+        " pass\nprint(json.dumps([time.perf_counter() - begun, sorted(sys.modules)]),"
+        " file=sys.stderr)"
     )
     runs = [json.loads(python("-c", program).stderr.splitlines()[-1]) for _ in range(3)]
     assert min(spent for spent, _ in runs) < 1.0
-    assert (HEAVY - {"click", "rich", "pydantic"}) & {name.partition(".")[0] for name in runs[0][1]} == set()
+    assert (HEAVY - {"click", "rich", "pydantic"}) & {
+        name.partition(".")[0] for name in runs[0][1]
+    } == set()
 
 
-@pytest.mark.parametrize("arguments", [("--help",), ("plan", "--help"), ("check", "no-such-file.yaml"), ("--version",)])
+@pytest.mark.parametrize(
+    "arguments", [("--help",), ("plan", "--help"), ("check", "no-such-file.yaml"), ("--version",)]
+)
 def test_the_package_runs_as_a_module_under_its_own_name(arguments: tuple[str, ...]) -> None:
     ran = python("-m", "tandem", *arguments)
     assert "tandem" in ran.stdout + ran.stderr
@@ -79,7 +104,10 @@ def test_plan_is_a_room_and_a_verb_whichever_comes_first() -> None:
         f"import tandem; print(tandem.plan({cell}).points)",
         f"import tandem, tandem.plan.result; print(tandem.plan({cell}).points)",
         f"import tandem; from tandem import plan; print(plan({cell}).points)",
-        f"import tandem; import tandem.plan.methods; print(tandem.plan.methods.plan({cell}).points)",
+        (
+            "import tandem; import tandem.plan.methods;"
+            f" print(tandem.plan.methods.plan({cell}).points)"
+        ),
     ):
         done = python("-c", program)
         assert done.stdout.strip() == "[(23.0, 7.0), (24.0, 3.0), (34.0, 2.0)]", done.stderr
@@ -95,19 +123,34 @@ def test_the_wheel_holds_types_licence_and_command(tmp_path: Path) -> None:
         assert {"tandem/py.typed", "tandem/__init__.py", f"{meta}/licenses/LICENSE"} <= names
         assert "tandem = tandem.cli:main" in wheel.read(f"{meta}/entry_points.txt").decode()
         assert "License-Expression: Apache-2.0" in wheel.read(f"{meta}/METADATA").decode()
-    tracked = subprocess.run(["git", "ls-files", "src/tandem"], capture_output=True, text=True, cwd=ROOT).stdout.split()
+    tracked = subprocess.run(
+        ["git", "ls-files", "src/tandem"], capture_output=True, text=True, cwd=ROOT
+    ).stdout.split()
     assert {name.removeprefix("src/") for name in tracked} <= names
 
 
 def declared() -> dict[str, str]:
-    """Every distribution that pyproject.toml asks for, with its specifier, extras among themselves left out."""
+    """Every distribution that pyproject.toml asks for, with its specifier, extras among themselves
+    left out.
+    """
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    lines = [*project["dependencies"], *(line for lines in project["optional-dependencies"].values() for line in lines)]
-    return {name: rest for name, rest in (re.match(r"([A-Za-z0-9_.-]+)(.*)", line).groups() for line in lines) if name != "tandem"}  # type: ignore[union-attr]
+    lines = [
+        *project["dependencies"],
+        *(line for lines in project["optional-dependencies"].values() for line in lines),
+    ]
+    return {
+        name: rest
+        for name, rest in (re.match(r"([A-Za-z0-9_.-]+)(.*)", line).groups() for line in lines)
+        if name != "tandem"
+    }  # type: ignore[union-attr]
 
 
 def test_every_dependency_is_pinned_and_has_its_reason() -> None:
-    pinned = {line.partition("==")[0].lower().replace("_", "-") for line in (ROOT / "constraints.txt").read_text().splitlines() if "==" in line}
+    pinned = {
+        line.partition("==")[0].lower().replace("_", "-")
+        for line in (ROOT / "constraints.txt").read_text().splitlines()
+        if "==" in line
+    }
     reasons = (ROOT / "docs" / "dependencies.md").read_text()
     assert {name.lower() for name in declared()} <= pinned
     assert [name for name in declared() if f"`{name}`" not in reasons] == []
@@ -126,19 +169,40 @@ def test_the_changelog_and_the_citation_name_this_version() -> None:
 def test_in_ci_a_test_without_its_program_has_failed(tmp_path: Path, ci: str, ending: str) -> None:
     (tmp_path / "conftest.py").write_text((ROOT / "tests" / "conftest.py").read_text())
     (tmp_path / "test_pages.py").write_text(
-        "import pytest\n\ndef test_page():\n    pytest.skip('there is no Chromium here; apt-get install chromium')\n\n"
-        "def test_data():\n    pytest.skip('the benchmark sets are not here')\n"
+        "import pytest\n\ndef test_page():\n    pytest.skip('there is no Chromium here; apt-get"
+        " install chromium')\n\ndef test_data():\n    pytest.skip('the benchmark sets are not"
+        " here')\n"
     )
-    done = python("-m", "pytest", "-q", "-p", "no:cacheprovider", "--rootdir", str(tmp_path), str(tmp_path), TANDEM_CI=ci)
+    done = python(
+        "-m",
+        "pytest",
+        "-q",
+        "-p",
+        "no:cacheprovider",
+        "--rootdir",
+        str(tmp_path),
+        str(tmp_path),
+        TANDEM_CI=ci,
+    )
     assert ending in done.stdout.splitlines()[-1]
 
 
 def test_comments_docstrings_and_pages_name_only_files_that_exist() -> None:
-    """`tests/...`, `src/...`, `docs/...`, `examples/...` and `benchmarks/...` wherever they are written. The page that adds files says so itself."""
-    texts = [file for room in ("src", "tests", "benchmarks", "examples") for file in (ROOT / room).rglob("*.py")]
+    """`tests/...`, `src/...`, `docs/...`, `examples/...` and `benchmarks/...` wherever they are
+    written. The page that adds files says so itself.
+    """
+    texts = [
+        file
+        for room in ("src", "tests", "benchmarks", "examples")
+        for file in (ROOT / room).rglob("*.py")
+    ]
     texts += [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
-    added = set(re.findall(r"^# (src/\S+)", (ROOT / "docs" / "add-a-method.md").read_text(), re.MULTILINE))
-    named = re.compile(r"(?<![\w/.-])(?:tests|src|docs|examples|benchmarks)/[\w/-]+\.(?:py|md|yaml)\b")
+    added = set(
+        re.findall(r"^# (src/\S+)", (ROOT / "docs" / "add-a-method.md").read_text(), re.MULTILINE)
+    )
+    named = re.compile(
+        r"(?<![\w/.-])(?:tests|src|docs|examples|benchmarks)/[\w/-]+\.(?:py|md|yaml)\b"
+    )
     gone = {
         (str(file.relative_to(ROOT)), name)
         for file in texts

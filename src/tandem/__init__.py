@@ -1,8 +1,8 @@
 """Tandem plans and runs the work that people and collaborative robots share.
 
     cell = tandem.load("cell.yaml")
-    front = tandem.plan(cell, time_limit=10, seed=0)     # every compromise between makespan and stress
-    tandem.faults(cell, front.knee.schedule)             # [] or sentences
+    front = tandem.plan(cell, time_limit=10, seed=0)     # every compromise between makespan and
+    stress tandem.faults(cell, front.knee.schedule)             # [] or sentences
 
 Importing it is quick: each name is fetched from its home when it is first used.
 """
@@ -17,7 +17,15 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
     from tandem.cell.parts import Operator, Task, Together, Tool, Zone
-    from tandem.errors import CellError, Fault, InfeasibleError, NothingFoundError, TandemError, UnsoundScheduleError, UsageError
+    from tandem.errors import (
+        CellError,
+        Fault,
+        InfeasibleError,
+        NothingFoundError,
+        TandemError,
+        UnsoundScheduleError,
+        UsageError,
+    )
     from tandem.files.load import load
     from tandem.plan.methods import plan
     from tandem.plan.question import Question
@@ -53,7 +61,15 @@ _HOME = {
     "tandem.files.load": ("load",),
     "tandem.cell.model": ("Cell",),
     "tandem.cell.parts": ("Operator", "Task", "Together", "Tool", "Zone"),
-    "tandem.errors": ("CellError", "Fault", "InfeasibleError", "NothingFoundError", "TandemError", "UnsoundScheduleError", "UsageError"),
+    "tandem.errors": (
+        "CellError",
+        "Fault",
+        "InfeasibleError",
+        "NothingFoundError",
+        "TandemError",
+        "UnsoundScheduleError",
+        "UsageError",
+    ),
     "tandem.plan.question": ("Question",),
     "tandem.plan.result": ("Front", "Result"),
     "tandem.schedule.checker": ("faults",),
@@ -62,7 +78,8 @@ _HOME = {
 
 
 def __getattr__(name: str) -> Any:
-    if name == "plan":  # a room and a verb: tandem.plan(cell) plans, tandem.plan.methods is a module
+    # a room and a verb: tandem.plan(cell) plans, tandem.plan.methods is a module
+    if name == "plan":
         return importlib.import_module("tandem.plan")
     for home, names in _HOME.items():
         if name in names:

@@ -12,7 +12,8 @@ class Fault:
 
     Attributes:
       message: what is wrong, with the value, and how to mend it; a sentence or two.
-      path: keys from the top of the document to the faulty value, such as `("tasks", "4", "after", 0)`.
+      path: keys from the top of the document to the faulty value, such as `("tasks", "4", "after",
+        0)`.
       place: where a person finds it, `file:line:column` or `sheet!C4`; empty when there is no file.
     """
 
@@ -30,7 +31,9 @@ class Fault:
 
 
 class NotReadWarning(UserWarning):
-    """Something stands in a file that was read and has no place in a cell: what it says is lost. Names the file and the line."""
+    """Something stands in a file that was read and has no place in a cell: what it says is lost.
+    Names the file and the line.
+    """
 
 
 class TandemError(Exception):

@@ -1,6 +1,8 @@
-"""What installed packages add to Tandem's tables, the laboratory first of all: entry points, as Python packages declare them.
+"""What installed packages add to Tandem's tables, the laboratory first of all: entry points, as
+Python packages declare them.
 
-A table that others may add to is a group `tandem.NAME` of entry points, each `name = "module:attribute"`. Nothing is imported until it is asked for.
+A table that others may add to is a group `tandem.NAME` of entry points, each `name =
+"module:attribute"`. Nothing is imported until it is asked for.
 """
 
 from __future__ import annotations
@@ -14,7 +16,9 @@ V = TypeVar("V")
 
 
 def added(table: str) -> dict[str, str]:
-    """Name -> `module:attribute` of all that installed packages add to the table, in the order of their names."""
+    """Name -> `module:attribute` of all that installed packages add to the table, in the order of
+    their names.
+    """
     found = entry_points(group=f"tandem.{table}")
     return {entry.name: entry.value for entry in sorted(found, key=lambda entry: entry.name)}
 
@@ -26,7 +30,9 @@ def resolved(home: str) -> Any:
 
 
 class Table(Mapping[str, V]):
-    """Our own entries, and those that installed packages add to the table of that name; theirs are imported when they are first asked for."""
+    """Our own entries, and those that installed packages add to the table of that name; theirs are
+    imported when they are first asked for.
+    """
 
     def __init__(self, name: str, own: Mapping[str, V]) -> None:
         self._found: dict[str, V] = dict(own)

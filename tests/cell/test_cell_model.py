@@ -19,7 +19,10 @@ PRESS = {
     "tasks": {
         "press": {
             "time": {"ben": 5, "cobot": 4.5},
-            "together": [{"operators": ["ben", "cobot"], "time": 3}, {"operators": ["ben", "anna"], "time": 2, "stress": {"anna": 1}}],
+            "together": [
+                {"operators": ["ben", "cobot"], "time": 3},
+                {"operators": ["ben", "anna"], "time": 2, "stress": {"anna": 1}},
+            ],
             "stress": {"ben": 7},
         }
     },
@@ -53,7 +56,12 @@ def test_a_variant_is_checked_again():
 
 
 def test_whole_numbers_may_name_tasks_in_python():
-    cell = cell_of({"operators": {"h": {"kind": "human"}}, "tasks": {1: {"time": {"h": 2}}, 2: {"time": {"h": 2}, "after": [1]}}})
+    cell = cell_of(
+        {
+            "operators": {"h": {"kind": "human"}},
+            "tasks": {1: {"time": {"h": 2}}, 2: {"time": {"h": 2}, "after": [1]}},
+        }
+    )
     assert cell.tasks["2"].after == ("1",)
 
 

@@ -1,4 +1,6 @@
-"""Generated cells: the same for a seed, of the asked shape, and Yu's boards as far as is known of them."""
+"""Generated cells: the same for a seed, of the asked shape, and Yu's boards as far as is known of
+them.
+"""
 
 from __future__ import annotations
 
@@ -14,10 +16,28 @@ from tandem.lab.yu2020.board import Who, desk, random_board
 share = st.floats(0, 1)
 
 
-@given(st.integers(1, 40), st.integers(0, 3), st.integers(1, 3), share, share, share, st.integers(0, 2**32))
-def test_any_asked_cell_is_sound_and_repeats_for_its_seed(tasks, humans, robots, exclusive, density, heterogeneity, seed):
+@given(
+    st.integers(1, 40),
+    st.integers(0, 3),
+    st.integers(1, 3),
+    share,
+    share,
+    share,
+    st.integers(0, 2**32),
+)
+def test_any_asked_cell_is_sound_and_repeats_for_its_seed(
+    tasks, humans, robots, exclusive, density, heterogeneity, seed
+):
     def make():
-        return layered(tasks, humans, robots, exclusive=exclusive, density=density, heterogeneity=heterogeneity, seed=seed)
+        return layered(
+            tasks,
+            humans,
+            robots,
+            exclusive=exclusive,
+            density=density,
+            heterogeneity=heterogeneity,
+            seed=seed,
+        )
 
     cell = make()
     assert cell == make()
@@ -30,13 +50,26 @@ def test_any_asked_cell_is_sound_and_repeats_for_its_seed(tasks, humans, robots,
 
 def test_the_shares_do_what_they_say():
     alike = layered(300, 2, 1, exclusive=0, heterogeneity=0, seed=1)
-    assert all(len(set(task.time.values())) == 1 and len(task.time) == 3 for task in alike.tasks.values())
+    assert all(
+        len(set(task.time.values())) == 1 and len(task.time) == 3 for task in alike.tasks.values()
+    )
     apart = layered(2000, exclusive=0, heterogeneity=1, seed=1)
-    assert abs(statistics.correlation(*zip(*(task.time.values() for task in apart.tasks.values()), strict=True))) < 0.1
+    assert (
+        abs(
+            statistics.correlation(
+                *zip(*(task.time.values() for task in apart.tasks.values()), strict=True)
+            )
+        )
+        < 0.1
+    )
     special = layered(2000, 2, 2, exclusive=0.3, seed=1)
-    assert sum(len(task.time) == 2 for task in special.tasks.values()) / 2000 == pytest.approx(0.3, abs=0.05)
+    assert sum(len(task.time) == 2 for task in special.tasks.values()) / 2000 == pytest.approx(
+        0.3, abs=0.05
+    )
     single = layered(2000, 0, 4, exclusive=0.3, seed=1)
-    assert sum(len(task.time) == 1 for task in single.tasks.values()) / 2000 == pytest.approx(0.3, abs=0.05)
+    assert sum(len(task.time) == 1 for task in single.tasks.values()) / 2000 == pytest.approx(
+        0.3, abs=0.05
+    )
 
 
 def test_layers_are_the_longest_chain():
@@ -53,7 +86,14 @@ def test_seeds_differ():
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"tasks": 0}, {"tasks": 3, "humans": 0, "robots": 0}, {"tasks": 3, "layers": 4}, {"tasks": 3, "density": 1.5}], ids=str
+    "wrong",
+    [
+        {"tasks": 0},
+        {"tasks": 3, "humans": 0, "robots": 0},
+        {"tasks": 3, "layers": 4},
+        {"tasks": 3, "density": 1.5},
+    ],
+    ids=str,
 )
 def test_what_cannot_be_generated_is_said(wrong):
     with pytest.raises(ValueError, match=r"cell needs|layers is 4|density is 1\.5"):
@@ -78,9 +118,17 @@ def test_pieces_fill_their_board_without_overlap(height, width, data):
     count = data.draw(st.integers(height, height * width))
     human = data.draw(st.integers(0, count))
     joint = data.draw(st.integers(0, count - human))
-    board = random_board(height, width, human, joint, count - human - joint, 5, seed=data.draw(st.integers(0, 99)))
-    covered = [(piece.row, column) for piece in board.pieces for column in range(piece.first, piece.last + 1)]
-    assert sorted(covered) == [(row, column) for row in range(1, height + 1) for column in range(1, width + 1)]
+    board = random_board(
+        height, width, human, joint, count - human - joint, 5, seed=data.draw(st.integers(0, 99))
+    )
+    covered = [
+        (piece.row, column)
+        for piece in board.pieces
+        for column in range(piece.first, piece.last + 1)
+    ]
+    assert sorted(covered) == [
+        (row, column) for row in range(1, height + 1) for column in range(1, width + 1)
+    ]
     assert sum(piece.who is Who.EITHER for piece in board.pieces) == joint
     assert all(1 <= piece.time <= 4 for piece in board.pieces)
 
@@ -105,13 +153,36 @@ def test_a_board_that_cannot_be_is_refused():
         random_board(3, 3, 1, 0, 1, 5, seed=0)
 
 
-OPTIMA = (135, 126, 142, 158, 141, 145, 137, 123, 122, 136, 139, 138, 125, 135, 135, 138, 131, 152, 132, 128)
+OPTIMA = (
+    135,
+    126,
+    142,
+    158,
+    141,
+    145,
+    137,
+    123,
+    122,
+    136,
+    139,
+    138,
+    125,
+    135,
+    135,
+    138,
+    131,
+    152,
+    132,
+    128,
+)
 """Proven optima of the authors' boards with seeds 0 to 19."""
 
 
 @pytest.mark.parametrize("seed", range(20))
 def test_the_boards_are_the_authors_own(seed):
-    """A small model of its own here, so that the ground does not lean on the planner: 0.2 s a board."""
+    """A small model of its own here, so that the ground does not lean on the planner: 0.2 s a
+    board.
+    """
     from ortools.sat.python import cp_model
 
     cell = random_board(seed=seed).to_cell()
@@ -125,7 +196,12 @@ def test_the_boards_are_the_authors_own(seed):
         by_robot = model.new_bool_var("") if len(task.time) == 2 else None
         for who in task.time:
             chosen = True if by_robot is None else by_robot if who == "robot" else ~by_robot
-            lanes[who].append((model.new_optional_fixed_size_interval_var(starts[name], time, chosen, ""), time * chosen))
+            lanes[who].append(
+                (
+                    model.new_optional_fixed_size_interval_var(starts[name], time, chosen, ""),
+                    time * chosen,
+                )
+            )
         model.add(end >= starts[name] + time)
         for first in task.after:
             model.add(starts[name] >= starts[first] + int(min(cell.tasks[first].time.values())))

@@ -1,4 +1,6 @@
-"""Names have one spelling, whatever door they come in by; those that look alike are refused, and so is what a terminal would obey."""
+"""Names have one spelling, whatever door they come in by; those that look alike are refused, and so
+is what a terminal would obey.
+"""
 
 from __future__ import annotations
 
@@ -21,11 +23,21 @@ from tandem.world.behaviour import traits
 
 APART = "Geha\u0308use"  # as macOS writes it
 WHOLE = "Gehäuse"
-SPELLINGS = [APART, f" {WHOLE}", f"{WHOLE}\u00a0", "Ge\u00adhäuse\u200b", f"\ufeff{WHOLE}\u2060", f"{WHOLE}\ufe0f"]
+SPELLINGS = [
+    APART,
+    f" {WHOLE}",
+    f"{WHOLE}\u00a0",
+    "Ge\u00adhäuse\u200b",
+    f"\ufeff{WHOLE}\u2060",
+    f"{WHOLE}\ufe0f",
+]
 
 
 def cell_with(*names: str) -> dict[str, Any]:
-    return {"operators": {"h": {"kind": "human"}}, "tasks": {name: {"time": {"h": 1}} for name in names}}
+    return {
+        "operators": {"h": {"kind": "human"}},
+        "tasks": {name: {"time": {"h": 1}} for name in names},
+    }
 
 
 @pytest.mark.parametrize("spelling", SPELLINGS)
@@ -53,7 +65,10 @@ def test_a_cell_file_may_refer_to_a_task_in_another_spelling(form, spelling):
         data["tasks"]["b"] = {"time": {"h ": 1}, "after": [WHOLE]}
         text = json.dumps({**data, "same_operator": [[WHOLE, "b"]]})
     else:
-        text = f'operators: {{h: {{kind: human}}}}\ntasks:\n  {WHOLE}: {{time: {{h: 1}}}}\n  b: {{time: {{h: 1}}, after: ["{spelling}"]}}\n'
+        text = (
+            f"operators: {{h: {{kind: human}}}}\ntasks:\n  {WHOLE}: {{time: {{h: 1}}}}\n  b:"
+            f' {{time: {{h: 1}}, after: ["{spelling}"]}}\n'
+        )
     cell = loads(text)
     assert list(cell.tasks) == [WHOLE, "b"]
     assert cell.tasks["b"].after == (WHOLE,)
@@ -61,7 +76,10 @@ def test_a_cell_file_may_refer_to_a_task_in_another_spelling(form, spelling):
 
 @pytest.mark.parametrize("spelling", SPELLINGS)
 def test_the_same_name_twice_is_refused_with_both_lines(spelling):
-    text = f'operators: {{h: {{kind: human}}}}\ntasks:\n  {WHOLE}: {{time: {{h: 1}}}}\n  "{spelling}": {{time: {{h: 2}}}}\n'
+    text = (
+        f'operators: {{h: {{kind: human}}}}\ntasks:\n  {WHOLE}: {{time: {{h: 1}}}}\n  "{spelling}":'
+        " {time: {h: 2}}\n"
+    )
     with pytest.raises(CellError) as refused:
         loads(text, source="twins.yaml")
     [fault] = refused.value.faults
@@ -80,7 +98,10 @@ def test_names_that_look_alike_are_refused_in_python_too(table, twin):
         cell_of(data)
 
 
-@pytest.mark.parametrize(("key", "twin"), [("tool", "drіver"), ("zone", "drіver"), ("tool", "ｄriver"), ("zone", "driver")])
+@pytest.mark.parametrize(
+    ("key", "twin"),
+    [("tool", "drіver"), ("zone", "drіver"), ("tool", "ｄriver"), ("zone", "driver")],
+)
 def test_tools_and_zones_that_look_alike_are_refused(key, twin):
     data = cell_with("a", "b")
     data["tasks"]["a"][key], data["tasks"]["b"][key] = "driver", twin
@@ -92,7 +113,9 @@ def test_tools_and_zones_that_look_alike_are_refused(key, twin):
 
 
 def test_two_times_of_one_operator_are_refused_with_both_places():
-    with pytest.raises(CellError, match="'h' is stated twice, first in line 2 and again here in line 2"):
+    with pytest.raises(
+        CellError, match="'h' is stated twice, first in line 2 and again here in line 2"
+    ):
         loads('operators: {h: {kind: human}}\ntasks: {a: {time: {h: 1, "h\\u00a0": 3}}}')
     with pytest.raises(CellError, match=r"time states 'h' twice, as 'h' and as 'h\\u200b'"):
         cell_of({**cell_with(), "tasks": {"a": {"time": {"h": 1, "h\u200b": 2}}}})
@@ -103,20 +126,27 @@ def test_a_number_and_its_digits_are_one_name():
         cell_of({**cell_with(), "tasks": {1: {"time": {"h": 1}}, "1": {"time": {"h": 2}}}})
 
 
-@pytest.mark.parametrize("pair", [("m²", "m2"), ("①", "1"), ("½", "1/2"), ("a", "b"), ("A", "a"), ("Schraube", "Schraube 2")])
+@pytest.mark.parametrize(
+    "pair",
+    [("m²", "m2"), ("①", "1"), ("½", "1/2"), ("a", "b"), ("A", "a"), ("Schraube", "Schraube 2")],
+)
 def test_names_that_can_be_told_apart_may_stand_side_by_side(pair):
     assert list(twins(pair)) == []
     assert set(cell_of(cell_with(*pair)).tasks) == set(pair)
 
 
-@pytest.mark.parametrize("pair", [("a", "а"), ("fit", "ﬁt"), ("A1", "Ａ１"), ("a-b", "a‑b"), ("H", "Η")])
+@pytest.mark.parametrize(
+    "pair", [("a", "а"), ("fit", "ﬁt"), ("A1", "Ａ１"), ("a-b", "a‑b"), ("H", "Η")]
+)
 def test_what_looks_alike_has_one_look(pair):
     assert look(pair[0]) == look(pair[1])
     assert list(twins(pair)) == [pair]
 
 
 @pytest.mark.parametrize("sign", ["\x1b", "\x00", "\x07", "\x9b", "\x7f", "\ud800", "\uffff"])
-@pytest.mark.parametrize("key", ["task", "operator", "label", "part", "tool", "zone", "after", "name"])
+@pytest.mark.parametrize(
+    "key", ["task", "operator", "label", "part", "tool", "zone", "after", "name"]
+)
 def test_signs_that_a_terminal_would_obey_and_half_characters_are_refused(sign, key):
     name = f"a{sign}b"
     data: dict[str, Any] = cell_with("a")
@@ -132,7 +162,13 @@ def test_signs_that_a_terminal_would_obey_and_half_characters_are_refused(sign, 
         case _:
             data["tasks"]["a"][key] = name
     for read in (lambda: cell_of(data), lambda: loads(json.dumps(data))):
-        with pytest.raises(CellError, match=f"holds the (control character|half character|sign) U\\+{ord(sign):04X}, which no name may have"):
+        with pytest.raises(
+            CellError,
+            match=(
+                f"holds the (control character|half character|sign) U\\+{ord(sign):04X}, which no"
+                " name may have"
+            ),
+        ):
             read()
 
 
@@ -143,7 +179,9 @@ def test_what_harms_is_named():
 
 
 def test_a_pair_of_halves_is_one_character():
-    cell = loads('{"operators": {"h": {"kind": "human"}}, "tasks": {"\\ud83d\\ude00": {"time": {"h": 1}}}}')
+    cell = loads(
+        '{"operators": {"h": {"kind": "human"}}, "tasks": {"\\ud83d\\ude00": {"time": {"h": 1}}}}'
+    )
     assert list(cell.tasks) == ["😀"]
     assert loads(dumps(cell)) == cell
 
@@ -151,9 +189,16 @@ def test_a_pair_of_halves_is_one_character():
 @pytest.mark.parametrize("spelling", SPELLINGS)
 def test_options_take_any_spelling(spelling):
     operators = {"jörg": {"kind": "human"}, "cobot": {"kind": "robot"}}
-    cell = cell_of({"operators": operators, "tasks": {WHOLE: {"time": {"jörg": 5, "cobot": 6}}, "b": {"time": {"cobot": 1}}}})
+    cell = cell_of(
+        {
+            "operators": operators,
+            "tasks": {WHOLE: {"time": {"jörg": 5, "cobot": 6}}, "b": {"time": {"cobot": 1}}},
+        }
+    )
     assert dict(variant(cell, force=[f"{spelling}=jo\u0308rg "]).tasks[WHOLE].time) == {"jörg": 5}
-    assert variant(cell, sets=[f'tasks."{spelling}".time.jo\u0308rg=9']).tasks[WHOLE].time["jörg"] == 9
+    assert (
+        variant(cell, sets=[f'tasks."{spelling}".time.jo\u0308rg=9']).tasks[WHOLE].time["jörg"] == 9
+    )
     assert list(variant(cell, without=["jo\u0308rg\u200b"]).operators) == ["cobot"]
     [trait] = traits(f"prefers:{spelling}", Names.of(cell))
     assert trait.words == (WHOLE,)
@@ -164,5 +209,7 @@ def test_options_take_any_spelling(spelling):
 @pytest.mark.parametrize("spelling", SPELLINGS)
 def test_a_plan_is_read_back_in_any_spelling(spelling):
     cell = cell_of(cell_with(WHOLE))
-    schedule = Schedule.from_list([{"task": spelling, "operators": ["h\u00a0"], "start": 0, "end": 1}])
+    schedule = Schedule.from_list(
+        [{"task": spelling, "operators": ["h\u00a0"], "start": 0, "end": 1}]
+    )
     assert tandem.faults(cell, schedule) == []

@@ -1,4 +1,6 @@
-"""Names that are one but for a slip of the pen are told from names that people number and letter on purpose."""
+"""Names that are one but for a slip of the pen are told from names that people number and letter on
+purpose.
+"""
 
 from __future__ import annotations
 
@@ -50,9 +52,14 @@ def test_no_slip(one: str, other: str) -> None:
 
 
 def test_each_name_is_led_to_the_first_that_is_like_it() -> None:
-    assert slips(["Presse", "driver", "presse", "Press", "jig 1", "jig 2"]) == {"presse": "Presse", "Press": "Presse"}
+    assert slips(["Presse", "driver", "presse", "Press", "jig 1", "jig 2"]) == {
+        "presse": "Presse",
+        "Press": "Presse",
+    }
 
 
 def test_thousands_of_names_are_compared_by_what_they_share_and_not_each_with_each() -> None:
     names = [f"fixture number {place} of hall" for place in range(20_000)]
-    assert slips([*names, "fixture number 7 of hal"]) == {"fixture number 7 of hal": "fixture number 7 of hall"}
+    assert slips([*names, "fixture number 7 of hal"]) == {
+        "fixture number 7 of hal": "fixture number 7 of hall"
+    }

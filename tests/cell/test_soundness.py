@@ -45,27 +45,67 @@ def test_the_gearbox_is_sound():
 
 
 CASES: list[tuple[dict[str, Any], tuple[str | int, ...], str]] = [
-    ({"press__time": {"cobott": 4, "anna": 5}}, ("tasks", "press", "time", "cobott"), "names 'cobott', who is no operator .* mean 'cobot'"),
-    ({"press__time": {"Cobot ": 4, "anna": 5}}, ("tasks", "press", "time", "Cobot"), "mean 'cobot'"),
+    (
+        {"press__time": {"cobott": 4, "anna": 5}},
+        ("tasks", "press", "time", "cobott"),
+        "names 'cobott', who is no operator .* mean 'cobot'",
+    ),
+    (
+        {"press__time": {"Cobot ": 4, "anna": 5}},
+        ("tasks", "press", "time", "Cobot"),
+        "mean 'cobot'",
+    ),
     (
         {"press__together": [{"operators": ["anna", "zoe"], "time": 3}]},
         ("tasks", "press", "together", 0, "operators", 1),
         "names 'zoe'.* Known: 'cobot', 'anna'",
     ),
-    ({"press__stress": {"ana": 3}}, ("tasks", "press", "stress", "ana"), "stress names 'ana'.* mean 'anna'"),
-    ({"press__difficulty": {"ana": 3}}, ("tasks", "press", "difficulty", "ana"), "difficulty names 'ana'.* mean 'anna'"),
-    ({"press__spread": {"ana": 0.3}}, ("tasks", "press", "spread", "ana"), "spread names 'ana'.* mean 'anna'"),
+    (
+        {"press__stress": {"ana": 3}},
+        ("tasks", "press", "stress", "ana"),
+        "stress names 'ana'.* mean 'anna'",
+    ),
+    (
+        {"press__difficulty": {"ana": 3}},
+        ("tasks", "press", "difficulty", "ana"),
+        "difficulty names 'ana'.* mean 'anna'",
+    ),
+    (
+        {"press__spread": {"ana": 0.3}},
+        ("tasks", "press", "spread", "ana"),
+        "spread names 'ana'.* mean 'anna'",
+    ),
     (
         {"press__tool": "driver", "tools": {"driver": {"changeover": {"cobo": 1}}}},
         ("tools", "driver", "changeover", "cobo"),
         "changeover names 'cobo'",
     ),
-    ({"press__after": ["greas"]}, ("tasks", "press", "after", 0), "comes after 'greas', which is no task. Did you mean 'grease'"),
-    ({"same_operator": [["grease", "chek"]]}, ("same_operator", 0, 1), "names 'chek', which is no task. Did you mean 'check'"),
+    (
+        {"press__after": ["greas"]},
+        ("tasks", "press", "after", 0),
+        "comes after 'greas', which is no task. Did you mean 'grease'",
+    ),
+    (
+        {"same_operator": [["grease", "chek"]]},
+        ("same_operator", 0, 1),
+        "names 'chek', which is no task. Did you mean 'check'",
+    ),
     ({"press__after": ["grease", "press"]}, ("tasks", "press", "after", 1), "comes after itself"),
-    ({"same_operator": [["grease", "grease"]]}, ("same_operator", 0), "pairs task 'grease' with itself"),
-    ({"grease__after": ["check"]}, ("tasks", "grease", "after", 0), "3 tasks wait .* 'grease' before 'press' before 'check' before 'grease'"),
-    ({"grease__after": ["press"]}, ("tasks", "grease", "after", 0), "'grease' and 'press' wait for each other"),
+    (
+        {"same_operator": [["grease", "grease"]]},
+        ("same_operator", 0),
+        "pairs task 'grease' with itself",
+    ),
+    (
+        {"grease__after": ["check"]},
+        ("tasks", "grease", "after", 0),
+        "3 tasks wait .* 'grease' before 'press' before 'check' before 'grease'",
+    ),
+    (
+        {"grease__after": ["press"]},
+        ("tasks", "grease", "after", 0),
+        "'grease' and 'press' wait for each other",
+    ),
     ({"press__time": {}}, ("tasks", "press"), "nobody can do it. .*'cobot' and 'anna'"),
     (
         {"press__together": [{"operators": ["anna", "cobot", "anna"], "time": 3}]},
@@ -73,12 +113,21 @@ CASES: list[tuple[dict[str, Any], tuple[str | int, ...], str]] = [
         "'anna' stands twice in one group",
     ),
     (
-        {"press__together": [{"operators": ["anna", "cobot"], "time": 3}, {"operators": ["cobot", "anna"], "time": 2.5}]},
+        {
+            "press__together": [
+                {"operators": ["anna", "cobot"], "time": 3},
+                {"operators": ["cobot", "anna"], "time": 2.5},
+            ]
+        },
         ("tasks", "press", "together", 1),
         "is stated twice, with 3 s and 2.5 s",
     ),
     (
-        {"press__time": {}, "press__zone": "jig", "press__together": [{"operators": ["anna", "cobot"], "time": 3}]},
+        {
+            "press__time": {},
+            "press__zone": "jig",
+            "press__together": [{"operators": ["anna", "cobot"], "time": 3}],
+        },
         ("tasks", "press", "zone"),
         "only do it together, but zone 'jig' holds 1 .* never meet.*capacity: 2",
     ),
@@ -92,7 +141,11 @@ CASES: list[tuple[dict[str, Any], tuple[str | int, ...], str]] = [
         ("tasks", "press", "tool"),
         "there is 1 of tool 'arbor', so they never meet",
     ),
-    ({"press__stress": {"cobot": 3}}, ("tasks", "press", "stress", "cobot"), "stress is stated for 'cobot', a robot"),
+    (
+        {"press__stress": {"cobot": 3}},
+        ("tasks", "press", "stress", "cobot"),
+        "stress is stated for 'cobot', a robot",
+    ),
     (
         {"press__together": [{"operators": ["anna", "cobot"], "time": 3, "stress": {"cobot": 1}}]},
         ("tasks", "press", "together", 0, "stress", "cobot"),
@@ -109,17 +162,31 @@ CASES: list[tuple[dict[str, Any], tuple[str | int, ...], str]] = [
         r"\[9, 4\] ends before .* write \[4, 9\]",
     ),
     (
-        {"operators": {"cobot": {"kind": "robot", "breaks": [[20, 30], [5, 21.5]]}, "anna": {"kind": "human"}}},
+        {
+            "operators": {
+                "cobot": {"kind": "robot", "breaks": [[20, 30], [5, 21.5]]},
+                "anna": {"kind": "human"},
+            }
+        },
         ("operators", "cobot", "breaks", 0),
         r"\[5, 21.5\] and \[20, 30\] overlap. Make them one: \[5, 30\]",
     ),
     (
         {"check__deadline": 8.5, "grease__release": 1},
         ("tasks", "check", "deadline"),
-        r"deadline of 8.5 s: 'grease' \(3 s, released at 1 s\) then 'press' \(4 s\) then 'check' \(2 s\) ends at 10 s .* Set the deadline to 10 or",
+        (
+            r"deadline of 8.5 s: 'grease' \(3 s, released at 1 s\) then 'press' \(4 s\) then"
+            r" 'check' \(2 s\) ends at 10 s .* Set the deadline to 10 or"
+        ),
     ),
     (
-        {"check__deadline": 10, "operators": {"cobot": {"kind": "robot"}, "anna": {"kind": "human", "breaks": [[6, 60]]}}},
+        {
+            "check__deadline": 10,
+            "operators": {
+                "cobot": {"kind": "robot"},
+                "anna": {"kind": "human", "breaks": [[6, 60]]},
+            },
+        },
         ("tasks", "check", "deadline"),
         "ends at 62 s at the soonest around the breaks",
     ),
@@ -128,54 +195,119 @@ CASES: list[tuple[dict[str, Any], tuple[str | int, ...], str]] = [
             "check__time": {},
             "check__together": [{"operators": ["cobot", "anna"], "time": 5}],
             "check__deadline": 30,
-            "operators": {"cobot": {"kind": "robot", "breaks": [[11, 20]]}, "anna": {"kind": "human", "breaks": [[24, 40]]}},
+            "operators": {
+                "cobot": {"kind": "robot", "breaks": [[11, 20]]},
+                "anna": {"kind": "human", "breaks": [[24, 40]]},
+            },
         },
         ("tasks", "check", "deadline"),
-        "ends at 45 s at the soonest around the breaks",  # both are free from 7 to 11 and from 20 to 24 only
+        # both are free from 7 to 11 and from 20 to 24 only
+        "ends at 45 s at the soonest around the breaks",
     ),
     (
         {"same_operator": [["grease", "press"]], "press__time": {"cobot": 4}},
         ("same_operator", 0),
         "nobody can do both: 'grease' by anna and 'press' by cobot",
     ),
-    ({"stress_of_set": {"": 0, "check,grease": 4}}, ("stress_of_set", "check,grease"), "Write 'grease,check'"),
-    ({"stress_of_set": {"grease, check": 4}}, ("stress_of_set", "grease, check"), "Write 'grease,check'"),
-    ({"stress_of_set": {"grease,chck": 4}}, ("stress_of_set", "grease,chck"), "names 'chck', which is no task. Did you mean 'check'"),
-    ({"stress_of_set": {"grease,check": 4, "check,grease": 5}}, ("stress_of_set", "check,grease"), "states the set 'grease,check' twice"),
+    (
+        {"stress_of_set": {"": 0, "check,grease": 4}},
+        ("stress_of_set", "check,grease"),
+        "Write 'grease,check'",
+    ),
+    (
+        {"stress_of_set": {"grease, check": 4}},
+        ("stress_of_set", "grease, check"),
+        "Write 'grease,check'",
+    ),
+    (
+        {"stress_of_set": {"grease,chck": 4}},
+        ("stress_of_set", "grease,chck"),
+        "names 'chck', which is no task. Did you mean 'check'",
+    ),
+    (
+        {"stress_of_set": {"grease,check": 4, "check,grease": 5}},
+        ("stress_of_set", "check,grease"),
+        "states the set 'grease,check' twice",
+    ),
     (
         {"press__tool": "screwdriver", "tools": {"scewdriver": {"capacity": 2}}},
         ("tools", "scewdriver"),
         "never used, while 'screwdriver' is used but not listed",
     ),
-    ({"press__zone": "jig", "zones": {"Jig": {"capacity": 2}}}, ("zones", "Jig"), "never used, while 'jig' is used"),
+    (
+        {"press__zone": "jig", "zones": {"Jig": {"capacity": 2}}},
+        ("zones", "Jig"),
+        "never used, while 'jig' is used",
+    ),
     (
         {"press__tool": "Presse", "check__tool": "presse"},
         ("tasks", "check", "tool"),
-        "tool 'presse' is spelled almost like tool 'Presse', .* Did you mean 'Presse'. If they are two, list both under `tools`",
+        (
+            "tool 'presse' is spelled almost like tool 'Presse', .* Did you mean 'Presse'. If they"
+            " are two, list both under `tools`"
+        ),
     ),
-    ({"grease__tool": "Press", "check__tool": "Presse"}, ("tasks", "check", "tool"), "Did you mean 'Press'"),
-    ({"grease__tool": "drvier", "check__tool": "driver", "tools": {"driver": {}}}, ("tasks", "grease", "tool"), "Did you mean 'driver'"),
-    ({"grease__zone": "fixture", "check__zone": "Fixtures"}, ("tasks", "check", "zone"), "zone 'Fixtures' is spelled almost like zone 'fixture'"),
     (
-        {"press__tool": "gripper", "operators": {"cobot": {"kind": "robot", "tool": "griper"}, "anna": {"kind": "human"}}},
+        {"grease__tool": "Press", "check__tool": "Presse"},
+        ("tasks", "check", "tool"),
+        "Did you mean 'Press'",
+    ),
+    (
+        {"grease__tool": "drvier", "check__tool": "driver", "tools": {"driver": {}}},
+        ("tasks", "grease", "tool"),
+        "Did you mean 'driver'",
+    ),
+    (
+        {"grease__zone": "fixture", "check__zone": "Fixtures"},
+        ("tasks", "check", "zone"),
+        "zone 'Fixtures' is spelled almost like zone 'fixture'",
+    ),
+    (
+        {
+            "press__tool": "gripper",
+            "operators": {"cobot": {"kind": "robot", "tool": "griper"}, "anna": {"kind": "human"}},
+        },
         ("operators", "cobot", "tool"),
         "Did you mean 'gripper'",
     ),
     (
         {
-            "operators": {"cobot": {"kind": "robot"}, "anna": {"kind": "human"}, "ben": {"kind": "human"}},
-            "press__together": [{"operators": ["cobot", "anna"], "time": 3, "stress": {"anna": 1, "ben": 2}}],
+            "operators": {
+                "cobot": {"kind": "robot"},
+                "anna": {"kind": "human"},
+                "ben": {"kind": "human"},
+            },
+            "press__together": [
+                {"operators": ["cobot", "anna"], "time": 3, "stress": {"anna": 1, "ben": 2}}
+            ],
         },
         ("tasks", "press", "together", 0, "stress", "ben"),
-        "stress is stated for 'ben', who takes no part. Taking part are 'cobot' and 'anna'; take 'ben' out",
+        (
+            "stress is stated for 'ben', who takes no part. Taking part are 'cobot' and 'anna';"
+            " take 'ben' out"
+        ),
     ),
-    ({"press__time": {"cobot": 1 / 3}}, ("tasks", "press", "time", "cobot"), "0.3333333333333333 has more than 6 decimals. Round it, to 0.333"),
-    ({"press__time": {"cobot": 0.000001}, "grease__time": {"anna": 9e6}}, ("tasks",), "times add up to 9e.* Round the times to 1e-05 s"),
-    ({"press__stress": 0.000001, "grease__stress": 9e6}, ("tasks",), "stresses add up to 1.8e.* too wide a range"),
+    (
+        {"press__time": {"cobot": 1 / 3}},
+        ("tasks", "press", "time", "cobot"),
+        "0.3333333333333333 has more than 6 decimals. Round it, to 0.333",
+    ),
+    (
+        {"press__time": {"cobot": 0.000001}, "grease__time": {"anna": 9e6}},
+        ("tasks",),
+        "times add up to 9e.* Round the times to 1e-05 s",
+    ),
+    (
+        {"press__stress": 0.000001, "grease__stress": 9e6},
+        ("tasks",),
+        "stresses add up to 1.8e.* too wide a range",
+    ),
 ]
 
 
-@pytest.mark.parametrize(("changes", "path", "sentence"), CASES, ids=[case[2][:40] for case in CASES])
+@pytest.mark.parametrize(
+    ("changes", "path", "sentence"), CASES, ids=[case[2][:40] for case in CASES]
+)
 def test_one_fault_is_told_with_its_place_and_remedy(changes, path, sentence):
     found = faults(**changes)
     assert [fault.path for fault in found] == [path]
@@ -185,8 +317,15 @@ def test_one_fault_is_told_with_its_place_and_remedy(changes, path, sentence):
 
 ALLOWED: list[dict[str, Any]] = [
     {"zones": {"spare": {}}, "tools": {"spare": {}}},  # listed, unused and like no other
-    {"press__zone": "jig", "press__together": [{"operators": ["anna", "cobot"], "time": 3}]},  # too narrow for the group, not for one alone
-    {"operators": {"cobot": {"kind": "robot", "breaks": [[5, 9], [1, 5]]}, "anna": {"kind": "human"}}},  # touching breaks, in any order
+    # too narrow for the group, not for one alone
+    {"press__zone": "jig", "press__together": [{"operators": ["anna", "cobot"], "time": 3}]},
+    # touching breaks, in any order
+    {
+        "operators": {
+            "cobot": {"kind": "robot", "breaks": [[5, 9], [1, 5]]},
+            "anna": {"kind": "human"},
+        }
+    },
     {"check__deadline": 9},  # met to the second
     {
         "grease__time": {"anna": 0.1},
@@ -198,7 +337,8 @@ ALLOWED: list[dict[str, Any]] = [
     {"stress_of_set": {"grease,check": 1, "grease,press,check": 5}},
     {"press__stress": {"anna": 0}},
     {"press__after": ["grease", "grease"]},
-    {"grease__tool": "Presse", "check__tool": "presse", "tools": {"Presse": {}, "presse": {}}},  # two on purpose
+    # two on purpose
+    {"grease__tool": "Presse", "check__tool": "presse", "tools": {"Presse": {}, "presse": {}}},
     {"grease__zone": "jig 1", "check__zone": "jig 2"},
 ]
 
@@ -214,7 +354,10 @@ def test_every_fault_is_reported_at_once():
         press__after=["greas"],
         press__stress={"cobot": 1},
         check__after=["check"],
-        operators={"cobot": {"kind": "robot", "stress_limit": 1}, "anna": {"kind": "human", "breaks": [[2, 1]]}},
+        operators={
+            "cobot": {"kind": "robot", "stress_limit": 1},
+            "anna": {"kind": "human", "breaks": [[2, 1]]},
+        },
     )
     assert len(found) == 6
 

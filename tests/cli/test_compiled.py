@@ -29,8 +29,16 @@ print(jax.jit(lambda x: x * 2 + 1)(3.0))
 
 
 def asked(code: str, **variables: str) -> subprocess.CompletedProcess[str]:
-    env = {name: value for name, value in os.environ.items() if not name.startswith(("JAX_", "XDG_"))}
-    return subprocess.run([sys.executable, "-c", code], env=env | variables, capture_output=True, text=True, check=True)
+    env = {
+        name: value for name, value in os.environ.items() if not name.startswith(("JAX_", "XDG_"))
+    }
+    return subprocess.run(
+        [sys.executable, "-c", code],
+        env=env | variables,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
 
 
 def test_a_second_process_finds_what_the_first_one_compiled(tmp_path):
@@ -56,7 +64,9 @@ def test_what_a_killed_command_left_half_written_is_dropped(tmp_path):
 
 
 def test_what_the_user_has_set_stays(tmp_path):
-    assert asked(ASK, JAX_COMPILATION_CACHE_DIR=str(tmp_path / "own")).stdout.strip() == str(tmp_path / "own")
+    assert asked(ASK, JAX_COMPILATION_CACHE_DIR=str(tmp_path / "own")).stdout.strip() == str(
+        tmp_path / "own"
+    )
 
 
 def test_where_nothing_can_be_kept_nothing_is_said(tmp_path):

@@ -1,4 +1,6 @@
-"""`tandem dispatch` as an integrator tries it: a pipe, a kill, the same again, garbage, an unplugged robot."""
+"""`tandem dispatch` as an integrator tries it: a pipe, a kill, the same again, garbage, an
+unplugged robot.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,10 @@ import pytest
 from tandem.cli.root import run
 
 CELL = str(Path("examples/thesis.yaml").resolve())
-TWO = '{"event": "started", "at": 0, "task": 1, "operator": "robot", "id": 1}\n{"event": "done", "at": 9, "task": 1, "id": 2}\n'
+TWO = (
+    '{"event": "started", "at": 0, "task": 1, "operator": "robot", "id": 1}\n{"event": "done",'
+    ' "at": 9, "task": 1, "id": 2}\n'
+)
 
 
 class Said:
@@ -23,7 +28,9 @@ class Said:
 
     def __init__(self, code: int, out: str, err: str) -> None:
         self.code, self.err = code, err
-        self.documents: list[dict[str, Any]] = [json.loads(line) for line in out.splitlines() if line.startswith("{")]
+        self.documents: list[dict[str, Any]] = [
+            json.loads(line) for line in out.splitlines() if line.startswith("{")
+        ]
         self.out = out
 
     def of(self, kind: str) -> list[dict[str, Any]]:
@@ -45,22 +52,45 @@ def dispatch(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str])
 def test_two_events_are_piped_in(dispatch: Any) -> None:
     said = dispatch(lines=TWO)
     assert said.code == 0
-    assert [document["type"] for document in said.documents] == ["shift", "decision", "answer", "decision", "answer", "decision", "summary"]
+    assert [document["type"] for document in said.documents] == [
+        "shift",
+        "decision",
+        "answer",
+        "decision",
+        "answer",
+        "decision",
+        "summary",
+    ]
     assert [answer["accepted"] for answer in said.of("answer")] == [True, True]
-    assert (said.documents[-1]["over"], said.documents[-1]["events"], said.documents[-1]["late"]) == (False, 2, 0)
+    assert (
+        said.documents[-1]["over"],
+        said.documents[-1]["events"],
+        said.documents[-1]["late"],
+    ) == (False, 2, 0)
 
 
-def test_the_same_events_again_are_known_and_garbage_is_answered(dispatch: Any, tmp_path: Path) -> None:
+def test_the_same_events_again_are_known_and_garbage_is_answered(
+    dispatch: Any, tmp_path: Path
+) -> None:
     journal = tmp_path / "shift.db"
     first = dispatch("--journal", journal, lines=TWO)
     assert "Go on with: tandem dispatch" in first.err
-    again = dispatch("--journal", journal, lines=TWO.encode() + b"\n  \n\xff\xfe garbage\n" + b"x" * 400_000 + b"\n[]\n")
+    again = dispatch(
+        "--journal",
+        journal,
+        lines=TWO.encode() + b"\n  \n\xff\xfe garbage\n" + b"x" * 400_000 + b"\n[]\n",
+    )
     assert again.of("shift")[0]["resumed"]
     assert [answer.get("duplicate_of") for answer in again.of("answer")] == [1, 2, None, None, None]
-    assert again.of("decision") == [first.of("decision")[-1]], "what was decided last is told again, and nothing else"
+    assert again.of("decision") == [first.of("decision")[-1]], (
+        "what was decided last is told again, and nothing else"
+    )
     assert "more than 64000 characters" in again.of("answer")[3]["reasons"][0]
     replayed = dispatch("--journal", journal, "--replay")
-    assert (replayed.code, replayed.out) == (0, "8 entries, 2 events taken, 3 decisions: the same.\n")
+    assert (replayed.code, replayed.out) == (
+        0,
+        "8 entries, 2 events taken, 3 decisions: the same.\n",
+    )
 
 
 IN_WINDOWS = '{"event":"tick","at":1,"id":"MÜ-1"}\n{"event":"tick","at":1,"id":"MÖ-1"}\n'
@@ -68,7 +98,9 @@ IN_WINDOWS = '{"event":"tick","at":1,"id":"MÜ-1"}\n{"event":"tick","at":1,"id":
 
 @pytest.mark.parametrize("coding", ["cp1252", "utf-16", "utf-16-le"])
 @pytest.mark.parametrize("from_file", [True, False], ids=["a file", "a pipe"])
-def test_events_that_are_not_utf_8_are_refused_line_by_line(coding: str, from_file: bool, dispatch: Any, tmp_path: Path) -> None:
+def test_events_that_are_not_utf_8_are_refused_line_by_line(
+    coding: str, from_file: bool, dispatch: Any, tmp_path: Path
+) -> None:
     raw = IN_WINDOWS.encode(coding)
     (tmp_path / "events.jsonl").write_bytes(raw)
     said = dispatch("--events", tmp_path / "events.jsonl") if from_file else dispatch(lines=raw)
@@ -96,13 +128,41 @@ def test_a_robot_is_unplugged_and_a_human_refuses(dispatch: Any) -> None:
     assert said.of("decision")[-1]["announced"] in ({"human": "2"}, {"human": "3"})
 
 
-def test_events_come_from_a_file_and_a_simulated_floor_runs_to_the_end(dispatch: Any, tmp_path: Path) -> None:
+def test_events_come_from_a_file_and_a_simulated_floor_runs_to_the_end(
+    dispatch: Any, tmp_path: Path
+) -> None:
     (tmp_path / "events.jsonl").write_text(TWO)
     assert dispatch("--events", tmp_path / "events.jsonl").documents[-1]["events"] == 2
-    said = dispatch("--simulate", "pace:2", "--cv", "0.2", "--failures", "30", "--absences", "40", "--seed", "5", "--journal", tmp_path / "s.db")
+    said = dispatch(
+        "--simulate",
+        "pace:2",
+        "--cv",
+        "0.2",
+        "--failures",
+        "30",
+        "--absences",
+        "40",
+        "--seed",
+        "5",
+        "--journal",
+        tmp_path / "s.db",
+    )
     assert said.documents[-1]["over"]
     assert said.of("decision")[-1]["over"]
-    again = dispatch("--simulate", "pace:2", "--cv", "0.2", "--failures", "30", "--absences", "40", "--seed", "5", "--journal", tmp_path / "s.db")
+    again = dispatch(
+        "--simulate",
+        "pace:2",
+        "--cv",
+        "0.2",
+        "--failures",
+        "30",
+        "--absences",
+        "40",
+        "--seed",
+        "5",
+        "--journal",
+        tmp_path / "s.db",
+    )
     assert [document["type"] for document in again.documents] == ["shift", "decision", "summary"]
 
 
@@ -120,8 +180,14 @@ REFUSED: list[tuple[tuple[str, ...], int, str]] = [
 ]
 
 
-@pytest.mark.parametrize(("arguments", "code", "says"), REFUSED, ids=[" ".join(row[0]).rpartition("/")[2] for row in REFUSED])
-def test_what_is_wrong_with_the_call_is_said(arguments: tuple[str, ...], code: int, says: str, dispatch: Any) -> None:
+@pytest.mark.parametrize(
+    ("arguments", "code", "says"),
+    REFUSED,
+    ids=[" ".join(row[0]).rpartition("/")[2] for row in REFUSED],
+)
+def test_what_is_wrong_with_the_call_is_said(
+    arguments: tuple[str, ...], code: int, says: str, dispatch: Any
+) -> None:
     said = dispatch(*arguments)
     assert (said.code, said.documents) == (code, [])
     assert says in said.err
@@ -140,7 +206,10 @@ def test_a_journal_keeps_what_the_shift_was_begun_with(dispatch: Any, tmp_path: 
 
 def test_on_a_terminal_it_speaks_in_words(dispatch: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("tandem.cli.dispatch._is_terminal", lambda: True)
-    lines = TWO + '{"event": "wrong", "at": 9, "task": 1}\n{"event": "started", "at": 9, "task": 3, "operator": "human"}\nx\n'
+    lines = (
+        TWO + '{"event": "wrong", "at": 9, "task": 1}\n{"event": "started", "at": 9, "task": 3,'
+        ' "operator": "human"}\nx\n'
+    )
     said = dispatch(lines=lines)
     for words in (
         "Advice, not a safety function",
@@ -154,20 +223,44 @@ def test_on_a_terminal_it_speaks_in_words(dispatch: Any, monkeypatch: pytest.Mon
 
 
 def program(*arguments: object) -> list[str]:
-    return [sys.executable, "-m", "tandem.cli", "dispatch", CELL, "--policy", "longest-tail", *map(str, arguments)]
+    return [
+        sys.executable,
+        "-m",
+        "tandem.cli",
+        "dispatch",
+        CELL,
+        "--policy",
+        "longest-tail",
+        *map(str, arguments),
+    ]
 
 
-@pytest.mark.parametrize(("number", "code", "says"), [(signal.SIGINT, 130, "interrupted. Go on with"), (signal.SIGTERM, 0, "terminated. Go on with")])
-def test_it_ends_cleanly_when_it_is_told_to(number: int, code: int, says: str, tmp_path: Path, dispatch: Any) -> None:
+@pytest.mark.parametrize(
+    ("number", "code", "says"),
+    [
+        (signal.SIGINT, 130, "interrupted. Go on with"),
+        (signal.SIGTERM, 0, "terminated. Go on with"),
+    ],
+)
+def test_it_ends_cleanly_when_it_is_told_to(
+    number: int, code: int, says: str, tmp_path: Path, dispatch: Any
+) -> None:
     journal = tmp_path / "shift.db"
-    with subprocess.Popen(program("--journal", journal), stdin=-1, stdout=-1, stderr=-1, text=True) as shift:
+    with subprocess.Popen(
+        program("--journal", journal), stdin=-1, stdout=-1, stderr=-1, text=True
+    ) as shift:
         assert shift.stdin is not None and shift.stdout is not None and shift.stderr is not None  # noqa: PT018  for the type checker
         shift.stdin.write(TWO)
         shift.stdin.flush()
         for _ in range(6):
             shift.stdout.readline()
-        second = subprocess.run(program("--journal", journal), stdin=subprocess.DEVNULL, capture_output=True, text=True)
-        assert (second.returncode, "another shift is writing this journal" in second.stderr) == (2, True)
+        second = subprocess.run(
+            program("--journal", journal), stdin=subprocess.DEVNULL, capture_output=True, text=True
+        )
+        assert (second.returncode, "another shift is writing this journal" in second.stderr) == (
+            2,
+            True,
+        )
         shift.send_signal(number)
         assert shift.wait(20) == code
         assert says in shift.stderr.read()
@@ -187,9 +280,14 @@ def test_killed_ten_times_nothing_is_lost_or_doubled(tmp_path: Path) -> None:
 
 def test_the_result_that_is_committed_is_the_one_that_the_manual_tells() -> None:
     rows = json.loads(Path("benchmarks/results/kill.json").read_text())["rows"]
-    assert [(row["kills"], row["wrong"], row["replay_is_the_same"]) for row in rows] == [(100, [], True)] * 2
+    assert [(row["kills"], row["wrong"], row["replay_is_the_same"]) for row in rows] == [
+        (100, [], True)
+    ] * 2
     page = Path("docs/dispatch.md").read_text()
-    starting, unanswered, again = (sum(row[key] for row in rows) for key in ("while_starting", "with_an_unanswered_event", "sent_again_and_known"))
+    starting, unanswered, again = (
+        sum(row[key] for row in rows)
+        for key in ("while_starting", "with_an_unanswered_event", "sent_again_and_known")
+    )
     for words in (
         f"{rows[0]['events']} events with kills",
         f"{starting} kills",

@@ -1,4 +1,6 @@
-"""The command line as users type it: in a process of its own, judged by what comes out and by the exit code."""
+"""The command line as users type it: in a process of its own, judged by what comes out and by the
+exit code.
+"""
 
 from __future__ import annotations
 
@@ -19,10 +21,20 @@ ROOT = Path(__file__).parents[2]
 THESIS = ROOT / "examples" / "thesis.yaml"
 
 
-def tandem(*arguments: object, stdin: str | None = None, cwd: Path | None = None, **env: str) -> subprocess.CompletedProcess[str]:
+def tandem(
+    *arguments: object, stdin: str | None = None, cwd: Path | None = None, **env: str
+) -> subprocess.CompletedProcess[str]:
     """Runs the command line; asserts that nobody ever sees a traceback."""
     command = [sys.executable, "-m", "tandem.cli", *map(str, arguments)]
-    done = subprocess.run(command, input=stdin, capture_output=True, text=True, cwd=cwd, env={**os.environ, **env}, timeout=120)
+    done = subprocess.run(
+        command,
+        input=stdin,
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        env={**os.environ, **env},
+        timeout=120,
+    )
     assert "Traceback" not in done.stderr
     return done
 
@@ -31,20 +43,41 @@ def test_plan_prints_one_document_and_nothing_else_on_stdout():
     done = tandem("plan", THESIS, "--json")
     assert done.returncode == 0
     document = json.loads(done.stdout)
-    assert {"schema_version", "cell", "objectives", "complete", "solver", "seed", "wall_s", "front"} <= set(document)
+    assert {
+        "schema_version",
+        "cell",
+        "objectives",
+        "complete",
+        "solver",
+        "seed",
+        "wall_s",
+        "front",
+    } <= set(document)
     assert document["complete"] is True
-    assert [(point["makespan"], point["stress"], point["status"], point["bound"]) for point in document["front"]] == [
+    assert [
+        (point["makespan"], point["stress"], point["status"], point["bound"])
+        for point in document["front"]
+    ] == [
         (23, 7, "optimal", {"makespan": 23, "stress": 7}),
         (24, 3, "optimal", {"makespan": 24, "stress": 3}),
         (34, 2, "optimal", {"makespan": 34, "stress": 2}),
     ]
     assert document["solver"].startswith("cp-sat 9.14.")
-    assert all(set(row) == {"task", "operators", "start", "end"} for point in document["front"] for row in point["assignments"])
+    assert all(
+        set(row) == {"task", "operators", "start", "end"}
+        for point in document["front"]
+        for row in point["assignments"]
+    )
 
 
 def test_the_exhaustive_method_gives_the_same_front():
-    fronts = [json.loads(tandem("plan", THESIS, "--json", "--method", method).stdout)["front"] for method in ("exact", "exhaustive")]
-    assert [[(point["makespan"], point["stress"]) for point in front] for front in fronts] == [[(23, 7), (24, 3), (34, 2)]] * 2
+    fronts = [
+        json.loads(tandem("plan", THESIS, "--json", "--method", method).stdout)["front"]
+        for method in ("exact", "exhaustive")
+    ]
+    assert [[(point["makespan"], point["stress"]) for point in front] for front in fronts] == [
+        [(23, 7), (24, 3), (34, 2)]
+    ] * 2
 
 
 @pytest.mark.parametrize(
@@ -78,10 +111,19 @@ def test_a_cell_can_come_through_a_pipe():
 
 def test_every_file_that_is_asked_for_is_written(tmp_path):
     names = ["plan.json", "plan.csv", "plan.svg", "plan.png", "plan.pdf", "plan.html"]
-    done = tandem("plan", THESIS, "-q", "--json", *(part for name in names for part in ("-o", tmp_path / name)))
+    done = tandem(
+        "plan",
+        THESIS,
+        "-q",
+        "--json",
+        *(part for name in names for part in ("-o", tmp_path / name)),
+    )
     assert done.returncode == 0, done.stderr
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(names)
-    assert json.loads((tmp_path / "plan.json").read_text())["front"] == json.loads(done.stdout)["front"]
+    assert (
+        json.loads((tmp_path / "plan.json").read_text())["front"]
+        == json.loads(done.stdout)["front"]
+    )
 
 
 def test_check_judges_schedules(tmp_path):
@@ -114,7 +156,11 @@ INFEASIBLE = ["plan", THESIS, "--max-makespan", "20"]
         (["plan", "thesis.yml"], 3, "no such file"),
         (["plan", ROOT], 3, "folder"),
         (["check", THESIS, THESIS], 3, "no result document"),
-        (INFEASIBLE, 4, "Without the limit on the makespan (20 s) it works: 23 s with a stress of 7."),
+        (
+            INFEASIBLE,
+            4,
+            "Without the limit on the makespan (20 s) it works: 23 s with a stress of 7.",
+        ),
         (["plan", THESIS, "-o", "/nowhere/plan.json"], 2, "/nowhere"),
     ],
 )
@@ -128,7 +174,10 @@ def test_exit_codes_and_messages(arguments, code, words, tmp_path):
 
 def test_all_faults_are_told_at_once_with_their_places(tmp_path):
     path = tmp_path / "cell.yaml"
-    path.write_text("operators:\n  robot: {kind: robot}\ntasks:\n  1: {time: {robo: 3}, after: [2]}\n  2: {time: {robot: -1}, after: [1]}\n")
+    path.write_text(
+        "operators:\n  robot: {kind: robot}\ntasks:\n  1: {time: {robo: 3}, after: [2]}\n  2:"
+        " {time: {robot: -1}, after: [1]}\n"
+    )
     done = tandem("plan", path)
     assert done.returncode == 3
     assert "Did you mean 'robot'" in done.stderr
@@ -142,7 +191,11 @@ def test_all_faults_are_told_at_once_with_their_places(tmp_path):
 def test_a_full_disk_is_told_and_nothing_is_left():
     with open("/dev/full", "w") as full:
         done = subprocess.run(
-            [sys.executable, "-m", "tandem.cli", "plan", THESIS, "--json", "-q"], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60
+            [sys.executable, "-m", "tandem.cli", "plan", THESIS, "--json", "-q"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=60,
         )
     assert done.returncode == 2
     assert "no space left" in done.stderr
@@ -151,7 +204,13 @@ def test_a_full_disk_is_told_and_nothing_is_left():
 
 def test_a_reader_that_goes_away_is_no_error():
     head = f"{shlex.quote(sys.executable)} -m tandem.cli generate layered --tasks 400 | head -n 1"
-    done = subprocess.run(["bash", "-c", f"set -o pipefail; {head}"], capture_output=True, text=True, timeout=60, cwd=ROOT)
+    done = subprocess.run(
+        ["bash", "-c", f"set -o pipefail; {head}"],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        cwd=ROOT,
+    )
     assert done.stderr == ""
     assert done.stdout
 
@@ -160,7 +219,9 @@ def test_ctrl_c_prints_and_saves_the_best_so_far(tmp_path):
     cell = tmp_path / "large.yaml"
     tandem("generate", "layered", "--tasks", 120, "--humans", 2, "--robots", 2, "-o", cell)
     command = [sys.executable, "-m", "tandem.cli", "plan", cell, "--json", "--time-limit", "300"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path)
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path
+    )
     assert process.stderr is not None
     process.stderr.readline()  # the first schedule has been found
     time.sleep(1.0)
@@ -172,7 +233,9 @@ def test_ctrl_c_prints_and_saves_the_best_so_far(tmp_path):
     assert document["interrupted"] is True
     assert document["complete"] is False
     assert all(point["bound"]["makespan"] <= point["makespan"] for point in document["front"])
-    assert json.loads((tmp_path / "large.interrupted.json").read_text())["front"] == document["front"]
+    assert (
+        json.loads((tmp_path / "large.interrupted.json").read_text())["front"] == document["front"]
+    )
     assert tandem("check", cell, tmp_path / "large.interrupted.json").returncode == 0
 
 

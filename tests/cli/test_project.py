@@ -43,8 +43,14 @@ def test_a_project_has_a_cell_a_variant_and_a_place_for_results(project: Path) -
     assert load(project / "variants/faster.yaml").tasks["6"].time["robot"] == 8
 
 
-def test_the_commands_of_its_page_run(project: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    commands = [line.split()[1:] for line in (project / "README.md").read_text().splitlines() if line.startswith("tandem ")]
+def test_the_commands_of_its_page_run(
+    project: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    commands = [
+        line.split()[1:]
+        for line in (project / "README.md").read_text().splitlines()
+        if line.startswith("tandem ")
+    ]
     assert [words[0] for words in commands] == ["plan", "compare", "check"]
     monkeypatch.chdir(project)
     printed = [tandem(capfd, *words)[0] for words in commands]
@@ -53,7 +59,9 @@ def test_the_commands_of_its_page_run(project: Path, monkeypatch: pytest.MonkeyP
     assert "results/plan.json: current, of cell.yaml; 3 schedules, none breaks it" in printed[2]
 
 
-def test_nothing_is_overwritten_unless_asked(project: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_nothing_is_overwritten_unless_asked(
+    project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
     change(project)
     (project / "README.md").unlink()
     _, err = tandem(capfd, "init", project, code=2)
@@ -67,7 +75,9 @@ def test_nothing_is_overwritten_unless_asked(project: Path, capfd: pytest.Captur
 
 
 def test_a_cell_file_keeps_its_comments(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "cell.yaml").write_text("# measured on Monday\n" + (EXAMPLES / "gearbox.yaml").read_text())
+    (tmp_path / "cell.yaml").write_text(
+        "# measured on Monday\n" + (EXAMPLES / "gearbox.yaml").read_text()
+    )
     tandem(capfd, "init", tmp_path, "--from", tmp_path / "cell.yaml")
     assert (tmp_path / "cell.yaml").read_text().startswith("# measured on Monday\n")
     tandem(capfd, "plan", tmp_path / "variants/faster.yaml", "--minimize", "makespan", "-q")
@@ -75,7 +85,11 @@ def test_a_cell_file_keeps_its_comments(tmp_path: Path, capfd: pytest.CaptureFix
 
 def test_a_workbook_becomes_a_project(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     book = openpyxl.Workbook()
-    for row in [("Vorgang", "Zeit Mensch [s]", "Zeit Roboter [s]", "Vorgänger"), (1, 4, 0, None), (2, 6, 3.5, 1)]:
+    for row in [
+        ("Vorgang", "Zeit Mensch [s]", "Zeit Roboter [s]", "Vorgänger"),
+        (1, 4, 0, None),
+        (2, 6, 3.5, 1),
+    ]:
         book.active.append(row)
     book.save(tmp_path / "tasks.xlsx")
     _, err = tandem(capfd, "init", tmp_path, "--from", tmp_path / "tasks.xlsx")
@@ -85,7 +99,9 @@ def test_a_workbook_becomes_a_project(tmp_path: Path, capfd: pytest.CaptureFixtu
     assert dict(cell.tasks["1"].time.items()) == {cell.humans[0]: 4}
 
 
-def test_a_workbook_that_cannot_be_read_leaves_nothing(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_workbook_that_cannot_be_read_leaves_nothing(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
     (tmp_path / "tasks.xlsx").write_bytes(b"")
     tandem(capfd, "init", tmp_path / "line", "--from", tmp_path / "tasks.xlsx", code=3)
     assert not (tmp_path / "line").exists()
@@ -93,7 +109,16 @@ def test_a_workbook_that_cannot_be_read_leaves_nothing(tmp_path: Path, capfd: py
 
 def planned(project: Path, capfd: pytest.CaptureFixture[str]) -> Path:
     result = project / "results/plan.json"
-    tandem(capfd, "plan", project / "cell.yaml", "-q", "-o", result, "--report", project / "results/plan.html")
+    tandem(
+        capfd,
+        "plan",
+        project / "cell.yaml",
+        "-q",
+        "-o",
+        result,
+        "--report",
+        project / "results/plan.html",
+    )
     return result
 
 
@@ -115,7 +140,9 @@ def test_a_stale_result_says_so(project: Path, capfd: pytest.CaptureFixture[str]
 
 def test_a_folder_is_looked_through(project: Path, capfd: pytest.CaptureFixture[str]) -> None:
     planned(project, capfd)
-    tandem(capfd, "plan", project / "variants/faster.yaml", "-q", "-o", project / "results/faster.json")
+    tandem(
+        capfd, "plan", project / "variants/faster.yaml", "-q", "-o", project / "results/faster.json"
+    )
     (project / "results/notes.json").write_text("{}")
     change(project)
     out, err = tandem(capfd, "check", project)
@@ -126,7 +153,8 @@ def test_a_folder_is_looked_through(project: Path, capfd: pytest.CaptureFixture[
     assert "2 of 4 results are stale" in err
     rows: list[dict[str, Any]] = json.loads(tandem(capfd, "check", project, "--json")[0])["results"]
     assert {row["file"]: row["stale"] for row in rows} == {
-        "results/faster.json": False, "results/notes.json": None, "results/plan.html": True, "results/plan.json": True,
+        "results/faster.json": False, "results/notes.json": None, "results/plan.html": True,
+        "results/plan.json": True,
     }  # fmt: skip
 
 
@@ -143,12 +171,26 @@ def test_a_folder_that_is_no_project(tmp_path: Path, capfd: pytest.CaptureFixtur
 
 
 def test_what_if_as_json_carries_the_difference(capfd: pytest.CaptureFixture[str]) -> None:
-    out, _ = tandem(capfd, "plan", EXAMPLES / "thesis.yaml", "--set", "tasks.6.time.robot=8", "--json", "-q")
+    out, _ = tandem(
+        capfd, "plan", EXAMPLES / "thesis.yaml", "--set", "tasks.6.time.robot=8", "--json", "-q"
+    )
     document = json.loads(out)
-    assert {"schema_version", "cell", "objectives", "complete", "solver", "seed", "wall_s", "front"} <= set(document)
+    assert {
+        "schema_version",
+        "cell",
+        "objectives",
+        "complete",
+        "solver",
+        "seed",
+        "wall_s",
+        "front",
+    } <= set(document)
     told = document["difference"]
     assert told["base"]["front"] == [[23, 7], [24, 3], [34, 2]]
     assert told["cell"][0]["sentence"] == "task 6: robot takes 8 s instead of 10 s"
-    assert [(row["makespan"], row["stress"], row["makespan_then"], row["seconds"]) for row in told["points"]][-1] == (34, 2, 32, -2)
+    assert [
+        (row["makespan"], row["stress"], row["makespan_then"], row["seconds"])
+        for row in told["points"]
+    ][-1] == (34, 2, 32, -2)
     plain = json.loads(tandem(capfd, "plan", EXAMPLES / "thesis.yaml", "--json", "-q")[0])
     assert "difference" not in plain

@@ -19,7 +19,11 @@ GEARBOX = cell_of(
             "base": {"time": {"cobot": 4, "anna": 6}, "stress": 3},
             "shaft": {"time": {"anna": 5}, "stress": 1, "after": ["base"]},
             "gear": {"time": {"cobot": 3}, "after": ["base"]},
-            "cover": {"time": {"anna": 4}, "together": [{"operators": ["cobot", "anna"], "time": 2, "stress": 1}], "after": ["shaft", "gear"]},
+            "cover": {
+                "time": {"anna": 4},
+                "together": [{"operators": ["cobot", "anna"], "time": 2, "stress": 1}],
+                "after": ["shaft", "gear"],
+            },
         },
     }
 )

@@ -15,7 +15,9 @@ THESIS = load(ROOT / "examples" / "thesis.yaml")
 
 
 def station(*, together: bool = False, zone: bool = False, limit: bool = False) -> Cell:
-    """Four tasks for a robot and a human; with a joint way, a zone for one, or a limit of stress."""
+    """Four tasks for a robot and a human; with a joint way, a zone for one, or a limit of
+    stress.
+    """
     tasks: dict[str, Any] = {
         "a": {"time": {"robot": 3.0, "human": 4.0}, "stress": 2},
         "b": {"time": {"robot": 5.0, "human": 3.0}, "stress": 3},
@@ -27,4 +29,10 @@ def station(*, together: bool = False, zone: bool = False, limit: bool = False) 
     if zone:
         tasks["a"]["zone"] = tasks["b"]["zone"] = "bench"
     human = {"kind": "human", "stress_limit": 4} if limit else {"kind": "human"}
-    return cell_of({"name": "Small station", "operators": {"robot": {"kind": "robot"}, "human": human}, "tasks": tasks})
+    return cell_of(
+        {
+            "name": "Small station",
+            "operators": {"robot": {"kind": "robot"}, "human": human},
+            "tasks": tasks,
+        }
+    )

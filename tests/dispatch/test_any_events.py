@@ -1,4 +1,6 @@
-"""Whatever comes in, in whatever order: nothing impossible is believed, and the journal leads to the same place again."""
+"""Whatever comes in, in whatever order: nothing impossible is believed, and the journal leads to
+the same place again.
+"""
 
 from __future__ import annotations
 
@@ -25,12 +27,19 @@ def reports(draw: st.DrawFn, cell: Cell) -> list[str]:
     lines, at = [], 0.0
     for _ in range(draw(st.integers(1, 25))):
         at = max(0.0, at + draw(st.sampled_from((-1, 0, 0, 0.5, 1, 2, 5))))
-        row: dict[str, Any] = {"event": draw(st.sampled_from([*KINDS, "started", "done", "started", "done"])), "at": at}
+        row: dict[str, Any] = {
+            "event": draw(st.sampled_from([*KINDS, "started", "done", "started", "done"])),
+            "at": at,
+        }
         task = draw(st.sampled_from(list(cell.tasks)))
         row |= {} if KINDS[row["event"]].task == "no" else {"task": task}
         if KINDS[row["event"]].operators in ("one", "some"):
             way = draw(st.sampled_from(cell.modes(task))).operators
-            row |= {"operator": way[0]} if KINDS[row["event"]].operators == "one" or len(way) == 1 else {"operators": list(way)}
+            row |= (
+                {"operator": way[0]}
+                if KINDS[row["event"]].operators == "one" or len(way) == 1
+                else {"operators": list(way)}
+            )
         row |= {"id": str(draw(st.integers(0, 30)))} if draw(st.booleans()) else {}
         lines += [json.dumps(row)] * draw(st.sampled_from((1, 1, 1, 2)))
     return lines
@@ -47,7 +56,11 @@ def test_no_report_makes_the_impossible_true(data: st.DataObject, cell: Cell) ->
             assert answer["accepted"] or (answer["reasons"] and shift.situation == before)
             _is_possible(shift.situation)
         again = Shift.open(cell, journal, Settings(), decider=in_time())
-        assert (again.situation, again.number, again.decision) == (shift.situation, shift.number, shift.decision)
+        assert (again.situation, again.number, again.decision) == (
+            shift.situation,
+            shift.number,
+            shift.decision,
+        )
         assert replay(cell, journal, decider=in_time()).differences == ()
 
 
@@ -57,7 +70,14 @@ def _is_possible(situation: Situation) -> None:
     assert not situation.done.keys() & situation.running.keys()
     assert not situation.done.keys() & situation.wrong.keys()
     assert all(work.worked >= 0 and work.end <= situation.now for work in situation.past)
-    assert all(first in situation.done for task in situation.done for first in situation.cell.tasks[task].after)
+    assert all(
+        first in situation.done
+        for task in situation.done
+        for first in situation.cell.tasks[task].after
+    )
     assert all(set(operators) <= set(situation.idle) for _, operators in legal(situation))
     gone = situation.absent | situation.failed
-    assert all((at.rests_since is not None) == bool(gone.intersection(at.operators)) for at in situation.running.values())
+    assert all(
+        (at.rests_since is not None) == bool(gone.intersection(at.operators))
+        for at in situation.running.values()
+    )

@@ -1,4 +1,6 @@
-"""Deciders and the clock: whatever they are at, they stop when the time is over. The clocks here count looks, not seconds."""
+"""Deciders and the clock: whatever they are at, they stop when the time is over. The clocks here
+count looks, not seconds.
+"""
 
 from __future__ import annotations
 
@@ -67,12 +69,18 @@ def test_a_search_that_has_time_is_not_changed_by_its_looks() -> None:
     def value(search: Search) -> float:
         return search.value(search.moves.root())
 
-    assert value(Search(Moves.of(THESIS), (0.001, 0.0))) == value(Search(Moves.of(THESIS), (0.001, 0.0), clock=Looks()).by(inf)) == 23
+    assert (
+        value(Search(Moves.of(THESIS), (0.001, 0.0)))
+        == value(Search(Moves.of(THESIS), (0.001, 0.0), clock=Looks()).by(inf))
+        == 23
+    )
 
 
 @pytest.mark.parametrize("until", [0, 3, 40])
 def test_valuing_choices_under_many_beliefs_stops_in_time(until: int) -> None:
-    """Numbers for each belief, bounds for each choice, values: a look at the clock everywhere between."""
+    """Numbers for each belief, bounds for each choice, values: a look at the clock everywhere
+    between.
+    """
     clock = Looks()
     decider = robust_without_warming_up(WIDE, clock)
     situation = Situation.of(WIDE)
@@ -87,14 +95,18 @@ def robust_without_warming_up(cell: Cell, clock: Looks, **known: float) -> Robus
 
 
 def test_a_decision_without_time_is_a_rule_s() -> None:
-    """Ten looks are the whole budget: no belief is valued to its end, no plan is made, the rule answers."""
+    """Ten looks are the whole budget: no belief is valued to its end, no plan is made, the rule
+    answers.
+    """
     decision = robust_without_warming_up(WIDE, Looks()).decide(Situation.of(WIDE))
     assert "by a rule" in decision.why
     assert decision.asks or decision.starts
 
 
 @pytest.mark.parametrize("known", [{"building_s": 1e6}, {"building_s": 1e6, "moves_s": 1e6}])
-def test_what_cannot_be_cut_short_is_not_begun_without_the_time_for_it(known: dict[str, float]) -> None:
+def test_what_cannot_be_cut_short_is_not_begun_without_the_time_for_it(
+    known: dict[str, float],
+) -> None:
     clock = Looks()
     decision = robust_without_warming_up(WIDE, clock, **known).decide(Situation.of(WIDE))
     assert "by a rule" in decision.why

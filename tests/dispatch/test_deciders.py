@@ -31,14 +31,32 @@ from tandem.world.arrays import Names
 from tandem.world.population import crowd
 from tandem.world.randomness import OFF, Chance, Draw
 
-DECIDERS = [name for name in POLICIES if name != "learned"]  # which needs a trained policy; tests/learn has it
+# which needs a trained policy; tests/learn has it
+DECIDERS = [name for name in POLICIES if name != "learned"]
 PLENTY = Options(budget_ms=2000.0)
 EPISODES = 400
-"""One size for all, so that each cell is compiled once; situations that look alike are decided once."""
-PEOPLE = ("compliant", "random:0.5", "pace:2", "pace:0.6", "prefers:7,3", "postponing:0.3", "adversarial")
+"""One size for all, so that each cell is compiled once; situations that look alike are decided
+once.
+"""
+PEOPLE = (
+    "compliant",
+    "random:0.5",
+    "pace:2",
+    "pace:0.6",
+    "prefers:7,3",
+    "postponing:0.3",
+    "adversarial",
+)
 
 
-def play(cell: Cell, name: Any, people: str, episodes: int = EPISODES, chance: Chance = OFF, options: Options = PLENTY) -> Outcome:
+def play(
+    cell: Cell,
+    name: Any,
+    people: str,
+    episodes: int = EPISODES,
+    chance: Chance = OFF,
+    options: Options = PLENTY,
+) -> Outcome:
     """Episodes of the decider (or of the one of this name) beside these people."""
     names = Names.of(cell)
     they = crowd(people, names, names.arrays())
@@ -56,18 +74,29 @@ def best(cell: Cell, people: str) -> float:
 
 @pytest.mark.parametrize("people", PEOPLE)
 def test_no_decider_beats_the_exact_best_response(people: str) -> None:
-    """Beyond chance: the mean over episodes is above the optimum, less what its interval leaves open."""
+    """Beyond chance: the mean over episodes is above the optimum, less what its interval leaves
+    open.
+    """
     least = best(THESIS, people)
     for name in ("fixed", "longest-tail", "expected", "minimax", "replan-robust", "auto"):
         found = play(THESIS, name, people)
         assert found.done.all(), name
-        assert found.makespan.mean() >= least - 3.5 * found.makespan.std(ddof=1) / EPISODES**0.5 - 1e-9, name
+        assert (
+            found.makespan.mean() >= least - 3.5 * found.makespan.std(ddof=1) / EPISODES**0.5 - 1e-9
+        ), name
 
 
 @settings(max_examples=6)
-@example(seed=2000, humans=2, people="random:0.6")  # nobody could decide when it was time to look again, and the judge's clock stood still for ever
-@given(seed=st.integers(0, 10_000), humans=st.integers(1, 2), people=st.sampled_from(["compliant", "pace:1.5", "random:0.6", "adversarial"]))
-def test_no_decider_is_quicker_than_the_proven_optimum_of_any_cell(seed: int, humans: int, people: str) -> None:
+# nobody could decide when it was time to look again, and the judge's clock stood still for ever
+@example(seed=2000, humans=2, people="random:0.6")
+@given(
+    seed=st.integers(0, 10_000),
+    humans=st.integers(1, 2),
+    people=st.sampled_from(["compliant", "pace:1.5", "random:0.6", "adversarial"]),
+)
+def test_no_decider_is_quicker_than_the_proven_optimum_of_any_cell(
+    seed: int, humans: int, people: str
+) -> None:
     """Whoever works there, at their pace: the plan that knows all is a bound for every episode."""
     cell = layered(5, humans, seed=seed)
     pace = 1.5 if people == "pace:1.5" else 1.0
@@ -93,29 +122,43 @@ def test_each_decider_gets_every_assembly_done(name: str) -> None:
     for people in ("compliant", "random:0.7"):
         found = play(station(), name, people, 12)
         assert found.done.all()
-        assert (found.makespan >= best(station(), "compliant") - 1e-9).all(), "nobody is quicker than the proven optimum"
+        assert (found.makespan >= best(station(), "compliant") - 1e-9).all(), (
+            "nobody is quicker than the proven optimum"
+        )
 
 
-@pytest.mark.parametrize("cell", [station(together=True), station(zone=True), station(limit=True)], ids=["joint", "zone", "limit"])
+@pytest.mark.parametrize(
+    "cell",
+    [station(together=True), station(zone=True), station(limit=True)],
+    ids=["joint", "zone", "limit"],
+)
 def test_the_features_of_a_cell_are_kept(cell: Cell) -> None:
     for name in ("fixed", "longest-tail", "replan", "replan-robust", "expected"):
         found = play(cell, name, "compliant", 2)
         assert found.done.all(), name
         assert found.makespan[0] >= best(cell, "compliant") - 1e-9
-    assert play(cell, "expected", "compliant", 2).makespan[0] == pytest.approx(best(cell, "compliant"))
+    assert play(cell, "expected", "compliant", 2).makespan[0] == pytest.approx(
+        best(cell, "compliant")
+    )
 
 
 def test_whatever_happens_the_assembly_is_completed() -> None:
     """Mistakes, breakdowns, absences, refusals and scattered times at once."""
-    chance = Chance(spread="lognormal", cv=0.3, failure_s=20.0, repair_s=5.0, absence_s=30.0, away_s=5.0)
+    chance = Chance(
+        spread="lognormal", cv=0.3, failure_s=20.0, repair_s=5.0, absence_s=30.0, away_s=5.0
+    )
     for name in ("fixed", "spt", "auto"):
-        found = play(station(), name, "forgetful:0.2+refusing:0.2", 6, chance, Options(budget_ms=20.0))
+        found = play(
+            station(), name, "forgetful:0.2+refusing:0.2", 6, chance, Options(budget_ms=20.0)
+        )
         assert found.done.all(), name
 
 
 def test_re_planning_with_the_estimated_pace_beats_plain_re_planning_beside_slow_people() -> None:
     for pace in ("pace:1.5", "pace:2", "pace:3"):
-        assert play(THESIS, "replan-robust", pace, 2).makespan[0] == pytest.approx(best(THESIS, pace), rel=1e-3)
+        assert play(THESIS, "replan-robust", pace, 2).makespan[0] == pytest.approx(
+            best(THESIS, pace), rel=1e-3
+        )
         assert play(THESIS, "replan", pace, 2).makespan[0] > 1.2 * best(THESIS, pace)
 
 
@@ -124,9 +167,13 @@ def test_few_episodes_by_hand_are_the_same_as_many_compiled() -> None:
     names = Names.of(station())
     chance = Chance(undo=0.5)
     arrays = names.arrays(undo=0.5)
-    persons = crowd("forgetful:0.2+random:0.3", names, arrays).draw(np.random.default_rng(0), EPISODES)
+    persons = crowd("forgetful:0.2+random:0.3", names, arrays).draw(
+        np.random.default_rng(0), EPISODES
+    )
     stage = Stage.of(names, arrays, Draw.of(names, arrays, chance), persons, 7)
-    one, other = (stage.play(policy("longest-tail", station(), SECONDS, PLENTY), count) for count in (8, 40))
+    one, other = (
+        stage.play(policy("longest-tail", station(), SECONDS, PLENTY), count) for count in (8, 40)
+    )
     assert one.makespan.tolist() == other.makespan[:8].tolist()
     assert one.stress.tolist() == other.stress[:8].tolist()
     assert one.changes.tolist() == other.changes[:8].tolist()
@@ -135,18 +182,25 @@ def test_few_episodes_by_hand_are_the_same_as_many_compiled() -> None:
 def test_the_expected_decider_is_the_optimum_that_it_says_it_is() -> None:
     """Played, it takes what the dynamic programme promises, within a 99.9 % interval."""
     found = play(THESIS, "expected", "random:0.5", options=replace(PLENTY, random=0.5))
-    assert abs(found.makespan.mean() - (24 + 1 / 6)) < 3.3 * found.makespan.std(ddof=1) / EPISODES**0.5
+    assert (
+        abs(found.makespan.mean() - (24 + 1 / 6)) < 3.3 * found.makespan.std(ddof=1) / EPISODES**0.5
+    )
 
 
 def test_repair_takes_as_long_as_value_iteration_says() -> None:
-    """Value iteration's decider, and re-planning, beside a human who errs: the played mean lies in its 99.9 % interval around the exact value."""
+    """Value iteration's decider, and re-planning, beside a human who errs: the played mean lies in
+    its 99.9 % interval around the exact value.
+    """
     exact = repair_values(station(), 0.3, taking_apart=0.5)
     exact.prepare(exact.moves.root())
     chance = Chance(undo=0.5, wrong_order=0.0, later=0.0)
     for decider in (repairing(station(), 0.3, taking_apart=0.5), "replan-robust"):
         found = play(station(), decider, "forgetful:0.3", chance=chance)
         assert found.done.all()
-        assert abs(found.makespan.mean() - exact.value(exact.moves.root())) < 3.3 * found.makespan.std(ddof=1) / EPISODES**0.5
+        assert (
+            abs(found.makespan.mean() - exact.value(exact.moves.root()))
+            < 3.3 * found.makespan.std(ddof=1) / EPISODES**0.5
+        )
 
 
 def test_a_decision_carries_what_people_need_to_judge_it() -> None:
@@ -171,7 +225,9 @@ def test_stress_counts_for_every_decider_that_weighs() -> None:
 
 def test_a_limit_of_stress_is_kept() -> None:
     for name in ("fixed", "replan", "replan-robust"):
-        found = play(THESIS, policy(name, THESIS, Objective(max_stress=3.0), PLENTY), "compliant", 2)
+        found = play(
+            THESIS, policy(name, THESIS, Objective(max_stress=3.0), PLENTY), "compliant", 2
+        )
         assert (found.makespan[0], found.stress[0]) == (24.0, 3.0), name
 
 
@@ -180,7 +236,9 @@ def test_what_was_announced_within_the_frozen_horizon_stays() -> None:
     said = replace(Situation.of(THESIS), announced={"human": "2"})
     free = policy("replan-robust", THESIS, SECONDS, PLENTY).decide(said)
     frozen = policy("replan-robust", THESIS, SECONDS, replace(PLENTY, frozen_s=5.0)).decide(said)
-    dear = policy("replan-robust", THESIS, SECONDS, replace(PLENTY, change_penalty=100.0)).decide(said)
+    dear = policy("replan-robust", THESIS, SECONDS, replace(PLENTY, change_penalty=100.0)).decide(
+        said
+    )
     assert free.announced["human"] != "2"
     assert frozen.announced["human"] == dear.announced["human"] == "2"
 
@@ -214,7 +272,9 @@ def test_the_chain_answers_by_its_rule_when_the_time_is_over() -> None:
 
 @pytest.mark.parametrize("budget_ms", [0.001, 1.0, 50.0])
 def test_the_chain_always_answers(budget_ms: float) -> None:
-    decision = policy("auto", THESIS, SECONDS, Options(budget_ms=budget_ms)).decide(Situation.of(THESIS))
+    decision = policy("auto", THESIS, SECONDS, Options(budget_ms=budget_ms)).decide(
+        Situation.of(THESIS)
+    )
     assert decision.by.startswith("auto: ")
     assert decision.asks or decision.starts
 
@@ -231,15 +291,25 @@ def test_an_absent_human_is_planned_around() -> None:
 def test_what_is_refused_is_not_asked_for_again() -> None:
     refused = replace(Situation.of(THESIS), refused={("human", "1"): None, ("human", "2"): None})
     for name in ("fixed", "longest-tail", "replan", "replan-robust", "expected"):
-        assert policy(name, THESIS, SECONDS, PLENTY).decide(refused).announced in ({"human": "3"}, {}), name
+        assert policy(name, THESIS, SECONDS, PLENTY).decide(refused).announced in (
+            {"human": "3"},
+            {},
+        ), name
 
 
 def test_choices_are_legal_in_any_situation() -> None:
-    """All that is asked or begun may begin; here in the middle of a shift, with a task that must come off."""
+    """All that is asked or begun may begin; here in the middle of a shift, with a task that must
+    come off.
+    """
     done = {"1": Work("1", ("robot",), 0.0, 9.0, 9.0, 0.0, "done")}
     wrong = {"2": Work("2", ("human",), 0.0, 8.0, 8.0, 0.0, "done")}
     here = replace(
-        Situation.of(THESIS), now=9.0, done=done, wrong=wrong, past=(*done.values(), *wrong.values()), running={"3": Running(("human",), 8.0, 18.0)}
+        Situation.of(THESIS),
+        now=9.0,
+        done=done,
+        wrong=wrong,
+        past=(*done.values(), *wrong.values()),
+        running={"3": Running(("human",), 8.0, 18.0)},
     )
     for name in DECIDERS:
         decision: Decision = policy(name, THESIS, SECONDS, PLENTY).decide(here)
@@ -249,7 +319,9 @@ def test_choices_are_legal_in_any_situation() -> None:
 
 def test_large_cells_are_planned_in_time_and_refused_by_exact_tables() -> None:
     cell = layered(40, seed=1)
-    decision = policy("replan-robust", cell, SECONDS, Options(budget_ms=60.0)).decide(Situation.of(cell))
+    decision = policy("replan-robust", cell, SECONDS, Options(budget_ms=60.0)).decide(
+        Situation.of(cell)
+    )
     assert decision.starts or decision.asks
     with pytest.raises(UsageError, match="at most 14 tasks"):
         policy("expected", cell)

@@ -27,19 +27,28 @@ from tandem.errors import CellError, InfeasibleError, UsageError
 from tandem.files.validate import cell_of
 
 Document = dict[str, Any]
-DECIDERS = [name for name in POLICIES if name != "learned"]  # which needs a trained policy; tests/learn has it
+# which needs a trained policy; tests/learn has it
+DECIDERS = [name for name in POLICIES if name != "learned"]
 OBJECTIVES = (Objective(), Objective(1.0, 0.5), Objective(0.0, 1.0))
 
 
 def begins_in_words(shift: Shift, decision: Document) -> str:
-    """What begins by `starts`, `asks` and `take_apart`, said as `why` must say it; in the order of the cell."""
-    rows = {(row["task"], tuple(row["operators"])): None for row in [*decision["asks"], *decision["starts"]]}
+    """What begins by `starts`, `asks` and `take_apart`, said as `why` must say it; in the order of
+    the cell.
+    """
+    rows = {
+        (row["task"], tuple(row["operators"])): None
+        for row in [*decision["asks"], *decision["starts"]]
+    }
     said = []
     for task, operators in rows:
         who, several = " and ".join(operators), len(operators) > 1
         apart = task in shift.situation.wrong
         if any(shift.cell.operators[one].kind == "human" for one in operators):
-            said.append(f"{who} {'are' if several else 'is'} asked {f'to take {task} apart' if apart else f'for {task}'}")
+            said.append(
+                f"{who} {'are' if several else 'is'} asked"
+                f" {f'to take {task} apart' if apart else f'for {task}'}"
+            )
         elif apart:
             said.append(f"{who} {'take' if several else 'takes'} {task} apart")
         else:
@@ -54,7 +63,9 @@ def agrees(shift: Shift, decision: Document) -> None:
         return
     told, _, _ = decision["why"].partition(":")
     assert ", ".join(sorted(told.split(", "))) == begins_in_words(shift, decision), decision
-    rows = {(row["task"], tuple(row["operators"])) for row in [*decision["starts"], *decision["asks"]]}
+    rows = {
+        (row["task"], tuple(row["operators"])) for row in [*decision["starts"], *decision["asks"]]
+    }
     tasks = [task for task, _ in rows]
     busy = [who for _, operators in rows for who in operators]
     assert len(tasks) == len(set(tasks)), "a task is given to one group"
@@ -62,10 +73,16 @@ def agrees(shift: Shift, decision: Document) -> None:
     assert set(busy) <= set(shift.situation.idle), "who is told something is there and free"
     for task, operators in rows:
         assert task in shift.situation.open
-        assert not any(shift.situation.is_refused(who, task) for who in operators), "what is refused is not asked for"
+        assert not any(shift.situation.is_refused(who, task) for who in operators), (
+            "what is refused is not asked for"
+        )
         humans = [who for who in operators if shift.cell.operators[who].kind == "human"]
-        assert all(decision["announced"].get(who) == task for who in humans), "who is asked is announced the same"
-        assert bool(humans) == any((row["task"], tuple(row["operators"])) == (task, operators) for row in decision["asks"])
+        assert all(decision["announced"].get(who) == task for who in humans), (
+            "who is asked is announced the same"
+        )
+        assert bool(humans) == any(
+            (row["task"], tuple(row["operators"])) == (task, operators) for row in decision["asks"]
+        )
     for row in decision["revoked"]:
         assert (row["task"], tuple(row["operators"])) not in rows, "what is revoked does not begin"
     for who, task in decision["announced"].items():
@@ -76,20 +93,30 @@ def agrees(shift: Shift, decision: Document) -> None:
     assert set(decision["take_apart"]) <= set(shift.situation.wrong)
 
 
-def decided(cell: Cell, name: str, objective: Objective, lines: Iterable[str]) -> Iterable[tuple[Shift, Document]]:
-    """Each decision of a shift over these lines, as it is made. Nobody is late: the decider has all the time it takes."""
+def decided(
+    cell: Cell, name: str, objective: Objective, lines: Iterable[str]
+) -> Iterable[tuple[Shift, Document]]:
+    """Each decision of a shift over these lines, as it is made. Nobody is late: the decider has all
+    the time it takes.
+    """
     settings = Settings(name, objective, Options(budget_ms=60.0))
     made = settings.decider(cell)
     with Journal() as journal:
-        shift = Shift.open(cell, journal, settings, decider=InTime(made.policy, made.rule, 60_000.0))
+        shift = Shift.open(
+            cell, journal, settings, decider=InTime(made.policy, made.rule, 60_000.0)
+        )
         yield shift, shift.decision
         for line in lines:
-            yield from ((shift, document) for document in shift.take(line) if document["type"] == "decision")
+            yield from (
+                (shift, document) for document in shift.take(line) if document["type"] == "decision"
+            )
 
 
 @settings(max_examples=60)
 @given(st.data(), cells(max_tasks=6), st.sampled_from(DECIDERS), st.sampled_from(OBJECTIVES))
-def test_what_a_decision_says_is_what_it_does(data: st.DataObject, cell: Cell, name: str, objective: Objective) -> None:
+def test_what_a_decision_says_is_what_it_does(
+    data: st.DataObject, cell: Cell, name: str, objective: Objective
+) -> None:
     lines = data.draw(happenings(cell))
     try:
         for shift, decision in decided(cell, name, objective, lines):
@@ -102,7 +129,9 @@ def test_what_a_decision_says_is_what_it_does(data: st.DataObject, cell: Cell, n
 @settings(max_examples=20)
 @given(st.data(), cells(max_tasks=6))
 def test_what_the_last_resort_says_is_what_it_does(data: st.DataObject, cell: Cell) -> None:
-    """Nobody else could answer; here also where stress comes from a table of sets, which no decider takes."""
+    """Nobody else could answer; here also where stress comes from a table of sets, which no decider
+    takes.
+    """
     with Journal() as journal:
         shift = Shift.open(cell, journal, Settings(), decider=in_time(Plain("plain")))
         agrees(shift, shift.decision)
@@ -119,12 +148,28 @@ REFUSED = [
     event("refused", 9, task="4", operator="robot"),
 ]
 """The robot alone can do task 4 of the thesis's cell, and will not."""
-AWAY = [event("absent", 0, operator="human"), event("failed", 1, operator="robot"), event("back", 2, operator="human")]
-MOUNTED_WRONGLY = [*REFUSED[:4], event("wrong", 9, task="1"), event("refused", 9, task="1", operator="robot")]
-NOT_UNTIL = [*REFUSED[:4], event("refused", 9, task="4", operator="robot", until=20), event("tick", 20)]
+AWAY = [
+    event("absent", 0, operator="human"),
+    event("failed", 1, operator="robot"),
+    event("back", 2, operator="human"),
+]
+MOUNTED_WRONGLY = [
+    *REFUSED[:4],
+    event("wrong", 9, task="1"),
+    event("refused", 9, task="1", operator="robot"),
+]
+NOT_UNTIL = [
+    *REFUSED[:4],
+    event("refused", 9, task="4", operator="robot", until=20),
+    event("tick", 20),
+]
 
 
-@pytest.mark.parametrize("lines", [REFUSED, AWAY, MOUNTED_WRONGLY, NOT_UNTIL], ids=["refused", "away", "wrong", "not before"])
+@pytest.mark.parametrize(
+    "lines",
+    [REFUSED, AWAY, MOUNTED_WRONGLY, NOT_UNTIL],
+    ids=["refused", "away", "wrong", "not before"],
+)
 @pytest.mark.parametrize("name", DECIDERS)
 def test_nobody_is_said_to_do_what_is_not_allowed(name: str, lines: list[str]) -> None:
     """Once: `starts: []`, task 4 revoked, and "robot does 4: by the rule"."""
@@ -133,13 +178,23 @@ def test_nobody_is_said_to_do_what_is_not_allowed(name: str, lines: list[str]) -
 
 
 def test_a_group_is_asked_in_the_plural_and_one_in_the_singular() -> None:
-    operators = {"Werker 1": {"kind": "human"}, "Werker 2": {"kind": "human"}, "Cobot": {"kind": "robot"}}
+    operators = {
+        "Werker 1": {"kind": "human"},
+        "Werker 2": {"kind": "human"},
+        "Cobot": {"kind": "robot"},
+    }
     tasks = {
         "halves": {"time": {}, "together": [{"operators": ["Werker 1", "Werker 2"], "time": 3}]},
         "test": {"time": {"Cobot": 4}},
     }
     cell = cell_of({"name": "Both", "operators": operators, "tasks": tasks})
     decision = policy("longest-tail", cell).decide(Situation.of(cell))
-    assert decision.why == "Werker 1 and Werker 2 are asked for halves, Cobot does test: by the rule 'longest-tail'."
+    assert (
+        decision.why == "Werker 1 and Werker 2 are asked for halves, Cobot does test: by the rule"
+        " 'longest-tail'."
+    )
     gone = replace(Situation.of(cell), absent=frozenset({"Werker 2"}))
-    assert policy("longest-tail", cell).decide(gone).why == "Cobot does test: by the rule 'longest-tail'."
+    assert (
+        policy("longest-tail", cell).decide(gone).why
+        == "Cobot does test: by the rule 'longest-tail'."
+    )

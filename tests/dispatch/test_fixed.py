@@ -1,4 +1,6 @@
-"""The fixed plan carried out: beside people who comply, at stated times, it takes what was planned."""
+"""The fixed plan carried out: beside people who comply, at stated times, it takes what was
+planned.
+"""
 
 from __future__ import annotations
 
@@ -44,8 +46,12 @@ def planned(cell: Cell, objective: Objective = SECONDS) -> Fixed:
 
 @settings(max_examples=150)
 @given(cells(max_tasks=7), st.sampled_from([SECONDS, Objective(1.0, 0.5), Objective(0.0, 1.0)]))
-def test_a_plan_carried_out_beside_compliant_people_takes_what_was_planned(cell: Cell, objective: Objective) -> None:
-    """Tools with changeovers, zones, breaks, releases, deadlines, limits, joint ways and pairs: nothing is lost on the floor."""
+def test_a_plan_carried_out_beside_compliant_people_takes_what_was_planned(
+    cell: Cell, objective: Objective
+) -> None:
+    """Tools with changeovers, zones, breaks, releases, deadlines, limits, joint ways and pairs:
+    nothing is lost on the floor.
+    """
     assume(cell.stress_of_set is None)
     try:
         decider = planned(cell, objective)
@@ -60,7 +66,13 @@ def test_a_plan_carried_out_beside_compliant_people_takes_what_was_planned(cell:
 
 @pytest.mark.parametrize(
     ("cell", "least"),
-    [(THESIS, 23), (ALTERNATOR, 123), (layered(21, seed=0), 185), (layered(21, seed=3), 146), (layered(21, 2, seed=5), 98)],
+    [
+        (THESIS, 23),
+        (ALTERNATOR, 123),
+        (layered(21, seed=0), 185),
+        (layered(21, seed=3), 146),
+        (layered(21, 2, seed=5), 98),
+    ],
     ids=["thesis", "alternator", "21 tasks", "21 others", "two humans"],
 )
 def test_the_fixed_plan_is_the_exact_one(cell: Cell, least: float) -> None:
@@ -70,7 +82,9 @@ def test_the_fixed_plan_is_the_exact_one(cell: Cell, least: float) -> None:
 
 
 def bench(**changes: object) -> Cell:
-    """The human needs 5 s before the bench, 4 s at it and 20 s after it; the robot needs it for 10 s at any time."""
+    """The human needs 5 s before the bench, 4 s at it and 20 s after it; the robot needs it for 10
+    s at any time.
+    """
     tasks = {
         "fetch": {"time": {"human": 5}},
         "join": {"time": {"human": 4}, "after": ["fetch"], "zone": "bench"},
@@ -100,17 +114,26 @@ def test_the_fixed_plan_keeps_deadlines() -> None:
     data = bench().to_dict()
     data["tasks"]["test"]["deadline"] = 12
     late = cell_of(data)
-    assert planned(late).basis.makespan == tandem.plan(late, minimize="makespan", workers=1)[0].makespan == 34
+    assert (
+        planned(late).basis.makespan
+        == tandem.plan(late, minimize="makespan", workers=1)[0].makespan
+        == 34
+    )
     assert played(late, planned(late)).makespan.tolist() == [34] * 2
 
 
-@pytest.mark.parametrize("people", ["random:1", "adversarial", "prefers:c,d", "postponing:0.4", "forgetful:0.3", "refusing:0.3"])
+@pytest.mark.parametrize(
+    "people",
+    ["random:1", "adversarial", "prefers:c,d", "postponing:0.4", "forgetful:0.3", "refusing:0.3"],
+)
 def test_the_fixed_plan_comes_to_an_end_whatever_people_do(people: str) -> None:
     cell = station(together=True, zone=True)
     names = Names.of(cell)
     they = crowd(people, names, names.arrays())
     arrays = names.arrays(undo=1.0 if they.makes_mistakes else None)
-    stage = Stage.of(names, arrays, Draw.of(names, arrays, OFF), they.draw(np.random.default_rng(0), 8), 0)
+    stage = Stage.of(
+        names, arrays, Draw.of(names, arrays, OFF), they.draw(np.random.default_rng(0), 8), 0
+    )
     assert stage.play(planned(cell)).done.all()
 
 

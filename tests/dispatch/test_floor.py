@@ -1,4 +1,6 @@
-"""A simulated floor drives whole shifts: every event fits, every line is as the schemas say, and a shift that was cut off is picked up."""
+"""A simulated floor drives whole shifts: every event fits, every line is as the schemas say, and a
+shift that was cut off is picked up.
+"""
 
 from __future__ import annotations
 
@@ -44,13 +46,23 @@ def opened(cell: Cell) -> Shift:
 
 @pytest.mark.parametrize("cell", [THESIS, GEARBOX], ids=["thesis", "gearbox"])
 @pytest.mark.parametrize("seed", range(4))
-def test_whatever_happens_each_event_is_taken_and_the_assembly_is_completed(cell: Cell, seed: int) -> None:
+def test_whatever_happens_each_event_is_taken_and_the_assembly_is_completed(
+    cell: Cell, seed: int
+) -> None:
     shift = opened(cell)
     said = driven(shift, Floor(cell, PEOPLE, ROUGH, seed))
     assert all(document["accepted"] for document in said if document["type"] == "answer")
     assert shift.situation.is_over
-    decisions, events = jsonschema.Draft202012Validator(decision_schema()), jsonschema.Draft202012Validator(event_schema())
-    for document in [*said, summary(shift.situation, shift.journal.entries()), shift.take("garbage")[0], shift.take('{"event": "tick", "at": 0}')[0]]:
+    decisions, events = (
+        jsonschema.Draft202012Validator(decision_schema()),
+        jsonschema.Draft202012Validator(event_schema()),
+    )
+    for document in [
+        *said,
+        summary(shift.situation, shift.journal.entries()),
+        shift.take("garbage")[0],
+        shift.take('{"event": "tick", "at": 0}')[0],
+    ]:
         decisions.validate(document)
     for entry in shift.journal.entries():
         if entry.event is not None:
@@ -69,9 +81,13 @@ def test_nobody_and_nothing_is_used_twice_at_once() -> None:
         for kind in ("tool", "zone"):
             for name, table in ((kind, getattr(GEARBOX, f"{kind}s")),):
                 for place in {getattr(task, name) for task in GEARBOX.tasks.values()} - {None}:
-                    users = [work for work in past if getattr(GEARBOX.tasks[work.task], name) == place]
+                    users = [
+                        work for work in past if getattr(GEARBOX.tasks[work.task], name) == place
+                    ]
                     for moment in (work.start for work in users):
-                        at_once = sum(len(work.operators) for work in users if work.start <= moment < work.end)
+                        at_once = sum(
+                            len(work.operators) for work in users if work.start <= moment < work.end
+                        )
                         assert at_once <= (table[place].capacity if place in table else 1)
 
 
@@ -97,13 +113,25 @@ def test_a_shift_that_was_cut_off_is_picked_up_by_a_new_floor() -> None:
     floor.catch_up(Situation.of(GEARBOX), cut.journal.entries())
     driven(cut, floor)
     assert cut.situation == whole.situation
-    assert [entry.event for entry in cut.journal.entries()] == [entry.event for entry in whole.journal.entries()]
+    assert [entry.event for entry in cut.journal.entries()] == [
+        entry.event for entry in whole.journal.entries()
+    ]
     with pytest.raises(UsageError, match="is not what happens on this simulated floor"):
-        Floor(GEARBOX, PEOPLE, ROUGH, 2).catch_up(Situation.of(GEARBOX), islice(whole.journal.entries(), 9))
+        Floor(GEARBOX, PEOPLE, ROUGH, 2).catch_up(
+            Situation.of(GEARBOX), islice(whole.journal.entries(), 9)
+        )
 
 
 def test_a_floor_looks_again_when_it_is_asked_to() -> None:
-    quiet = Floor(cell_of({"operators": {"r": {"kind": "robot"}}, "tasks": {"x": {"time": {"r": 1}, "release": 10}}}), "compliant")
+    quiet = Floor(
+        cell_of(
+            {
+                "operators": {"r": {"kind": "robot"}},
+                "tasks": {"x": {"time": {"r": 1}, "release": 10}},
+            }
+        ),
+        "compliant",
+    )
     event = quiet.next(Situation.of(quiet.names.cell), 3.25)
     assert event is not None
     assert (event.kind, event.at) == ("tick", 3.25)

@@ -24,7 +24,15 @@ def begun(path: Path) -> Journal:
 
 
 def test_what_was_appended_is_there_for_the_next_one(tmp_path: Path) -> None:
-    entry = Entry(1, "2026-03-02T06:00:01Z", '{"täst": 1}', {"event": "tick", "at": 1.5}, {"accepted": True}, None, "other")
+    entry = Entry(
+        1,
+        "2026-03-02T06:00:01Z",
+        '{"täst": 1}',
+        {"event": "tick", "at": 1.5},
+        {"accepted": True},
+        None,
+        "other",
+    )
     with begun(tmp_path / "shift.db") as journal:
         assert not journal.is_new
         journal.append(entry, "an id")
@@ -72,16 +80,25 @@ def test_a_second_shift_is_kept_out_and_a_reader_is_not(tmp_path: Path) -> None:
 
 
 def test_the_lock_falls_with_the_process_that_held_it(tmp_path: Path) -> None:
-    program = "import os, sys; from tandem.dispatch.journal import Journal; Journal(sys.argv[1]); os.kill(os.getpid(), 9)"
-    assert subprocess.run([sys.executable, "-c", program, str(tmp_path / "shift.db")]).returncode == -9
+    program = (
+        "import os, sys; from tandem.dispatch.journal import Journal; Journal(sys.argv[1]);"
+        " os.kill(os.getpid(), 9)"
+    )
+    assert (
+        subprocess.run([sys.executable, "-c", program, str(tmp_path / "shift.db")]).returncode == -9
+    )
     Journal(tmp_path / "shift.db").close()
 
 
 def test_what_is_no_journal_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "text.db").write_text("this is no database, but a text that is long enough to be taken for something\n" * 20)
+    (tmp_path / "text.db").write_text(
+        "this is no database, but a text that is long enough to be taken for something\n" * 20
+    )
     with pytest.raises(JournalError, match="no journal of a shift, or a damaged one"):
         Journal(tmp_path / "text.db")
-    assert not (tmp_path / "text.db.lock").exists(), "nothing is left beside a file that is not ours"
+    assert not (tmp_path / "text.db.lock").exists(), (
+        "nothing is left beside a file that is not ours"
+    )
     with sqlite3.connect(tmp_path / "other.db") as other:
         other.execute("CREATE TABLE birds (name TEXT)")
     with pytest.raises(JournalError, match="a database, but no journal"):

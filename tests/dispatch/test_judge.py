@@ -29,7 +29,12 @@ Capture = pytest.CaptureFixture[str]
 
 @pytest.fixture(scope="module")
 def documents() -> list[dict[str, Any]]:
-    return judge(THESIS, Trial(("expected", "fixed", "minimax"), ("random:0.1", "random:0.5", "learning:0.2"), 400, 3))
+    return judge(
+        THESIS,
+        Trial(
+            ("expected", "fixed", "minimax"), ("random:0.1", "random:0.5", "learning:0.2"), 400, 3
+        ),
+    )
 
 
 def row(document: dict[str, Any], policy: str) -> dict[str, Any]:
@@ -50,8 +55,14 @@ def test_the_document_is_what_outsiders_rely_on(documents: list[dict[str, Any]])
         assert {"regret", "regret_ci95", "proximity", "changes", "done"} <= set(one)
 
 
-def test_regret_is_against_the_exact_optimum_where_there_is_one(documents: list[dict[str, Any]]) -> None:
-    assert [document["optimum"] for document in documents] == [pytest.approx(23.2333, abs=1e-4), pytest.approx(24.1667, abs=1e-4), None]
+def test_regret_is_against_the_exact_optimum_where_there_is_one(
+    documents: list[dict[str, Any]],
+) -> None:
+    assert [document["optimum"] for document in documents] == [
+        pytest.approx(23.2333, abs=1e-4),
+        pytest.approx(24.1667, abs=1e-4),
+        None,
+    ]
     low, high = row(documents[1], "expected")["regret_ci95"]
     assert low <= 0 <= high, "the exact decider's regret is 0, as far as the sample tells"
     assert row(documents[1], "minimax")["regret_ci95"][0] > 0
@@ -60,12 +71,19 @@ def test_regret_is_against_the_exact_optimum_where_there_is_one(documents: list[
 
 
 def test_pairs_say_more_than_means(documents: list[dict[str, Any]]) -> None:
-    """The same episodes: the interval of the difference is narrower than two independent means would give."""
+    """The same episodes: the interval of the difference is narrower than two independent means
+    would give.
+    """
     for document in documents[:2]:
         one, other = row(document, "expected")["makespan"], row(document, "minimax")
         low, high = other["difference"]["ci95"]
-        assert other["difference"]["mean"] == pytest.approx(other["makespan"]["mean"] - one["mean"], abs=1e-3)
-        apart = ((one["ci95"][1] - one["ci95"][0]) ** 2 + (other["makespan"]["ci95"][1] - other["makespan"]["ci95"][0]) ** 2) ** 0.5
+        assert other["difference"]["mean"] == pytest.approx(
+            other["makespan"]["mean"] - one["mean"], abs=1e-3
+        )
+        apart = (
+            (one["ci95"][1] - one["ci95"][0]) ** 2
+            + (other["makespan"]["ci95"][1] - other["makespan"]["ci95"][0]) ** 2
+        ) ** 0.5
         assert high - low <= apart * 1.05
 
 
@@ -80,12 +98,16 @@ def test_the_same_seed_gives_the_same_document() -> None:
 
 
 def test_who_gets_fewer_episodes_is_compared_over_these() -> None:
-    (document,) = judge(THESIS, Trial(("fixed", "spt"), ("random:0.5",), 400, 0, fewer={"spt": 400 // 4}))
+    (document,) = judge(
+        THESIS, Trial(("fixed", "spt"), ("random:0.5",), 400, 0, fewer={"spt": 400 // 4})
+    )
     assert (row(document, "fixed")["episodes"], row(document, "spt")["episodes"]) == (400, 100)
 
 
 def test_scattered_times_have_no_exact_optimum() -> None:
-    (document,) = judge(THESIS, Trial(("fixed",), ("compliant",), 12, 0, chance=Chance(spread="lognormal", cv=0.3)))
+    (document,) = judge(
+        THESIS, Trial(("fixed",), ("compliant",), 12, 0, chance=Chance(spread="lognormal", cv=0.3))
+    )
     assert document["optimum"] is None
     assert row(document, "fixed")["makespan"]["p5"] < row(document, "fixed")["makespan"]["p95"]
 
@@ -94,11 +116,16 @@ def test_scattered_times_have_no_exact_optimum() -> None:
     ("given", "found"),
     [
         (("compliant,prefers:3,1",), ("compliant", "prefers:3,1")),
-        (("random:0.5+pace:2,utility:stress=1,time=0.5", "adversarial"), ("random:0.5+pace:2", "utility:stress=1,time=0.5", "adversarial")),
+        (
+            ("random:0.5+pace:2,utility:stress=1,time=0.5", "adversarial"),
+            ("random:0.5+pace:2", "utility:stress=1,time=0.5", "adversarial"),
+        ),
         (("population:crew.yaml:train,compliant",), ("population:crew.yaml:train", "compliant")),
     ],
 )
-def test_commas_within_a_description_stay_in_it(given: tuple[str, ...], found: tuple[str, ...]) -> None:
+def test_commas_within_a_description_stay_in_it(
+    given: tuple[str, ...], found: tuple[str, ...]
+) -> None:
     assert split_people(given) == found
 
 
@@ -134,7 +161,10 @@ def test_the_command_prints_one_document_or_a_list(tmp_path: Path, capsys: Captu
     assert json.loads(file.read_text()) == printed
     assert "<svg" in chart.read_text()
     assert run([*asked, "--people", "compliant,random:1"]) == 0
-    assert [one["people"] for one in json.loads(capsys.readouterr().out)] == ["compliant", "random:1"]
+    assert [one["people"] for one in json.loads(capsys.readouterr().out)] == [
+        "compliant",
+        "random:1",
+    ]
     assert run([*asked[:-2], "-q", "--people", "random:1"]) == 0
     assert "exact optimum 25.3333" in capsys.readouterr().out
 
@@ -152,18 +182,25 @@ def test_the_command_prints_one_document_or_a_list(tmp_path: Path, capsys: Captu
         (["--policy", "fixed", "--people", "population:none.yaml"], 3, "none.yaml"),
     ],
 )
-def test_bad_input_ends_with_one_message_and_its_code(arguments: list[str], code: int, said: str, capsys: Capture) -> None:
+def test_bad_input_ends_with_one_message_and_its_code(
+    arguments: list[str], code: int, said: str, capsys: Capture
+) -> None:
     assert run(["simulate", CELL, "-q", *arguments]) == code
     assert said in capsys.readouterr().err
 
 
 def with_changeovers(**more: Any) -> Cell:
-    """Two tasks that need different tools, which exact values cannot hold; with what else stands in it."""
+    """Two tasks that need different tools, which exact values cannot hold; with what else stands in
+    it.
+    """
     return cell_of(
         {
             "name": "Two tools",
             "operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}},
-            "tools": {"driver": {"changeover": {"human": 2}}, "wrench": {"changeover": {"human": 2}}},
+            "tools": {
+                "driver": {"changeover": {"human": 2}},
+                "wrench": {"changeover": {"human": 2}},
+            },
             "tasks": {
                 "screw": {"time": {"human": 4, "robot": 9}, "tool": "driver"},
                 "bolt": {"time": {"human": 3}, "tool": "wrench"},
@@ -193,7 +230,23 @@ def test_who_cannot_hold_the_cell_is_left_out_and_the_others_are_judged(
     """First or last of those named, with one kind of people or two."""
     file = written(cell, tmp_path)
     for names in (f"{policy},spt,lpt", f"spt,lpt,{policy}"):
-        assert run(["simulate", file, "--policy", names, "--people", "compliant,random:0.5", "--episodes", "2", "--json", "-q"]) == 0
+        assert (
+            run(
+                [
+                    "simulate",
+                    file,
+                    "--policy",
+                    names,
+                    "--people",
+                    "compliant,random:0.5",
+                    "--episodes",
+                    "2",
+                    "--json",
+                    "-q",
+                ]
+            )
+            == 0
+        )
         said = capsys.readouterr()
         for document in json.loads(said.out):
             assert [one["policy"] for one in document["policies"]] == ["spt", "lpt"]
@@ -202,11 +255,24 @@ def test_who_cannot_hold_the_cell_is_left_out_and_the_others_are_judged(
             [left] = document["left_out"]
             assert left["policy"] == policy
             assert reason in left["reason"]
-        assert said.err.count(f"{policy} is left out: ") == 1, "said once, also when nothing else is"
+        assert said.err.count(f"{policy} is left out: ") == 1, (
+            "said once, also when nothing else is"
+        )
 
 
-def test_a_policy_file_that_is_not_there_leaves_out_who_wanted_it(tmp_path: Path, capsys: Capture) -> None:
-    asked = ["--policy", "spt,learned", "--learned", str(tmp_path / "none.policy"), "--episodes", "2", "--json", "-q"]
+def test_a_policy_file_that_is_not_there_leaves_out_who_wanted_it(
+    tmp_path: Path, capsys: Capture
+) -> None:
+    asked = [
+        "--policy",
+        "spt,learned",
+        "--learned",
+        str(tmp_path / "none.policy"),
+        "--episodes",
+        "2",
+        "--json",
+        "-q",
+    ]
     assert run(["simulate", CELL, *asked]) == 0
     [left] = json.loads(capsys.readouterr().out)["left_out"]
     assert "none.policy" in left["reason"]
@@ -217,10 +283,14 @@ def test_who_has_no_plan_that_keeps_the_deadlines_is_left_out() -> None:
     tasks = {name: {"time": {"human": 5}, "deadline": 6} for name in ("one", "other")}
     cell = with_changeovers(tasks=tasks, tools={})
     (document,) = judge(cell, Trial(("fixed", "spt"), ("compliant",), 2, 0))
-    assert [(one["policy"], "no schedule" in one["reason"]) for one in document["left_out"]] == [("fixed", True)]
+    assert [(one["policy"], "no schedule" in one["reason"]) for one in document["left_out"]] == [
+        ("fixed", True)
+    ]
 
 
-def test_where_nobody_is_left_all_reasons_are_said_and_the_code_is_the_first_s(tmp_path: Path, capsys: Capture) -> None:
+def test_where_nobody_is_left_all_reasons_are_said_and_the_code_is_the_first_s(
+    tmp_path: Path, capsys: Capture
+) -> None:
     asked = ["simulate", written(with_changeovers(), tmp_path), "--episodes", "2", "-q", "--policy"]
     assert run([*asked, "expected,learned"]) == 3
     said = capsys.readouterr().err
@@ -230,9 +300,16 @@ def test_where_nobody_is_left_all_reasons_are_said_and_the_code_is_the_first_s(t
     assert run([*asked, "minimax"]) == 3
 
 
-def test_the_document_says_what_plan_was_carried_out(capsys: Capture, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_the_document_says_what_plan_was_carried_out(
+    capsys: Capture, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     (document,) = judge(THESIS, Trial(("fixed", "spt"), ("compliant",), 2, 0))
-    assert row(document, "fixed")["plan"] == {"makespan": 23, "stress": 7, "status": "optimal", "bound": {"makespan": 23, "stress": 7}}
+    assert row(document, "fixed")["plan"] == {
+        "makespan": 23,
+        "stress": 7,
+        "status": "optimal",
+        "bound": {"makespan": 23, "stress": 7},
+    }
     assert "plan" not in row(document, "spt")
     monkeypatch.setattr("tandem.dispatch.deciders.fixed.PLANNING_S", 1e-6)
     file = written(layered(40, seed=1), tmp_path)
@@ -244,7 +321,9 @@ def test_the_document_says_what_plan_was_carried_out(capsys: Capture, monkeypatc
 
 def test_the_table_of_deciders_is_listed(capsys: Capture) -> None:
     assert run(["policies", "--json"]) == 0
-    assert [one["name"] for one in json.loads(capsys.readouterr().out)["policies"]] == list(POLICIES)
+    assert [one["name"] for one in json.loads(capsys.readouterr().out)["policies"]] == list(
+        POLICIES
+    )
     assert run(["policies"]) == 0
     assert capsys.readouterr().out.count("\n") == len(POLICIES)
 
@@ -258,13 +337,19 @@ def test_the_committed_run_keeps_what_was_promised_of_untold_paces() -> None:
     found = [one for one in rows("pace.csv") if one["policy"] == "replan-robust"]
 
     def loss(thesis: bool, pace: float) -> float:
-        mine = [float(one["loss"]) for one in found if (one["cell"] == "thesis") == thesis and float(one["pace"]) == pace]
+        mine = [
+            float(one["loss"])
+            for one in found
+            if (one["cell"] == "thesis") == thesis and float(one["pace"]) == pace
+        ]
         return sum(mine) / len(mine)
 
     assert all(loss(False, pace) < 0.05 for pace in (0.6, 1.5, 2.0))
     assert loss(False, 3.0) < 0.10
     assert all(loss(True, pace) < 0.02 for pace in (1.5, 2.0, 3.0))
-    assert loss(True, 0.6) == pytest.approx(0.8 / 15.8, abs=2e-3), "which is what the exact Bayes-adaptive decider loses too"
+    assert loss(True, 0.6) == pytest.approx(0.8 / 15.8, abs=2e-3), (
+        "which is what the exact Bayes-adaptive decider loses too"
+    )
     document = json.loads((RESULTS / "pace.json").read_text())["thesis"]
     assert document["above_bayes_adaptive"] < 0.01
 
@@ -272,10 +357,14 @@ def test_the_committed_run_keeps_what_was_promised_of_untold_paces() -> None:
 @pytest.fixture(scope="module")
 def deviation() -> Callable[[str, str], list[dict[str, str]]]:
     found = rows("deviation.csv")
-    return lambda cell, people: [one for one in found if one["cell"] == cell and one["people"] == people]
+    return lambda cell, people: [
+        one for one in found if one["cell"] == cell and one["people"] == people
+    ]
 
 
-def test_the_committed_table_has_no_decider_below_the_exact_optimum(deviation: Callable[[str, str], list[dict[str, str]]]) -> None:
+def test_the_committed_table_has_no_decider_below_the_exact_optimum(
+    deviation: Callable[[str, str], list[dict[str, str]]],
+) -> None:
     """Its interval may reach below, its mean beyond 3.5 standard errors may not."""
     everything = [one for one in rows("deviation.csv") if one["regret_share"]]
     assert len({one["cell"] for one in everything}) >= 12

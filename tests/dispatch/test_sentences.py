@@ -39,7 +39,10 @@ ODD = {
     "no blank behind a full stop": r"[a-z'\")][.;:,][A-Za-z]",
     "two full stops": r"(?<!\.)\.\.(?!\.)|\. +\.\)?$",
     "a cost without its unit": r"cost -?\d[\d.e+-]*(?![\d.e+-]| s\b| of stress| \()",
-    "a moment without its unit": r"\b(before|until|since|done at|released at|after|have come to|happened at) (?!1970)\d[\d.e+-]*(?![\d.]| s\b| ms\b)",
+    "a moment without its unit": (
+        r"\b(before|until|since|done at|released at|after|have come to|happened at)"
+        r" (?!1970)\d[\d.e+-]*(?![\d.]| s\b| ms\b)"
+    ),
     "a plural with is": r"^\S+ and \S+ is\b|, \S+ and \S+ is\b",
 }
 
@@ -75,7 +78,9 @@ def all_is_well(found: Iterable[str]) -> None:
 
 @settings(max_examples=40)
 @given(st.data(), cells(max_tasks=5), st.sampled_from(DECIDERS), st.sampled_from(OBJECTIVES))
-def test_every_sentence_of_a_shift_is_whole(data: st.DataObject, cell: Cell, name: str, objective: Objective) -> None:
+def test_every_sentence_of_a_shift_is_whole(
+    data: st.DataObject, cell: Cell, name: str, objective: Objective
+) -> None:
     named = _named(cell)
     lines = data.draw(happenings(named))
     try:
@@ -104,8 +109,13 @@ def _named(cell: Cell) -> Cell:
     """The same cell, its tasks named in letters, so that a number in a sentence is none of them."""
     data = cell.to_dict()
     letter = {name: f"task {chr(ord('a') + place)}" for place, name in enumerate(cell.tasks)}
-    data["tasks"] = {letter[name]: {**task, "after": [letter[first] for first in task.get("after", [])]} for name, task in data["tasks"].items()}
-    data["same_operator"] = [[letter[one], letter[other]] for one, other in data.get("same_operator", [])]
+    data["tasks"] = {
+        letter[name]: {**task, "after": [letter[first] for first in task.get("after", [])]}
+        for name, task in data["tasks"].items()
+    }
+    data["same_operator"] = [
+        [letter[one], letter[other]] for one, other in data.get("same_operator", [])
+    ]
     data.pop("stress_of_set", None)
     return cell_of({key: value for key, value in data.items() if key != "same_operator" or value})
 
@@ -121,8 +131,15 @@ def test_what_is_said_of_a_wrong_line_is_whole(text: str) -> None:
 
 
 def test_values_are_shown_as_they_came() -> None:
-    for value, shown in (({"name": "base"}, '{"name": "base"}'), (["base"], '["base"]'), (True, "true"), (None, "missing")):
-        with pytest.raises(EventError, match=re.escape(f"`task` is {shown}; it must be the name of a task")):
+    for value, shown in (
+        ({"name": "base"}, '{"name": "base"}'),
+        (["base"], '["base"]'),
+        (True, "true"),
+        (None, "missing"),
+    ):
+        with pytest.raises(
+            EventError, match=re.escape(f"`task` is {shown}; it must be the name of a task")
+        ):
             read_event(line("done", 1, task=value), GEARBOX)
 
 
@@ -143,14 +160,24 @@ def test_a_cost_is_said_with_its_unit(objective: Objective, said: str) -> None:
 
 def test_an_order_that_is_withdrawn_stands_apart_from_its_label() -> None:
     """Once: "withdrawnCobot not '4' after all"."""
-    decision = {"take_apart": [], "starts": [], "announced": {}, "why": "x", "revoked": [{"operators": ["Cobot"], "task": "4"}]}
+    decision = {
+        "take_apart": [],
+        "starts": [],
+        "announced": {},
+        "why": "x",
+        "revoked": [{"operators": ["Cobot"], "task": "4"}],
+    }
     assert "  withdrawn Cobot not '4' after all" in orders(Situation.of(GEARBOX), decision, {})
 
 
 def test_who_could_not_decide_is_named_with_one_full_stop() -> None:
     failing = Saying(UsageError("no policy fits this cell."), name="learned")
-    decision = Auto((failing,), policy("longest-tail", GEARBOX), budget_ms=10_000.0).decide(Situation.of(GEARBOX))
-    assert decision.why.endswith("(learned could not decide, UsageError: no policy fits this cell.)")
+    decision = Auto((failing,), policy("longest-tail", GEARBOX), budget_ms=10_000.0).decide(
+        Situation.of(GEARBOX)
+    )
+    assert decision.why.endswith(
+        "(learned could not decide, UsageError: no policy fits this cell.)"
+    )
     all_is_well([decision.why])
 
 

@@ -1,4 +1,6 @@
-"""Where a shift stands after what the floor reports, and what cannot have happened. Taken one after the other, as on a floor."""
+"""Where a shift stands after what the floor reports, and what cannot have happened. Taken one after
+the other, as on a floor.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +41,13 @@ def done(at: float, task: str) -> str:
 
 
 BASE_DONE = (started(0, "base", "cobot"), done(4, "base"))
-ALL_BUT_COVER = (*BASE_DONE, started(4, "shaft", "anna"), started(4, "gear", "cobot"), done(7, "gear"), done(9, "shaft"))
+ALL_BUT_COVER = (
+    *BASE_DONE,
+    started(4, "shaft", "anna"),
+    started(4, "gear", "cobot"),
+    done(7, "gear"),
+    done(9, "shaft"),
+)
 
 
 def test_a_shift_from_start_to_end() -> None:
@@ -55,7 +63,9 @@ def test_a_shift_from_start_to_end() -> None:
 def test_work_rests_while_the_robot_is_down_and_goes_on_when_it_is_repaired() -> None:
     down = reached(started(0, "base", "cobot"), line("failed", 1, operator="cobot"))
     assert legal(down) == []
-    assert objections(down, Event("done", 2, "base")) == ["'cobot' was reported as failed; report it as repaired first."]
+    assert objections(down, Event("done", 2, "base")) == [
+        "'cobot' was reported as failed; report it as repaired first."
+    ]
     up = after(down, Event("repaired", 6, operators=COBOT))
     assert up.running["base"].expected_end == 9
     work = after(up, Event("done", 9.5, "base")).done["base"]
@@ -63,7 +73,11 @@ def test_work_rests_while_the_robot_is_down_and_goes_on_when_it_is_repaired() ->
 
 
 def test_a_robot_that_was_unplugged_may_hand_its_task_to_a_human() -> None:
-    situation = reached(started(0, "base", "cobot"), line("failed", 1, operator="cobot"), line("failed", 2, task="base"))
+    situation = reached(
+        started(0, "base", "cobot"),
+        line("failed", 1, operator="cobot"),
+        line("failed", 2, task="base"),
+    )
     assert legal(situation) == [("base", ANNA)]
     assert situation.past[0].outcome == "broken off"
     assert situation.load == {"anna": 0.0}
@@ -81,8 +95,10 @@ def test_what_is_mounted_wrongly_comes_off_from_the_top_and_is_done_again() -> N
     assert set(wrong.wrong) == {"base", "shaft", "gear"}
     assert legal(wrong) == [("shaft", ANNA), ("gear", COBOT)]
     off = reached(
-        *ALL_BUT_COVER, line("wrong", 9, task="base"), started(9, "shaft", "anna"), started(9, "gear", "cobot"),
-        line("undone", 12, task="gear"), line("undone", 14, task="shaft"), started(14, "base", "anna"), line("undone", 20, task="base"),
+        *ALL_BUT_COVER, line("wrong", 9, task="base"), started(9, "shaft", "anna"), started(9,
+        "gear", "cobot"),
+        line("undone", 12, task="gear"), line("undone", 14, task="shaft"), started(14, "base",
+        "anna"), line("undone", 20, task="base"),
     )  # fmt: skip
     assert (off.done, off.wrong) == ({}, {})
     assert legal(off) == [("base", COBOT), ("base", ANNA)]
@@ -90,7 +106,9 @@ def test_what_is_mounted_wrongly_comes_off_from_the_top_and_is_done_again() -> N
 
 
 def test_what_ends_on_top_of_something_wrong_is_wrong() -> None:
-    situation = reached(*BASE_DONE, started(4, "shaft", "anna"), line("wrong", 5, task="base"), done(9, "shaft"))
+    situation = reached(
+        *BASE_DONE, started(4, "shaft", "anna"), line("wrong", 5, task="base"), done(9, "shaft")
+    )
     assert set(situation.wrong) == {"base", "shaft"}
     assert legal(situation) == [("shaft", ANNA)]
 
@@ -102,15 +120,22 @@ def test_a_human_may_be_too_early_and_what_they_did_comes_off() -> None:
     early = reached(started(0, "shaft", "anna"))
     assert legal(early) == [], "nothing goes below what is in hand"
     assert legal(after(early, Event("done", 5, "shaft"))) == [("shaft", ANNA)]
-    assert "comes after 'base'" in objections(reached(), Event("started", 0, "gear", COBOT))[0], "a robot is stopped"
+    assert "comes after 'base'" in objections(reached(), Event("started", 0, "gear", COBOT))[0], (
+        "a robot is stopped"
+    )
 
 
 def test_a_mistake_that_is_noticed_at_once_is_wrong_at_once() -> None:
-    assert set(reached(started(0, "base", "cobot"), line("wrong", 2, task="base")).wrong) == {"base"}
+    assert set(reached(started(0, "base", "cobot"), line("wrong", 2, task="base")).wrong) == {
+        "base"
+    }
 
 
 def test_a_task_taken_apart_on_the_spot_is_open_again() -> None:
-    assert legal(reached(*BASE_DONE, line("undone", 5, task="base"))) == [("base", COBOT), ("base", ANNA)]
+    assert legal(reached(*BASE_DONE, line("undone", 5, task="base"))) == [
+        ("base", COBOT),
+        ("base", ANNA),
+    ]
 
 
 def test_a_refusal_holds_until_its_time_or_until_they_do_it_after_all() -> None:
@@ -119,7 +144,12 @@ def test_a_refusal_holds_until_its_time_or_until_they_do_it_after_all() -> None:
     assert next_change(refused) == 30
     assert ("shaft", ANNA) in legal(replace(refused, now=30.0))
     assert after(refused, Event("started", 5, "shaft", ANNA)).refused == {}
-    for_good = reached(*BASE_DONE, line("refused", 4, task="shaft", operator="anna"), started(4, "gear", "cobot"), done(7, "gear"))
+    for_good = reached(
+        *BASE_DONE,
+        line("refused", 4, task="shaft", operator="anna"),
+        started(4, "gear", "cobot"),
+        done(7, "gear"),
+    )
     assert stuck(for_good) == ["task 'shaft' by anna: 'anna' does not want task 'shaft'."]
 
 
@@ -130,7 +160,9 @@ def test_an_order_binds_nobody_and_keeps_its_number_while_it_is_repeated() -> No
     again = ordered(first, Told((("base", COBOT),), {}), 5)
     assert again.orders["base"].number == 0
     taken = after(first, Event("started", 0, "base", ANNA))
-    assert revoked(taken, ordered(taken, Told((), {}), 1)) == {}, "what somebody else has begun is no order any more"
+    assert revoked(taken, ordered(taken, Told((), {}), 1)) == {}, (
+        "what somebody else has begun is no order any more"
+    )
     assert revoked(first, ordered(first, Told((), {}), 1)) == {"base": Order(COBOT, 0)}
 
 
@@ -143,13 +175,15 @@ CONTRADICTIONS: list[tuple[tuple[str, ...], Event, str]] = [
     ((), Event("done", 1, "base"), "has not been reported as started"),
     (BASE_DONE, Event("done", 5, "base"), "is done already"),
     (BASE_DONE, Event("tick", 3), "time does not run backwards"),
-    (BASE_DONE, Event("started", 5, "base", COBOT), "is done since 4 s. If it is mounted wrongly, report it as wrong first"),
+    (BASE_DONE, Event("started", 5, "base", COBOT),
+    "is done since 4 s. If it is mounted wrongly, report it as wrong first"),
     (BASE_DONE, Event("started", 5, "gear", ANNA), "anna cannot do task 'gear'; cobot can"),
     (BASE_DONE[:1], Event("started", 1, "base", COBOT), "is under way since 0 s, by cobot"),
     (BASE_DONE[:1], Event("started", 1, "gear", COBOT), "'cobot' is still at task 'base'"),
     (BASE_DONE[:1], Event("done", 1, "base", ANNA), "is being done by cobot, not by anna"),
     (BASE_DONE[:1], Event("refused", 1, "base", COBOT), "report it as failed to give it up"),
-    (BASE_DONE[:1], Event("undone", 1, "base"), "is being done; report it as failed when nothing is mounted, else as wrong"),
+    (BASE_DONE[:1], Event("undone", 1, "base"),
+    "is being done; report it as failed when nothing is mounted, else as wrong"),
     (BASE_DONE, Event("refused", 5, "base", ANNA), "is done already"),
     (BASE_DONE, Event("refused", 5, "gear", ANNA), "cannot do task 'gear' anyway"),
     (BASE_DONE, Event("failed", 5, "base"), "is done; report it as wrong"),
@@ -158,20 +192,33 @@ CONTRADICTIONS: list[tuple[tuple[str, ...], Event, str]] = [
     ((), Event("absent", 5, operators=COBOT), "'cobot' is a robot; report a robot as failed"),
     ((), Event("repaired", 5, operators=COBOT), "was not reported as failed"),
     ((), Event("back", 5, operators=COBOT), "'cobot' is a robot; report a robot as repaired"),
-    ((line("absent", 1, operator="anna"),), Event("absent", 5, operators=ANNA), "was reported as absent already"),
-    ((line("absent", 1, operator="anna"),), Event("started", 5, "base", ANNA), "report them as back first"),
-    ((line("failed", 1, operator="cobot"),), Event("failed", 5, operators=COBOT), "was reported as failed already"),
+    ((line("absent", 1, operator="anna"),), Event("absent", 5, operators=ANNA),
+    "was reported as absent already"),
+    ((line("absent", 1, operator="anna"),), Event("started", 5, "base", ANNA),
+    "report them as back first"),
+    ((line("failed", 1, operator="cobot"),), Event("failed", 5, operators=COBOT),
+    "was reported as failed already"),
     ((), Event("wrong", 5, "base"), "is not done"),
     ((), Event("undone", 5, "base"), "is not done"),
-    ((*BASE_DONE, line("wrong", 4, task="base")), Event("wrong", 5, "base"), "was reported as wrong already"),
-    (ALL_BUT_COVER, Event("undone", 9, "base"), "'shaft' and 'gear' stand on task 'base'; report that as undone first"),
-    ((*ALL_BUT_COVER, line("wrong", 9, task="base")), Event("started", 9, "base", COBOT), "cannot be taken apart before 'shaft' and 'gear'"),
-    ((*BASE_DONE, line("wrong", 4, task="base"), started(4, "base", "cobot")), Event("done", 8, "base"), "being taken apart; report that as undone"),
+    ((*BASE_DONE, line("wrong", 4, task="base")), Event("wrong", 5, "base"),
+    "was reported as wrong already"),
+    (ALL_BUT_COVER, Event("undone", 9, "base"),
+    "'shaft' and 'gear' stand on task 'base'; report that as undone first"),
+    ((*ALL_BUT_COVER, line("wrong", 9, task="base")), Event("started", 9, "base", COBOT),
+    "cannot be taken apart before 'shaft' and 'gear'"),
+    ((*BASE_DONE, line("wrong", 4, task="base"), started(4, "base", "cobot")), Event("done", 8,
+    "base"), "being taken apart; report that as undone"),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("before", "event", "says"), CONTRADICTIONS, ids=lambda value: value.kind if isinstance(value, Event) else "")
-def test_what_contradicts_the_shift_is_objected_to(before: tuple[str, ...], event: Event, says: str) -> None:
+@pytest.mark.parametrize(
+    ("before", "event", "says"),
+    CONTRADICTIONS,
+    ids=lambda value: value.kind if isinstance(value, Event) else "",
+)
+def test_what_contradicts_the_shift_is_objected_to(
+    before: tuple[str, ...], event: Event, says: str
+) -> None:
     assert says in "\n".join(objections(reached(*before), event))
 
 
@@ -187,7 +234,20 @@ def test_tasks_of_a_pair_stay_with_those_who_began() -> None:
 
 
 def test_what_is_odd_is_taken_with_a_remark() -> None:
-    tasks: dict[str, Any] = {"x": {"time": {"a": 5}, "zone": "jig"}, "y": {"time": {"b": 5}, "zone": "jig"}}
-    cell = cell_of({"operators": {"a": {"kind": "human", "breaks": [[4, 6]]}, "b": {"kind": "robot"}}, "tasks": tasks})
-    assert remarks(Situation.of(cell), Event("started", 0, "x", ("a",))) == ["'a' has a break from 4 s to 6 s."]
-    assert remarks(reached(started(0, "y", "b"), cell=cell), Event("started", 0, "x", ("a",)))[-1] == "zone 'jig' is taken."
+    tasks: dict[str, Any] = {
+        "x": {"time": {"a": 5}, "zone": "jig"},
+        "y": {"time": {"b": 5}, "zone": "jig"},
+    }
+    cell = cell_of(
+        {
+            "operators": {"a": {"kind": "human", "breaks": [[4, 6]]}, "b": {"kind": "robot"}},
+            "tasks": tasks,
+        }
+    )
+    assert remarks(Situation.of(cell), Event("started", 0, "x", ("a",))) == [
+        "'a' has a break from 4 s to 6 s."
+    ]
+    assert (
+        remarks(reached(started(0, "y", "b"), cell=cell), Event("started", 0, "x", ("a",)))[-1]
+        == "zone 'jig' is taken."
+    )

@@ -1,4 +1,6 @@
-"""What the journal's plain Python calls legal is what the world of arrays calls legal, all along random shifts, with mistakes and without."""
+"""What the journal's plain Python calls legal is what the world of arrays calls legal, all along
+random shifts, with mistakes and without.
+"""
 
 from __future__ import annotations
 
@@ -21,14 +23,18 @@ from tandem.world.arrays import NEVER, Arrays, Names
 
 @settings(max_examples=60)
 @given(st.data(), cells(), st.booleans())
-def test_both_agree_on_what_may_begin_wherever_a_shift_comes(data: st.DataObject, cell: Cell, mistakes: bool) -> None:
+def test_both_agree_on_what_may_begin_wherever_a_shift_comes(
+    data: st.DataObject, cell: Cell, mistakes: bool
+) -> None:
     names = Names.of(cell)
     arrays = names.arrays(undo=1.0 if mistakes else None)
     state, situation = world.reset(arrays), Situation.of(cell)
     for _ in range(60):
         mask = world.legal(arrays, state)
         ways = [int(way) for way in np.flatnonzero(mask)]
-        assert set(legal(situation)) == {(task, way.operators) for task, way in (names.ways[number] for number in ways)}
+        assert set(legal(situation)) == {
+            (task, way.operators) for task, way in (names.ways[number] for number in ways)
+        }
         if ways and data.draw(st.booleans(), "begin something"):
             state, situation = _begin(data, names, arrays, state, situation, ways)
         elif world.next_event(arrays, state) < NEVER:
@@ -39,15 +45,28 @@ def test_both_agree_on_what_may_begin_wherever_a_shift_comes(data: st.DataObject
 
 
 def _begin(
-    data: st.DataObject, names: Names, arrays: Arrays, state: world.State, situation: Situation, ways: list[int]
+    data: st.DataObject,
+    names: Names,
+    arrays: Arrays,
+    state: world.State,
+    situation: Situation,
+    ways: list[int],
 ) -> tuple[world.State, Situation]:
     way = data.draw(st.sampled_from(ways), "way")
     task, chosen = names.ways[way]
     quickest = names.ways.index((task, mode(names.cell, task, chosen.operators)))
     if quickest not in ways:
         return state, situation
-    badly = bool(arrays.undo.shape[0]) and task not in situation.wrong and data.draw(st.sampled_from((False, False, True)), "done badly")
-    noticed = np.int32(data.draw(st.integers(0, 9), "noticed after") * names.per_second // 4) if badly else None
+    badly = (
+        bool(arrays.undo.shape[0])
+        and task not in situation.wrong
+        and data.draw(st.sampled_from((False, False, True)), "done badly")
+    )
+    noticed = (
+        np.int32(data.draw(st.integers(0, 9), "noticed after") * names.per_second // 4)
+        if badly
+        else None
+    )
     begun = world.assign(arrays, state, np.int32(quickest), noticed=noticed)
     situation = _take(situation, Event("started", situation.now, task, chosen.operators))
     number = list(names.cell.tasks).index(task)
@@ -55,12 +74,16 @@ def _begin(
     return begun, situation
 
 
-def _run_on(names: Names, arrays: Arrays, state: world.State, situation: Situation) -> tuple[world.State, Situation]:
+def _run_on(
+    names: Names, arrays: Arrays, state: world.State, situation: Situation
+) -> tuple[world.State, Situation]:
     later = world.advance(arrays, state)
     now = names.seconds(later.clock)
     for place, task in enumerate(names.cell.tasks):
         if task in situation.running and state.end_at[place] <= later.clock:
-            situation = _take(situation, Event("undone" if situation.running[task].undoing else "done", now, task))
+            situation = _take(
+                situation, Event("undone" if situation.running[task].undoing else "done", now, task)
+            )
     if arrays.undo.shape[0]:
         for task, bad in zip(names.cell.tasks, later.bad_at <= later.clock, strict=True):
             if bad and task in situation.done:

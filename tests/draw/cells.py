@@ -22,7 +22,11 @@ THESIS = {
         "4": {"time": {"robot": 2}, "after": ["1", "2"]},
         "5": {"time": {"robot": 4, "human": 2}, "stress": 4, "after": ["3"]},
         "6": {"time": {"robot": 10, "human": 3}, "stress": 1, "after": ["1", "2", "4"]},
-        "7": {"time": {"robot": 2, "human": 4}, "stress": 5, "after": ["1", "2", "3", "4", "5", "6"]},
+        "7": {
+            "time": {"robot": 2, "human": 4},
+            "stress": 5,
+            "after": ["1", "2", "3", "4", "5", "6"],
+        },
     },
 }
 
@@ -32,7 +36,12 @@ def thesis() -> Cell:
 
 
 def rows(*found: tuple[str, str, float, float]) -> Schedule:
-    return Schedule(tuple(Assignment(float(start), float(end), task, tuple(who.split("+"))) for task, who, start, end in found))
+    return Schedule(
+        tuple(
+            Assignment(float(start), float(end), task, tuple(who.split("+")))
+            for task, who, start, end in found
+        )
+    )
 
 
 def thesis_schedules() -> list[Schedule]:
@@ -72,7 +81,9 @@ def thesis_front() -> Front:
     return front_of(thesis(), thesis_schedules())
 
 
-def front_of(cell: Cell, schedules: list[Schedule], *, proven: bool = True, slack: float = 0.0) -> Front:
+def front_of(
+    cell: Cell, schedules: list[Schedule], *, proven: bool = True, slack: float = 0.0
+) -> Front:
     """A front of these schedules; `slack` is how far the bounds of an unproven one lie below."""
     results = []
     for schedule in schedules:
@@ -111,9 +122,25 @@ def gearbox() -> Cell:
                     "stress": {"anna": 3, "ben": 2},
                     "after": ["housing"],
                 },
-                "gear1": {"label": "Press gear 1", "time": {"cobot": 7, "cobot2": 7}, "after": ["shaft"], "tool": "gripper", "deadline": 30},
-                "gear2": {"label": "Press gear 2", "time": {"cobot": 7, "cobot2": 7}, "after": ["shaft"], "tool": "gripper"},
-                "seal": {"label": "Grease the seal", "time": {"anna": 4.2, "ben": 4.2}, "stress": 2, "after": ["housing"]},
+                "gear1": {
+                    "label": "Press gear 1",
+                    "time": {"cobot": 7, "cobot2": 7},
+                    "after": ["shaft"],
+                    "tool": "gripper",
+                    "deadline": 30,
+                },
+                "gear2": {
+                    "label": "Press gear 2",
+                    "time": {"cobot": 7, "cobot2": 7},
+                    "after": ["shaft"],
+                    "tool": "gripper",
+                },
+                "seal": {
+                    "label": "Grease the seal",
+                    "time": {"anna": 4.2, "ben": 4.2},
+                    "stress": 2,
+                    "after": ["housing"],
+                },
                 "cover": {
                     "label": "Set the cover on together",
                     "together": [{"operators": ["ben", "cobot2"], "time": 5, "stress": 2}],
@@ -127,15 +154,27 @@ def gearbox() -> Cell:
                     "after": ["cover"],
                     "deadline": 70,
                 },
-                "label": {"label": "Label", "time": {"ben": 2, "anna": 2}, "stress": 0.5, "after": ["cover"]},
-                "check": {"label": "Final inspection", "time": {"anna": 6, "ben": 6}, "stress": 1, "after": ["screws", "label"]},
+                "label": {
+                    "label": "Label",
+                    "time": {"ben": 2, "anna": 2},
+                    "stress": 0.5,
+                    "after": ["cover"],
+                },
+                "check": {
+                    "label": "Final inspection",
+                    "time": {"anna": 6, "ben": 6},
+                    "stress": 1,
+                    "after": ["screws", "label"],
+                },
             },
         }
     )
 
 
 def desk() -> Cell:
-    """A board in the manner of Yu's desk: 53 pieces in 15 rows, each resting on the pieces under it; symmetric halves."""
+    """A board in the manner of Yu's desk: 53 pieces in 15 rows, each resting on the pieces under
+    it; symmetric halves.
+    """
     halves = [
         [2, 2],
         [1, 2, 3, 4],
@@ -163,18 +202,30 @@ def desk() -> Cell:
             left, right = place * width, (place + 1) * width
             resting = [other for other, a, b in under if a < right and b > left]
             who = {"R": ["robot"], "H": ["human"], "E": ["robot", "human"]}[kind]
-            tasks[name] = {"time": dict.fromkeys(who, time), "stress": time if "human" in who else 0, "after": resting}
+            tasks[name] = {
+                "time": dict.fromkeys(who, time),
+                "stress": time if "human" in who else 0,
+                "after": resting,
+            }
             row.append((name, left, right))
         under = row
     return Cell.model_validate(
-        {"name": "Desk of 53 pieces (after Yu)", "operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}}, "tasks": tasks}
+        {
+            "name": "Desk of 53 pieces (after Yu)",
+            "operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}},
+            "tasks": tasks,
+        }
     )
 
 
 def layered(tasks: int, *, seed: int = 0, operators: int = 4) -> Cell:
     """A random layered cell; the same seed gives the same one."""
     dice = random.Random(seed)
-    people = {f"{kind} {i + 1}": {"kind": kind} for i in range(operators // 2) for kind in ("human", "robot")}
+    people = {
+        f"{kind} {i + 1}": {"kind": kind}
+        for i in range(operators // 2)
+        for kind in ("human", "robot")
+    }
     made: dict[str, dict[str, object]] = {}
     names = [f"T{i + 1:03d}" for i in range(tasks)]
     for place, name in enumerate(names):
@@ -185,19 +236,28 @@ def layered(tasks: int, *, seed: int = 0, operators: int = 4) -> Cell:
             "stress": dice.randint(0, 9),
             "after": dice.sample(near, min(len(near), dice.choice([0, 1, 1, 2]))),
         }
-    return Cell.model_validate({"name": f"Layered cell of {tasks} tasks", "operators": people, "tasks": made})
+    return Cell.model_validate(
+        {"name": f"Layered cell of {tasks} tasks", "operators": people, "tasks": made}
+    )
 
 
 def greedy(cell: Cell, *, dislike: float = 0.0) -> Schedule:
-    """A sound schedule of a cell without zones and limits: always the task and mode that ends first; stress costs `dislike` seconds each."""
+    """A sound schedule of a cell without zones and limits: always the task and mode that ends
+    first; stress costs `dislike` seconds each.
+    """
     free = dict.fromkeys(cell.operators, Decimal(0))
     ended: dict[str, Decimal] = {}
     done: dict[str, list[str]] = {name: [] for name in cell.operators}
     found: list[Assignment] = []
 
     def start_of(task: str, mode: Mode) -> Decimal:
-        ready = max([exact(cell.tasks[task].release), *(ended[first] for first in cell.tasks[task].after)])
-        change = {who: exact(changeover_times(cell, who, [*done[who], task])[-1]) for who in mode.operators}
+        ready = max(
+            [exact(cell.tasks[task].release), *(ended[first] for first in cell.tasks[task].after)]
+        )
+        change = {
+            who: exact(changeover_times(cell, who, [*done[who], task])[-1])
+            for who in mode.operators
+        }
         start = max([ready, *(free[who] + change[who] for who in mode.operators)])
         moved = True
         while moved:
@@ -209,10 +269,23 @@ def greedy(cell: Cell, *, dislike: float = 0.0) -> Schedule:
         return start
 
     while len(ended) < len(cell.tasks):
-        ready = [name for name, task in cell.tasks.items() if name not in ended and all(first in ended for first in task.after)]
-        options = [(start_of(name, mode), name, mode) for name in ready for mode in cell.modes(name)]
+        ready = [
+            name
+            for name, task in cell.tasks.items()
+            if name not in ended and all(first in ended for first in task.after)
+        ]
+        options = [
+            (start_of(name, mode), name, mode) for name in ready for mode in cell.modes(name)
+        ]
         start, name, mode = min(
-            options, key=lambda o: (o[0] + exact(o[2].time) + Decimal(repr(dislike)) * sum(map(exact, o[2].stress.values())), o[0], o[1])
+            options,
+            key=lambda o: (
+                o[0]
+                + exact(o[2].time)
+                + Decimal(repr(dislike)) * sum(map(exact, o[2].stress.values())),
+                o[0],
+                o[1],
+            ),
         )
         end = start + exact(mode.time)
         found.append(Assignment(float(start), float(end), name, mode.operators))
@@ -223,13 +296,17 @@ def greedy(cell: Cell, *, dislike: float = 0.0) -> Schedule:
     return Schedule(tuple(found))
 
 
-def front_by_rule(cell: Cell, dislikes: list[float], *, proven: bool = True, slack: float = 0.0) -> Front:
+def front_by_rule(
+    cell: Cell, dislikes: list[float], *, proven: bool = True, slack: float = 0.0
+) -> Front:
     """What `greedy` finds with different dislikes of stress, without what is dominated."""
     found = {}
     for dislike in dislikes:
         schedule = greedy(cell, dislike=dislike)
         found[max(a.end for a in schedule), stress(cell, schedule)] = schedule
-    kept = [p for p in sorted(found) if not any(q != p and q[0] <= p[0] and q[1] <= p[1] for q in found)]
+    kept = [
+        p for p in sorted(found) if not any(q != p and q[0] <= p[0] and q[1] <= p[1] for q in found)
+    ]
     return front_of(cell, [found[point] for point in kept], proven=proven, slack=slack)
 
 

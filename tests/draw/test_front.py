@@ -18,7 +18,9 @@ def words(ax) -> list[str]:
 def dots(ax) -> list[tuple[float, float, str]]:
     """Makespan, stress and fill of every point."""
     found = [line for line in ax.lines if line.get_marker() == "o" and line.get_gid() != "knee"]
-    return [(line.get_xdata()[0], line.get_ydata()[0], line.get_markerfacecolor()) for line in found]
+    return [
+        (line.get_xdata()[0], line.get_ydata()[0], line.get_markerfacecolor()) for line in found
+    ]
 
 
 def test_every_point_is_there_with_its_numbers() -> None:
@@ -36,13 +38,25 @@ def test_the_ring_is_around_the_knee() -> None:
 def test_points_that_are_not_proven_are_hollow_and_reach_to_their_bounds() -> None:
     ax = plot_front(front_of(thesis(), thesis_schedules(), proven=False, slack=0.5))
     assert {dot[2] for dot in dots(ax)} == {"white"}
-    ends = {(line.get_xdata()[0], line.get_ydata()[0]) for line in ax.lines if line.get_marker() in ("|", "_")}
+    ends = {
+        (line.get_xdata()[0], line.get_ydata()[0])
+        for line in ax.lines
+        if line.get_marker() in ("|", "_")
+    }
     assert {(11.5, 7.0), (23.0, 3.5)} <= ends
     assert "white" not in {dot[2] for dot in dots(plot_front(thesis_front()))}
 
 
 def test_the_dominated_area_is_what_the_points_dominate() -> None:
-    assert staircase(thesis_front(), 40, 10) == [(23, 10), (23, 7), (24, 7), (24, 3), (34, 3), (34, 2), (40, 2)]
+    assert staircase(thesis_front(), 40, 10) == [
+        (23, 10),
+        (23, 7),
+        (24, 7),
+        (24, 3),
+        (34, 3),
+        (34, 2),
+        (40, 2),
+    ]
 
 
 def test_labels_never_meet() -> None:
@@ -79,15 +93,30 @@ def test_front_plot_is_this_chart() -> None:
 
 
 def test_a_german_overview_has_german_words_and_a_decimal_comma() -> None:
-    cell = thesis().replace(name="Zelle", tasks={"1": {"time": {"robot": 2.5, "human": 1.25}, "stress": 0.75}})
+    cell = thesis().replace(
+        name="Zelle", tasks={"1": {"time": {"robot": 2.5, "human": 1.25}, "stress": 0.75}}
+    )
     front = front_of(cell, [rows(("1", "human", 0, 1.25)), rows(("1", "robot", 0, 2.5))])
     upper, lower = overview(front, language="de").axes
     upper.figure.canvas.draw()
-    assert (upper.get_xlabel(), upper.get_ylabel(), lower.get_xlabel()) == ("Dauer [s]", "Belastung", "Zeit [s]")
+    assert (upper.get_xlabel(), upper.get_ylabel(), lower.get_xlabel()) == (
+        "Dauer [s]",
+        "Belastung",
+        "Zeit [s]",
+    )
     assert upper.get_title(loc="left") == "2 Punkte, vollständig und bewiesen"
     assert {"1,25 s; 0,75", "2,5 s; 0"} <= {text.get_text() for text in upper.texts}
-    assert {text.get_text() for text in upper.get_legend().get_texts()} == {"bewiesen", "empfohlen", "dominiert"}
-    assert not [label for axis in (upper.xaxis, upper.yaxis, lower.xaxis) for label in axis.get_ticklabels() if "." in label.get_text()]
+    assert {text.get_text() for text in upper.get_legend().get_texts()} == {
+        "bewiesen",
+        "empfohlen",
+        "dominiert",
+    }
+    assert not [
+        label
+        for axis in (upper.xaxis, upper.yaxis, lower.xaxis)
+        for label in axis.get_ticklabels()
+        if "." in label.get_text()
+    ]
 
 
 def test_a_language_that_pictures_do_not_speak_is_refused() -> None:

@@ -52,21 +52,38 @@ def test_there_is_one_bar_for_each_task_of_each_operator_at_its_time(name: str) 
 
 def test_there_is_one_lane_per_operator_and_it_says_how_busy() -> None:
     ax = plot_gantt(thesis(), thesis_schedules()[0])
-    assert [tick.get_text() for tick in ax.get_yticklabels()] == ["robot\n20 s busy, 87 %", "human\n15 s busy, 65 %"]
+    assert [tick.get_text() for tick in ax.get_yticklabels()] == [
+        "robot\n20 s busy, 87 %",
+        "human\n15 s busy, 65 %",
+    ]
     assert ax.get_xlabel() == "time [s]"
 
 
 def test_an_operator_who_does_nothing_keeps_a_lane() -> None:
-    cell = thesis().replace(operators={"robot": {"kind": "robot"}, "human": {"kind": "human"}, "spare": {"kind": "robot"}})
+    cell = thesis().replace(
+        operators={
+            "robot": {"kind": "robot"},
+            "human": {"kind": "human"},
+            "spare": {"kind": "robot"},
+        }
+    )
     assert len(plot_gantt(cell, thesis_schedules()[0]).get_yticks()) == 3
 
 
 def test_exactly_the_critical_path_has_bold_outlines() -> None:
     cell, schedule = CASES["desk"]
     path = {link.assignment.task for link in critical_path(cell, schedule)}
-    bold = {gid.split()[1] for gid, bar in bars(plot_gantt(cell, schedule)).items() if bar.get_linewidth() > 2}
+    bold = {
+        gid.split()[1]
+        for gid, bar in bars(plot_gantt(cell, schedule)).items()
+        if bar.get_linewidth() > 2
+    }
     assert bold == path
-    assert {gid for gid, bar in bars(plot_gantt(cell, schedule, critical=False)).items() if bar.get_linewidth() > 2} == set()
+    assert {
+        gid
+        for gid, bar in bars(plot_gantt(cell, schedule, critical=False)).items()
+        if bar.get_linewidth() > 2
+    } == set()
 
 
 def test_a_joint_task_is_in_both_lanes_and_linked() -> None:
@@ -78,8 +95,14 @@ def test_a_joint_task_is_in_both_lanes_and_linked() -> None:
 
 def test_human_and_robot_differ_in_more_than_colour() -> None:
     ax = plot_gantt(thesis(), thesis_schedules()[0])
-    filled = [patch for patch in ax.patches if isinstance(patch, Rectangle) and patch.get_gid() is None and patch.get_fill()]
-    hatched = {round(p.get_y() + p.get_height() / 2): p.get_hatch() for p in filled if p.get_height() < 0.7}
+    filled = [
+        patch
+        for patch in ax.patches
+        if isinstance(patch, Rectangle) and patch.get_gid() is None and patch.get_fill()
+    ]
+    hatched = {
+        round(p.get_y() + p.get_height() / 2): p.get_hatch() for p in filled if p.get_height() < 0.7
+    }
     assert hatched[0]
     assert not hatched[1]
 
@@ -115,10 +138,19 @@ def test_labels_fit_after_the_figure_became_smaller() -> None:
 
 def test_a_long_name_is_cut_and_a_dollar_is_no_formula() -> None:
     cell = Cell.model_validate(
-        {"operators": {"r": {"kind": "robot"}}, "tasks": {"$x$ " + "very long name " * 10: {"time": {"r": 5}}, "b": {"time": {"r": 60}}}}
+        {
+            "operators": {"r": {"kind": "robot"}},
+            "tasks": {
+                "$x$ " + "very long name " * 10: {"time": {"r": 5}},
+                "b": {"time": {"r": 60}},
+            },
+        }
     )
     long = next(iter(cell.tasks))
-    texts = [text.get_text() for text in drawn(plot_gantt(cell, rows((long, "r", 0, 5), ("b", "r", 5, 65))))]
+    texts = [
+        text.get_text()
+        for text in drawn(plot_gantt(cell, rows((long, "r", 0, 5), ("b", "r", 5, 65))))
+    ]
     assert texts[1] == "b"
     assert texts[0] == "" or texts[0].endswith("…")
 
@@ -135,7 +167,12 @@ def test_breaks_changeovers_and_deadlines_are_explained_when_there_are_any() -> 
 
     plain = legend(plot_gantt(*CASES["thesis"]))
     assert plain == {"human (plain)", "robot (hatched)", "critical path"}
-    assert legend(plot_gantt(*CASES["gearbox"])) - plain == {"joint task", "break", "tool changeover", "until a task's deadline"}
+    assert legend(plot_gantt(*CASES["gearbox"])) - plain == {
+        "joint task",
+        "break",
+        "tool changeover",
+        "until a task's deadline",
+    }
 
 
 def test_an_empty_schedule_is_an_empty_chart() -> None:
@@ -154,7 +191,9 @@ def test_drawing_needs_no_pyplot() -> None:
 def test_a_german_picture_has_german_words_and_a_decimal_comma() -> None:
     cell = gearbox()
     ax = plot_gantt(cell, greedy(cell), language="de")
-    said = [text.get_text() for text in (*ax.texts, *ax.get_yticklabels(), *ax.get_legend().get_texts())]
+    said = [
+        text.get_text() for text in (*ax.texts, *ax.get_yticklabels(), *ax.get_legend().get_texts())
+    ]
     assert ax.get_xlabel() == "Zeit [s]"
     assert re.fullmatch(r"Dauer \d+(,\d+)? s, Belastung \d+(,\d+)?", ax.get_title(loc="left"))
     assert {"kritischer Pfad", "gemeinsamer Vorgang"} <= set(said)
@@ -170,4 +209,8 @@ def test_no_word_of_the_legend_is_cut_off(language: str) -> None:
     FigureCanvasAgg(ax.figure).draw()
     words = ax.get_legend().get_texts()
     assert len(words) >= 6
-    assert all(ax.figure.bbox.x0 <= word.get_window_extent().x0 and word.get_window_extent().x1 <= ax.figure.bbox.x1 for word in words)
+    assert all(
+        ax.figure.bbox.x0 <= word.get_window_extent().x0
+        and word.get_window_extent().x1 <= ax.figure.bbox.x1
+        for word in words
+    )

@@ -25,15 +25,23 @@ STARTS = {".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF"}
 @pytest.mark.parametrize("ending", STARTS)
 @pytest.mark.parametrize("name", PICTURES)
 def test_the_same_picture_gives_the_same_bytes(tmp_path: Path, name: str, ending: str) -> None:
-    first, second = (save(PICTURES[name](), tmp_path / f"{i}{ending}").read_bytes() for i in range(2))
+    first, second = (
+        save(PICTURES[name](), tmp_path / f"{i}{ending}").read_bytes() for i in range(2)
+    )
     assert first == second
     assert first.startswith(STARTS[ending])
     assert sorted(p.name for p in tmp_path.iterdir()) == [f"0{ending}", f"1{ending}"]
 
 
 def test_a_png_is_not_blank_and_has_the_operators_colours(tmp_path: Path) -> None:
-    image = Image.open(save(plot_gantt(thesis(), thesis_schedules()[0]), tmp_path / "a.png")).convert("RGB")
-    found = {"#{:02X}{:02X}{:02X}".format(*colour) for count, colour in image.getcolors(10**6) if count > 500}
+    image = Image.open(
+        save(plot_gantt(thesis(), thesis_schedules()[0]), tmp_path / "a.png")
+    ).convert("RGB")
+    found = {
+        "#{:02X}{:02X}{:02X}".format(*colour)
+        for count, colour in image.getcolors(10**6)
+        if count > 500
+    }
     assert {look.tint for look in looks(thesis()).values()} <= found
 
 

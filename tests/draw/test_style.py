@@ -1,4 +1,6 @@
-"""One look for everything: colours that can be told apart, letters that are one's own, numbers as people write them."""
+"""One look for everything: colours that can be told apart, letters that are one's own, numbers as
+people write them.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,10 @@ from tandem.draw.style import FAINT_INK, INK, contrast, looks, shorten
 
 def cell_of(*operators: tuple[str, str]) -> Cell:
     return Cell.model_validate(
-        {"operators": {name: {"kind": kind} for name, kind in operators}, "tasks": {"a": {"time": {name: 1 for name, _ in operators}}}}
+        {
+            "operators": {name: {"kind": kind} for name, kind in operators},
+            "tasks": {"a": {"time": {name: 1 for name, _ in operators}}},
+        }
     )
 
 
@@ -30,7 +35,10 @@ def test_looks_of_many_operators_are_all_different() -> None:
 def test_letters_are_short_and_ones_own() -> None:
     assert [look.letters for look in looks(gearbox()).values()] == ["A", "B", "C1", "C2"]
     assert [look.letters for look in looks(layered(3)).values()] == ["H1", "R1", "H2", "R2"]
-    assert [look.letters for look in looks(cell_of(("robot", "robot"), ("rita", "human"), ("R1", "human"))).values()] == ["R1", "R2", "R3"]
+    assert [
+        look.letters
+        for look in looks(cell_of(("robot", "robot"), ("rita", "human"), ("R1", "human"))).values()
+    ] == ["R1", "R2", "R3"]
 
 
 def test_robots_are_hatched_and_text_reads_on_every_fill() -> None:
@@ -43,6 +51,18 @@ def test_robots_are_hatched_and_text_reads_on_every_fill() -> None:
 
 
 def test_numbers_are_written_as_people_write_them() -> None:
-    assert [number(x) for x in (23.0, 4.65, 0.1 + 0.2, 1e7, 0.0)] == ["23", "4.65", "0.3", "10000000", "0"]
-    assert [share(x) for x in (0.5, 0.043, 1.0, 0.0, 0.9999)] == ["50 %", "4.3 %", "100 %", "0 %", "100 %"]
+    assert [number(x) for x in (23.0, 4.65, 0.1 + 0.2, 1e7, 0.0)] == [
+        "23",
+        "4.65",
+        "0.3",
+        "10000000",
+        "0",
+    ]
+    assert [share(x) for x in (0.5, 0.043, 1.0, 0.0, 0.9999)] == [
+        "50 %",
+        "4.3 %",
+        "100 %",
+        "0 %",
+        "100 %",
+    ]
     assert [shorten(x, 5) for x in ("short", "longer")] == ["short", "long…"]

@@ -1,4 +1,6 @@
-"""The event world's standard faces: the official suites, random players as clients, seeds, masks, people and chance."""
+"""The event world's standard faces: the official suites, random players as clients, seeds, masks,
+people and chance.
+"""
 
 from __future__ import annotations
 
@@ -20,8 +22,22 @@ from tandem.files.validate import cell_of
 from tandem.schedule.checker import faults
 from tandem.world.randomness import Chance
 
-KEYS = {"action_mask", "time", "makespan", "stress", "stress_rate", "task_started", "task_finished", "idle", "illegal", "is_success"}
-WILD = {"person": "random:0.3+forgetful:0.2+refusing:0.1+pace:0.8..2", "chance": Chance("lognormal", cv=0.2, failure_s=30.0, repair_s=4.0)}
+KEYS = {
+    "action_mask",
+    "time",
+    "makespan",
+    "stress",
+    "stress_rate",
+    "task_started",
+    "task_finished",
+    "idle",
+    "illegal",
+    "is_success",
+}
+WILD = {
+    "person": "random:0.3+forgetful:0.2+refusing:0.1+pace:0.8..2",
+    "chance": Chance("lognormal", cv=0.2, failure_s=30.0, repair_s=4.0),
+}
 
 
 @pytest.fixture(scope="module")
@@ -29,13 +45,25 @@ def crew_of_three() -> Cell:
     """Two robots and a human, a joint way, a tool to change and a zone."""
     return cell_of(
         {
-            "operators": {"arm": {"kind": "robot"}, "cart": {"kind": "robot"}, "anna": {"kind": "human", "tool": "wrench"}},
+            "operators": {
+                "arm": {"kind": "robot"},
+                "cart": {"kind": "robot"},
+                "anna": {"kind": "human", "tool": "wrench"},
+            },
             "tools": {"driver": {"changeover": {"anna": 2.0}}},
             "zones": {"jig": {"capacity": 1}},
             "tasks": {
                 "1": {"time": {"arm": 3.0, "anna": 4.0}, "stress": 2.0, "zone": "jig"},
-                "2": {"time": {"cart": 5.0}, "together": [{"operators": ["arm", "anna"], "time": 3.0, "stress": 1.0}]},
-                "3": {"time": {"anna": 2.0, "cart": 4.0}, "stress": 3.0, "after": ["1"], "tool": "driver"},
+                "2": {
+                    "time": {"cart": 5.0},
+                    "together": [{"operators": ["arm", "anna"], "time": 3.0, "stress": 1.0}],
+                },
+                "3": {
+                    "time": {"anna": 2.0, "cart": 4.0},
+                    "stress": 3.0,
+                    "after": ["1"],
+                    "tool": "driver",
+                },
                 "4": {"time": {"arm": 2.0, "cart": 2.0}, "after": ["1", "2"], "zone": "jig"},
             },
         }
@@ -49,18 +77,24 @@ def test_pettingzoos_own_suites_are_green(crew_of_three: Cell, options, capsys):
 
     with warnings.catch_warnings():
         warnings.filterwarnings("error", message=".*action_mask.*")
-        warnings.filterwarnings("ignore", message="Observation")  # masks in the observation mean a Dict, which the AEC suite notes
+        # masks in the observation mean a Dict, which the AEC suite notes
+        warnings.filterwarnings("ignore", message="Observation")
         parallel_api_test(make(), num_cycles=100)
         parallel_seed_test(make, num_cycles=20)
         api_test(parallel_to_aec(make()), num_cycles=60)
     assert "Passed" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("options", [{}, {"asks": False}, WILD], ids=["nominal", "asks nobody", "wild"])
+@pytest.mark.parametrize(
+    "options", [{}, {"asks": False}, WILD], ids=["nominal", "asks nobody", "wild"]
+)
 def test_gymnasiums_own_checker_is_green(thesis: Cell, options):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        check_env(gymnasium.make("tandem/RobotBesideHuman-v0", cell=thesis, **options).unwrapped, skip_render_check=True)
+        check_env(
+            gymnasium.make("tandem/RobotBesideHuman-v0", cell=thesis, **options).unwrapped,
+            skip_render_check=True,
+        )
 
 
 @pytest.mark.parametrize("mode", ["ansi", "rgb_array"])
@@ -68,7 +102,9 @@ def test_gymnasiums_checker_accepts_both_pictures(pair: Cell, mode):
     check_env(gymnasium.make("tandem/RobotBesideHuman-v0", cell=pair, render_mode=mode).unwrapped)
 
 
-def played(env: gymnasium.Env, seed: int, chooses: int = 0) -> tuple[list[float], dict, list[np.ndarray]]:
+def played(
+    env: gymnasium.Env, seed: int, chooses: int = 0
+) -> tuple[list[float], dict, list[np.ndarray]]:
     """An episode under random legal actions: rewards, the last info, observations."""
     rng = np.random.default_rng(chooses)
     observation, info = env.reset(seed=seed)
@@ -77,7 +113,9 @@ def played(env: gymnasium.Env, seed: int, chooses: int = 0) -> tuple[list[float]
         assert env.observation_space.contains(observation)
         np.testing.assert_array_equal(observation["action_mask"], info["action_mask"])
         np.testing.assert_array_equal(observation["action_mask"], env.unwrapped.action_masks())
-        observation, reward, ended, cut, info = env.step(int(rng.choice(np.flatnonzero(observation["action_mask"]))))
+        observation, reward, ended, cut, info = env.step(
+            int(rng.choice(np.flatnonzero(observation["action_mask"])))
+        )
         assert not info["illegal"]
         assert set(info) == KEYS | {"turn"}
         rewards.append(reward)
@@ -101,8 +139,12 @@ def test_the_same_seed_is_the_same_episode_and_another_is_another(thesis: Cell):
 
 
 def test_who_is_not_asked_goes_by_the_instruction_sheet(thesis: Cell):
-    """Every turn is the robot's, and the human goes on by itself; a slow one takes the time that it takes."""
-    env = gymnasium.make("tandem/RobotBesideHuman-v0", cell=thesis, asks=False, person="pace:2").unwrapped
+    """Every turn is the robot's, and the human goes on by itself; a slow one takes the time that it
+    takes.
+    """
+    env = gymnasium.make(
+        "tandem/RobotBesideHuman-v0", cell=thesis, asks=False, person="pace:2"
+    ).unwrapped
     _, info = env.reset(seed=0)
     turns, ended = set(), False
     while not ended:
@@ -121,11 +163,16 @@ def test_a_random_crew_assembles_the_product(crew_of_three: Cell):
         for agent in env.agents:
             env.action_space(agent).seed(seed)
         while env.agents:
-            actions = {agent: env.action_space(agent).sample(observations[agent]["action_mask"]) for agent in env.agents}
+            actions = {
+                agent: env.action_space(agent).sample(observations[agent]["action_mask"])
+                for agent in env.agents
+            }
             observations, _, terminated, _, infos = env.step(actions)
             assert not any(info["illegal"] for info in infos.values())
             assert all(set(info) - {"episode"} == KEYS for info in infos.values())
-            assert all(env.observation_space(agent).contains(seen) for agent, seen in observations.items())
+            assert all(
+                env.observation_space(agent).contains(seen) for agent, seen in observations.items()
+            )
         assert all(terminated.values())
         assert infos["robot_0"]["is_success"]
         assert set(infos["human_0"]["episode"]) == {"r", "l", "t"}
@@ -136,7 +183,11 @@ def test_when_all_wait_for_nothing_a_second_passes(thesis: Cell):
     env = tandem.envs.parallel_env("events", thesis)
     env.reset(seed=0)
     _, rewards, _, _, infos = env.step({"robot_0": 0, "human_0": 0})
-    assert (rewards["robot_0"], infos["human_0"]["time"], infos["human_0"]["idle"]) == (-1.0, 1.0, 1.0)
+    assert (rewards["robot_0"], infos["human_0"]["time"], infos["human_0"]["idle"]) == (
+        -1.0,
+        1.0,
+        1.0,
+    )
     assert not infos["robot_0"]["illegal"]
 
 
@@ -146,7 +197,11 @@ def test_the_human_comes_first_when_both_name_one_task(thesis: Cell):
     names = env.game.names
     both = {"robot_0": 1 + names.way("1", ["robot"]), "human_0": 1 + names.way("1", ["human"])}
     _, _, _, _, infos = env.step(both)
-    assert (infos["human_0"]["task_started"], infos["robot_0"]["task_started"], infos["robot_0"]["illegal"]) == ("1", "", False)
+    assert (
+        infos["human_0"]["task_started"],
+        infos["robot_0"]["task_started"],
+        infos["robot_0"]["illegal"],
+    ) == ("1", "", False)
 
 
 def test_an_illegal_action_waits_and_is_told_or_raises_when_strict(thesis: Cell):
@@ -156,7 +211,13 @@ def test_an_illegal_action_waits_and_is_told_or_raises_when_strict(thesis: Cell)
     assert (reward, info["illegal"], info["turn"]) == (0.0, True, "robot")
     strict = gymnasium.make("tandem/RobotBesideHuman-v0", cell=thesis, strict=True).unwrapped
     strict.reset(seed=0)
-    with pytest.raises(UsageError, match=r"illegal at 0 s: 'human' was to do '7' as human; legal are 0 \(wait\), .*Take an action from action_masks"):
+    with pytest.raises(
+        UsageError,
+        match=(
+            r"illegal at 0 s: 'human' was to do '7' as human; legal are 0 \(wait\), .*Take an"
+            r" action from action_masks"
+        ),
+    ):
         strict.step(len(strict.game.names.ways))
 
 
@@ -194,9 +255,12 @@ def test_options_that_do_not_exist_are_met_with_those_that_do(thesis: Cell, opti
 
 def test_a_slow_human_shows_once_it_has_done_something(thesis: Cell):
     """The pace that has shown is in the observation, and nothing of it before."""
-    env = gymnasium.make("tandem/RobotBesideHuman-v0", cell=thesis, asks=False, person="pace:2").unwrapped
+    env = gymnasium.make(
+        "tandem/RobotBesideHuman-v0", cell=thesis, asks=False, person="pace:2"
+    ).unwrapped
     observation, _ = env.reset(seed=0)
-    place = 8 * 7 + 5 * 2 + 1  # per task eight numbers, per operator five before the pace; the human is the second
+    # per task eight numbers, per operator five before the pace; the human is the second
+    place = 8 * 7 + 5 * 2 + 1
     shown, ended = [float(observation["observation"][place])], False
     while not ended:
         observation, _, ended, _, _ = env.step(int(np.flatnonzero(env.action_masks())[-1]))
@@ -206,10 +270,10 @@ def test_a_slow_human_shows_once_it_has_done_something(thesis: Cell):
 
 def test_the_robot_beside_a_human_needs_no_jax():
     program = (
-        "import sys, gymnasium, tandem, tandem.envs\n"
-        "env = gymnasium.make('tandem/RobotBesideHuman-v0', cell=tandem.load('examples/thesis.yaml'), person='forgetful:0.2').unwrapped\n"
-        "env.reset(seed=0)\n"
-        "while not env.game.over: env.step(int(env.action_masks().nonzero()[0][-1]))\n"
-        "assert env.game.done and 'jax' not in sys.modules"
+        "import sys, gymnasium, tandem, tandem.envs\nenv ="
+        " gymnasium.make('tandem/RobotBesideHuman-v0', cell=tandem.load('examples/thesis.yaml'),"
+        " person='forgetful:0.2').unwrapped\nenv.reset(seed=0)\nwhile not env.game.over:"
+        " env.step(int(env.action_masks().nonzero()[0][-1]))\nassert env.game.done and 'jax' not in"
+        " sys.modules"
     )
     subprocess.run([sys.executable, "-c", program], check=True)

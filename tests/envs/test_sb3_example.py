@@ -1,4 +1,6 @@
-"""A foreign learner on our station, as a client would use it: the example of sb3-contrib's MaskablePPO."""
+"""A foreign learner on our station, as a client would use it: the example of sb3-contrib's
+MaskablePPO.
+"""
 
 from __future__ import annotations
 

@@ -41,7 +41,10 @@ CELL = cell_of(
 MADE_OF: dict[str, Any] = {"chessboard": random_board(4, 4, 3, 2, 5, 6, seed=3), "grid": "crossing"}
 """What a world is made of when it takes no cell like `CELL`."""
 
-WILD = {"person": "random:0.3+forgetful:0.2+refusing:0.1+pace:0.8..2", "chance": Chance("lognormal", cv=0.2, failure_s=30.0, repair_s=4.0)}
+WILD = {
+    "person": "random:0.3+forgetful:0.2+refusing:0.1+pace:0.8..2",
+    "chance": Chance("lognormal", cv=0.2, failure_s=30.0, repair_s=4.0),
+}
 MORE: dict[str, list[dict[str, Any]]] = {
     "tandem/Thesis-v0": [{"by": "ticks"}, {"observation": "thesis", "stress_factor": 5.0}],
     "tandem/RobotBesideHuman-v0": [{"asks": False}, WILD],
@@ -87,7 +90,8 @@ def test_gymnasiums_checker_is_green(name, options):
 def test_pettingzoos_suites_are_green(name, options, capsys):
     with warnings.catch_warnings():
         warnings.filterwarnings("error", message=".*action_mask.*")
-        warnings.filterwarnings("ignore", message="Observation")  # masks in the observation mean a Dict, which the AEC suite notes
+        # masks in the observation mean a Dict, which the AEC suite notes
+        warnings.filterwarnings("ignore", message="Observation")
         parallel_api_test(parallel(name, **options), num_cycles=200)
         parallel_seed_test(lambda: parallel(name, **options), num_cycles=60)
         api_test(parallel_to_aec(parallel(name, **options)), num_cycles=60)
@@ -96,7 +100,10 @@ def test_pettingzoos_suites_are_green(name, options, capsys):
 
 @singles
 def test_sb3s_checker_is_green(name, options):
-    checker = pytest.importorskip("stable_baselines3.common.env_checker", reason="pip install 'tandem[sb3]' to run SB3's checker")
+    checker = pytest.importorskip(
+        "stable_baselines3.common.env_checker",
+        reason="pip install 'tandem[sb3]' to run SB3's checker",
+    )
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         checker.check_env(single(name, **options).unwrapped, warn=True)
@@ -110,15 +117,24 @@ def test_sb3s_checker_is_green(name, options):
 @singles
 def test_two_copies_side_by_side_play_a_thousand_steps(name, options, way, mode):
     env = gymnasium.make_vec(
-        name, num_envs=2, vectorization_mode=way, vector_kwargs={"autoreset_mode": mode}, cell=MADE_OF.get(name, CELL), **options
+        name,
+        num_envs=2,
+        vectorization_mode=way,
+        vector_kwargs={"autoreset_mode": mode},
+        cell=MADE_OF.get(name, CELL),
+        **options,
     )
     rng, ended = np.random.default_rng(0), 0
     try:
         observation, info = env.reset(seed=0)
         keys = set(info)
         for _ in range(1000):
-            legal = [np.flatnonzero(mask) if mask.any() else [0] for mask in observation["action_mask"]]
-            observation, _, terminated, truncated, info = env.step(np.array([rng.choice(each) for each in legal]))
+            legal = [
+                np.flatnonzero(mask) if mask.any() else [0] for mask in observation["action_mask"]
+            ]
+            observation, _, terminated, truncated, info = env.step(
+                np.array([rng.choice(each) for each in legal])
+            )
             over = terminated | truncated
             assert set(info) >= keys
             assert env.observation_space.contains(observation)
@@ -151,7 +167,11 @@ def test_a_value_of_info_is_there_in_every_step_and_keeps_its_type(name, options
         seen.append(kinds(info))
         over = False
         while not over:
-            action = rng.choice(np.flatnonzero(info["action_mask"])) if rng.random() < 0.8 else env.action_space.sample()
+            action = (
+                rng.choice(np.flatnonzero(info["action_mask"]))
+                if rng.random() < 0.8
+                else env.action_space.sample()
+            )
             _, reward, ended, cut, info = env.step(action)
             over = ended or cut
             assert type(reward) is float
@@ -168,10 +188,16 @@ def test_a_value_of_every_agents_info_is_there_in_every_step_and_keeps_its_type(
         observations, infos = env.reset(seed=seed)
         seen += map(kinds, infos.values())
         while env.agents:
-            actions = {agent: rng.choice(np.flatnonzero(observations[agent]["action_mask"])) for agent in env.agents}
+            actions = {
+                agent: rng.choice(np.flatnonzero(observations[agent]["action_mask"]))
+                for agent in env.agents
+            }
             observations, rewards, _, _, infos = env.step(actions)
             assert {type(reward) for reward in rewards.values()} == {float}
-            seen += [{key: kind for key, kind in kinds(info).items() if key != "episode"} for info in infos.values()]
+            seen += [
+                {key: kind for key, kind in kinds(info).items() if key != "episode"}
+                for info in infos.values()
+            ]
             for agent, mask in env.action_masks().items():
                 np.testing.assert_array_equal(infos[agent]["action_mask"], mask)
                 np.testing.assert_array_equal(observations[agent]["action_mask"], mask)
@@ -182,7 +208,22 @@ def test_a_value_of_every_agents_info_is_there_in_every_step_and_keeps_its_type(
 # --- actions that are none ---
 
 BEYOND = [-1, -2, -3, -4, -5, -6, -7, -1000, 10**6, 2**31, 2**63, 10**30, "the first too many"]
-NO_NUMBER = [None, 1.5, 1.0, "a", "1", float("nan"), [0], (0,), np.array([0]), np.array([[0]]), np.array(0.0), np.float32(1), {}, type]
+NO_NUMBER = [
+    None,
+    1.5,
+    1.0,
+    "a",
+    "1",
+    float("nan"),
+    [0],
+    (0,),
+    np.array([0]),
+    np.array([[0]]),
+    np.array(0.0),
+    np.float32(1),
+    {},
+    type,
+]
 
 
 def first_too_many(action: Any, space: Any) -> Any:
@@ -198,10 +239,15 @@ def test_a_number_beyond_the_space_is_illegal_and_raises_when_strict(name, optio
         action = first_too_many(action, env.action_space)
         if strict:
             with pytest.raises(
-                UsageError, match=r"illegal: the controller named .*, and the actions are 0 to \d+\. Take an action from action_masks"
+                UsageError,
+                match=(
+                    r"illegal: the controller named .*, and the actions are 0 to \d+\. Take an"
+                    r" action from action_masks"
+                ),
             ):
                 env.step(action)
-            _, _, _, _, info = env.step(int(np.flatnonzero(before["action_mask"])[-1]))  # what was refused has changed nothing
+            # what was refused has changed nothing
+            _, _, _, _, info = env.step(int(np.flatnonzero(before["action_mask"])[-1]))
             assert not info["illegal"]
         else:
             observation, reward, _, _, info = env.step(action)
@@ -220,7 +266,9 @@ def test_a_number_beyond_an_agents_space_is_illegal_and_raises_when_strict(name,
             lowest = {agent: int(mask.argmax()) for agent, mask in env.action_masks().items()}
             actions = lowest | {wrong: first_too_many(action, env.action_space(wrong))}
             if strict:
-                with pytest.raises(UsageError, match=rf"illegal: {wrong} named .*, and the actions are 0 to \d+"):
+                with pytest.raises(
+                    UsageError, match=rf"illegal: {wrong} named .*, and the actions are 0 to \d+"
+                ):
                     env.step(actions)
                 _, _, _, _, infos = env.step(lowest)
                 assert not infos[wrong]["illegal"]
@@ -235,7 +283,9 @@ def test_a_number_beyond_an_agents_space_is_illegal_and_raises_when_strict(name,
 def test_what_is_no_whole_number_is_refused_in_words(name, options, action):
     env = single(name, **options).unwrapped
     env.reset(seed=0)
-    with pytest.raises(UsageError, match=r"the controller named .*, no whole number: give one of 0 to \d+"):
+    with pytest.raises(
+        UsageError, match=r"the controller named .*, no whole number: give one of 0 to \d+"
+    ):
         env.step(action)
 
 
@@ -254,13 +304,19 @@ def test_what_is_no_whole_number_is_refused_for_every_agent_at_once(name, option
 def test_missing_and_unknown_agents_are_named(name, options):
     env = parallel(name, **options)
     env.reset(seed=0)
-    with pytest.raises(UsageError, match=r"no action for robot_0.*\n.*'robot_O'.*Did you mean 'robot_0'"):
+    with pytest.raises(
+        UsageError, match=r"no action for robot_0.*\n.*'robot_O'.*Did you mean 'robot_0'"
+    ):
         env.step({"human_0": 0, "robot_O": 0})
     with pytest.raises(UsageError, match="give a table from agent to action, for "):
         env.step([0, 0])
 
 
-@pytest.mark.parametrize("kind", [int, np.int8, np.int64, np.uint8, np.array], ids=["int", "int8", "int64", "uint8", "array()"])
+@pytest.mark.parametrize(
+    "kind",
+    [int, np.int8, np.int64, np.uint8, np.array],
+    ids=["int", "int8", "int64", "uint8", "array()"],
+)
 @singles
 def test_whole_numbers_of_any_kind_are_actions(name, options, kind):
     env = single(name, **options).unwrapped
@@ -289,7 +345,9 @@ def test_a_step_before_the_reset_or_after_the_end_raises_and_a_reset_mends_it(na
         env.step(0)
     to_the_end(env)
     for action in (0, -1, None):
-        with pytest.raises(ResetNeeded, match=r"this episode has ended: call reset\(\) before step\(\)"):
+        with pytest.raises(
+            ResetNeeded, match=r"this episode has ended: call reset\(\) before step\(\)"
+        ):
             env.step(action)
         with pytest.raises(UsageError):
             env.step(action)
@@ -308,7 +366,9 @@ def all_to_the_end(env: Any) -> None:
     env.reset(seed=0)
     rng = np.random.default_rng(0)
     while env.agents:
-        env.step({agent: rng.choice(np.flatnonzero(mask)) for agent, mask in env.action_masks().items()})
+        env.step(
+            {agent: rng.choice(np.flatnonzero(mask)) for agent, mask in env.action_masks().items()}
+        )
 
 
 @parallels
@@ -317,8 +377,12 @@ def test_agents_before_the_reset_or_after_the_end_are_told_to_reset(name, option
     with pytest.raises(ResetNeeded, match="no episode has begun"):
         env.step(dict.fromkeys(env.possible_agents, 0))
     all_to_the_end(env)
-    everyone: Callable[[int], dict[str, int]] = lambda action: dict.fromkeys(env.possible_agents, action)  # noqa: E731
+    everyone: Callable[[int], dict[str, int]] = lambda action: dict.fromkeys(
+        env.possible_agents, action
+    )  # noqa: E731
     for actions in ({}, everyone(0), everyone(-1)):
-        with pytest.raises(ResetNeeded, match=r"this episode has ended: call reset\(\) before step\(\)"):
+        with pytest.raises(
+            ResetNeeded, match=r"this episode has ended: call reset\(\) before step\(\)"
+        ):
             env.step(actions)
     all_to_the_end(env)

@@ -1,4 +1,6 @@
-"""`tandem explain`, `compare`, `sensitivity` and the what-if of `tandem plan`, as people type them."""
+"""`tandem explain`, `compare`, `sensitivity` and the what-if of `tandem plan`, as people type
+them.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,10 @@ def test_explain(cell_file: Path) -> None:
     assert result.exit_code == 0, result.exception
     assert "point 2 of 3: makespan 24 s, stress 3" in result.stdout
     assert "23 s is the floor: tasks 1, 2 and 4 keep robot busy until 18 s" in result.stdout
-    assert "instead robot (10 s): +10 s (34 s) at no more stress, or +13 stress (16) in no more time." in result.stdout
+    assert (
+        "instead robot (10 s): +10 s (34 s) at no more stress, or +13 stress (16) in no more time."
+        in result.stdout
+    )
 
 
 def test_explain_as_json_prints_one_document(cell_file: Path) -> None:
@@ -45,7 +50,11 @@ def test_what_if_prints_the_difference_per_point(cell_file: Path) -> None:
     assert result.exit_code == 0, result.exception
     assert "task 6: robot takes 8 s instead of 10 s" in result.stdout
     assert "task 5: robot can no longer do it" in result.stdout
-    rows = [line.split() for line in result.stdout.splitlines() if line.startswith(("1  ", "2  ", "3  "))]
+    rows = [
+        line.split()
+        for line in result.stdout.splitlines()
+        if line.startswith(("1  ", "2  ", "3  "))
+    ]
     assert ["2", "24", "s", "3", "not", "possible", "stress", "7", "(+4)"] in rows
 
 
@@ -81,7 +90,9 @@ def test_compare_results(cell_file: Path) -> None:
 
 def test_sensitivity_with_a_picture(cell_file: Path) -> None:
     picture = cell_file.with_name("tornado.svg")
-    result = run("sensitivity", cell_file, "--change", "-10%", "--change", "+10%", "-o", picture, "-q")
+    result = run(
+        "sensitivity", cell_file, "--change", "-10%", "--change", "+10%", "-o", picture, "-q"
+    )
     assert result.exit_code == 0, result.exception
     lines = result.stdout.splitlines()
     assert lines[0] == "the front of the cell as it is: 3 points, least makespan 23 s"

@@ -1,4 +1,6 @@
-"""Every stated cost equals that of an independent re-solve, which knows neither the explanation nor, where it can run, the same solver."""
+"""Every stated cost equals that of an independent re-solve, which knows neither the explanation
+nor, where it can run, the same solver.
+"""
 
 from __future__ import annotations
 
@@ -20,21 +22,40 @@ from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Result, Status
 from tandem.schedule.model import Schedule
 
-CASES = {"pearce2015_p3": "exhaustive", "pearce2018_p1": "exhaustive", "pearce2018_p2": "exhaustive"}
+CASES = {
+    "pearce2015_p3": "exhaustive",
+    "pearce2018_p1": "exhaustive",
+    "pearce2018_p2": "exhaustive",
+}
 
 
-def points_when(cell: Cell, task: str, operators: tuple[str, ...], method: str) -> list[tuple[float, float]]:
-    """The front when the task is done by these operators: the cell's file edited by hand, planned by another method."""
+def points_when(
+    cell: Cell, task: str, operators: tuple[str, ...], method: str
+) -> list[tuple[float, float]]:
+    """The front when the task is done by these operators: the cell's file edited by hand, planned
+    by another method.
+    """
     data = copy.deepcopy(cell.to_dict())
-    bound = {task, *(other for pair in data.get("same_operator", ()) if task in pair for other in pair)}
+    bound = {
+        task,
+        *(other for pair in data.get("same_operator", ()) if task in pair for other in pair),
+    }
     for name in bound:
         row = data["tasks"][name]
-        row["time"] = {who: seconds for who, seconds in row.get("time", {}).items() if (who,) == operators}
-        row["together"] = [way for way in row.get("together", ()) if set(way["operators"]) == set(operators)]
+        row["time"] = {
+            who: seconds for who, seconds in row.get("time", {}).items() if (who,) == operators
+        }
+        row["together"] = [
+            way for way in row.get("together", ()) if set(way["operators"]) == set(operators)
+        ]
         if not row["time"] and not row["together"]:
             return []
     if "stress_of_set" in data and not set(operators) & set(cell.humans):
-        data["stress_of_set"] = {key: value for key, value in data["stress_of_set"].items() if not bound & set(key.split(","))}
+        data["stress_of_set"] = {
+            key: value
+            for key, value in data["stress_of_set"].items()
+            if not bound & set(key.split(","))
+        }
     try:
         return METHODS[method](Cell.model_validate(data), Question()).points
     except InfeasibleError:
@@ -45,11 +66,23 @@ def check(cell: Cell, found: Explanation, other: Alternative, method: str) -> No
     makespan, stress = found.result.makespan, found.result.stress
     points = points_when(cell, other.task, other.operators, method)
     fastest = min((point for point in points if point[1] <= stress), default=None)
-    gentlest = min(((load, seconds) for seconds, load in points if seconds <= makespan), default=None)
-    assert (None if other.at_same_stress is None else (other.at_same_stress.makespan, other.at_same_stress.stress)) == fastest
-    assert (None if other.in_same_time is None else (other.in_same_time.stress, other.in_same_time.makespan)) == gentlest
+    gentlest = min(
+        ((load, seconds) for seconds, load in points if seconds <= makespan), default=None
+    )
+    assert (
+        None
+        if other.at_same_stress is None
+        else (other.at_same_stress.makespan, other.at_same_stress.stress)
+    ) == fastest
+    assert (
+        None
+        if other.in_same_time is None
+        else (other.in_same_time.stress, other.in_same_time.makespan)
+    ) == gentlest
     if fastest is None and gentlest is None:
-        assert (None if other.otherwise is None else (other.otherwise.makespan, other.otherwise.stress)) == (points[0] if points else None)
+        assert (
+            None if other.otherwise is None else (other.otherwise.makespan, other.otherwise.stress)
+        ) == (points[0] if points else None)
     for cost in (other.at_same_stress, other.in_same_time, other.otherwise):
         if cost is not None:
             assert cost.proven
@@ -58,7 +91,9 @@ def check(cell: Cell, found: Explanation, other: Alternative, method: str) -> No
 
 
 @pytest.mark.parametrize("point", [None, 1, 2, 3])
-def test_each_cost_on_the_thesis_cell_equals_an_independent_solve(thesis: Cell, point: int | None) -> None:
+def test_each_cost_on_the_thesis_cell_equals_an_independent_solve(
+    thesis: Cell, point: int | None
+) -> None:
     found = explain(thesis, point=point)
     assert found.front.points == [(23, 7), (24, 3), (34, 2)]
     alternatives = [other for answer in found.tasks for other in answer.alternatives]
@@ -85,32 +120,46 @@ def test_waits_are_true(thesis: Cell) -> None:
         for link in answer.waiting.links:
             if link.waited_for is not None:
                 assert ends[link.waited_for] == answer.assignment.start
-    assert {task for task, answer in by_task.items() if answer.waiting.critical} == {"1", "2", "4", "6", "7"}
+    assert {task for task, answer in by_task.items() if answer.waiting.critical} == {
+        "1",
+        "2",
+        "4",
+        "6",
+        "7",
+    }
     assert "waits for task 2, its predecessor" in by_task["4"].sentences()[0]
 
 
-# --- the floor ----------------------------------------------------------------------------------------------------------------
+# --- the floor ------------------------------------------------------------------------------------
 
 
 def test_the_floor_of_the_thesis_cell_in_its_own_words(thesis: Cell) -> None:
     floor = explain(thesis).floor
     assert floor is not None
-    assert sentences(floor)[0] == (
-        "23 s is the floor: tasks 1, 2 and 4 keep robot busy until 18 s, then 6 keeps human busy until 21 s, then 7 keeps robot busy until 23 s."
+    assert (
+        sentences(floor)[0]
+        == "23 s is the floor: tasks 1, 2 and 4 keep robot busy until 18 s, then 6 keeps human busy"
+        " until 21 s, then 7 keeps robot busy until 23 s."
     )
     assert floor.tasks == ("1", "2", "3", "4", "6", "7")
     assert floor.smallest
 
 
 def test_the_group_is_bounding_and_no_member_can_be_missed(thesis: Cell) -> None:
-    """Dynamic programming, without CP-SAT, confirms that the group alone takes as long and that each smaller one does not."""
+    """Dynamic programming, without CP-SAT, confirms that the group alone takes as long and that
+    each smaller one does not.
+    """
     floor = explain(thesis).floor
     assert floor is not None
     quickest = METHODS["exhaustive"]
     assert quickest(part(thesis, floor.tasks), Question("makespan"))[0].makespan == floor.makespan
     for task, seconds in floor.without.items():
         rest = [other for other in floor.tasks if other != task]
-        assert quickest(part(thesis, rest), Question("makespan"))[0].makespan == seconds < floor.makespan
+        assert (
+            quickest(part(thesis, rest), Question("makespan"))[0].makespan
+            == seconds
+            < floor.makespan
+        )
     assert set(floor.without) == set(floor.tasks)
 
 
@@ -130,7 +179,8 @@ def test_a_chain_is_a_floor() -> None:
     assert floor is not None
     assert (floor.kind, floor.tasks, floor.makespan) == ("chain", ("fetch", "place", "check"), 10.0)
     assert sentences(floor) == [
-        "10 s is the floor: tasks fetch, place and check must follow one another and take 3 + 5 + 2 s even when each is done in its quickest way."
+        "10 s is the floor: tasks fetch, place and check must follow one another and take 3 + 5 + 2"
+        " s even when each is done in its quickest way."
     ]
 
 
@@ -150,7 +200,8 @@ def test_a_load_is_a_floor() -> None:
     assert floor is not None
     assert (floor.kind, floor.operators, floor.tasks) == ("load", ("robot",), ("b", "c"))
     assert sentences(floor) == [
-        "14 s is the floor: only robot can take part in tasks b and c, not before 2 s, at least 11 s of work, and 1 s must follow."
+        "14 s is the floor: only robot can take part in tasks b and c, not before 2 s, at least 11"
+        " s of work, and 1 s must follow."
     ]
 
 
@@ -162,7 +213,7 @@ def test_the_floor_under_a_cap_on_stress(thesis: Cell) -> None:
     assert "with a stress of at most 2" in sentences(floor)[0]
 
 
-# --- how it is asked ----------------------------------------------------------------------------------------------------------
+# --- how it is asked ------------------------------------------------------------------------------
 
 
 def test_one_task(thesis: Cell) -> None:
@@ -175,7 +226,9 @@ def test_answers_come_one_by_one(thesis: Cell) -> None:
     came: list[type] = []
     found = explain(thesis, on_answer=lambda answer: came.append(type(answer)))
     assert came == [Front, Floor, *[TaskAnswer] * 7]
-    assert [answer.assignment.start for answer in found.tasks] == sorted(answer.assignment.start for answer in found.tasks)
+    assert [answer.assignment.start for answer in found.tasks] == sorted(
+        answer.assignment.start for answer in found.tasks
+    )
 
 
 def test_the_document_has_what_the_sentences_say(thesis: Cell) -> None:
@@ -183,7 +236,14 @@ def test_the_document_has_what_the_sentences_say(thesis: Cell) -> None:
     assert document["front"] == [[23, 7], [24, 3], [34, 2]]
     assert (document["point"], document["makespan"], document["stress"]) == (2, 24, 3)
     six = next(row for row in document["tasks"] if row["task"] == "6")
-    assert six["alternatives"][0]["at_same_stress"] == {"makespan": 34, "stress": 2, "seconds": 10, "more_stress": -1, "proven": True, "bound": 34}
+    assert six["alternatives"][0]["at_same_stress"] == {
+        "makespan": 34,
+        "stress": 2,
+        "seconds": 10,
+        "more_stress": -1,
+        "proven": True,
+        "bound": 34,
+    }
     assert document["floor"]["without"] == {"1": 15, "2": 16, "3": 16, "4": 21, "6": 20, "7": 21}
 
 
@@ -198,8 +258,14 @@ def test_a_forced_choice_that_no_schedule_allows() -> None:
     """The human's limit forbids the second task; the explanation says so instead of a cost."""
     cell = Cell.model_validate(
         {
-            "operators": {"human": {"kind": "human", "stress_limit": 3}, "robot": {"kind": "robot"}},
-            "tasks": {"1": {"time": {"human": 5}, "stress": 3}, "2": {"time": {"human": 1, "robot": 4}, "stress": 1}},
+            "operators": {
+                "human": {"kind": "human", "stress_limit": 3},
+                "robot": {"kind": "robot"},
+            },
+            "tasks": {
+                "1": {"time": {"human": 5}, "stress": 3},
+                "2": {"time": {"human": 1, "robot": 4}, "stress": 1},
+            },
         }
     )
     answer = explain(cell, task="2").tasks[0]
@@ -226,10 +292,20 @@ def test_fifty_tasks_are_explained_within_twenty_seconds() -> None:
 
 
 def test_a_point_that_is_not_the_best_is_told_so(thesis: Cell) -> None:
-    """An unproven point may be beaten by the answer to "what if": that is said, not hidden behind "costs nothing"."""
-    slow = Schedule(tuple(replace(a, start=a.start + 100, end=a.end + 100) if a.task == "7" else a for a in plan(thesis)[1].schedule))
+    """An unproven point may be beaten by the answer to "what if": that is said, not hidden behind
+    "costs nothing".
+    """
+    slow = Schedule(
+        tuple(
+            replace(a, start=a.start + 100, end=a.end + 100) if a.task == "7" else a
+            for a in plan(thesis)[1].schedule
+        )
+    )
     point = Result(thesis, slow, Status.FEASIBLE, Bound(23, 2))
     human = next(mode for mode in thesis.modes("6") if mode.operators == ("human",))
     found = alternative(thesis, point, "6", human)
     assert (found.better.makespan, found.better.stress) == (24, 3) if found.better else False
-    assert sentence(thesis, found) == "human (3 s): a better schedule, found only now, does it so: 24 s, stress 3."
+    assert (
+        sentence(thesis, found)
+        == "human (3 s): a better schedule, found only now, does it so: 24 s, stress 3."
+    )

@@ -1,4 +1,6 @@
-"""Which task time moves the front most: each effect equals a re-solve of the cell with that time changed by hand."""
+"""Which task time moves the front most: each effect equals a re-solve of the cell with that time
+changed by hand.
+"""
 
 from __future__ import annotations
 
@@ -18,13 +20,17 @@ from tandem.plan.question import Question
 
 def by_hand(cell: Cell, task: str, factor: float) -> list[tuple[float, float]]:
     data = copy.deepcopy(cell.to_dict())
-    data["tasks"][task]["time"] = {who: round(seconds * factor, 3) for who, seconds in data["tasks"][task]["time"].items()}
+    data["tasks"][task]["time"] = {
+        who: round(seconds * factor, 3) for who, seconds in data["tasks"][task]["time"].items()
+    }
     return METHODS["exhaustive"](Cell.model_validate(data), Question()).points
 
 
 def test_every_effect_equals_an_independent_solve(thesis: Cell) -> None:
     told: list[tuple[int, int]] = []
-    found = sensitivity(thesis, (-0.1,), workers=2, on_done=lambda done, of: told.append((done, of)))
+    found = sensitivity(
+        thesis, (-0.1,), workers=2, on_done=lambda done, of: told.append((done, of))
+    )
     assert {effect.task for effect in found.effects} == set(thesis.tasks)
     base = area(found.front.points, found.corner)
     for effect in found.effects:
@@ -52,7 +58,11 @@ def test_shares_that_make_no_sense(thesis: Cell, share: float) -> None:
 
 
 def test_the_tornado_has_a_bar_for_each_effect() -> None:
-    rows = [("task 1", {"-10%": 7.5, "+10%": -7.5}), ("task 2", {"-10%": 1.0, "+10%": -0.5}), ("task 3", {"-10%": 0.0})]
+    rows = [
+        ("task 1", {"-10%": 7.5, "+10%": -7.5}),
+        ("task 2", {"-10%": 1.0, "+10%": -0.5}),
+        ("task 3", {"-10%": 0.0}),
+    ]
     ax = plot_tornado(rows, xlabel="change in %", title="What moves the front")
     widths = sorted(patch.get_width() for patch in ax.patches)
     assert widths == [-7.5, -0.5, 0.0, 1.0, 7.5]
@@ -61,7 +71,9 @@ def test_the_tornado_has_a_bar_for_each_effect() -> None:
 
 
 def test_a_shorter_time_never_makes_the_front_worse_though_time_is_short() -> None:
-    """Of 12 tasks, searched for a fifth of a second each: what the base found holds for the variant too."""
+    """Of 12 tasks, searched for a fifth of a second each: what the base found holds for the variant
+    too.
+    """
     cell = layered(12, seed=3)
     found = sensitivity(cell, (-0.1,), time_limit=4.0, workers=1)
     assert [effect.task for effect in found.effects if effect.gain is None or effect.gain < 0] == []
@@ -74,4 +86,8 @@ def test_schedules_are_carried_over_to_new_times(thesis: Cell) -> None:
 
 
 def test_nondominated_points() -> None:
-    assert nondominated([(3, 1), (1, 5), (2, 5), (1, 6), (3, 1), (2, 2)]) == [(1, 5), (2, 2), (3, 1)]
+    assert nondominated([(3, 1), (1, 5), (2, 5), (1, 6), (3, 1), (2, 2)]) == [
+        (1, 5),
+        (2, 2),
+        (3, 1),
+    ]

@@ -50,12 +50,24 @@ def test_a_name_with_dots_is_found(thesis: Cell) -> None:
 def test_without_takes_the_operator_out_of_everything() -> None:
     cell = Cell.model_validate(
         {
-            "operators": {"anna": {"kind": "human"}, "ben": {"kind": "human"}, "ur": {"kind": "robot"}},
+            "operators": {
+                "anna": {"kind": "human"},
+                "ben": {"kind": "human"},
+                "ur": {"kind": "robot"},
+            },
             "tasks": {
-                "1": {"time": {"anna": 3, "ben": 4}, "stress": {"anna": 1, "ben": 2}, "difficulty": {"ben": 1}, "tool": "driver"},
+                "1": {
+                    "time": {"anna": 3, "ben": 4},
+                    "stress": {"anna": 1, "ben": 2},
+                    "difficulty": {"ben": 1},
+                    "tool": "driver",
+                },
                 "2": {
                     "time": {"ur": 2},
-                    "together": [{"operators": ["ben", "ur"], "time": 1}, {"operators": ["anna", "ur"], "time": 1, "stress": {"anna": 1}}],
+                    "together": [
+                        {"operators": ["ben", "ur"], "time": 1},
+                        {"operators": ["anna", "ur"], "time": 1, "stress": {"anna": 1}},
+                    ],
                 },
             },
             "tools": {"driver": {"changeover": {"ben": 2, "anna": 1}}},
@@ -63,7 +75,9 @@ def test_without_takes_the_operator_out_of_everything() -> None:
     )
     left = variant(cell, without=["ben"])
     assert "ben" not in str(left.to_dict())
-    assert left.to_dict()["tasks"]["2"]["together"] == [{"operators": ["anna", "ur"], "time": 1, "stress": {"anna": 1}}]
+    assert left.to_dict()["tasks"]["2"]["together"] == [
+        {"operators": ["anna", "ur"], "time": 1, "stress": {"anna": 1}}
+    ]
 
 
 def test_force_leaves_one_way(thesis: Cell) -> None:
@@ -74,7 +88,9 @@ def test_force_a_joint_way() -> None:
     cell = Cell.model_validate(
         {
             "operators": {"anna": {"kind": "human"}, "ur": {"kind": "robot"}},
-            "tasks": {"1": {"time": {"ur": 2}, "together": [{"operators": ["anna", "ur"], "time": 1}]}},
+            "tasks": {
+                "1": {"time": {"ur": 2}, "together": [{"operators": ["anna", "ur"], "time": 1}]}
+            },
         }
     )
     forced = variant(cell, force=["1=ur+anna"])
@@ -117,6 +133,8 @@ def test_everything_that_is_wrong_is_told_at_once(thesis: Cell) -> None:
         ({"sets": ["tasks.1.after=[7]"]}, "circle|wait for each other"),
     ],
 )
-def test_a_variant_that_is_no_sound_cell(thesis: Cell, asked: dict[str, list[str]], message: str) -> None:
+def test_a_variant_that_is_no_sound_cell(
+    thesis: Cell, asked: dict[str, list[str]], message: str
+) -> None:
     with pytest.raises(CellError, match=message):
         variant(thesis, **asked)

@@ -1,4 +1,6 @@
-"""Bad input: one message, all faults in it, each with its place; never a traceback of another kind."""
+"""Bad input: one message, all faults in it, each with its place; never a traceback of another
+kind.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +50,10 @@ def test_the_good_file_is_good():
 
 
 LINES = [
-    ("  2: {time: {human: 0}}", r"7:14: task '2': time of 'human' is 0, but a time is more than 0 s. Leave 'human' out"),
+    (
+        "  2: {time: {human: 0}}",
+        r"7:14: task '2': time of 'human' is 0, but a time is more than 0 s. Leave 'human' out",
+    ),
     ("  2: {time: {human: -1.5}}", r"7:14: .*is -1.5, but a time is more than 0"),
     ("  2: {time: {human: .nan}}", r"7:14: .*is nan, but must be a number"),
     ("  2: {time: {human: -.inf}}", r"7:14: .*is -inf, but must be a number"),
@@ -61,30 +66,72 @@ LINES = [
     ("  2: {time: {human: true}}", r"7:14: .*is true, but a number is needed"),
     ("  2: {time: {human: }}", r"7:14: .*is empty, but a number is needed"),
     ("  2: {time: {human: [1]}}", r"7:14: .*is a list, but a number is needed"),
-    ("  2: {time: 5}", r"7:7: task '2': time is 5, but a mapping is needed, such as `{robot: 9, human: 10}`"),
+    (
+        "  2: {time: 5}",
+        r"7:7: task '2': time is 5, but a mapping is needed, such as `{robot: 9, human: 10}`",
+    ),
     ("  2: {time: {human: 1}, stress: -2}", r"7:25: task '2': stress is -2, but must be 0 or more"),
     ("  2: {time: {human: 1}, stress: {human: x}}", r"7:34: task '2': stress of 'human' is 'x'"),
     ("  2: {time: {human: 1}, spread: x}", r"7:25: task '2': spread is 'x'"),
-    ("  2: {time: {human: 1}, after: 1}", r"7:25: task '2': after is 1, but a list is needed, such as `after: \[1\]`"),
-    ("  2: {time: {human: 1}, after: }", r"7:25: task '2': after is empty, but a list is needed.* or leave the key out"),
-    ("  2: {time: {human: 1}, after: [[1]]}", r"7:33: task '2': after is a list, but a name is needed"),
-    ("  2: {time: {human: 1}, aftr: [1]}", r"7:25: task '2': 'aftr' is no key .* Did you mean 'after'"),
+    (
+        "  2: {time: {human: 1}, after: 1}",
+        r"7:25: task '2': after is 1, but a list is needed, such as `after: \[1\]`",
+    ),
+    (
+        "  2: {time: {human: 1}, after: }",
+        r"7:25: task '2': after is empty, but a list is needed.* or leave the key out",
+    ),
+    (
+        "  2: {time: {human: 1}, after: [[1]]}",
+        r"7:33: task '2': after is a list, but a name is needed",
+    ),
+    (
+        "  2: {time: {human: 1}, aftr: [1]}",
+        r"7:25: task '2': 'aftr' is no key .* Did you mean 'after'",
+    ),
     ("  2: {duration: {human: 1}}", r"7:7: task '2': 'duration' is no key .* Did you mean 'time'"),
-    ("  2: {time: {human: 1}, xyz: 1}", r"7:25: task '2': 'xyz' is no key .* Known: label, part, time"),
-    ("  2: {time: {human: 1}, deadline: 0}", r"7:25: .*deadline is 0, but a deadline is later than 0 s"),
+    (
+        "  2: {time: {human: 1}, xyz: 1}",
+        r"7:25: task '2': 'xyz' is no key .* Known: label, part, time",
+    ),
+    (
+        "  2: {time: {human: 1}, deadline: 0}",
+        r"7:25: .*deadline is 0, but a deadline is later than 0 s",
+    ),
     ("  2: soon", r"7:3: task '2' is the text 'soon', but a mapping is needed"),
     ("  2: {together: [{operators: [human], time: 3}]}", r"7:19: .*needs two operators at least"),
-    ("  2: {together: [{operators: [human, robot]}]}", r"7:18: task '2': together: `time` is missing"),
+    (
+        "  2: {together: [{operators: [human, robot]}]}",
+        r"7:18: task '2': together: `time` is missing",
+    ),
     ("  2: {together: [{operators: [human, robot], time: 0}]}", r"7:46: .*Leave the group out"),
     ("  '': {time: {human: 1}}", r"7:3: .*'' is no name"),
-    ("  2: {time: {human: 1}}\nzones: {jig: {capacity: 0}}", r"8:15: zone 'jig': capacity is 0, but must be 1 or more"),
-    ("  2: {time: {human: 1}}\nzones: {jig: {capacity: 1.5}}", r"8:15: zone 'jig': capacity is 1.5, but a whole number is needed"),
-    ("  2: {time: {human: 1}}\nsame_operator: [[1, 2, 2]]", r"8:17: same_operator holds 3 values, but 2 are needed"),
-    ("  2: {time: {human: 1}}\nstress_of_set: {1: -1}", r"8:17: stress_of_set of '1' is -1, but must be 0 or more"),
+    (
+        "  2: {time: {human: 1}}\nzones: {jig: {capacity: 0}}",
+        r"8:15: zone 'jig': capacity is 0, but must be 1 or more",
+    ),
+    (
+        "  2: {time: {human: 1}}\nzones: {jig: {capacity: 1.5}}",
+        r"8:15: zone 'jig': capacity is 1.5, but a whole number is needed",
+    ),
+    (
+        "  2: {time: {human: 1}}\nsame_operator: [[1, 2, 2]]",
+        r"8:17: same_operator holds 3 values, but 2 are needed",
+    ),
+    (
+        "  2: {time: {human: 1}}\nstress_of_set: {1: -1}",
+        r"8:17: stress_of_set of '1' is -1, but must be 0 or more",
+    ),
     ("  2: {time: {human: 1}}\nformat: 2", r"8:1: 'format' is stated twice, first in line 1"),
-    ("  1: {time: {human: 1}}", r"7:3: '1' is stated twice, first in line 6 and again here in line 7"),
+    (
+        "  1: {time: {human: 1}}",
+        r"7:3: '1' is stated twice, first in line 6 and again here in line 7",
+    ),
     ("  2: {time: {human: 1, human: 2}}", r"7:24: 'human' is stated twice, first in line 7"),
-    ("  2: {time: {human: 1}, after: [2.0]}", r"7:33: task '2' comes after '2.0', which is no task. Known: '1', '2'"),
+    (
+        "  2: {time: {human: 1}, after: [2.0]}",
+        r"7:33: task '2' comes after '2.0', which is no task. Known: '1', '2'",
+    ),
 ]
 
 
@@ -101,15 +148,24 @@ HEADS = [
     ("tasks: {1: {time: {h: 1}}}", ["1:1: `operators` is missing"]),
     ("operators: {h: {kind: human}}", ["1:1: `tasks` is missing"]),
     ("operators: {}\ntasks: {}", ["1:1: `operators` is empty", "2:1: `tasks` is empty"]),
-    ("operators: {h: {}}\ntasks: {1: {time: {h: 1}}}", ["1:13: operator 'h': `kind` is missing. Write `kind: human` or"]),
+    (
+        "operators: {h: {}}\ntasks: {1: {time: {h: 1}}}",
+        ["1:13: operator 'h': `kind` is missing. Write `kind: human` or"],
+    ),
     (
         "operators: {h: {kind: Robot}}\ntasks: {1: {time: {h: 1}}}",
         ["1:17: operator 'h': kind is 'Robot', but must be human or robot. Did you mean 'robot'"],
     ),
-    ("operators: [h]\ntasks: {1: {time: {h: 1}}}", ["1:1: operators is a list, but a mapping is needed"]),
+    (
+        "operators: [h]\ntasks: {1: {time: {h: 1}}}",
+        ["1:1: operators is a list, but a mapping is needed"],
+    ),
     ("- 1\n- 2", ["1:1: the file holds a list. A cell file is a mapping"]),
     ("just words", ["1:1: the file holds the text 'just words'"]),
-    ("format: 2\noperators: {h: {kind: human}}\ntasks: {1: {time: {h: 1}}}", ["1:1: format is 2, but this version of Tandem reads format 1"]),
+    (
+        "format: 2\noperators: {h: {kind: human}}\ntasks: {1: {time: {h: 1}}}",
+        ["1:1: format is 2, but this version of Tandem reads format 1"],
+    ),
 ]
 
 
@@ -117,15 +173,28 @@ HEADS = [
 def test_a_wrong_frame_is_told_without_noise_about_what_follows(text, sentences):
     found = told(text)
     assert len(found) == len(sentences), found
-    assert all(fault.startswith(f"cell.yaml:{sentence}") for fault, sentence in zip(found, sentences, strict=True)), found
+    assert all(
+        fault.startswith(f"cell.yaml:{sentence}")
+        for fault, sentence in zip(found, sentences, strict=True)
+    ), found
 
 
 def test_faults_of_form_and_of_fit_come_together_in_the_order_of_lines():
     found = told(
-        "operators:\n  robot: {kind: robot, stress_limit: 1}\n  human: {kind: humn}\ntasks:\n"
-        "  1: {time: {robot: 0}, after: [3]}\n  2: {tiem: {robot: 1}}\n  3: {time: {robto: 2}, after: [4, {}, 1]}\n"
+        "operators:\n  robot: {kind: robot, stress_limit: 1}\n  human: {kind: humn}\ntasks:\n  1:"
+        " {time: {robot: 0}, after: [3]}\n  2: {tiem: {robot: 1}}\n  3: {time: {robto: 2}, after:"
+        " [4, {}, 1]}\n"
     )
-    assert [fault.split(": ")[0].removeprefix("cell.yaml:") for fault in found] == ["2:24", "3:11", "5:14", "5:33", "6:7", "7:14", "7:33", "7:36"]
+    assert [fault.split(": ")[0].removeprefix("cell.yaml:") for fault in found] == [
+        "2:24",
+        "3:11",
+        "5:14",
+        "5:33",
+        "6:7",
+        "7:14",
+        "7:33",
+        "7:36",
+    ]
     assert "wait for each other" in found[3]
     assert "which is no task" in found[6]
 
@@ -133,7 +202,16 @@ def test_faults_of_form_and_of_fit_come_together_in_the_order_of_lines():
 def test_what_a_misspelled_key_should_have_said_is_not_missed_as_well():
     """No "nobody can do it" behind `tiem`, and no "never meet" behind an unreadable capacity."""
     assert len(told(GOOD + "  3: {tiem: {human: 3}}\n")) == 1
-    assert len(told(GOOD + "  3: {together: [{operators: [robot, human], time: 2}], zone: jig}\nzones: {jig: {capacity: two}}\n")) == 1
+    assert (
+        len(
+            told(
+                GOOD
+                + "  3: {together: [{operators: [robot, human], time: 2}], zone: jig}\nzones: {jig:"
+                " {capacity: two}}\n"
+            )
+        )
+        == 1
+    )
     assert len(told(GOOD + "  3: {time: {human: 0}, deadline: 5}\n")) == 1
 
 
@@ -144,15 +222,26 @@ def test_hundreds_of_faults_are_cut_to_what_a_person_reads():
 
 
 def test_tags_anchors_aliases_and_second_documents_are_refused_together():
-    found = told("operators: &all {h: !!python/object/apply:os.system [echo]}\ntasks: *all\nname: !cell x\n---\na: 1\n")
-    assert [fault.split(": ")[0] for fault in found] == ["cell.yaml:1:12", "cell.yaml:1:21", "cell.yaml:2:8", "cell.yaml:3:7", "cell.yaml:4:1"]
+    found = told(
+        "operators: &all {h: !!python/object/apply:os.system [echo]}\ntasks: *all\nname: !cell"
+        " x\n---\na: 1\n"
+    )
+    assert [fault.split(": ")[0] for fault in found] == [
+        "cell.yaml:1:12",
+        "cell.yaml:1:21",
+        "cell.yaml:2:8",
+        "cell.yaml:3:7",
+        "cell.yaml:4:1",
+    ]
     assert "!!python/object/apply:os.system is a tag" in found[1]
     assert "anchors; write the value out" in found[2]
 
 
 def test_an_exploding_file_is_refused_at_once():
     """A billion laughs: ten levels of ten aliases each."""
-    lines = ["a0: &a0 [x, x]"] + [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]" for n in range(1, 11)]
+    lines = ["a0: &a0 [x, x]"] + [
+        f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]" for n in range(1, 11)
+    ]
     begin = time.perf_counter()
     found = told("\n".join(lines))
     assert time.perf_counter() - begin < 1
@@ -160,7 +249,11 @@ def test_an_exploding_file_is_refused_at_once():
     assert len(found) <= 20
 
 
-@pytest.mark.parametrize("text", ["[" * 100_000, "{a: " * 100_000, "- " * 50_000, '{"a":' * 100_000], ids=["lists", "flow", "blocks", "json"])
+@pytest.mark.parametrize(
+    "text",
+    ["[" * 100_000, "{a: " * 100_000, "- " * 50_000, '{"a":' * 100_000],
+    ids=["lists", "flow", "blocks", "json"],
+)
 def test_a_file_nested_without_end_is_refused_at_once(text):
     begin = time.perf_counter()
     assert any(word in told(text)[0] for word in ("nests deeper", "not well-formed"))
@@ -170,7 +263,10 @@ def test_a_file_nested_without_end_is_refused_at_once(text):
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("operators:\n\th: {kind: human}\n", "cell.yaml:2:1: a tab stands here. YAML indents with blanks"),
+        (
+            "operators:\n\th: {kind: human}\n",
+            "cell.yaml:2:1: a tab stands here. YAML indents with blanks",
+        ),
         ("operators: {h: {kind: human}\ntasks: {}\n", "cell.yaml:.*not well-formed YAML"),
         ("tasks: 'open", "cell.yaml:.*not well-formed YAML"),
         ("tasks: *nobody", "repeats an anchored value"),
@@ -179,7 +275,10 @@ def test_a_file_nested_without_end_is_refused_at_once(text):
         ("  \n\n", "cell.yaml: the file is empty"),
         ("# only a remark\n", "cell.yaml: the file is empty"),
         ("a: \x07", "cell.yaml:1:4: the control character 0x07"),
-        ('{"operators": {"h": {"kind": "human"}}, "tasks": {"1": {"time": {"h": NaN}}}}', "cell.yaml:1:66: .*is nan, but must be a number"),
+        (
+            '{"operators": {"h": {"kind": "human"}}, "tasks": {"1": {"time": {"h": NaN}}}}',
+            "cell.yaml:1:66: .*is nan, but must be a number",
+        ),
         ('{"operators": {}, "operators": {}}', "cell.yaml:1:19: 'operators' is stated twice"),
         ('{"a": 1,}', "cell.yaml:1:9: this is not well-formed JSON: a text in .quotes. is missing"),
         ('{"a": 1', "cell.yaml:1:8: .*the text ends too early"),
@@ -219,13 +318,40 @@ def test_a_damaged_file_brings_nothing_but_a_cell_error(data):
     text = data.draw(st.sampled_from([GOOD, dumps(loads(GOOD), "json")]))
     place = data.draw(st.integers(0, len(text)))
     cut = data.draw(st.integers(0, 5))
-    damaged = text[:place] + data.draw(st.sampled_from(["", "{", "]", ":", "-", "\t", "&a", "\x00", "'", "9", "\n", ","])) + text[place + cut :]
+    damaged = (
+        text[:place]
+        + data.draw(
+            st.sampled_from(["", "{", "]", ":", "-", "\t", "&a", "\x00", "'", "9", "\n", ","])
+        )
+        + text[place + cut :]
+    )
     with contextlib.suppress(CellError):
         loads(damaged)
 
 
 JUNK = st.sampled_from(
-    [None, 0, -1, 1.5, 1e9, float("nan"), True, "", " ", "x", "1", [], [1], ["x", "x"], [[1, 2]], {}, {"x": 1}, {"": 1}, "1,2", 1 / 3]
+    [
+        None,
+        0,
+        -1,
+        1.5,
+        1e9,
+        float("nan"),
+        True,
+        "",
+        " ",
+        "x",
+        "1",
+        [],
+        [1],
+        ["x", "x"],
+        [[1, 2]],
+        {},
+        {"x": 1},
+        {"": 1},
+        "1,2",
+        1 / 3,
+    ]
 )
 
 
@@ -239,7 +365,9 @@ def places(value: Any) -> Iterator[tuple[Any, Any]]:
 
 @given(cells(), st.data())
 def test_a_cell_with_any_values_replaced_is_sound_or_refused_in_words(cell, data):
-    """Through the file as well, so that each fault has its line and none of the words is pydantic's."""
+    """Through the file as well, so that each fault has its line and none of the words is
+    pydantic's.
+    """
     damaged = cell.to_dict()
     for _ in range(data.draw(st.integers(1, 3))):
         where, key = data.draw(st.sampled_from(list(places(damaged))))
@@ -254,7 +382,11 @@ def test_a_cell_with_any_values_replaced_is_sound_or_refused_in_words(cell, data
     except CellError as error:
         for fault in error.faults:
             assert re.match(r"x:\d+:\d+: |and \d+ more", str(fault)), str(fault)
-            assert not re.search(r"Input should|valid (number|string|dictionary|list|tuple)|validation|Field required", str(fault)), str(fault)
+            assert not re.search(
+                r"Input should|valid (number|string|dictionary|list|tuple)|validation|Field"
+                r" required",
+                str(fault),
+            ), str(fault)
 
 
 # Files
@@ -309,10 +441,13 @@ def test_a_file_without_permission(tmp_path):
     for folder in (tmp_path, *tmp_path.parents[:2]):
         folder.chmod(0o755)
     code = (
-        "import os, sys\nfrom tandem.files.load import load\nfrom tandem.errors import CellError\nos.setgid(65534), os.setuid(65534)\n"
-        "try:\n    load(sys.argv[1])\nexcept CellError as error:\n    print(error)\n    sys.exit(error.exit_code)"
+        "import os, sys\nfrom tandem.files.load import load\nfrom tandem.errors import"
+        " CellError\nos.setgid(65534), os.setuid(65534)\ntry:\n    load(sys.argv[1])\nexcept"
+        " CellError as error:\n    print(error)\n    sys.exit(error.exit_code)"
     )
-    done = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 3, done.stderr
     assert "no permission to read" in done.stdout
 
@@ -333,8 +468,8 @@ def test_a_file_that_is_too_large(tmp_path):
 def big(count: int) -> str:
     draw = random.Random(3)
     tasks = "".join(
-        f"  t{n}: {{time: {{robot: {draw.randint(1, 9)}, human: {draw.randint(1, 99) / 10}}}, stress: 2.5, "
-        f"after: [{', '.join(f't{draw.randrange(n)}' for _ in range(min(n, 3)))}]}}\n"
+        f"  t{n}: {{time: {{robot: {draw.randint(1, 9)}, human: {draw.randint(1, 99) / 10}}},"
+        f" stress: 2.5, after: [{', '.join(f't{draw.randrange(n)}' for _ in range(min(n, 3)))}]}}\n"
         for n in range(count)
     )
     return "operators:\n  robot: {kind: robot}\n  human: {kind: human}\ntasks:\n" + tasks

@@ -1,4 +1,6 @@
-"""Cell files: what is read is what was written, and what a person may write by hand is taken as meant."""
+"""Cell files: what is read is what was written, and what a person may write by hand is taken as
+meant.
+"""
 
 from __future__ import annotations
 
@@ -32,8 +34,13 @@ def test_yaml_and_json_give_back_the_same_cell(cell):
 
 @given(name=st.text(min_size=1, max_size=12), other=st.text(min_size=1, max_size=12))
 def test_any_name_survives_a_file(name, other):
-    """Names that look like numbers, nulls, truth values, or are full of signs that mean something in YAML."""
-    data = {"operators": {"h": {"kind": "human"}}, "tasks": {name: {"time": {"h": 1}, "label": other, "tool": name}}}
+    """Names that look like numbers, nulls, truth values, or are full of signs that mean something
+    in YAML.
+    """
+    data = {
+        "operators": {"h": {"kind": "human"}},
+        "tasks": {name: {"time": {"h": 1}, "label": other, "tool": name}},
+    }
     try:
         cell = cell_of(data)
     except CellError:
@@ -70,7 +77,10 @@ def test_any_name_survives_a_file(name, other):
     ],
 )
 def test_names_are_kept_to_the_letter(name):
-    data = {"operators": {"h": {"kind": "human"}}, "tasks": {name: {"time": {"h": 1}}, "next": {"time": {"h": 1}, "after": [name]}}}
+    data = {
+        "operators": {"h": {"kind": "human"}},
+        "tasks": {name: {"time": {"h": 1}}, "next": {"time": {"h": 1}, "after": [name]}},
+    }
     for form in ("yaml", "json"):
         cell = loads(dumps(cell_of(data), form))
         assert list(cell.tasks) == [name, "next"]
@@ -79,8 +89,8 @@ def test_names_are_kept_to_the_letter(name):
 
 def test_names_written_like_numbers_are_taken_as_written():
     cell = loads(
-        "operators: {7: {kind: human}}\ntasks:\n 1.10: {time: {7: 1}}\n 010: {time: {7: 2}, after: [1.10]}\n"
-        " 1.1: {time: {7: 2}, after: [010, 1.10], label: 1.50}\n"
+        "operators: {7: {kind: human}}\ntasks:\n 1.10: {time: {7: 1}}\n 010: {time: {7: 2}, after:"
+        " [1.10]}\n 1.1: {time: {7: 2}, after: [010, 1.10], label: 1.50}\n"
     )
     assert list(cell.tasks) == ["1.10", "010", "1.1"]
     assert cell.tasks["1.1"].after == ("010", "1.10")
@@ -90,11 +100,13 @@ def test_names_written_like_numbers_are_taken_as_written():
 @pytest.mark.parametrize(
     ("text", "value"),
     [
-        ("10", 10), ("010", 10), ("-3", -3), ("+3", 3), ("1.5", 1.5), (".5", 0.5), ("5.", 5.0), ("1e3", 1000.0),
+        ("10", 10), ("010", 10), ("-3", -3), ("+3", 3), ("1.5", 1.5), (".5", 0.5), ("5.", 5.0),
+        ("1e3", 1000.0),
         ("true", True), ("false", False), ("null", None),
         ("~", None), ("yes", "yes"), ("no", "no"), ("on", "on"), ("Off", "Off"), ("1_000", "1_000"),
         ("1:30", "1:30"), ("0x10", "0x10"), ("0o17", "0o17"),
-        ("2024-01-01", "2024-01-01"), ("1,5", "1,5"), (".inf", float("inf")), ("-.inf", float("-inf")), ("+.inf", float("inf")),
+        ("2024-01-01", "2024-01-01"), ("1,5", "1,5"), (".inf", float("inf")), ("-.inf",
+        float("-inf")), ("+.inf", float("inf")),
     ],
 )  # fmt: skip
 def test_scalars_are_those_of_yaml_1_2(text, value):
@@ -135,14 +147,20 @@ def test_a_cell_file_is_written_one_line_a_task(tmp_path):
 
 
 def test_standard_input_is_read_for_a_dash(monkeypatch):
-    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(b"operators: {h: {kind: human}}\ntasks: {1: {time: {h: 0}}}")))
+    monkeypatch.setattr(
+        sys,
+        "stdin",
+        io.TextIOWrapper(io.BytesIO(b"operators: {h: {kind: human}}\ntasks: {1: {time: {h: 0}}}")),
+    )
     with pytest.raises(CellError, match=r"standard input:2:20: task '1': time of 'h' is 0"):
         load("-")
 
 
 def test_a_byte_order_mark_and_windows_line_ends_do_no_harm(tmp_path):
     path = tmp_path / "cell.yaml"
-    path.write_bytes(b"\xef\xbb\xbfoperators: {h: {kind: human}}\r\ntasks:\r\n  1: {time: {h: 2}}\r\n")
+    path.write_bytes(
+        b"\xef\xbb\xbfoperators: {h: {kind: human}}\r\ntasks:\r\n  1: {time: {h: 2}}\r\n"
+    )
     assert load(path).tasks["1"].time == {"h": 2.0}
 
 

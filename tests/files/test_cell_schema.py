@@ -27,7 +27,12 @@ def test_the_shipped_schema_is_that_of_the_model():
 def test_it_is_a_schema_and_describes_every_key():
     Draft202012Validator.check_schema(schema())
     parts = [schema(), *schema()["$defs"].values()]
-    undescribed = [key for part in parts for key, item in part["properties"].items() if not item.get("description") and key != "format"]
+    undescribed = [
+        key
+        for part in parts
+        for key, item in part["properties"].items()
+        if not item.get("description") and key != "format"
+    ]
     assert undescribed == []
 
 

@@ -1,4 +1,6 @@
-"""Public formats: small files worked out by hand, broken ones refused at their line, and every public set read to the last file."""
+"""Public formats: small files worked out by hand, broken ones refused at their line, and every
+public set read to the last file.
+"""
 
 from __future__ import annotations
 
@@ -28,14 +30,34 @@ CASE: dict[str, Any] = {
     "name": "packs",
     "agents": [{"id": "H1", "type": "human"}, {"id": "R1", "type": "robot"}],
     "tasks": [
-        {"id": "P1.1", "name": "place", "product": 1, "modes": [{"agents": ["H1"], "time": 15, "sd_left": 5, "sd_right": 4}], "fatigue": 0.12345678},
-        {"id": "P1.2", "modes": [{"agents": ["H1"], "time": 20}, {"agents": ["R1"], "time": 50.5}], "fatigue": 1},
-        {"id": "P1.3", "modes": [{"agents": ["H1", "R1"], "time": 10, "sd_left": 2, "sd_right": 1}]},
+        {
+            "id": "P1.1",
+            "name": "place",
+            "product": 1,
+            "modes": [{"agents": ["H1"], "time": 15, "sd_left": 5, "sd_right": 4}],
+            "fatigue": 0.12345678,
+        },
+        {
+            "id": "P1.2",
+            "modes": [{"agents": ["H1"], "time": 20}, {"agents": ["R1"], "time": 50.5}],
+            "fatigue": 1,
+        },
+        {
+            "id": "P1.3",
+            "modes": [{"agents": ["H1", "R1"], "time": 10, "sd_left": 2, "sd_right": 1}],
+        },
     ],
     "precedence": [["P1.1", "P1.2"], ["P1.2", "P1.3"]],
     "same_agent": [["P1.1", "P1.2"]],
 }
-SMALL = {"fjs": FJS, "fjs-dag": FJS_DAG, "alb": ALB, "alwabp": ALWABP, "jsp": JSP, "case": json.dumps(CASE, indent=1)}
+SMALL = {
+    "fjs": FJS,
+    "fjs-dag": FJS_DAG,
+    "alb": ALB,
+    "alwabp": ALWABP,
+    "jsp": JSP,
+    "case": json.dumps(CASE, indent=1),
+}
 
 
 @pytest.mark.parametrize("name", SMALL)
@@ -93,14 +115,23 @@ def test_a_line_has_as_many_workers_as_its_work_fills():
 
 def test_a_worker_who_cannot_is_left_out():
     cell = loads(ALWABP)
-    assert [dict(task.time) for task in cell.tasks.values()] == [{"worker_1": 4}, {"worker_1": 6, "worker_2": 2}, {"worker_2": 5}]
+    assert [dict(task.time) for task in cell.tasks.values()] == [
+        {"worker_1": 4},
+        {"worker_1": 6, "worker_2": 2},
+        {"worker_2": 5},
+    ]
     assert cell.tasks["3"].after == ("1", "2")
 
 
 def test_a_case_keeps_names_parts_groups_fatigue_and_spread():
     cell = loads(SMALL["case"])
     place, screw, joint = cell.tasks.values()
-    assert (place.label, place.part, place.stress, dict(place.spread)) == ("place", "1", 0.123457, {"H1": 0.3})
+    assert (place.label, place.part, place.stress, dict(place.spread)) == (
+        "place",
+        "1",
+        0.123457,
+        {"H1": 0.3},
+    )
     assert (dict(screw.time), screw.stress, screw.after) == ({"H1": 20, "R1": 50.5}, 1, ("P1.1",))
     assert [(group.operators, group.time) for group in joint.together] == [(("H1", "R1"), 10)]
     assert joint.spread == 0.15
@@ -108,7 +139,9 @@ def test_a_case_keeps_names_parts_groups_fatigue_and_spread():
 
 
 def test_a_table_of_strain_takes_the_place_of_the_sum():
-    cell = loads(json.dumps({**CASE, "strain_index_of_human_task_set": {"P1.2,P1.1,P1.3": 4.5, "P1.3": 1}}))
+    cell = loads(
+        json.dumps({**CASE, "strain_index_of_human_task_set": {"P1.2,P1.1,P1.3": 4.5, "P1.3": 1}})
+    )
     assert cell.stress_of_set == {"P1.1,P1.2,P1.3": 4.5, "P1.3": 1}
     assert all(task.stress == 0 for task in cell.tasks.values())
 
@@ -127,16 +160,40 @@ BROKEN = [
     ("fjs-dag", "2 1\n0 1\n", "x:1: .*operations, arcs and machines comes first"),
     ("fjs-dag", "2 1 1\n0 1\n1 0 4\n", "x:1: 1 arcs and 2 operations need 3 lines, but 2 follow"),
     ("fjs-dag", "2 1 1\n0 2\n1 0 4\n1 0 4\n", "x:2: there is no operation 2"),
-    ("fjs-dag", "3 2 1\n0 1\n1 2 J1\n1 0 4\n1 0 4\n1 0 4\n", "x:3: an arc is two numbers, but this line has 3 words"),
+    (
+        "fjs-dag",
+        "3 2 1\n0 1\n1 2 J1\n1 0 4\n1 0 4\n1 0 4\n",
+        "x:3: an arc is two numbers, but this line has 3 words",
+    ),
     ("fjs-dag", "2 2 1\n0 1\n1 0\n1 0 4\n1 0 4\n", "x:3: .*'0' and '1' wait for each other"),
     ("fjs-dag", "1 0 1\n1 0 4 4\n", "x:2: operation 0 states 1 machines, but 1 more"),
-    ("alb", "<number of tasks>\n2\n<task times>\n1 5\n<end>", "x:2: 2 tasks are stated here, but 1 times .* task 2 is missing"),
+    (
+        "alb",
+        "<number of tasks>\n2\n<task times>\n1 5\n<end>",
+        "x:2: 2 tasks are stated here, but 1 times .* task 2 is missing",
+    ),
     ("alb", "<number of tasks>\n1\n<end>", "x:3: the section <task times> is missing"),
-    ("alb", "<number of tasks>\n1\n<task times>\n1 five\n<end>", "x:4: the time of task 1 is 'five'"),
+    (
+        "alb",
+        "<number of tasks>\n1\n<task times>\n1 five\n<end>",
+        "x:4: the time of task 1 is 'five'",
+    ),
     ("alb", "<number of tasks>\n1\n<task times>\n2 5\n<end>", "x:4: task 2 does not exist"),
-    ("alb", "<number of tasks>\n1\n<task times>\n1 5\n<precedence relations>\n1;2\n<end>", "x:6: '1;2' is no precedence"),
-    ("alb", "<number of tasks>\n1\n<task times>\n1 5\n<precedence relations>\n1,2\n<end>", "x:6: there is no task 2"),
-    ("alb", "<number of tasks>\n1\n<cycle time>\n0\n<task times>\n1 5\n<precedence relations>\n<end>", "x:4: the cycle time is 0"),
+    (
+        "alb",
+        "<number of tasks>\n1\n<task times>\n1 5\n<precedence relations>\n1;2\n<end>",
+        "x:6: '1;2' is no precedence",
+    ),
+    (
+        "alb",
+        "<number of tasks>\n1\n<task times>\n1 5\n<precedence relations>\n1,2\n<end>",
+        "x:6: there is no task 2",
+    ),
+    (
+        "alb",
+        "<number of tasks>\n1\n<cycle time>\n0\n<task times>\n1 5\n<precedence relations>\n<end>",
+        "x:4: the cycle time is 0",
+    ),
     ("alb", "3\n4\n5\n1,2\n", "x:4: 3 tasks are stated .* this line is '1,2'"),
     ("alwabp", "2\n4 5\n6\n", "x:3: task 2 has 1 times, but the first task has 2"),
     ("alwabp", "3\n4 5\n6 7\n", "x:1: 3 tasks are stated here, but 2 lines"),
@@ -144,21 +201,33 @@ BROKEN = [
     ("alwabp", "1\n4 5\n1 2\n", "x:3: there is no task 2"),
     ("alwabp", "1\nInf Inf\n", "x:2: task '1': nobody can do it"),
     ("case", '{"agents": []}', "x:1:2: agents: .*at least 1"),
-    ("case", '{"agents": [{"id": "H", "type": "human"}],\n "tasks": [{"id": "1", "modes": []}]}', "x:2:24: tasks.0.modes: "),
     (
         "case",
-        '{"agents": [{"id": "H", "type": "human"}],\n "tasks": [{"id": "1",\n "modes": [{"agents": ["X"], "time": 3}]}]}',
+        '{"agents": [{"id": "H", "type": "human"}],\n "tasks": [{"id": "1", "modes": []}]}',
+        "x:2:24: tasks.0.modes: ",
+    ),
+    (
+        "case",
+        (
+            '{"agents": [{"id": "H", "type": "human"}],\n "tasks": [{"id": "1",\n "modes":'
+            ' [{"agents": ["X"], "time": 3}]}]}'
+        ),
         "x:2:12: .*names 'X'",
     ),
     (
         "case",
-        '{"agents": [{"id": "H", "type": "cyborg"}],\n "tasks": [{"id": "1",\n "modes": [{"agents": ["H"], "time": 3}]}]}',
+        (
+            '{"agents": [{"id": "H", "type": "cyborg"}],\n "tasks": [{"id": "1",\n "modes":'
+            ' [{"agents": ["H"], "time": 3}]}]}'
+        ),
         "x:1:13: .*kind is 'cyborg'",
     ),
 ]
 
 
-@pytest.mark.parametrize(("name", "text", "sentence"), BROKEN, ids=[f"{name}: {text[:30]!r}" for name, text, _ in BROKEN])
+@pytest.mark.parametrize(
+    ("name", "text", "sentence"), BROKEN, ids=[f"{name}: {text[:30]!r}" for name, text, _ in BROKEN]
+)
 def test_a_broken_file_is_refused_once_at_its_line(name, text, sentence):
     with pytest.raises(CellError, match=sentence) as caught:
         loads(text, name, source="x")
@@ -184,13 +253,20 @@ def test_a_misspelt_heading_is_refused_before_what_stands_under_it_is_lost(headi
     if meant is None:
         assert loads(text) == loads(ALB)
         return
-    with pytest.raises(CellError, match=f"line.alb:15: <.*> is no section that is known. Did you mean <{meant}>"):
+    with pytest.raises(
+        CellError, match=f"line.alb:15: <.*> is no section that is known. Did you mean <{meant}>"
+    ):
         loads(text, source="line.alb")
 
 
 @pytest.mark.parametrize(
     ("heading", "meant"),
-    [("<number of task>", "number of tasks"), ("<task time>", "task times"), ("<cycletime>", "cycle time"), ("<cycle tme>", "cycle time")],
+    [
+        ("<number of task>", "number of tasks"),
+        ("<task time>", "task times"),
+        ("<cycletime>", "cycle time"),
+        ("<cycle tme>", "cycle time"),
+    ],
 )
 def test_other_misspelt_headings_are_refused_too(heading, meant):
     with pytest.raises(CellError, match=f"is no section that is known. Did you mean <{meant}>"):
@@ -208,8 +284,14 @@ def test_precedence_that_is_missing_is_no_precedence_that_is_empty():
 @pytest.mark.parametrize(
     ("section", "said"),
     [
-        ("<setup times forward>\n1,2:3\n", "the section <setup times forward> is not read: a cell has no setup times"),
-        ("<setup times: backward>\n1,2:3\n", "the section <setup times: backward> is not read: a cell has no setup times"),
+        (
+            "<setup times forward>\n1,2:3\n",
+            "the section <setup times forward> is not read: a cell has no setup times",
+        ),
+        (
+            "<setup times: backward>\n1,2:3\n",
+            "the section <setup times: backward> is not read: a cell has no setup times",
+        ),
         ("<average force>\n0.1\n0.3\n0.2\n", "the section <average force> is not read"),
         ("<incompatible tasks>\n1,2\n", "the section <incompatible tasks> is not read"),
         ("<number of stations>\n4\n", "the section <number of stations> is not read"),
@@ -222,14 +304,19 @@ def test_a_section_that_a_cell_has_no_place_for_is_named_with_its_line(section, 
     assert cell == loads(ALB, source="line.alb")
 
 
-@pytest.mark.parametrize("section", ["<order strength>\n0,3\n", "<optimal SALBP-1 value>\n4\n", "<Order  Strength>\n0.3\n"])
+@pytest.mark.parametrize(
+    "section",
+    ["<order strength>\n0,3\n", "<optimal SALBP-1 value>\n4\n", "<Order  Strength>\n0.3\n"],
+)
 def test_sections_that_say_nothing_of_the_work_make_no_noise(section):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert len(loads(ALB.replace("<end>", f"{section}\n<end>")).tasks) == 3
 
 
-@pytest.mark.parametrize(("text", "mark"), [(ALB.replace("<end>\n", ""), "<end>"), (IN2.partition("-1,-1")[0], "-1,-1")])
+@pytest.mark.parametrize(
+    ("text", "mark"), [(ALB.replace("<end>\n", ""), "<end>"), (IN2.partition("-1,-1")[0], "-1,-1")]
+)
 def test_a_line_file_without_its_end_may_be_cut_off(text, mark):
     with pytest.warns(NotReadWarning, match=f"the end mark {mark} is missing"):
         loads(text)
@@ -237,7 +324,9 @@ def test_a_line_file_without_its_end_may_be_cut_off(text, mark):
 
 def test_arcs_may_name_the_job_that_they_belong_to():
     cell = loads("4\t2\t2\n0\t1\tJ1\n2\t3\tJ2\n2\t0\t5\t1\t7\n1\t0\t4\n2\t0\t6\t1\t3\n1\t1\t8\n")
-    assert {name: (dict(task.time), task.after, task.part) for name, task in cell.tasks.items()} == {
+    assert {
+        name: (dict(task.time), task.after, task.part) for name, task in cell.tasks.items()
+    } == {
         "0": ({"machine_0": 5, "machine_1": 7}, (), "J1"),
         "1": ({"machine_0": 4}, ("0",), "J1"),
         "2": ({"machine_0": 6, "machine_1": 3}, (), "J2"),
@@ -266,7 +355,10 @@ AMBIGUOUS = ["2 2\n1 1 0 3\n1 1 0 4\n", "1 2\n1 1 2 9\n", "3 2\n1 1 0 2\n1 1 0 7
 
 @pytest.mark.parametrize("text", AMBIGUOUS)
 def test_what_reads_as_two_kinds_of_job_shop_is_not_guessed(text):
-    with pytest.raises(CellError, match=r"two.txt:1: .* every line can be read both ways. .* --format jsp or --format fjs") as refused:
+    with pytest.raises(
+        CellError,
+        match=r"two.txt:1: .* every line can be read both ways. .* --format jsp or --format fjs",
+    ) as refused:
         loads(text, source="two.txt")
     assert refused.value.exit_code == 3
     jobs = int(text[0])
@@ -277,14 +369,42 @@ def test_what_reads_as_two_kinds_of_job_shop_is_not_guessed(text):
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [
-        ("a.fjs", "2 2 1\n1 1 1 -3\n1 2 1 3 2 4\n", r"a.fjs:2: .* is -3, but a time is more than 0"),
-        ("a.txt", "2 2 1\n1 1 1 -3\n1 2 1 3 2 4\n", r"a.txt:2: .* is -3, but a time is more than 0"),
-        ("a.txt", "2 3\n2 2 1 4 3 5x 1 2 7\n1 1 3 6\n", r"a.txt:2: the time of operation 1 on machine 3 is '5x'"),
-        ("a.txt", "2 3\n0 3 1 2 2 2\n2 4 0 l 1 5\n", r"a.txt:3: the time of operation 2 is 'l', but a number is needed"),
-        ("a.txt", "2 3\n0 3 1 2,5 2 2\n2 4 0 1 1 5\n", r"a.txt:2: the time of operation 2 is '2,5'.* Write it with a point: 2.5"),
-        ("a.IN2", "3\n10,5\n12\n5\n1,2\n2,3\n-1,-1\n", r"a.IN2:2: .* this line is '10,5'. If it is a time, write it with a point: 10.5"),
+        (
+            "a.fjs",
+            "2 2 1\n1 1 1 -3\n1 2 1 3 2 4\n",
+            r"a.fjs:2: .* is -3, but a time is more than 0",
+        ),
+        (
+            "a.txt",
+            "2 2 1\n1 1 1 -3\n1 2 1 3 2 4\n",
+            r"a.txt:2: .* is -3, but a time is more than 0",
+        ),
+        (
+            "a.txt",
+            "2 3\n2 2 1 4 3 5x 1 2 7\n1 1 3 6\n",
+            r"a.txt:2: the time of operation 1 on machine 3 is '5x'",
+        ),
+        (
+            "a.txt",
+            "2 3\n0 3 1 2 2 2\n2 4 0 l 1 5\n",
+            r"a.txt:3: the time of operation 2 is 'l', but a number is needed",
+        ),
+        (
+            "a.txt",
+            "2 3\n0 3 1 2,5 2 2\n2 4 0 1 1 5\n",
+            r"a.txt:2: the time of operation 2 is '2,5'.* Write it with a point: 2.5",
+        ),
+        (
+            "a.IN2",
+            "3\n10,5\n12\n5\n1,2\n2,3\n-1,-1\n",
+            r"a.IN2:2: .* this line is '10,5'. If it is a time, write it with a point: 10.5",
+        ),
         ("a.txt", "3\n10,5\n12\n5\n1,2\n2,3\n-1,-1\n", r"a.txt:2: .* this line is '10,5'"),
-        ("a.txt", "3\n4 Inf\n6 2,5\nInf 5\n1 3\n-1 -1\n", r"a.txt:3: the time of worker 2 for task 2 is '2,5'"),
+        (
+            "a.txt",
+            "3\n4 Inf\n6 2,5\nInf 5\n1 3\n-1 -1\n",
+            r"a.txt:3: the time of worker 2 for task 2 is '2,5'",
+        ),
         ("a.txt", "3 2 2\n0 -2\n1 2\n2 0 4 1 5\n1 1 7\n1 0 3\n", r"a.txt:2: an arc's end is '-2'"),
         ("a.alb", "number of tasks\n3\n", r"a.alb:1: the number of tasks is 'number'"),
     ],
@@ -294,7 +414,9 @@ def test_one_wrong_word_is_told_with_its_line_and_not_taken_for_yaml(name, text,
         loads(text, source=name)
 
 
-FULL_LINE = "<number of tasks>\n9999\n<cycle time>\n10\n<task times>\n" + "".join(f"{n} 1\n" for n in range(1, 10_000))
+FULL_LINE = "<number of tasks>\n9999\n<cycle time>\n10\n<task times>\n" + "".join(
+    f"{n} 1\n" for n in range(1, 10_000)
+)
 TOO_MUCH = [
     ("fjs", "1 1000000000\n1 1 1 4\n"),
     ("jsp", "1 99999\n1 4\n"),
@@ -332,16 +454,24 @@ def test_remarks_and_the_end_marks_of_old_systems_do_no_harm(tmp_path):
 
 SETS = {
     "alwabp": "alwabp", "hrc_battery_cells": "case", "hrc_case_studies": "case",
-    "salbp_scholl": "alb", "salbp_otto_n20": "alb", "salbp_otto_n50": "alb", "salbp_otto_n100": "alb", "fjsp_dag_birgin": "fjs-dag",
-    "fjsp_dag_mini": "fjs-dag", "fjsp_barnes": "fjs", "fjsp_behnke": "fjs", "fjsp_brandimarte": "fjs",
-    "fjsp_dauzere": "fjs", "fjsp_fattahi": "fjs", "fjsp_hurink_edata": "fjs", "fjsp_hurink_rdata": "fjs",
+    "salbp_scholl": "alb", "salbp_otto_n20": "alb", "salbp_otto_n50": "alb",
+    "salbp_otto_n100": "alb", "fjsp_dag_birgin": "fjs-dag",
+    "fjsp_dag_mini": "fjs-dag", "fjsp_barnes": "fjs", "fjsp_behnke": "fjs",
+    "fjsp_brandimarte": "fjs",
+    "fjsp_dauzere": "fjs", "fjsp_fattahi": "fjs", "fjsp_hurink_edata": "fjs",
+    "fjsp_hurink_rdata": "fjs",
     "fjsp_hurink_vdata": "fjs", "fjsp_kacem": "fjs",
-    "fjsp_sd1_10x5": "fjs", "fjsp_sd1_15x10": "fjs", "fjsp_sd1_20x5": "fjs", "fjsp_sd2_10x5": "fjs", "fjsp_sd2_15x10": "fjs", "fjsp_sd2_20x5": "fjs",
+    "fjsp_sd1_10x5": "fjs", "fjsp_sd1_15x10": "fjs", "fjsp_sd1_20x5": "fjs", "fjsp_sd2_10x5": "fjs",
+    "fjsp_sd2_15x10": "fjs", "fjsp_sd2_20x5": "fjs",
 }  # fmt: skip
 
 
 def instances(name: str) -> Iterator[Path]:
-    return (path for path in sorted(folder(name).rglob("*")) if path.is_file() and path.suffix not in (".md", ".csv"))
+    return (
+        path
+        for path in sorted(folder(name).rglob("*"))
+        if path.is_file() and path.suffix not in (".md", ".csv")
+    )
 
 
 @pytest.mark.parametrize("name", SETS)
@@ -372,7 +502,11 @@ def test_the_tables_of_the_strain_index_hold_the_published_fronts():
 
 def test_published_facts_about_some_instances():
     cell = load(folder("fjsp_brandimarte") / "mk01.txt")
-    assert (len(cell.robots), len({name.split(".")[0] for name in cell.tasks}), len(cell.tasks)) == (6, 10, 55)
+    assert (
+        len(cell.robots),
+        len({name.split(".")[0] for name in cell.tasks}),
+        len(cell.tasks),
+    ) == (6, 10, 55)
     assert len(load(folder("salbp_scholl") / "BOWMAN8.IN2").tasks) == 8
     battery = load(folder("hrc_battery_cells") / "battery_H2R1.json")
     assert (len(battery.humans), len(battery.robots), len(battery.tasks)) == (2, 1, 33)

@@ -1,4 +1,6 @@
-"""Whatever is wrong with a cell, the message speaks of cells: no trace of Python or of the library that found it."""
+"""Whatever is wrong with a cell, the message speaks of cells: no trace of Python or of the library
+that found it.
+"""
 
 from __future__ import annotations
 
@@ -18,12 +20,15 @@ from tandem.files.messages import shown
 from tandem.files.validate import cell_of
 
 PYTHON = re.compile(
-    r"\{'|\['|\('|<class|<object|\bNone\b|\bTrue\b|\bFalse\b|pydantic|Input should|Keys should|\bdict\b|\btuple\b| b'x|Decimal|Error\b"
+    r"\{'|\['|\('|<class|<object|\bNone\b|\bTrue\b|\bFalse\b|pydantic|Input should|Keys"
+    r" should|\bdict\b|\btuple\b| b'x|Decimal|Error\b"
 )
 REMEDY = re.compile(
-    r"needed|must be|Did you mean|Known:|None are stated|others are known|at most|[Ww]rite |[Tt]ake |[Ll]eave |Keep |Give |State |Round |"
+    r"needed|must be|Did you mean|Known:|None are stated|others are known|at most|[Ww]rite |[Tt]ake"
+    r" |[Ll]eave |Keep |Give |State |Round |"
     r"Rename|Shorten|"
-    r"Set the|Spell |Make them|needs different|needs one at least|belongs in|A name has|can be planned|holds pairs|reads format|longer than|"
+    r"Set the|Spell |Make them|needs different|needs one at least|belongs in|A name has|can be"
+    r" planned|holds pairs|reads format|longer than|"
     r"must last|needs two numbers|A cell file is|as in `"
 )
 
@@ -36,10 +41,12 @@ SOUND: dict[str, Any] = {
     },
     "tasks": {
         "a": {
-            "label": "l", "part": "p", "time": {"r": 2, "h": 3}, "stress": 1, "after": [], "tool": "t", "zone": "z",
+            "label": "l", "part": "p", "time": {"r": 2, "h": 3}, "stress": 1, "after": [],
+            "tool": "t", "zone": "z",
             "difficulty": {"h": 2}, "release": 1, "deadline": 99, "spread": 0.1,
         },
-        "b": {"together": [{"operators": ["r", "h"], "time": 4, "stress": {"h": 2}}], "stress": {"h": 1}, "after": ["a"], "spread": {"h": 0.1}},
+        "b": {"together": [{"operators": ["r", "h"], "time": 4, "stress": {"h": 2}}],
+        "stress": {"h": 1}, "after": ["a"], "spread": {"h": 0.1}},
     },
     "tools": {"t": {"capacity": 2, "changeover": {"r": 1}}},
     "zones": {"z": {"capacity": 2}},
@@ -48,14 +55,18 @@ SOUND: dict[str, Any] = {
 }  # fmt: skip
 
 ODD: tuple[Any, ...] = (
-    None, True, False, "x", "1,5", "2", "", -1, 0, 1e9, 10**30, float("nan"), float("-inf"), 1.5, -0.1234567891, [], {}, [1], {"a": 1}, "y" * 600,
-    [["a"]], [1, 2, 3], {"r": None}, {"h": True}, {"operators": ["r"]}, [{"operators": ["r", "h"]}], ["a", "a"], "t\x1b[31m", b"x",
+    None, True, False, "x", "1,5", "2", "", -1, 0, 1e9, 10**30, float("nan"), float("-inf"), 1.5,
+    -0.1234567891, [], {}, [1], {"a": 1}, "y" * 600,
+    [["a"]], [1, 2, 3], {"r": None}, {"h": True}, {"operators": ["r"]}, [{"operators": ["r", "h"]}],
+    ["a", "a"], "t\x1b[31m", b"x",
 )  # fmt: skip
 
 
 def paths(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
     yield path
-    steps = value if isinstance(value, dict) else range(len(value)) if isinstance(value, list) else ()
+    steps = (
+        value if isinstance(value, dict) else range(len(value)) if isinstance(value, list) else ()
+    )
     for step in steps:
         yield from paths(value[step], (*path, step))
 
@@ -110,7 +121,13 @@ def test_no_message_shows_python_and_each_says_what_to_do(monkeypatch: pytest.Mo
 
 
 def test_every_fault_of_a_broken_value_names_the_place_in_the_document() -> None:
-    unplaced = [fault for path in paths(SOUND) if path for fault in faults_of(with_value(path, object())) if not fault.path]
+    unplaced = [
+        fault
+        for path in paths(SOUND)
+        if path
+        for fault in faults_of(with_value(path, object()))
+        if not fault.path
+    ]
     assert unplaced == []
 
 
@@ -119,29 +136,51 @@ UNFIT = {
     "names_can_be_told_apart": {"tasks": {"a": {"time": {"h": 1}}, "\u0430": {"time": {"h": 1}}}},
     "tasks_are_known": {"tasks": {"a": {"time": {"h": 1}, "after": ["q"]}}},
     "no_task_comes_after_itself": {"tasks": {"a": {"time": {"h": 1}, "after": ["a"]}}},
-    "no_task_waits_for_itself": {"tasks": {"a": {"time": {"h": 1}, "after": ["b"]}, "b": {"time": {"h": 1}, "after": ["a"]}}},
-    "a_group_names_each_operator_once": {"tasks": {"a": {"together": [{"operators": ["h", "h"], "time": 1}]}}},
+    "no_task_waits_for_itself": {
+        "tasks": {"a": {"time": {"h": 1}, "after": ["b"]}, "b": {"time": {"h": 1}, "after": ["a"]}}
+    },
+    "a_group_names_each_operator_once": {
+        "tasks": {"a": {"together": [{"operators": ["h", "h"], "time": 1}]}}
+    },
     "someone_can_do_each_task": {"tasks": {"a": {}}},
     "stress_is_put_on_humans": {"tasks": {"a": {"time": {"r": 1}, "stress": {"r": 2}}}},
     "stress_of_a_group_is_put_on_its_members": {
         "operators": {"h": {"kind": "human"}, "k": {"kind": "human"}, "r": {"kind": "robot"}},
         "tasks": {"a": {"together": [{"operators": ["r", "h"], "time": 1, "stress": {"k": 2}}]}},
     },
-    "breaks_are_apart": {"operators": {"h": {"kind": "human", "breaks": [[1, 3], [2, 4]]}, "r": {"kind": "robot"}}},
+    "breaks_are_apart": {
+        "operators": {"h": {"kind": "human", "breaks": [[1, 3], [2, 4]]}, "r": {"kind": "robot"}}
+    },
     "a_deadline_can_be_met": {"tasks": {"a": {"time": {"h": 5}, "deadline": 1}}},
-    "pairs_have_a_common_way": {"tasks": {"a": {"time": {"h": 1}}, "b": {"time": {"r": 1}}}, "same_operator": [["a", "b"]]},
+    "pairs_have_a_common_way": {
+        "tasks": {"a": {"time": {"h": 1}}, "b": {"time": {"r": 1}}},
+        "same_operator": [["a", "b"]],
+    },
     "sets_are_spelled_in_order": {"stress_of_set": {"": 0, "b,a": 1}},
-    "listed_tools_and_zones_are_not_misspelled": {"tasks": {"a": {"time": {"h": 1}, "tool": "driver"}}, "tools": {"drivr": {}}},
-    "tools_and_zones_are_spelled_alike": {"tasks": {"a": {"time": {"h": 1}, "tool": "driver"}, "b": {"time": {"h": 1}, "tool": "drivr"}}},
+    "listed_tools_and_zones_are_not_misspelled": {
+        "tasks": {"a": {"time": {"h": 1}, "tool": "driver"}},
+        "tools": {"drivr": {}},
+    },
+    "tools_and_zones_are_spelled_alike": {
+        "tasks": {
+            "a": {"time": {"h": 1}, "tool": "driver"},
+            "b": {"time": {"h": 1}, "tool": "drivr"},
+        }
+    },
     "numbers_have_few_decimals": {"tasks": {"a": {"time": {"h": 1.12345678}}}},
-    "exact_planning_can_count_it": {"tasks": {"a": {"time": {"h": 1e7}}, "b": {"time": {"h": 0.000001}}}},
+    "exact_planning_can_count_it": {
+        "tasks": {"a": {"time": {"h": 1e7}}, "b": {"time": {"h": 0.000001}}}
+    },
 }
 """Rule -> what breaks it, in place of the same keys of a plain cell."""
 
 
 @pytest.mark.parametrize("rule", [rule.__name__ for rule in soundness.RULES])
 def test_every_rule_speaks_of_cells_with_place_value_and_way_out(rule: str) -> None:
-    plain = {"operators": {"h": {"kind": "human"}, "r": {"kind": "robot"}}, "tasks": {"a": {"time": {"h": 1}}, "b": {"time": {"r": 1}}}}
+    plain = {
+        "operators": {"h": {"kind": "human"}, "r": {"kind": "robot"}},
+        "tasks": {"a": {"time": {"h": 1}}, "b": {"time": {"r": 1}}},
+    }
     found = faults_of({**plain, **UNFIT[rule]})
     assert found
     for fault in found:
@@ -153,8 +192,10 @@ def test_every_rule_speaks_of_cells_with_place_value_and_way_out(rule: str) -> N
 @pytest.mark.parametrize(
     ("value", "said"),
     [
-        (True, "true"), (None, "empty"), (2.0, "2"), (0.1 + 0.2, "0.3"), (1234567.5, "1234567.5"), ({"a": 1}, "a mapping"), ([1], "a list"),
-        ("it's", '"it\'s"'), (10**40, "a number of more than 16 digits"), (b"x", "neither text nor a number (bytes)"),
+        (True, "true"), (None, "empty"), (2.0, "2"), (0.1 + 0.2, "0.3"), (1234567.5, "1234567.5"),
+        ({"a": 1}, "a mapping"), ([1], "a list"),
+        ("it's", '"it\'s"'), (10**40, "a number of more than 16 digits"), (b"x",
+        "neither text nor a number (bytes)"),
     ],
 )  # fmt: skip
 def test_a_value_is_shown_as_a_file_has_it(value: object, said: str) -> None:
@@ -163,6 +204,12 @@ def test_a_value_is_shown_as_a_file_has_it(value: object, said: str) -> None:
 
 def test_the_break_that_is_wrong_is_named(tmp_path: Path) -> None:
     file = tmp_path / "cell.yaml"
-    file.write_text("operators:\n  h: {kind: human, breaks: [[1, 2], [5, yes]]}\ntasks:\n  1: {time: {h: 1}}\n", encoding="utf-8")
-    with pytest.raises(CellError, match=r"cell\.yaml:2:41: operator 'h': the end of break 2 is 'yes', but a number is needed"):
+    file.write_text(
+        "operators:\n  h: {kind: human, breaks: [[1, 2], [5, yes]]}\ntasks:\n  1: {time: {h: 1}}\n",
+        encoding="utf-8",
+    )
+    with pytest.raises(
+        CellError,
+        match=r"cell\.yaml:2:41: operator 'h': the end of break 2 is 'yes', but a number is needed",
+    ):
         load(file)

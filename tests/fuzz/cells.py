@@ -15,7 +15,9 @@ Data = dict[str, Any]
 
 
 def cell(random: Random) -> Data:
-    """One cell of one to five tasks and one to three operators. It may have no schedule; it may even be refused as a cell."""
+    """One cell of one to five tasks and one to three operators. It may have no schedule; it may
+    even be refused as a cell.
+    """
     fine = random.random() < 0.1
     step = 0.000001 if fine else random.choice(STEPS)
     clock = _Clock(random, step, 8_000_000 if fine else 8)
@@ -51,7 +53,9 @@ class _Clock:
         self.random, self.step, self.most = random, step, most
 
     def seconds(self, low: float = 0.125, high: float = 1.0) -> float:
-        """From `low` to `high` of the longest time that a task takes, at least one step unless low is 0."""
+        """From `low` to `high` of the longest time that a task takes, at least one step unless low
+        is 0.
+        """
         first = max(round(low * self.most), 1 if low else 0)
         return self.at(self.random.randint(first, max(first, round(high * self.most))))
 
@@ -94,10 +98,19 @@ def _zones(random: Random) -> Data:
 
 
 def _task(random: Random, clock: _Clock, operators: Data, earlier: list[str], fine: bool) -> Data:
-    groups = [group for size in range(2, len(operators) + 1) for group in combinations(operators, size)]
-    joint = random.sample(groups, random.randint(1, min(2, len(groups)))) if groups and random.random() < 0.25 else []
+    groups = [
+        group for size in range(2, len(operators) + 1) for group in combinations(operators, size)
+    ]
+    joint = (
+        random.sample(groups, random.randint(1, min(2, len(groups))))
+        if groups and random.random() < 0.25
+        else []
+    )
     alone = random.sample(list(operators), random.randint(0 if joint else 1, len(operators)))
-    task: Data = {"time": {who: clock.seconds() for who in alone}, "stress": _stress(random, operators, fine)}
+    task: Data = {
+        "time": {who: clock.seconds() for who in alone},
+        "stress": _stress(random, operators, fine),
+    }
     if joint:
         task["together"] = [_together(random, clock, operators, group, fine) for group in joint]
     if earlier and random.random() < 0.5:
@@ -105,7 +118,9 @@ def _task(random: Random, clock: _Clock, operators: Data, earlier: list[str], fi
     return task
 
 
-def _together(random: Random, clock: _Clock, operators: Data, group: tuple[str, ...], fine: bool) -> Data:
+def _together(
+    random: Random, clock: _Clock, operators: Data, group: tuple[str, ...], fine: bool
+) -> Data:
     joint: Data = {"operators": random.sample(group, len(group)), "time": clock.seconds()}
     if random.random() < 0.5:
         joint["stress"] = _stress(random, {who: operators[who] for who in group}, fine)
@@ -133,23 +148,34 @@ def _windows(random: Random, clock: _Clock, tasks: Data) -> None:
     if random.random() < 0.5:
         for task in tasks.values():
             if random.random() < 0.5:
-                quickest = min([*task["time"].values(), *(joint["time"] for joint in task.get("together", ()))])
+                quickest = min(
+                    [*task["time"].values(), *(joint["time"] for joint in task.get("together", ()))]
+                )
                 spare = clock.seconds(0, random.choice((0.25, 1.0, 2.0, 3.0)))
                 task["deadline"] = round(task.get("release", 0) + quickest + spare, 6)
 
 
 def _table(random: Random, tasks: Data, operators: Data) -> dict[str, float]:
-    """Stress of every set of tasks that humans may do, not additive; a few sets are left out and so forbidden."""
+    """Stress of every set of tasks that humans may do, not additive; a few sets are left out and so
+    forbidden.
+    """
     weights = {
         name: random.randint(0, 6)
         for name, task in tasks.items()
-        if any(operators[who]["kind"] == "human" for who in (*task["time"], *(w for j in task.get("together", ()) for w in j["operators"])))
+        if any(
+            operators[who]["kind"] == "human"
+            for who in (
+                *task["time"],
+                *(w for j in task.get("together", ()) for w in j["operators"]),
+            )
+        )
     }
     sets = [names for size in range(len(weights) + 1) for names in combinations(weights, size)]
     missing = random.sample(sets, min(len(sets) - 1, random.randint(0, 2)))
     bend = random.choice((0, 0.5, 1.5))
     return {
-        ",".join(names): sum(weights[name] for name in names) + bend * max((weights[name] for name in names), default=0) * len(names)
+        ",".join(names): sum(weights[name] for name in names)
+        + bend * max((weights[name] for name in names), default=0) * len(names)
         for names in sets
         if names not in missing
     }

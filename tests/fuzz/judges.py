@@ -1,8 +1,10 @@
-"""Random small cells to three judges: the exact method, the exhaustive search and a brute force that knows neither.
+"""Random small cells to three judges: the exact method, the exhaustive search and a brute force
+that knows neither.
 
-Each cell is drawn from its own seed, so that one cell is repeated by `--seed SEED --cells 1`. A cell is asked for its front and for a few
-single answers: least makespan, least stress, a weighted sum, each with and without limits that cut the front. Every schedule that comes
-back is looked at by the brute force too.
+Each cell is drawn from its own seed, so that one cell is repeated by `--seed SEED --cells 1`. A
+cell is asked for its front and for a few single answers: least makespan, least stress, a weighted
+sum, each with and without limits that cut the front. Every schedule that comes back is looked at by
+the brute force too.
 """
 
 from __future__ import annotations
@@ -34,7 +36,16 @@ from tandem.plan.question import Question
 from tandem.plan.result import Front
 
 JUDGES = ("exact", "exhaustive")
-WEIGHTS = ((1.0, 1.0), (1.0, 0.5), (0.25, 3.0), (1.0, 0.0), (0.0, 1.0), (1e-6, 1e6), (1e6, 1e-6), (0.001, 7.0))
+WEIGHTS = (
+    (1.0, 1.0),
+    (1.0, 0.5),
+    (0.25, 3.0),
+    (1.0, 0.0),
+    (0.0, 1.0),
+    (1e-6, 1e6),
+    (1e6, 1e-6),
+    (0.001, 7.0),
+)
 MOST_MOMENTS = 20_000
 """Up to so many ways of placing all tasks on their grid, every one is tried besides."""
 SLICE = 20
@@ -91,34 +102,54 @@ def judge(seed: int) -> Tally:
     random = Random(seed)
     data = random_cell(random)
     tasks = data["tasks"].values()
-    tally = Tally(cells=1, with_deadlines=int(any("deadline" in task for task in tasks)), with_releases=int(any("release" in task for task in tasks)))
+    tally = Tally(
+        cells=1,
+        with_deadlines=int(any("deadline" in task for task in tasks)),
+        with_releases=int(any("release" in task for task in tasks)),
+    )
     right = front_in_order(data)
     tally.infeasible = int(not right)
     if moments(data) ** len(data["tasks"]) * _choices(data) <= MOST_MOMENTS:
         tally.every_moment = 1
         if (everywhere := front_of_all(data)) != right:
-            tally.findings.append(Finding(seed, "brute force", {"minimize": "front"}, str(right), str(everywhere), data))
+            tally.findings.append(
+                Finding(
+                    seed, "brute force", {"minimize": "front"}, str(right), str(everywhere), data
+                )
+            )
     try:
         cell = cell_of(data)
     except CellError as error:
         tally.refused = 1
         if right:
-            tally.findings.append(Finding(seed, "cell", {"minimize": "front"}, str(error), str(right), data))
+            tally.findings.append(
+                Finding(seed, "cell", {"minimize": "front"}, str(error), str(right), data)
+            )
         return tally
     for question in questions(random, right):
         for method in JUDGES:
             tally.questions[f"{method} {_kind(question)}"] += 1
-            if (said := wrong(data, cell, method, question, right, workers=1 + seed % 2)) is not None:
+            if (
+                said := wrong(data, cell, method, question, right, workers=1 + seed % 2)
+            ) is not None:
                 wanted = str(wanted_points(question, right))
                 tally.findings.append(Finding(seed, method, question.to_dict(), said, wanted, data))
     return tally
 
 
 def questions(random: Random, front: list[Point]) -> Iterator[Question]:
-    """The whole front, and two of the other questions, with limits on, between and beyond the front's points."""
+    """The whole front, and two of the other questions, with limits on, between and beyond the
+    front's points.
+    """
     yield Question()
     for minimize in random.sample(("front", "makespan", "stress", "weighted"), 2):
-        weights = random.choice((*WEIGHTS, (round(random.random(), 15), random.random()), (random.random() * 1e6, round(random.random() * 1e-4, 9))))
+        weights = random.choice(
+            (
+                *WEIGHTS,
+                (round(random.random(), 15), random.random()),
+                (random.random() * 1e6, round(random.random() * 1e-4, 9)),
+            )
+        )
         time = load = None
         if front and (minimize == "front" or random.random() < 0.6):
             time = _limit(random, [time for time, _ in front])
@@ -130,7 +161,18 @@ def _limit(random: Random, values: list[float]) -> float | None:
     if random.random() < 0.4:
         return None
     value = random.choice(values)
-    return max(0.0, random.choice((value, value, round(value + 0.01, 6), round(value - 0.01, 6), round(value * random.random() * 2, 6))))
+    return max(
+        0.0,
+        random.choice(
+            (
+                value,
+                value,
+                round(value + 0.01, 6),
+                round(value - 0.01, 6),
+                round(value * random.random() * 2, 6),
+            )
+        ),
+    )
 
 
 def wanted_points(question: Question, front: list[Point]) -> list[Point]:
@@ -150,7 +192,14 @@ def wanted_points(question: Question, front: list[Point]) -> list[Point]:
     return [p for p, value in zip(kept, cost, strict=True) if value == min(cost)]
 
 
-def wrong(data: Mapping[str, Any], cell: Cell, method: str, question: Question, front: list[Point], workers: int = 1) -> str | None:
+def wrong(
+    data: Mapping[str, Any],
+    cell: Cell,
+    method: str,
+    question: Question,
+    front: list[Point],
+    workers: int = 1,
+) -> str | None:
     """What the method said that is not right; None when all of it is."""
     wanted = wanted_points(question, front)
     try:
@@ -178,8 +227,15 @@ def _unproven(data: Mapping[str, Any], front: Front) -> str | None:
         rows = [(a.task, a.start, a.end, a.operators) for a in result.schedule]
         if worth(data, rows) != (result.makespan, result.stress):
             return f"a schedule that is not what it says: {rows}"
-        if (result.status, result.bound.makespan, result.bound.stress) != ("optimal", result.makespan, result.stress):
-            return f"a point that is not proven: {result.makespan, result.stress}, {result.status}, {result.bound}"
+        if (result.status, result.bound.makespan, result.bound.stress) != (
+            "optimal",
+            result.makespan,
+            result.stress,
+        ):
+            return (
+                f"a point that is not proven: {result.makespan, result.stress}, {result.status},"
+                f" {result.bound}"
+            )
     return None
 
 
@@ -206,29 +262,50 @@ def judge_all(seeds: range, until: float) -> Tally:
 
 
 def run(cells: int, seed: int, minutes: float, workers: int) -> Tally:
-    """The tally of so many cells, or of as many as there is time for; progress and findings are printed."""
+    """The tally of so many cells, or of as many as there is time for; progress and findings are
+    printed.
+    """
     until, total = time.time() + 60 * minutes, Tally()
-    slices = [range(first, min(first + SLICE, seed + cells)) for first in range(seed, seed + cells, SLICE)]
+    slices = [
+        range(first, min(first + SLICE, seed + cells)) for first in range(seed, seed + cells, SLICE)
+    ]
     with ProcessPoolExecutor(workers) as pool:
-        done = pool.map(judge_all, slices, [until] * len(slices)) if workers > 1 else (judge_all(part, until) for part in slices)
+        done = (
+            pool.map(judge_all, slices, [until] * len(slices))
+            if workers > 1
+            else (judge_all(part, until) for part in slices)
+        )
         for tally in done:
             total.add(tally)
             for finding in tally.findings:
                 report(finding)
-            print(f"\r{total.cells} cells, {len(total.findings)} differ", end="", file=sys.stderr, flush=True)
+            print(
+                f"\r{total.cells} cells, {len(total.findings)} differ",
+                end="",
+                file=sys.stderr,
+                flush=True,
+            )
     print(file=sys.stderr)
     return total
 
 
 def report(finding: Finding) -> None:
     """Prints a finding, where it is stored and how it is repeated."""
-    print(f"\n{finding.method}, {json.dumps(finding.question)}\n  says  {finding.said}\n  right {finding.right}")
-    print(f"  {finding.store(FOUND)}\n  python3 dev.py fuzz judges --cells 1 --seed {finding.seed}", flush=True)
+    print(
+        f"\n{finding.method}, {json.dumps(finding.question)}\n  says  {finding.said}\n  right"
+        f" {finding.right}"
+    )
+    print(
+        f"  {finding.store(FOUND)}\n  python3 dev.py fuzz judges --cells 1 --seed {finding.seed}",
+        flush=True,
+    )
 
 
 def summary(total: Tally, seed: int, wall_s: float) -> dict[str, Any]:
     """What was asked, of which versions, and how often they differed."""
-    kept = {name: value for name, value in vars(total).items() if name not in ("findings", "questions")}
+    kept = {
+        name: value for name, value in vars(total).items() if name not in ("findings", "questions")
+    }
     return {
         "command": f"python3 dev.py fuzz judges --cells {total.cells} --seed {seed}",
         "first_seed": seed,
@@ -237,14 +314,22 @@ def summary(total: Tally, seed: int, wall_s: float) -> dict[str, Any]:
         "questions": dict(sorted(total.questions.items())),
         "differ": len(total.findings),
         "wall_s": round(wall_s, 1),
-        "versions": {"tandem": version("tandem"), "ortools": version("ortools"), "python": sys.version.split()[0]},
+        "versions": {
+            "tandem": version("tandem"),
+            "ortools": version("ortools"),
+            "python": sys.version.split()[0],
+        },
     }
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="dev.py fuzz judges", description=(__doc__ or "").splitlines()[0])
+    parser = argparse.ArgumentParser(
+        prog="dev.py fuzz judges", description=(__doc__ or "").splitlines()[0]
+    )
     parser.add_argument("--cells", type=int, default=300, help="how many cells (300)")
-    parser.add_argument("--seed", type=int, default=1, help="seed of the first cell; the others follow (1)")
+    parser.add_argument(
+        "--seed", type=int, default=1, help="seed of the first cell; the others follow (1)"
+    )
     parser.add_argument("--minutes", type=float, default=600.0, help="stop after so many minutes")
     parser.add_argument("--workers", type=int, default=1, help="processes (1)")
     parser.add_argument("--out", type=Path, help="write the summary to this file as well")

@@ -1,4 +1,6 @@
-"""The fuzzing programs themselves: a short run finds nothing, and a fault that is planted is found."""
+"""The fuzzing programs themselves: a short run finds nothing, and a fault that is planted is
+found.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,9 @@ def test_exact_and_exhaustive_search_answer_random_cells_as_brute_force_does():
 
 
 def test_what_works_on_large_cells_is_right_on_small_ones(monkeypatch):
-    """Neighbourhoods, the search along the clock and the front in two steps have their turn in cells that brute force can answer."""
+    """Neighbourhoods, the search along the clock and the front in two steps have their turn in
+    cells that brute force can answer.
+    """
     monkeypatch.setattr(exact, "SMALL", 0)
     monkeypatch.setattr(portfolio, "SMALL", 0)
     for seed in range(1001, 1081, 2):  # odd ones are planned by two workers
@@ -40,10 +44,24 @@ def test_what_works_on_large_cells_is_right_on_small_ones(monkeypatch):
 def test_the_cells_have_every_feature():
     cells = [random_cell(Random(seed)) for seed in range(300)]
     text = json.dumps(cells)
-    for word in ("breaks", "stress_limit", "changeover", "capacity", "together", "same_operator", "stress_of_set", "release", "deadline", "after"):
+    for word in (
+        "breaks",
+        "stress_limit",
+        "changeover",
+        "capacity",
+        "together",
+        "same_operator",
+        "stress_of_set",
+        "release",
+        "deadline",
+        "after",
+    ):
         assert text.count(f'"{word}"') > 20, word
     assert any(
-        str(time).startswith("0.00000") or len(str(time)) > 7 for data in cells for task in data["tasks"].values() for time in task["time"].values()
+        str(time).startswith("0.00000") or len(str(time)) > 7
+        for data in cells
+        for task in data["tasks"].values()
+        for time in task["time"].values()
     )
 
 
@@ -58,7 +76,11 @@ def test_a_judge_that_leaves_out_a_point_is_caught(monkeypatch, tmp_path, capsys
     assert total.findings
     found = total.findings[0]
     assert f"python3 dev.py fuzz judges --cells 1 --seed {found.seed}" in capsys.readouterr().out
-    stored = json.loads((tmp_path / "tandem-out" / "fuzz" / f"judges-{found.seed}-exact-front.json").read_text(encoding="utf-8"))
+    stored = json.loads(
+        (tmp_path / "tandem-out" / "fuzz" / f"judges-{found.seed}-exact-front.json").read_text(
+            encoding="utf-8"
+        )
+    )
     assert cell_of(stored["cell"])
     assert stored["said"] != stored["right"]
     assert judges.judge(found.seed).findings  # one cell alone repeats it
@@ -70,21 +92,45 @@ def test_a_judge_that_crashes_is_caught(monkeypatch):
         raise OverflowError("too large")
 
     monkeypatch.setitem(judges.METHODS, "exhaustive", broken)
-    assert any("OverflowError: too large" in finding.said for finding in judges.judge(1).findings + judges.judge(2).findings)
+    assert any(
+        "OverflowError: too large" in finding.said
+        for finding in judges.judge(1).findings + judges.judge(2).findings
+    )
 
 
 def test_brute_force_knows_the_thesis():
     rows = [(a.task, a.start, a.end, a.operators) for a in thesis_schedule()]
     data = thesis().to_dict()
     assert worth(data, rows) == (23, 7)
-    assert worth(data, [(name, start + (name == "2"), end + (name == "2"), who) for name, start, end, who in rows]) is None
+    assert (
+        worth(
+            data,
+            [
+                (name, start + (name == "2"), end + (name == "2"), who)
+                for name, start, end, who in rows
+            ],
+        )
+        is None
+    )
     assert front_in_order(data) == [(23, 7), (24, 3), (34, 2)]
     two = {**data, "tasks": {name: data["tasks"][name] for name in "12"}}
     assert front_of_all(two) == front_in_order(two) == [(9, 11), (10, 10), (16, 0)]
 
 
 def test_it_runs_as_a_command_and_says_what_it_did(tmp_path):
-    command = [sys.executable, "-m", "tests.fuzz.judges", "--cells", "12", "--seed", "5", "--workers", "2", "--out", str(tmp_path / "out.json")]
+    command = [
+        sys.executable,
+        "-m",
+        "tests.fuzz.judges",
+        "--cells",
+        "12",
+        "--seed",
+        "5",
+        "--workers",
+        "2",
+        "--out",
+        str(tmp_path / "out.json"),
+    ]
     ended = subprocess.run(command, capture_output=True, text=True, check=True)
     said = json.loads(ended.stdout)
     assert said == json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
@@ -93,9 +139,13 @@ def test_it_runs_as_a_command_and_says_what_it_did(tmp_path):
 
 def test_the_verb_lists_the_programs_and_refuses_others():
     root = Path(__file__).parents[2]
-    listed = subprocess.run([sys.executable, "dev.py", "fuzz"], cwd=root, capture_output=True, text=True)
+    listed = subprocess.run(
+        [sys.executable, "dev.py", "fuzz"], cwd=root, capture_output=True, text=True
+    )
     assert listed.returncode == 0
     assert "python3 dev.py fuzz judges" in listed.stdout
-    unknown = subprocess.run([sys.executable, "dev.py", "fuzz", "jugdes"], cwd=root, capture_output=True, text=True)
+    unknown = subprocess.run(
+        [sys.executable, "dev.py", "fuzz", "jugdes"], cwd=root, capture_output=True, text=True
+    )
     assert unknown.returncode == 2
     assert "nothing is called 'jugdes'; there are judges" in unknown.stderr

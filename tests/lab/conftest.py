@@ -24,7 +24,11 @@ def cell_of(tasks: dict, **more) -> Cell:
         {
             "operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}},
             "tasks": {
-                name: {"time": {who: float(seconds) for who, seconds in time.items()}, "stress": float(stress), "after": after}
+                name: {
+                    "time": {who: float(seconds) for who, seconds in time.items()},
+                    "stress": float(stress),
+                    "after": after,
+                }
                 for name, (time, stress, after) in tasks.items()
             },
             **more,
@@ -33,13 +37,19 @@ def cell_of(tasks: dict, **more) -> Cell:
 
 
 def random_cell(seed: int, tasks: int, longest: int) -> Cell:
-    """A random cell the thesis's encoding can hold: times of 2..longest seconds, stress in quarters, so that sums of floats are exact."""
+    """A random cell the thesis's encoding can hold: times of 2..longest seconds, stress in
+    quarters, so that sums of floats are exact.
+    """
     rng = np.random.default_rng(seed)
     rows = {}
     for i in range(tasks):
         who = [("robot",), ("human",), ("robot", "human"), ("robot", "human")][rng.integers(4)]
         after = [str(j + 1) for j in range(i) if rng.random() < 0.3]
-        rows[str(i + 1)] = ({name: int(rng.integers(2, longest + 1)) for name in who}, rng.integers(0, 20) / 4, after)
+        rows[str(i + 1)] = (
+            {name: int(rng.integers(2, longest + 1)) for name in who},
+            rng.integers(0, 20) / 4,
+            after,
+        )
     return cell_of(rows)
 
 
@@ -50,5 +60,13 @@ def thesis() -> Cell:
 
 @pytest.fixture(scope="session")
 def pair() -> Cell:
-    """Two independent tasks of 3 s and 2 s that both can do, and a third of 2 s that waits for the first."""
-    return cell_of({"a": ({"robot": 3, "human": 4}, 1, []), "b": ({"robot": 2, "human": 2}, 2, []), "c": ({"human": 2}, 4, ["a"])})
+    """Two independent tasks of 3 s and 2 s that both can do, and a third of 2 s that waits for the
+    first.
+    """
+    return cell_of(
+        {
+            "a": ({"robot": 3, "human": 4}, 1, []),
+            "b": ({"robot": 2, "human": 2}, 2, []),
+            "c": ({"human": 2}, 4, ["a"]),
+        }
+    )

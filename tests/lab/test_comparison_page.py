@@ -1,4 +1,6 @@
-"""The page that compares the published systems, as a real browser shows and prints it: no table is cut at its right edge."""
+"""The page that compares the published systems, as a real browser shows and prints it: no table is
+cut at its right edge.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,9 @@ LETTER = 965
 def page_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The stored tables of all systems, with long words in the tables of features."""
     entry = Entry(
-        "yes: as it was found", "two tasks cost 46 side by side, 59 one after the other; a joint task is refused (the world knows no such thing)"
+        "yes: as it was found",
+        "two tasks cost 46 side by side, 59 one after the other; a joint task is refused (the world"
+        " knows no such thing)",
     )
     shown = []
     for name, system in SYSTEMS.items():
@@ -35,7 +39,18 @@ def page_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
             experiment = system.load()
             document = experiment.stored()
             cells = dict.fromkeys(comparison.cells_to_try(), entry)
-            shown.append(comparison.Shown(name, system.title, document, "", experiment.table(document), (), dict.fromkeys(PROBES, entry), cells))
+            shown.append(
+                comparison.Shown(
+                    name,
+                    system.title,
+                    document,
+                    "",
+                    experiment.table(document),
+                    (),
+                    dict.fromkeys(PROBES, entry),
+                    cells,
+                )
+            )
     file = tmp_path_factory.mktemp("page") / "comparison.html"
     file.write_text(comparison.html(shown, command="tandem reproduce --all --stored"))
     return file
@@ -66,7 +81,9 @@ def test_what_is_wider_than_the_screen_scrolls_by_itself(shown: Any, width: int)
     wide = shown.evaluate(WIDE)
     assert any(part["hidden"] > 0 for part in wide)
     assert all(part["scrolls"] for part in wide)
-    assert shown.evaluate("document.documentElement.scrollWidth") <= width, "the page itself does not scroll sideways"
+    assert shown.evaluate("document.documentElement.scrollWidth") <= width, (
+        "the page itself does not scroll sideways"
+    )
 
 
 @pytest.mark.parametrize("width", [PAPER, LETTER])
@@ -74,5 +91,7 @@ def test_every_table_is_whole_on_paper_where_nothing_scrolls(shown: Any, width: 
     shown.emulate_media(media="print")
     shown.set_viewport_size({"width": width, "height": 700})
     assert [part for part in shown.evaluate(WIDE) if part["hidden"] > 0] == []
-    edges = shown.evaluate("[...document.querySelectorAll('th, td')].map(cell => cell.getBoundingClientRect().right)")
+    edges = shown.evaluate(
+        "[...document.querySelectorAll('th, td')].map(cell => cell.getBoundingClientRect().right)"
+    )
     assert max(edges) <= width

@@ -28,13 +28,17 @@ def refuses(cell, *_):
 
 
 def able(**changes):
-    """A system that can do everything, with some handles otherwise; `cost` minds all that a cell has."""
+    """A system that can do everything, with some handles otherwise; `cost` minds all that a cell
+    has.
+    """
 
     def cost(cell):
         found = 0.0
         for name, task in cell.tasks.items():
             found += (
-                min(mode.time for mode in cell.modes(name)) + sum(task.difficulty.values()) + (task.stress if isinstance(task.stress, float) else 0)
+                min(mode.time for mode in cell.modes(name))
+                + sum(task.difficulty.values())
+                + (task.stress if isinstance(task.stress, float) else 0)
             )
             found += cell.tools[task.tool].changeover["robot"] if task.tool else 0
             found += 4 if name == "right" and task.after else 0  # waits for the other
@@ -51,7 +55,9 @@ def able(**changes):
         mistake=lambda cell, seed: done,
         exact=lambda document: [23.0],
     )
-    return SimpleNamespace(FEATURES=replace(handles, **changes), runs_on=changes.get("cost", lambda cell: cell))
+    return SimpleNamespace(
+        FEATURES=replace(handles, **changes), runs_on=changes.get("cost", lambda cell: cell)
+    )
 
 
 def value(name, system, document=None):
@@ -77,13 +83,33 @@ def test_a_system_that_can_do_everything_is_said_to():
 @pytest.mark.parametrize(
     ("feature", "change", "entry"),
     [
-        ("objectives", {"cost": lambda cell: sum(min(m.time for m in cell.modes(name)) for name in cell.tasks)}, "time"),
+        (
+            "objectives",
+            {
+                "cost": lambda cell: sum(
+                    min(m.time for m in cell.modes(name)) for name in cell.tasks
+                )
+            },
+            "time",
+        ),
         ("objectives", {"cost": lambda cell: 1.0}, "none"),
         ("agents", {"agents": lambda: ["robot"]}, "1: robot"),
         ("algorithm", {"trains": thesis.FEATURES.trains}, "PPO"),
-        ("cooperation or collaboration", {"cost": lambda cell: 5.0, "play": lambda cell, seed: Played(11.0)}, "collaboration"),
-        ("cooperation or collaboration", {"cost": lambda cell: 5.0, "play": lambda cell, seed: Played(None)}, "collaboration"),
-        ("cooperation or collaboration", {"cost": lambda cell: refuses(cell) if cell.tasks["top"].together else 5.0}, "cooperation"),
+        (
+            "cooperation or collaboration",
+            {"cost": lambda cell: 5.0, "play": lambda cell, seed: Played(11.0)},
+            "collaboration",
+        ),
+        (
+            "cooperation or collaboration",
+            {"cost": lambda cell: 5.0, "play": lambda cell, seed: Played(None)},
+            "collaboration",
+        ),
+        (
+            "cooperation or collaboration",
+            {"cost": lambda cell: refuses(cell) if cell.tasks["top"].together else 5.0},
+            "cooperation",
+        ),
         ("disassembly", {"mistake": None}, "no"),
         ("disassembly", {"mistake": lambda cell, seed: Played(7.0, undone=0)}, "no"),
         ("disassembly", {"mistake": lambda cell, seed: Played(None, undone=3)}, "no"),
@@ -94,11 +120,23 @@ def test_a_system_that_can_do_everything_is_said_to():
         ("human deviation", {"deviate": lambda cell, seed: Played(7.0, deviations=0)}, "no"),
         ("human deviation", {"deviate": lambda cell, seed: Played(None, deviations=4)}, "no"),
         ("real time", {"play": lambda cell, seed: Played(7.0)}, "no"),
-        ("real time", {"play": lambda cell, seed: Played(7.0, (2000.0, 3000.0, 1500.0))}, "no: 2e+03 ms"),
+        (
+            "real time",
+            {"play": lambda cell, seed: Played(7.0, (2000.0, 3000.0, 1500.0))},
+            "no: 2e+03 ms",
+        ),
         ("generalises", {"carry": None}, "no"),
         ("generalises", {"carry": refuses}, "no"),
         ("generalises", {"carry": lambda one, other, seed: Played(None)}, "no"),
-        ("generalises", {"carry": lambda one, other, seed: Played(7.0 if len(one.tasks) == len(other.tasks) else None)}, "same size only"),
+        (
+            "generalises",
+            {
+                "carry": lambda one, other, seed: Played(
+                    7.0 if len(one.tasks) == len(other.tasks) else None
+                )
+            },
+            "same size only",
+        ),
         ("exact optimum known", {"exact": None}, "no"),
         ("exact optimum known", {"exact": lambda document: []}, "no"),
     ],
@@ -143,7 +181,9 @@ def test_every_system_offers_what_the_laboratory_asks(name):
     parameters = inspect.signature(experiment.reproduce).parameters
     assert {"folder", "quick", "seeds", "tell"} <= set(parameters)
     assert ("cases" in parameters) == SYSTEMS[name].takes_cases
-    assert all(callable(getattr(experiment, offered)) for offered in ("stored", "table", "draw_figures"))
+    assert all(
+        callable(getattr(experiment, offered)) for offered in ("stored", "table", "draw_figures")
+    )
     if SYSTEMS[name].published:
         assert isinstance(experiment.FEATURES, Features)
         assert callable(experiment.FEATURES.trains())
@@ -151,7 +191,9 @@ def test_every_system_offers_what_the_laboratory_asks(name):
 
 @pytest.mark.parametrize("name", PUBLISHED)
 def test_every_system_runs_on_a_cell_that_is_not_its_own_or_says_what_it_cannot_express(name):
-    """The base of the probes is nobody's own cell and anybody's kind; everything else may be refused, but with reasons."""
+    """The base of the probes is nobody's own cell and anybody's kind; everything else may be
+    refused, but with reasons.
+    """
     experiment = SYSTEMS[name].load()
     experiment.runs_on(probes.base())
     for entry in probes.other_cells(experiment, comparison.cells_to_try()).values():
@@ -172,8 +214,13 @@ def test_an_unknown_system_is_met_with_the_nearest_one(capsys):
 def page(tmp_path_factory):
     """The page of two systems: one with its stored result, one whose result is missing."""
     folder = tmp_path_factory.mktemp("all")
-    lost = SimpleNamespace(FEATURES=able().FEATURES, runs_on=lambda cell: cell, stored=lambda: refuses(None))
-    systems = {"thesis": Quick("Kinat 2023: PPO", "tandem.lab.kinat2023.experiment"), "lost": Made("Nobody 2020: lost", "none", experiment=lost)}
+    lost = SimpleNamespace(
+        FEATURES=able().FEATURES, runs_on=lambda cell: cell, stored=lambda: refuses(None)
+    )
+    systems = {
+        "thesis": Quick("Kinat 2023: PPO", "tandem.lab.kinat2023.experiment"),
+        "lost": Made("Nobody 2020: lost", "none", experiment=lost),
+    }
     file, document = comparison.compare(folder, stored=True, systems=systems)
     return file.read_text(encoding="utf-8"), document
 
@@ -195,7 +242,13 @@ class Quick(System):
     def load(self):
         whole = super().load()
         handles = replace(whole.FEATURES, play=lambda cell, seed: Played(7.0, (0.1,)), carry=None)
-        return SimpleNamespace(**{name: getattr(whole, name) for name in ("stored", "table", "draw_figures", "runs_on")}, FEATURES=handles)
+        return SimpleNamespace(
+            **{
+                name: getattr(whole, name)
+                for name in ("stored", "table", "draw_figures", "runs_on")
+            },
+            FEATURES=handles,
+        )
 
 
 def test_the_page_holds_the_matrix_the_tables_and_the_figures(page):

@@ -1,4 +1,6 @@
-"""Stored results and records that are damaged: one message with the file and the way out, exit 3."""
+"""Stored results and records that are damaged: one message with the file and the way out, exit
+3.
+"""
 
 from __future__ import annotations
 
@@ -41,8 +43,12 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.mark.parametrize("name", SYSTEMS)
 @pytest.mark.parametrize("damage", [*DAMAGED, *HEADLESS, "missing", "a folder"])
-def test_a_damaged_stored_result_is_named(package: Path, capfd: pytest.CaptureFixture[str], name: str, damage: str) -> None:
-    file = package / {"thesis": "kinat2023/results.json", "cells": "other_cells.json"}.get(name, f"{name}/results.json")
+def test_a_damaged_stored_result_is_named(
+    package: Path, capfd: pytest.CaptureFixture[str], name: str, damage: str
+) -> None:
+    file = package / {"thesis": "kinat2023/results.json", "cells": "other_cells.json"}.get(
+        name, f"{name}/results.json"
+    )
     file.parent.mkdir(exist_ok=True)
     if damage == "a folder":
         file.mkdir()
@@ -67,7 +73,10 @@ def test_a_damaged_record_is_named_and_left_alone(tmp_path: Path, damage: str) -
     assert records.kept_record(file, lambda: {"found": 1}) == {"found": 1}
     assert records.kept_record(file, lambda: {"found": 2}) == {"found": 1}
     file.write_bytes(DAMAGED[damage])
-    with pytest.raises(CellError, match=r"one\.json: is no JSON that can be read .*Delete it: the reproduction makes it anew"):
+    with pytest.raises(
+        CellError,
+        match=r"one\.json: is no JSON that can be read .*Delete it: the reproduction makes it anew",
+    ):
         records.kept_record(file, lambda: {"found": 3})
     assert file.read_bytes() == DAMAGED[damage]
 

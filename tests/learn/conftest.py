@@ -1,4 +1,6 @@
-"""What the tests of learning share. A forgotten axis fails: NumPy's silent widening of ranks is an error here."""
+"""What the tests of learning share. A forgotten axis fails: NumPy's silent widening of ranks is an
+error here.
+"""
 
 from __future__ import annotations
 

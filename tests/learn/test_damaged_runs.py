@@ -1,4 +1,5 @@
-"""Run folders and policies that are damaged, hostile or of another recipe: one message that names the file, exit 3, nothing lost.
+"""Run folders and policies that are damaged, hostile or of another recipe: one message that names
+the file, exit 3, nothing lost.
 
 Every damage is done to a copy of a real run, and every command that reads the file is run on it.
 """
@@ -40,7 +41,9 @@ DEEP = b"[" * 100_000 + b"]" * 100_000
 
 @pytest.fixture(scope="module")
 def stopped(tmp_path_factory: pytest.TempPathFactory, quickly_compiled: None) -> Path:
-    """PPO, stopped after 4 of its 12 intervals: it has both checkpoints, figures, policies, and goes on."""
+    """PPO, stopped after 4 of its 12 intervals: it has both checkpoints, figures, policies, and
+    goes on.
+    """
     folder = tmp_path_factory.mktemp("ppo") / "run"
 
     def stop(progress: trainer.Progress) -> None:
@@ -55,7 +58,10 @@ def stopped(tmp_path_factory: pytest.TempPathFactory, quickly_compiled: None) ->
 def turns(tmp_path_factory: pytest.TempPathFactory, quickly_compiled: None) -> Path:
     """Deep Q-learning, trained for a moment: its policies hold another kind of network."""
     folder = tmp_path_factory.mktemp("dqn") / "run"
-    recipe = ValueRecipe(DqnConfig(decisions=512, games=8, kept=64, minibatch=8, warm_up=2, units=8, target_every=4), samples=2)
+    recipe = ValueRecipe(
+        DqnConfig(decisions=512, games=8, kept=64, minibatch=8, warm_up=2, units=8, target_every=4),
+        samples=2,
+    )
     trainer.train(tandem.load(CELL), recipe_name="dqn", own_recipe=recipe, folder=folder)
     return folder
 
@@ -65,10 +71,18 @@ def response(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The policy of a best response with drawn weights."""
     cell = tandem.load(CELL)
     arrays, rng = Names.of(cell).arrays(), np.random.default_rng(3)
-    network = init(lambda shape: rng.uniform(-1, 1, shape).astype(np.float32), (observation.observation_size(arrays), 8, len(arrays.way_ticks) + 1))
-    actor = {layer: {part: array[None] for part, array in parts.items()} for layer, parts in network.items()}
+    network = init(
+        lambda shape: rng.uniform(-1, 1, shape).astype(np.float32),
+        (observation.observation_size(arrays), 8, len(arrays.way_ticks) + 1),
+    )
+    actor = {
+        layer: {part: array[None] for part, array in parts.items()}
+        for layer, parts in network.items()
+    }
     notes = {"kind": "response", "digest": cell.digest, "cell": cell.name}
-    return Policy(("decider_0",), actor, "tanh", True, False, notes).save(tmp_path_factory.mktemp("response") / "policy-0.safetensors")
+    return Policy(("decider_0",), actor, "tanh", True, False, notes).save(
+        tmp_path_factory.mktemp("response") / "policy-0.safetensors"
+    )
 
 
 # --- the damages ---
@@ -126,7 +140,13 @@ def places(document: Any, way: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]
     """The way to every value of a document."""
     if way:
         yield way
-    for key, value in document.items() if isinstance(document, dict) else enumerate(document) if isinstance(document, list) else ():
+    for key, value in (
+        document.items()
+        if isinstance(document, dict)
+        else enumerate(document)
+        if isinstance(document, list)
+        else ()
+    ):
         yield from places(value, (*way, key))
 
 
@@ -146,7 +166,9 @@ def without(key: str) -> Callable[[Any], Any]:
 
 
 def with_tensors(change: Callable[[dict[str, Any], dict[str, Any]], Any]) -> Damage:
-    """A safetensors file with other arrays or another document: `change` gets both, and changes them."""
+    """A safetensors file with other arrays or another document: `change` gets both, and changes
+    them.
+    """
 
     def damage(file: Path) -> None:
         arrays, document = opened(file)
@@ -163,15 +185,26 @@ def with_text(text: str) -> Damage:
 
 def opened(file: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     with safe_open(str(file), "numpy") as whole:
-        return {name: whole.get_tensor(name) for name in whole.keys()}, json.loads(whole.metadata()["tandem"])  # noqa: SIM118
+        return {name: whole.get_tensor(name) for name in whole.keys()}, json.loads(
+            whole.metadata()["tandem"]
+        )  # noqa: SIM118
 
 
 def rewrite(file: Path, arrays: dict[str, Any], text: str) -> None:
-    file.write_bytes(save({name: np.ascontiguousarray(array) for name, array in arrays.items()}, metadata={"tandem": text}))
+    file.write_bytes(
+        save(
+            {name: np.ascontiguousarray(array) for name, array in arrays.items()},
+            metadata={"tandem": text},
+        )
+    )
 
 
 def last_layer(change: Callable[[np.ndarray], np.ndarray]) -> Damage:
-    return with_tensors(lambda arrays, _: arrays.update({f"1/{part}": change(arrays[f"1/{part}"]) for part in ("weight", "bias")}))
+    return with_tensors(
+        lambda arrays, _: arrays.update(
+            {f"1/{part}": change(arrays[f"1/{part}"]) for part in ("weight", "bias")}
+        )
+    )
 
 
 def two_agents(arrays: dict[str, Any], document: dict[str, Any]) -> None:
@@ -185,7 +218,9 @@ def without_layer_0(arrays: dict[str, Any], _: dict[str, Any]) -> None:
 
 
 def each_array(change: Callable[[np.ndarray], np.ndarray]) -> Damage:
-    return with_tensors(lambda arrays, _: arrays.update({name: change(array) for name, array in arrays.items()}))
+    return with_tensors(
+        lambda arrays, _: arrays.update({name: change(array) for name, array in arrays.items()})
+    )
 
 
 def first_array(change: Callable[[np.ndarray], np.ndarray]) -> Damage:
@@ -211,19 +246,25 @@ ANY_TENSORS = [
     Case("deep header", header(b'{"__metadata__": ' + DEEP + b"}")),
     Case("header of nothing", header(b"{}")),
     Case("no document", header(b'{"__metadata__": {"other": "1"}}')),
-    Case("arrays that lie outside", header(b'{"a": {"dtype": "F32", "shape": [4], "data_offsets": [0, 16]}}')),
-    Case("arrays without a size", header(b'{"a": {"dtype": "F32", "shape": [99999999999, 99999999999], "data_offsets": [0, 0]}}')),
-    Case("numbers of an unknown kind", header(b'{"a": {"dtype": "F8_E4M3", "shape": [0], "data_offsets": [0, 0]}}')),
+    Case("arrays that lie outside",
+    header(b'{"a": {"dtype": "F32", "shape": [4], "data_offsets": [0, 16]}}')),
+    Case("arrays without a size",
+    header(b'{"a": {"dtype": "F32", "shape": [99999999999, 99999999999], "data_offsets": [0, 0]}}')),
+    Case("numbers of an unknown kind",
+    header(b'{"a": {"dtype": "F8_E4M3", "shape": [0], "data_offsets": [0, 0]}}')),
     Case("deep document", with_text(DEEP.decode())),
     Case("document that is no JSON", with_text("{")),
     Case("document of null", with_text("null")),
     Case("document with nothing", with_text("{}")),
     Case("another key", about(lambda document: document.update(more=1))),
     Case("no arrays", with_tensors(lambda arrays, _: arrays.clear())),
-    Case("an array too many", with_tensors(lambda arrays, _: arrays.update(more=np.zeros(3, np.float32)))),
-    Case("an array under no name", with_tensors(lambda arrays, _: arrays.update({"": np.zeros(3, np.float32)}))),
+    Case("an array too many", with_tensors(lambda arrays, _: arrays.update(more=np.zeros(3,
+    np.float32)))),
+    Case("an array under no name", with_tensors(lambda arrays, _: arrays.update({"": np.zeros(3,
+    np.float32)}))),
     Case("an array too few", with_tensors(lambda arrays, _: arrays.pop(min(arrays)))),
-    Case("arrays renamed", with_tensors(lambda arrays, _: [arrays.update({f"{name}/x/y": arrays.pop(name)}) for name in list(arrays)])),
+    Case("arrays renamed", with_tensors(lambda arrays,
+    _: [arrays.update({f"{name}/x/y": arrays.pop(name)}) for name in list(arrays)])),
     Case("axes swapped", first_array(lambda array: np.swapaxes(array, -1, -2))),
     Case("flat", first_array(np.ravel)),
     Case("single number", first_array(lambda array: np.float32(1).reshape(()))),
@@ -243,11 +284,18 @@ def said(arguments: list[str], capfd: pytest.CaptureFixture[str]) -> tuple[int, 
 
 def contents(folder: Path) -> dict[str, str]:
     files = [file for file in folder.rglob("*") if file.is_file()]
-    return {str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
+    return {
+        str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in files
+    }
 
 
-def refused(arguments: list[str], file: Path, folder: Path, capfd: pytest.CaptureFixture[str], code: int = 3) -> str:
-    """Asserts that the command ends with one message about the file, and leaves everything as it is."""
+def refused(
+    arguments: list[str], file: Path, folder: Path, capfd: pytest.CaptureFixture[str], code: int = 3
+) -> str:
+    """Asserts that the command ends with one message about the file, and leaves everything as it
+    is.
+    """
     before = contents(folder)
     got, err = said(arguments, capfd)
     assert got == code, err
@@ -284,7 +332,8 @@ def test_whatever_value_of_run_json_is_wrong_is_named(stopped: Path, tmp_path: P
 
 RUN_JSON = [
     *ANY_FILE,
-    *(Case(f"without {key}", with_json(without(key))) for key in ("cell", "recipe", "settings", "seeds", "stress_factor", "front_limit")),
+    *(Case(f"without {key}", with_json(without(key))) for key in ("cell", "recipe", "settings",
+    "seeds", "stress_factor", "front_limit")),
     Case("another key", with_json(lambda document: document | {"sedes": [1]})),
     Case("no seeds", with_json(put(("seeds",), []))),
     Case("a seed twice", with_json(put(("seeds",), [3, 3]))),
@@ -305,11 +354,18 @@ RUN_JSON = [
 def test_a_damaged_run_json_stops_the_training(stopped: Path, tmp_path: Path, capfd, case: Case):
     shutil.copytree(stopped, tmp_path / "run")
     case.damage(tmp_path / "run" / "run.json")
-    refused(["train", "--resume", str(tmp_path / "run"), "-q"], tmp_path / "run" / "run.json", tmp_path, capfd)
+    refused(
+        ["train", "--resume", str(tmp_path / "run"), "-q"],
+        tmp_path / "run" / "run.json",
+        tmp_path,
+        capfd,
+    )
 
 
 @ids(ANY_FILE)
-def test_a_damaged_run_json_stops_the_evaluation(stopped: Path, turns: Path, tmp_path: Path, capfd, case: Case):
+def test_a_damaged_run_json_stops_the_evaluation(
+    stopped: Path, turns: Path, tmp_path: Path, capfd, case: Case
+):
     for kind, run_folder in (("ppo", stopped), ("dqn", turns)):
         shutil.copytree(run_folder, tmp_path / kind)
         case.damage(tmp_path / kind / "run.json")
@@ -325,7 +381,8 @@ METRICS = [
     Case("null in a line", lambda file: file.write_bytes(b"null\n" + file.read_bytes())),
     Case("a list in a line", lambda file: file.write_bytes(b"[]\n" + file.read_bytes())),
     Case("deep in a line", lambda file: file.write_bytes(DEEP + b"\n" + file.read_bytes())),
-    Case("digits in a line", lambda file: file.write_bytes(b"9" * 9999 + b"\n" + file.read_bytes())),
+    Case("digits in a line",
+    lambda file: file.write_bytes(b"9" * 9999 + b"\n" + file.read_bytes())),
     Case("an empty line", lambda file: file.write_bytes(b"\n" + file.read_bytes())),
     Case("no interval", written(b'{"seed": 3}\n')),
     Case("no seed", written(b'{"interval": 1}\n')),
@@ -334,25 +391,37 @@ METRICS = [
     Case("an interval below 1", written(b'{"interval": -1, "seed": 3}\n')),
     Case("text for a figure", written(b'{"interval": 1, "seed": 3, "steps": "many"}\n')),
     Case("a table for a figure", written(b'{"interval": 1, "seed": 3, "steps": {}}\n')),
-    Case("other figures in the second line", written(LINE + b'{"interval": 1, "seed": 4, "stairs": 128}\n')),
-    Case("cut off in the middle", lambda file: file.write_bytes(file.read_bytes()[:200] + b"\n" + file.read_bytes())),
+    Case("other figures in the second line",
+    written(LINE + b'{"interval": 1, "seed": 4, "stairs": 128}\n')),
+    Case("cut off in the middle",
+    lambda file: file.write_bytes(file.read_bytes()[:200] + b"\n" + file.read_bytes())),
 ]  # fmt: skip
 
 
 @ids(METRICS)
-def test_figures_that_cannot_be_read_are_told_by_line_and_never_dropped(stopped: Path, tmp_path: Path, capfd, case: Case):
+def test_figures_that_cannot_be_read_are_told_by_line_and_never_dropped(
+    stopped: Path, tmp_path: Path, capfd, case: Case
+):
     shutil.copytree(stopped, tmp_path / "run")
     file = tmp_path / "run" / "metrics.jsonl"
     case.damage(file)
     err = refused(["train", "--resume", str(tmp_path / "run"), "-q"], file, tmp_path, capfd)
     assert "line" in err or file.is_dir()
-    refused(["evaluate", str(tmp_path / "run"), "--curves", str(tmp_path / "c.svg"), "--episodes", "2"], file, tmp_path, capfd)
+    refused(
+        ["evaluate", str(tmp_path / "run"), "--curves", str(tmp_path / "c.svg"), "--episodes", "2"],
+        file,
+        tmp_path,
+        capfd,
+    )
 
 
 def test_curves_of_no_figures_are_refused(stopped: Path, tmp_path: Path, capfd):
     shutil.copytree(stopped, tmp_path / "run")
     (tmp_path / "run" / "metrics.jsonl").write_text("")
-    code, err = said(["evaluate", str(tmp_path / "run"), "--curves", str(tmp_path / "c.svg"), "--episodes", "2"], capfd)
+    code, err = said(
+        ["evaluate", str(tmp_path / "run"), "--curves", str(tmp_path / "c.svg"), "--episodes", "2"],
+        capfd,
+    )
     assert (code, "has no figures yet" in err) == (2, True)
 
 
@@ -372,7 +441,9 @@ CHECKPOINT = [
 
 
 @ids(CHECKPOINT)
-def test_a_damaged_checkpoint_without_one_before_stops_the_training(stopped: Path, tmp_path: Path, capfd, case: Case):
+def test_a_damaged_checkpoint_without_one_before_stops_the_training(
+    stopped: Path, tmp_path: Path, capfd, case: Case
+):
     shutil.copytree(stopped, tmp_path / "run")
     (tmp_path / "run" / "checkpoint-before.safetensors").unlink()
     file = tmp_path / "run" / "checkpoint.safetensors"
@@ -380,8 +451,24 @@ def test_a_damaged_checkpoint_without_one_before_stops_the_training(stopped: Pat
     refused(["train", "--resume", str(tmp_path / "run"), "-q"], file, tmp_path, capfd)
 
 
-@ids([case for case in CHECKPOINT if case.name in ("missing", "cut off late", "axes swapped", "nan", "no interval", "deep document")])
-def test_a_good_older_checkpoint_is_used_and_that_is_said(stopped: Path, tmp_path: Path, capfd, case: Case):
+@ids(
+    [
+        case
+        for case in CHECKPOINT
+        if case.name
+        in (
+            "missing",
+            "cut off late",
+            "axes swapped",
+            "nan",
+            "no interval",
+            "deep document",
+        )
+    ]
+)
+def test_a_good_older_checkpoint_is_used_and_that_is_said(
+    stopped: Path, tmp_path: Path, capfd, case: Case
+):
     folder = tmp_path / "run"
     shutil.copytree(stopped, folder)
     case.damage(folder / "checkpoint.safetensors")
@@ -397,12 +484,16 @@ def test_a_good_older_checkpoint_is_used_and_that_is_said(stopped: Path, tmp_pat
         assert (folder / "checkpoint-damaged.safetensors").read_bytes() == damaged
 
 
-def test_a_checkpoint_of_another_recipe_is_refused_and_says_which_arrays(stopped: Path, turns: Path, tmp_path: Path, capfd):
+def test_a_checkpoint_of_another_recipe_is_refused_and_says_which_arrays(
+    stopped: Path, turns: Path, tmp_path: Path, capfd
+):
     folder = tmp_path / "run"
     shutil.copytree(stopped, folder)
     for name in ("checkpoint", "checkpoint-before"):
         shutil.copy(turns / "checkpoint.safetensors", folder / f"{name}.safetensors")
-    err = refused(["train", "--resume", str(folder), "-q"], folder / "checkpoint.safetensors", tmp_path, capfd)
+    err = refused(
+        ["train", "--resume", str(folder), "-q"], folder / "checkpoint.safetensors", tmp_path, capfd
+    )
     assert "does not fit this training: it has no " in err
 
 
@@ -418,7 +509,8 @@ POLICY = [
     *ANY_TENSORS,
     *SHAPES,
     *(
-        Case(f"{key}: {wrong!r}", about(lambda document, key=key, wrong=wrong: document.update({key: wrong})))
+        Case(f"{key}: {wrong!r}", about(lambda document, key=key,
+        wrong=wrong: document.update({key: wrong})))
         for key, wrongs in {
             "agents": (None, [], ["robot_0"], ["a", "b", "c"], [1, 2], "robot_0", {}),
             "activation": ("swish", None, 1, []),
@@ -429,7 +521,8 @@ POLICY = [
         for wrong in wrongs
     ),
     *(
-        Case(f"notes.{key}: {wrong!r}", about(lambda document, key=key, wrong=wrong: document["notes"].update({key: wrong})))
+        Case(f"notes.{key}: {wrong!r}", about(lambda document, key=key,
+        wrong=wrong: document["notes"].update({key: wrong})))
         for key, wrongs in {
             "pace": ("foo", 3, None),
             "sees": ("mine", [], {}),
@@ -441,10 +534,12 @@ POLICY = [
         }.items()
         for wrong in wrongs
     ),
-    *(Case(f"no note of {key}", about(lambda document, key=key: document["notes"].pop(key))) for key in ("pace", "sees", "rewards")),
+    *(Case(f"no note of {key}", about(lambda document,
+    key=key: document["notes"].pop(key))) for key in ("pace", "sees", "rewards")),
     Case("one layer less", with_tensors(without_layer_0)),
     Case("one action less", last_layer(lambda array: array[..., :-1])),
-    Case("sees one number less", with_tensors(lambda arrays, _: arrays.update({"0/weight": arrays["0/weight"][:, 1:]}))),
+    Case("sees one number less", with_tensors(lambda arrays,
+    _: arrays.update({"0/weight": arrays["0/weight"][:, 1:]}))),
     Case("a third agent", each_array(lambda array: np.concatenate([array, array[:1]]))),
 ]  # fmt: skip
 
@@ -454,7 +549,8 @@ def test_a_damaged_policy_is_not_played(stopped: Path, tmp_path: Path, capfd, ca
     shutil.copytree(stopped, tmp_path / "run")
     file = tmp_path / "run" / "policy-3.safetensors"
     case.damage(file)
-    code = 2 if case.name == "missing" else 3  # whoever names a seed that is not there is told which ones are
+    # whoever names a seed that is not there is told which ones are
+    code = 2 if case.name == "missing" else 3
     arguments = ["evaluate", str(tmp_path / "run"), "--seed", "3", "--episodes", "2"]
     if code == 2:
         assert said(arguments, capfd)[0] == 2
@@ -466,10 +562,23 @@ NETWORK = [
     *(case for case in ANY_TENSORS if case.name != "missing"),
     *SHAPES,
     *(
-        Case(f"{key}: {wrong!r}", about(lambda document, key=key, wrong=wrong: document.update({key: wrong})))
+        Case(
+            f"{key}: {wrong!r}",
+            about(lambda document, key=key, wrong=wrong: document.update({key: wrong})),
+        )
         for key, wrongs in {
             "network": ("scorer", "yu", "mlp", None, []),
-            "sizes": ({}, None, [], {"units": 9, "agents": 2}, {"units": -1}, {"units": 10**12}, {"units": "8"}, {"agents": 10**9}, {"layers": 2}),
+            "sizes": (
+                {},
+                None,
+                [],
+                {"units": 9, "agents": 2},
+                {"units": -1},
+                {"units": 10**12},
+                {"units": "8"},
+                {"agents": 10**9},
+                {"layers": 2},
+            ),
             "notes": (None, []),
         }.items()
         for wrong in wrongs
@@ -495,18 +604,24 @@ LEARNED = [
     Case("a kind of numbers", about(lambda document: document["notes"].update(kind=7))),
     Case("a digest of numbers", about(lambda document: document["notes"].update(digest=7))),
     Case("one way less", last_layer(lambda array: array[..., :-1])),
-    Case("sees one number less", with_tensors(lambda arrays, _: arrays.update({"0/weight": arrays["0/weight"][:, 1:]}))),
+    Case("sees one number less", with_tensors(lambda arrays,
+    _: arrays.update({"0/weight": arrays["0/weight"][:, 1:]}))),
 ]  # fmt: skip
 
 
 @ids(LEARNED)
-def test_a_damaged_response_decides_nothing(response: Path, tmp_path: Path, capfd, monkeypatch, case: Case):
+def test_a_damaged_response_decides_nothing(
+    response: Path, tmp_path: Path, capfd, monkeypatch, case: Case
+):
     file = tmp_path / "policy-0.safetensors"
     shutil.copy(response, file)
     case.damage(file)
     if case.name == "a folder":
         pytest.skip("a folder is a run")
-    for command in (["dispatch", CELL, "--policy", "learned"], ["simulate", CELL, "--policy", "learned", "--episodes", "2", "-q"]):
+    for command in (
+        ["dispatch", CELL, "--policy", "learned"],
+        ["simulate", CELL, "--policy", "learned", "--episodes", "2", "-q"],
+    ):
         refused([*command, "--learned", str(file)], file, tmp_path, capfd)
 
 
@@ -524,7 +639,9 @@ def test_what_a_run_wrote_is_read_without_a_word(stopped: Path, turns: Path, cap
 
 
 def test_a_stage_of_another_length_goes_on_where_it_was(stopped: Path, tmp_path: Path):
-    """A run that says another budget than it was begun with is a run, too: nothing but the settings' form is checked."""
+    """A run that says another budget than it was begun with is a run, too: nothing but the
+    settings' form is checked.
+    """
     folder = tmp_path / "run"
     shutil.copytree(stopped, folder)
     with_json(put(("settings", "config", "stages", 1, "steps"), 128))(folder / "run.json")

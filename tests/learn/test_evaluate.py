@@ -26,7 +26,13 @@ def run(tmp_path_factory) -> Path:
 
 def test_every_player_stands_beside_the_exact_front(run):
     found = evaluate(run, episodes=20)
-    assert [line.player.split()[0] for line in found.lines] == ["greedy", "sampled", "best", "rule", "random"]
+    assert [line.player.split()[0] for line in found.lines] == [
+        "greedy",
+        "sampled",
+        "best",
+        "rule",
+        "random",
+    ]
     assert found.front.points == [(23, 7), (24, 3), (34, 2)]
     for line in found.lines:
         assert line.gap >= 0
@@ -42,7 +48,10 @@ def test_numpy_plays_what_jax_said_it_would(run):
     document = json.loads((run / "result.json").read_text())
     for seed in document["seeds"]:
         line = evaluate(run, seed=seed["seed"], episodes=2).line("greedy")
-        assert (line.makespan, line.stress) == (seed["greedy"]["makespan"], seed["greedy"]["stress"])
+        assert (line.makespan, line.stress) == (
+            seed["greedy"]["makespan"],
+            seed["greedy"]["stress"],
+        )
 
 
 def test_an_evaluation_repeats(run):
@@ -50,7 +59,12 @@ def test_an_evaluation_repeats(run):
 
 
 def test_a_cell_with_another_number_of_tasks_is_refused_with_the_reason(run):
-    small = tandem.Cell.model_validate({"operators": {"r": {"kind": "robot"}, "h": {"kind": "human"}}, "tasks": {"a": {"time": {"r": 3, "h": 4}}}})
+    small = tandem.Cell.model_validate(
+        {
+            "operators": {"r": {"kind": "robot"}, "h": {"kind": "human"}},
+            "tasks": {"a": {"time": {"r": 3, "h": 4}}},
+        }
+    )
     with pytest.raises(UsageError, match="it has 1 tasks"):
         evaluate(run, small)
 
@@ -72,7 +86,16 @@ def test_the_gap_is_the_excess_of_what_is_paid():
 def test_evaluate_draws_and_prints_one_document(run, tmp_path):
     done = CliRunner().invoke(
         evaluate_command,
-        [str(run), "--episodes", "5", "--json", "--gantt", str(tmp_path / "g.svg"), "--curves", str(tmp_path / "c.svg")],
+        [
+            str(run),
+            "--episodes",
+            "5",
+            "--json",
+            "--gantt",
+            str(tmp_path / "g.svg"),
+            "--curves",
+            str(tmp_path / "c.svg"),
+        ],
         catch_exceptions=False,
     )
     document = json.loads(done.stdout)
@@ -88,7 +111,12 @@ def test_train_wants_a_cell_or_a_run():
 
 def test_train_finds_no_run_to_go_on_with(tmp_path):
     with pytest.raises(CellError, match="holds no run"):
-        CliRunner().invoke(train_command, ["--resume", str(tmp_path), "-q"], catch_exceptions=False, standalone_mode=False)
+        CliRunner().invoke(
+            train_command,
+            ["--resume", str(tmp_path), "-q"],
+            catch_exceptions=False,
+            standalone_mode=False,
+        )
 
 
 def test_a_band_is_the_mean_and_its_interval():
@@ -102,5 +130,8 @@ def test_curves_draw_into_the_axes_they_are_given():
     from tandem.draw.figure import blank
 
     ax = blank(4, 3).axes[0]
-    assert plot_curves({"one": ([[1, 2]], [[3, 4]])}, ax, marks={"here": 1.5}, levels={"best": 4}) is ax
+    assert (
+        plot_curves({"one": ([[1, 2]], [[3, 4]])}, ax, marks={"here": 1.5}, levels={"best": 4})
+        is ax
+    )
     assert next(line.get_label() for line in ax.get_lines()) == "one"

@@ -23,7 +23,9 @@ SMALL = {"height": 3, "width": 4, "human": 2, "joint": 3, "robot": 2, "max_time"
 
 @pytest.fixture(scope="module")
 def random_play():
-    """Many random games at once: game and seed -> costs `[G]`, last states, the states seen `[L, G]` and the least that was said to come."""
+    """Many random games at once: game and seed -> costs `[G]`, last states, the states seen `[L,
+    G]` and the least that was said to come.
+    """
 
     def play(game, games, seed, prefers_waiting=0.0):
         wide = many(game, games)
@@ -33,7 +35,9 @@ def random_play():
             numbers = jax.random.uniform(key, legal.shape)
             if prefers_waiting:
                 numbers = numbers.at[:, -1].add(prefers_waiting)
-            after, cost = jax.vmap(lambda one, state, move: one.step(state, move))(wide, states, jnp.argmax(jnp.where(legal, numbers, -1.0), 1))
+            after, cost = jax.vmap(lambda one, state, move: one.step(state, move))(
+                wide, states, jnp.argmax(jnp.where(legal, numbers, -1.0), 1)
+            )
             least = jax.vmap(lambda one, state: one.least(state))(wide, states)
             turn = jax.vmap(lambda one, state: one.to_play(state))(wide, states)
             return after, (cost, least, legal, turn)
@@ -47,10 +51,14 @@ def random_play():
 def check_game(game, played):
     """What holds for every game."""
     states, (cost, least, legal, turn) = played
-    assert np.asarray(jax.vmap(lambda one, state: one.is_over(state))(many(game, cost.shape[1]), states)).all()
+    assert np.asarray(
+        jax.vmap(lambda one, state: one.is_over(state))(many(game, cost.shape[1]), states)
+    ).all()
     np.testing.assert_array_equal(legal.any(-1), turn >= 0)
     to_come = np.cumsum(np.asarray(cost)[::-1], 0)[::-1]
-    assert (np.asarray(least) <= to_come + 1e-3).all(), "what is certain to come never exceeds what comes"
+    assert (np.asarray(least) <= to_come + 1e-3).all(), (
+        "what is certain to come never exceeds what comes"
+    )
     np.testing.assert_array_equal(np.asarray(cost)[np.asarray(turn) < 0], 0)
 
 
@@ -65,13 +73,17 @@ def test_a_board_played_by_columns_costs_what_its_cell_takes(random_play):
 
 
 def test_a_cell_without_waiting_is_the_same_game_as_its_board(random_play):
-    """Same game in two tellings: every cost that random play meets on the board is met on the cell, and the best of many are equal."""
+    """Same game in two tellings: every cost that random play meets on the board is met on the cell,
+    and the best of many are equal.
+    """
     board = random_board(**SMALL, seed=3)
     on_board = random_play(jax.tree.map(jnp.asarray, BoardGame.of(board)), 256, 1)[0].clock
     cell_game = jax.tree.map(jnp.asarray, CellGame.of(board.to_cell(), waiting=False))
     played = random_play(cell_game, 256, 2)
     check_game(cell_game, played)
-    assert set(np.asarray(on_board).tolist()) == set(np.asarray(played[1][0].sum(0)).astype(int).tolist())
+    assert set(np.asarray(on_board).tolist()) == set(
+        np.asarray(played[1][0].sum(0)).astype(int).tolist()
+    )
 
 
 def test_a_cells_game_with_waiting_pays_time_and_stress_and_keeps_to_the_cell(random_play):
@@ -80,7 +92,14 @@ def test_a_cells_game_with_waiting_pays_time_and_stress_and_keeps_to_the_cell(ra
     states, (cost, *_) = played = random_play(game, 16, 0, prefers_waiting=0.5)
     check_game(game, played)
     for place in range(16):
-        found = reached(cell, jax.device_get(_Played(cost.sum(0)[place], jax.tree.map(lambda leaf, place=place: leaf[place], states))))
+        found = reached(
+            cell,
+            jax.device_get(
+                _Played(
+                    cost.sum(0)[place], jax.tree.map(lambda leaf, place=place: leaf[place], states)
+                )
+            ),
+        )
         assert tandem.faults(cell, found.schedule) == []
         assert found.cost == pytest.approx(10 * found.makespan + 5 * found.stress, abs=1e-3)
         assert found.makespan >= 23
@@ -91,7 +110,9 @@ class _Played:
         self.cost, self.state = cost, state
 
 
-jax.tree_util.register_pytree_node(_Played, lambda it: ((it.cost, it.state), None), lambda _, parts: _Played(*parts))
+jax.tree_util.register_pytree_node(
+    _Played, lambda it: ((it.cost, it.state), None), lambda _, parts: _Played(*parts)
+)
 
 
 def test_three_operators_and_a_joint_task_take_turns(random_play):

@@ -23,7 +23,9 @@ from tandem.learn.settings import read
 from tandem.learn.training.agents import PPO
 
 
-def made(shared: bool = False, masked: bool = True) -> tuple[Policy, ppo.Learner, StationWorld, Config]:
+def made(
+    shared: bool = False, masked: bool = True
+) -> tuple[Policy, ppo.Learner, StationWorld, Config]:
     """An untrained policy of the thesis's cell and the learner it comes from."""
     config = replace(tiny.RECIPE.config, share_actor=shared, masked=masked)
     world = StationWorld.of(tandem.load(tiny.CELL), tiny.RECIPE, stress_factor=1)
@@ -31,7 +33,19 @@ def made(shared: bool = False, masked: bool = True) -> tuple[Policy, ppo.Learner
     lively = jax.tree.map(lambda leaf: leaf * 20, learner.parameters["actor"])
     actor = jax.tree.map(np.asarray, lively)
     learner = learner._replace(parameters={**learner.parameters, "actor": lively})
-    return Policy(world.agents, actor, config.activation, masked, shared, {"pace": "decisions", "sees": "normalised"}), learner, world, config
+    return (
+        Policy(
+            world.agents,
+            actor,
+            config.activation,
+            masked,
+            shared,
+            {"pace": "decisions", "sees": "normalised"},
+        ),
+        learner,
+        world,
+        config,
+    )
 
 
 @pytest.mark.parametrize("shared", [False, True])
@@ -42,7 +56,9 @@ def test_numpy_and_jax_agree(shared):
     expected = ppo._forward(learner.parameters, "actor", seen, config)
     np.testing.assert_allclose(policy.logits(np.asarray(seen)), expected, atol=1e-4)
     for row, agent in enumerate(policy.agents):
-        np.testing.assert_allclose(policy.logits(np.asarray(seen)[row], agent), expected[row], atol=1e-4)
+        np.testing.assert_allclose(
+            policy.logits(np.asarray(seen)[row], agent), expected[row], atol=1e-4
+        )
 
 
 def test_the_greedy_action_is_the_best_legal_one_and_draws_are_legal():
@@ -55,7 +71,10 @@ def test_the_greedy_action_is_the_best_legal_one_and_draws_are_legal():
     logits = policy.logits(seen)
     assert actions.tolist() == [2 if row[2] > row[5] else 5 for row in logits]
     generator = np.random.default_rng(0)
-    drawn = [policy.predict(seen, action_masks=masks, deterministic=False, generator=generator)[0] for _ in range(50)]
+    drawn = [
+        policy.predict(seen, action_masks=masks, deterministic=False, generator=generator)[0]
+        for _ in range(50)
+    ]
     assert set(np.ravel(drawn)) <= {2, 5}
 
 
@@ -65,7 +84,10 @@ def test_the_greedy_action_is_the_best_legal_one_and_draws_are_legal():
         ({}, "say which are legal"),
         ({"action_masks": np.zeros((2, 8))}, "at least one legal action"),
         ({"action_masks": np.ones(8)}, r"must be \(2, 8\)"),
-        ({"action_masks": np.ones(8), "agent": "robot"}, "agent 'robot': this policy knows robot_0, human_0"),
+        (
+            {"action_masks": np.ones(8), "agent": "robot"},
+            "agent 'robot': this policy knows robot_0, human_0",
+        ),
     ],
 )
 def test_what_does_not_fit_is_refused(options, message):
@@ -79,7 +101,10 @@ def test_a_saved_policy_comes_back_whole(tmp_path):
     back = Policy.load(policy.save(tmp_path / "policy.safetensors"))
     assert back.agents == policy.agents
     assert back.notes == policy.notes
-    assert all(np.array_equal(a, b) for a, b in zip(jax.tree.leaves(back.actor), jax.tree.leaves(policy.actor), strict=True))
+    assert all(
+        np.array_equal(a, b)
+        for a, b in zip(jax.tree.leaves(back.actor), jax.tree.leaves(policy.actor), strict=True)
+    )
 
 
 def test_a_file_that_is_no_policy_is_refused(tmp_path):
@@ -102,7 +127,9 @@ actions, _ = agents.predict(seen, action_masks=np.ones((2, 8)))
 del sys.modules["jax"]
 print(json.dumps([actions.tolist(), [name for name in sys.modules if name.split(".")[0] in ("jax", "optax")]]))
 """
-    out = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    out = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
     actions, loaded = json.loads(out.stdout)
     assert loaded == []
     seen = np.asarray(world.observe(world.reset(jax.random.key(0))))
@@ -110,12 +137,18 @@ print(json.dumps([actions.tolist(), [name for name in sys.modules if name.split(
 
 
 def test_a_decision_for_fifty_tasks_is_quick():
-    """The target is 200 microseconds (`benchmarks/decide.py` measures it alone on a core); ten times that fails even on a busy machine."""
+    """The target is 200 microseconds (`benchmarks/decide.py` measures it alone on a core); ten
+    times that fails even on a busy machine.
+    """
     size = 6 * 50 + 4 + 50 * 50
     rng = np.random.default_rng(0)
     sizes = [(size, 64), (64, 64), (64, 51)]
     actor = {
-        str(i): {"weight": rng.standard_normal((2, *shape), np.float32), "bias": np.zeros((2, shape[1]), np.float32)} for i, shape in enumerate(sizes)
+        str(i): {
+            "weight": rng.standard_normal((2, *shape), np.float32),
+            "bias": np.zeros((2, shape[1]), np.float32),
+        }
+        for i, shape in enumerate(sizes)
     }
     policy = Policy(("robot_0", "human_0"), actor, "tanh", True, False, {})
     seen, masks, spent = rng.random((2, size), np.float32), np.ones((2, 51), np.int8), []
@@ -138,7 +171,10 @@ def test_learn_predict_save_load(tmp_path):
     state = world.reset(jax.random.key(0))
     seen, masks = np.asarray(world.observe(state)), np.asarray(world.legal(state))
     back = PPO.load(agents.save(tmp_path / "p.safetensors"))
-    assert back.predict(seen, action_masks=masks)[0].tolist() == agents.predict(seen, action_masks=masks)[0].tolist()
+    assert (
+        back.predict(seen, action_masks=masks)[0].tolist()
+        == agents.predict(seen, action_masks=masks)[0].tolist()
+    )
     with pytest.raises(UsageError, match="no cell to learn on"):
         back.learn()
 
@@ -149,6 +185,11 @@ def test_a_recipe_in_episodes_takes_no_number_of_steps():
 
 
 def test_what_a_configuration_must_be_is_said_all_at_once():
-    with pytest.raises(UsageError, match=r"(?s)stages.0.episodes and steps: says neither.*horizon 0.*clip 2.*activation 'swish'"):
+    with pytest.raises(
+        UsageError,
+        match=(
+            r"(?s)stages.0.episodes and steps: says neither.*horizon 0.*clip 2.*activation 'swish'"
+        ),
+    ):
         Config(stages=(Stage(),), horizon=0, clip=2, activation="swish")
     assert read(Config, json.loads(json.dumps(tiny.RECIPE.config.to_dict()))) == tiny.RECIPE.config

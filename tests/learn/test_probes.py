@@ -15,7 +15,9 @@ from tandem.learn.ppo.config import Config
 
 
 def trained(world: Any, config: Config = SMALL) -> tuple[np.ndarray, np.ndarray]:
-    """Return of the greedy policies `[seed, A]` and rules broken, after a training of 24 updates a seed."""
+    """Return of the greedy policies `[seed, A]` and rules broken, after a training of 24 updates a
+    seed.
+    """
 
     def one(key: jax.Array) -> tuple[jax.Array, jax.Array]:
         learner, _ = ppo.train(key, world, config, 24)
@@ -33,7 +35,9 @@ def test_every_seed_solves_the_probe(world: Any) -> None:
     assert not illegal.any()
 
 
-def test_an_advantage_that_looks_one_step_ahead_only_fails_the_late_reward(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_advantage_that_looks_one_step_ahead_only_fails_the_late_reward(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(ppo, "advantages", lambda reward, value, *_, **__: reward - value)
     returns, _ = trained(LateReward())
     assert (returns < 0.5).any()
@@ -41,12 +45,16 @@ def test_an_advantage_that_looks_one_step_ahead_only_fails_the_late_reward(monke
 
 def test_an_advantage_of_the_wrong_sign_fails_every_seed(monkeypatch: pytest.MonkeyPatch) -> None:
     right = ppo.advantages
-    monkeypatch.setattr(ppo, "advantages", lambda *arguments, **options: -right(*arguments, **options))
+    monkeypatch.setattr(
+        ppo, "advantages", lambda *arguments, **options: -right(*arguments, **options)
+    )
     returns, _ = trained(LateReward())
     assert (returns.min(1) < 0.5).all()
 
 
-def test_a_mask_that_allows_everything_eats_the_forbidden_fruit(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_mask_that_allows_everything_eats_the_forbidden_fruit(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(ForbiddenFruit, "legal", lambda self, state: jnp.ones((2, 3), bool))
     _, illegal = trained(ForbiddenFruit())
     assert illegal.any()

@@ -1,4 +1,6 @@
-"""A best response to people: what it sees, that it learns, and that it decides live as it does in the world it was trained in."""
+"""A best response to people: what it sees, that it learns, and that it decides live as it does in
+the world it was trained in.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +44,13 @@ ARRAYS = NAMES.arrays()
 SHORT = replace(
     RESPONSE,
     people="random:0.5",
-    config=replace(RESPONSE.config, environments=64, minibatch=512, hidden=(32, 32), stages=(config.Stage(steps=49_152, learning_rate=2e-3),)),
+    config=replace(
+        RESPONSE.config,
+        environments=64,
+        minibatch=512,
+        hidden=(32, 32),
+        stages=(config.Stage(steps=49_152, learning_rate=2e-3),),
+    ),
 )
 
 
@@ -51,19 +59,29 @@ def untrained(arrays: Arrays, cell: Any) -> Policy:
     rng = np.random.default_rng(3)
     draw = lambda shape: rng.uniform(-1, 1, shape).astype(np.float32)  # noqa: E731
     network = init(draw, (observation.observation_size(arrays), 16, len(arrays.way_ticks) + 1))
-    actor = {layer: {part: array[None] for part, array in parts.items()} for layer, parts in network.items()}
-    return Policy(("decider_0",), actor, "tanh", True, False, {"kind": "response", "digest": cell.digest})
+    actor = {
+        layer: {part: array[None] for part, array in parts.items()}
+        for layer, parts in network.items()
+    }
+    return Policy(
+        ("decider_0",), actor, "tanh", True, False, {"kind": "response", "digest": cell.digest}
+    )
 
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
     """A short training beside somebody who picks at random half of the time."""
     folder = tmp_path_factory.mktemp("response") / "run"
-    with jax.numpy_rank_promotion("raise"):  # as in the tests, so that what is compiled here serves them too
-        return folder, train(THESIS, recipe_name="response", own_recipe=SHORT, seeds=(0,), folder=folder)
+    # as in the tests, so that what is compiled here serves them too
+    with jax.numpy_rank_promotion("raise"):
+        return folder, train(
+            THESIS, recipe_name="response", own_recipe=SHORT, seeds=(0,), folder=folder
+        )
 
 
-def test_it_learns_the_plan_and_what_to_do_beside_somebody_else(run: tuple[Path, dict[str, Any]]) -> None:
+def test_it_learns_the_plan_and_what_to_do_beside_somebody_else(
+    run: tuple[Path, dict[str, Any]],
+) -> None:
     """The exact optimum beside this person is 24.167 s, that of a plan 23 s."""
     row = run[1]["seeds"][0]
     assert row["greedy"]["makespan"] == 23
@@ -71,13 +89,24 @@ def test_it_learns_the_plan_and_what_to_do_beside_somebody_else(run: tuple[Path,
     assert row["people_finished"] == 1.0
 
 
-def test_a_run_that_was_stopped_goes_on_to_the_same_policy(run: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:
+def test_a_run_that_was_stopped_goes_on_to_the_same_policy(
+    run: tuple[Path, dict[str, Any]], tmp_path: Path
+) -> None:
     def stop(_: Any) -> None:
         raise KeyboardInterrupt
 
-    train(THESIS, recipe_name="response", own_recipe=SHORT, seeds=(0,), folder=tmp_path / "run", on_progress=stop)
+    train(
+        THESIS,
+        recipe_name="response",
+        own_recipe=SHORT,
+        seeds=(0,),
+        folder=tmp_path / "run",
+        on_progress=stop,
+    )
     resume(tmp_path / "run")
-    assert (tmp_path / "run" / "policy-0.safetensors").read_bytes() == (run[0] / "policy-0.safetensors").read_bytes()
+    assert (tmp_path / "run" / "policy-0.safetensors").read_bytes() == (
+        run[0] / "policy-0.safetensors"
+    ).read_bytes()
 
 
 def test_what_is_seen_is_the_same_in_numpy_and_jax_and_hides_what_is_still_to_come() -> None:
@@ -87,13 +116,22 @@ def test_what_is_seen_is_the_same_in_numpy_and_jax_and_hides_what_is_still_to_co
     state = world.advance(ARRAYS, state)
     mask = world.legal(ARRAYS, state)
     seen = observation.observe(ARRAYS, state, mask, world.turn(ARRAYS, mask))
-    under_jax = jax.jit(observation.observe)(jax.tree.map(jnp.asarray, ARRAYS), jax.tree.map(jnp.asarray, state), mask, world.turn(ARRAYS, mask))
+    under_jax = jax.jit(observation.observe)(
+        jax.tree.map(jnp.asarray, ARRAYS),
+        jax.tree.map(jnp.asarray, state),
+        mask,
+        world.turn(ARRAYS, mask),
+    )
     np.testing.assert_allclose(seen, under_jax, rtol=1e-5)
     assert seen.shape == (observation.observation_size(ARRAYS),)
     task = NAMES.tasks.index("3")
     for end in (10_000, 500_000):
-        later = state._replace(end_at=np.where(np.arange(7) == task, end, state.end_at).astype(np.int32))
-        np.testing.assert_array_equal(observation.observe(ARRAYS, later, mask, world.turn(ARRAYS, mask)), seen)
+        later = state._replace(
+            end_at=np.where(np.arange(7) == task, end, state.end_at).astype(np.int32)
+        )
+        np.testing.assert_array_equal(
+            observation.observe(ARRAYS, later, mask, world.turn(ARRAYS, mask)), seen
+        )
 
 
 def test_paces_are_told_by_work_that_ended_and_by_work_that_should_have() -> None:
@@ -106,9 +144,12 @@ def test_paces_are_told_by_work_that_ended_and_by_work_that_should_have() -> Non
         assert low <= factor[1] <= high
 
 
-@pytest.mark.parametrize(("file", "spec"), [("thesis.yaml", "random:0.5"), ("gearbox.yaml", "pace:2+random:0.3")])
+@pytest.mark.parametrize(
+    ("file", "spec"), [("thesis.yaml", "random:0.5"), ("gearbox.yaml", "pace:2+random:0.3")]
+)
 def test_live_it_decides_as_in_the_world_it_was_trained_in(file: str, spec: str) -> None:
-    """A situation in names and seconds holds all that the network was shown in ticks: twenty episodes come out the same.
+    """A situation in names and seconds holds all that the network was shown in ticks: twenty
+    episodes come out the same.
 
     Only who has let a turn pass is not in it: beside people who postpone, both may differ.
     """
@@ -116,11 +157,16 @@ def test_live_it_decides_as_in_the_world_it_was_trained_in(file: str, spec: str)
     names = Names.of(cell)
     arrays = names.arrays()
     policy = untrained(arrays, cell)
-    people, draw = crowd(spec, names, arrays).draw(np.random.default_rng(0), 20), Draw.of(names, arrays)
+    people, draw = (
+        crowd(spec, names, arrays).draw(np.random.default_rng(0), 20),
+        Draw.of(names, arrays),
+    )
     played = episode.play_many(jax.random.key(1), draw, arrays, people, decider(policy))
     live = Learned(policy, names, names.arrays(undo=1.0), Models(cell))
     stage = Stage.of(names, arrays, draw, people, 1)
-    np.testing.assert_array_equal(stage.play(live).makespan, np.asarray(played.makespan) / names.per_second)
+    np.testing.assert_array_equal(
+        stage.play(live).makespan, np.asarray(played.makespan) / names.per_second
+    )
 
 
 def test_a_situation_and_the_world_hold_the_same() -> None:
@@ -144,7 +190,9 @@ def test_a_situation_and_the_world_hold_the_same() -> None:
         pytest.fail("the episode did not end")
 
 
-def test_a_run_or_a_file_is_taken_and_what_does_not_fit_is_refused_with_the_way_out(run: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:
+def test_a_run_or_a_file_is_taken_and_what_does_not_fit_is_refused_with_the_way_out(
+    run: tuple[Path, dict[str, Any]], tmp_path: Path
+) -> None:
     live = learned(THESIS, SECONDS, Options(learned=str(run[0])))
     decision = live.decide(Situation.of(THESIS))
     assert decision.by == "learned"
@@ -152,7 +200,9 @@ def test_a_run_or_a_file_is_taken_and_what_does_not_fit_is_refused_with_the_way_
     assert decision.starts or decision.asks
     assert json.dumps(decision.why)
     with pytest.raises(UsageError, match=r"another cell|trained on"):
-        learned(tandem.load(ROOT / "examples" / "gearbox.yaml"), SECONDS, Options(learned=str(run[0])))
+        learned(
+            tandem.load(ROOT / "examples" / "gearbox.yaml"), SECONDS, Options(learned=str(run[0]))
+        )
     with pytest.raises(UsageError, match="Train one with: tandem train CELL"):
         learned(THESIS, SECONDS, Options())
     with pytest.raises(UsageError, match="no trained policy"):
@@ -161,12 +211,16 @@ def test_a_run_or_a_file_is_taken_and_what_does_not_fit_is_refused_with_the_way_
 
 @pytest.mark.parametrize(("cell", "least"), [("thesis", 0.95), ("layered, 12 tasks, seed 3", 0.9)])
 def test_the_stored_measurement_holds_what_the_page_says(cell: str, least: float) -> None:
-    """Best-Response Proximity on the mean over the people held out: above what is asked, and above self-play's; never above 1 but by chance."""
+    """Best-Response Proximity on the mean over the people held out: above what is asked, and above
+    self-play's; never above 1 but by chance.
+    """
     rows = json.loads((ROOT / "benchmarks" / "results" / "best_response.json").read_text())["rows"]
     found: dict[str, list[float]] = {}
     for row in rows:
         if row["cell"] == cell:
-            found.setdefault(row["decider"], []).append(row["optimum"] / float(np.mean(row["makespans"])))
+            found.setdefault(row["decider"], []).append(
+                row["optimum"] / float(np.mean(row["makespans"]))
+            )
     mean = {decider: float(np.mean(shares)) for decider, shares in found.items()}
     assert mean["best response"] >= least
     assert mean["best response"] > mean["self-play"]

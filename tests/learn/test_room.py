@@ -1,4 +1,6 @@
-"""A process that compiles one thing after the other stays below the memory maps that the system allows."""
+"""A process that compiles one thing after the other stays below the memory maps that the system
+allows.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,9 @@ import pytest
 
 from tandem.learn import room
 
-maps = pytest.mark.skipif(not room.MAPS.exists(), reason="this system does not tell its memory maps")
+maps = pytest.mark.skipif(
+    not room.MAPS.exists(), reason="this system does not tell its memory maps"
+)
 
 
 def used() -> int:

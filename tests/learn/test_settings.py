@@ -1,4 +1,6 @@
-"""What `--set` takes: every setting of every recipe is checked, and everything wrong is told at once."""
+"""What `--set` takes: every setting of every recipe is checked, and everything wrong is told at
+once.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,9 @@ from tandem.learn.training.recipes import RECIPES, changed, kinds, recipe_from
 
 
 def leaves(form: Any, value: Any, place: str = "") -> Iterator[tuple[str, Any, Any]]:
-    """Every setting that a recipe has: the way to it, its type, its value; those of the first stage, too."""
+    """Every setting that a recipe has: the way to it, its type, its value; those of the first
+    stage, too.
+    """
     hints = typing.get_type_hints(form)
     for field in fields(form):
         kind, own, name = hints[field.name], getattr(value, field.name), f"{place}{field.name}"
@@ -30,7 +34,11 @@ def leaves(form: Any, value: Any, place: str = "") -> Iterator[tuple[str, Any, A
             yield name, kind, own
 
 
-SETTINGS = [pytest.param(recipe, *leaf, id=f"{recipe}-{leaf[0]}") for recipe, base in RECIPES.items() for leaf in leaves(type(base), base)]
+SETTINGS = [
+    pytest.param(recipe, *leaf, id=f"{recipe}-{leaf[0]}")
+    for recipe, base in RECIPES.items()
+    for leaf in leaves(type(base), base)
+]
 
 
 def wrong_for(kind: Any) -> list[str]:
@@ -97,37 +105,96 @@ STAGE = '{"steps": 64, "entropie": 1}'
 TOLD = [
     ("station", "sees=mine", "--set sees 'mine': choose thesis or scaled or normalised."),
     ("station", "pace=foo", "--set pace 'foo': choose 'ticks' or 'decisions'."),
-    ("station", "rewards=table-5-2", "--set rewards 'table-5-2': Did you mean 'table_5_2'? choose "),
-    ("tandem", f"config.stages=[{STAGE}]", "--set config.stages.0.entropie: there is no such setting. Did you mean 'entropy'?"),
-    ("tandem", "config.stages=[{}]", "--set config.stages.0.episodes and steps: says neither, so it would never end."),
+    (
+        "station",
+        "rewards=table-5-2",
+        "--set rewards 'table-5-2': Did you mean 'table_5_2'? choose ",
+    ),
+    (
+        "tandem",
+        f"config.stages=[{STAGE}]",
+        "--set config.stages.0.entropie: there is no such setting. Did you mean 'entropy'?",
+    ),
+    (
+        "tandem",
+        "config.stages=[{}]",
+        "--set config.stages.0.episodes and steps: says neither, so it would never end.",
+    ),
     ("tandem", "config.stages=[3]", "--set config.stages.0 3: must be a table of settings."),
-    ("station", "config.stages.3.entropy=1", "config.stages.3.entropy=1: the recipe has no such setting; it has pace, sees"),
-    ("tandem", "config.hidden=[64, 0]", "--set config.hidden [64, 0]: needs 1 to 16 layers, each of 1 to 4,096 units."),
-    ("tandem", "config.environments=2000000000", "environments 2000000000: must be 1 or more, at most 4,194,304."),
+    (
+        "station",
+        "config.stages.3.entropy=1",
+        "config.stages.3.entropy=1: the recipe has no such setting; it has pace, sees",
+    ),
+    (
+        "tandem",
+        "config.hidden=[64, 0]",
+        "--set config.hidden [64, 0]: needs 1 to 16 layers, each of 1 to 4,096 units.",
+    ),
+    (
+        "tandem",
+        "config.environments=2000000000",
+        "environments 2000000000: must be 1 or more, at most 4,194,304.",
+    ),
     ("station", "pace=ticks pace=decisions", "--set pace: is set 2 times."),
     ("tandem", "masked", "--set masked: the recipe has no such setting"),
     ("tandem", "=1", "--set =1: the recipe has no such setting"),
-    ("station", "config.clip=2 config.epochs=0 sees=mine", "--set config.clip 2.0: must|--set config.epochs 0: must|--set sees 'mine'"),
-    ("dqn", "config.agents=both config.horizon=mine", "agents 'both': choose 'each' or 'one'|horizon 'mine': choose 'own' or 'next'"),
-    ("alphazero", "config.search.kind=uct config.iterations=0", "--set config.search.kind 'uct'|--set config.iterations 0"),
-    ("alphazero", "waiting=7 config.search.noise=3", "--set waiting 7: must be true or false|--set config.search.noise 3.0"),
+    (
+        "station",
+        "config.clip=2 config.epochs=0 sees=mine",
+        "--set config.clip 2.0: must|--set config.epochs 0: must|--set sees 'mine'",
+    ),
+    (
+        "dqn",
+        "config.agents=both config.horizon=mine",
+        "agents 'both': choose 'each' or 'one'|horizon 'mine': choose 'own' or 'next'",
+    ),
+    (
+        "alphazero",
+        "config.search.kind=uct config.iterations=0",
+        "--set config.search.kind 'uct'|--set config.iterations 0",
+    ),
+    (
+        "alphazero",
+        "waiting=7 config.search.noise=3",
+        "--set waiting 7: must be true or false|--set config.search.noise 3.0",
+    ),
     ("yu2020", "config.value_norm=[1]", "--set config.value_norm.1: is missing."),
-    ("yu2020", "config.value_norm=[1,2,3]", "--set config.value_norm a list: has another number of values than it must have."),
-    ("response", "people=3 config.gae=1.5", "--set people 3: must be text.|--set config.gae 1.5: must lie between 0 and 1."),
+    (
+        "yu2020",
+        "config.value_norm=[1,2,3]",
+        "--set config.value_norm a list: has another number of values than it must have.",
+    ),
+    (
+        "response",
+        "people=3 config.gae=1.5",
+        "--set people 3: must be text.|--set config.gae 1.5: must lie between 0 and 1.",
+    ),
 ]
 
 
 @pytest.mark.parametrize(("name", "settings", "told"), TOLD)
 def test_everything_that_is_wrong_is_told_at_once_with_what_is_allowed(name, settings, told):
     with pytest.raises(UsageError) as caught:
-        changed(RECIPES[name], [settings] if "{" in settings or ", " in settings else settings.split(" "))
+        changed(
+            RECIPES[name],
+            [settings] if "{" in settings or ", " in settings else settings.split(" "),
+        )
     for words in told.split("|"):
         assert words in str(caught.value)
 
 
 @pytest.mark.parametrize("name", RECIPES)
 def test_the_command_ends_with_2_and_one_message_before_it_makes_a_folder(name, tmp_path, capfd):
-    arguments = ["train", "examples/thesis.yaml", "--recipe", name, "--run", str(tmp_path / "run"), "-q"]
+    arguments = [
+        "train",
+        "examples/thesis.yaml",
+        "--recipe",
+        name,
+        "--run",
+        str(tmp_path / "run"),
+        "-q",
+    ]
     assert run([*arguments, "--set", "config.learning_rat=1", "--set", "config.stages=foo"]) == 2
     said = capfd.readouterr().err
     assert said.count("--set") == 2
@@ -136,5 +203,7 @@ def test_the_command_ends_with_2_and_one_message_before_it_makes_a_folder(name, 
 
 
 def test_settings_of_another_recipe_are_refused_when_a_run_is_read():
-    with pytest.raises(SettingsError, match=r"(?s)config.stages: there is no such.*pace: there is no such"):
+    with pytest.raises(
+        SettingsError, match=r"(?s)config.stages: there is no such.*pace: there is no such"
+    ):
         recipe_from("dqn", RECIPES["station"].to_dict())

@@ -42,7 +42,11 @@ def same_run(left: Path, right: Path) -> None:
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
 def test_a_run_that_was_killed_goes_on_to_the_same_bits(whole, tmp_path):
     folder = tmp_path / "killed"
-    child = subprocess.Popen([sys.executable, str(Path(tiny.__file__)), str(folder)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    child = subprocess.Popen(
+        [sys.executable, str(Path(tiny.__file__)), str(folder)],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+    )
     deadline = time.monotonic() + 300
     while len(RunFolder(folder).rows()) < 3 * 2:
         assert child.poll() is None, child.stderr.read().decode()
@@ -86,9 +90,14 @@ def test_figures_behind_the_checkpoint_are_forgotten_and_come_again(whole, tmp_p
 
 
 def test_numbers_that_are_not_finite_stop_it_and_the_last_good_checkpoint_stays(tmp_path):
-    stages = (tiny.RECIPE.config.stages[0], replace(tiny.RECIPE.config.stages[1], learning_rate=1e38))
+    stages = (
+        tiny.RECIPE.config.stages[0],
+        replace(tiny.RECIPE.config.stages[1], learning_rate=1e38),
+    )
     broken = replace(tiny.RECIPE, config=replace(tiny.RECIPE.config, stages=stages))
-    with pytest.raises(trainer.NotFiniteError, match=r"seed 3, 4 are no longer finite.*after interval [67]"):
+    with pytest.raises(
+        trainer.NotFiniteError, match=r"seed 3, 4 are no longer finite.*after interval [67]"
+    ):
         tiny.train(tmp_path / "run", own_recipe=broken)
     kept = load_file(tmp_path / "run" / "checkpoint.safetensors")
     assert all(np.isfinite(array).all() for array in kept.values() if array.dtype.kind == "f")
@@ -107,7 +116,9 @@ def test_the_document_is_what_outsiders_rely_on(whole):
         for played in (seed["greedy"], seed["best_of_n"]):
             assert played["illegal"] == 0
             assert played["makespan"] >= 23
-            assert played["gap"] == pytest.approx((10 * played["makespan"] + played["stress"] - 237) / 237, abs=1e-6)
+            assert played["gap"] == pytest.approx(
+                (10 * played["makespan"] + played["stress"] - 237) / 237, abs=1e-6
+            )
     assert json.loads((folder / "result.json").read_text()) == json.loads(json.dumps(document))
 
 
@@ -115,11 +126,15 @@ def test_every_interval_has_the_figures_that_the_thesis_watches(whole):
     folder, _ = whole
     with open(folder / "metrics.csv", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert [(row["interval"], row["seed"]) for row in rows] == [(str(i), s) for i in range(1, tiny.INTERVALS + 1) for s in ("3", "4")]
+    assert [(row["interval"], row["seed"]) for row in rows] == [
+        (str(i), s) for i in range(1, tiny.INTERVALS + 1) for s in ("3", "4")
+    ]
     for agent in ("robot_0", "human_0"):
         for figure in ("return", "mean_return", "first_value", "illegal"):
             assert all(np.isfinite(float(row[f"{figure}_{agent}"])) for row in rows)
-    assert {"greedy_makespan", "greedy_stress", "gap", "stage", "episodes", "steps"} <= rows[0].keys()
+    assert {"greedy_makespan", "greedy_stress", "gap", "stage", "episodes", "steps"} <= rows[
+        0
+    ].keys()
     assert [row["stage"] for row in rows[::2]] == ["1"] * 6 + ["2"] * 6
 
 

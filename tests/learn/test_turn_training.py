@@ -1,4 +1,6 @@
-"""Recipes of games of turns through the one trainer: they learn what is known to be best, and a stop changes nothing."""
+"""Recipes of games of turns through the one trainer: they learn what is known to be best, and a
+stop changes nothing.
+"""
 
 from __future__ import annotations
 
@@ -47,13 +49,37 @@ SMALL = {
         tandem.load(tiny.CELL),
         5.0,
         SearchRecipe(
-            alphazero.Config(alphazero.Search(simulations=12), iterations=14, games=16, kept=3, minibatch=64, minibatches=12, units=16),
+            alphazero.Config(
+                alphazero.Search(simulations=12),
+                iterations=14,
+                games=16,
+                kept=3,
+                minibatch=64,
+                minibatches=12,
+                units=16,
+            ),
             simulations=12,
             samples=4,
         ),
     ),
-    "yu": (BOARD, 0.0, YuRecipe(YuConfig(YuSearch(4, 2, temperature=1000.0), outer=1, inner=2, switch=10, dense=8), samples=4)),
-    "dqn": (THREE, 0.0, ValueRecipe(DqnConfig(4800, games=8, kept=1024, minibatch=32, warm_up=10, target_every=20, units=16), samples=4)),
+    "yu": (
+        BOARD,
+        0.0,
+        YuRecipe(
+            YuConfig(YuSearch(4, 2, temperature=1000.0), outer=1, inner=2, switch=10, dense=8),
+            samples=4,
+        ),
+    ),
+    "dqn": (
+        THREE,
+        0.0,
+        ValueRecipe(
+            DqnConfig(
+                4800, games=8, kept=1024, minibatch=32, warm_up=10, target_every=20, units=16
+            ),
+            samples=4,
+        ),
+    ),
 }
 
 
@@ -62,17 +88,28 @@ def whole(request, tmp_path_factory):
     """A run that nothing stopped: what was asked, its folder, its document."""
     cell, factor, recipe = SMALL[request.param]
     folder = tmp_path_factory.mktemp(request.param) / "run"
-    options = {"own_recipe": recipe, "recipe_name": request.param, "stress_factor": factor, "seeds": (3, 4)}
+    options = {
+        "own_recipe": recipe,
+        "recipe_name": request.param,
+        "stress_factor": factor,
+        "seeds": (3, 4),
+    }
     return cell, options, folder, trainer.train(cell, folder=folder, **options)
 
 
 def test_what_is_learned_is_held_against_the_exact_front(whole):
     _, options, folder, document = whole
-    best = min(10 * makespan + options["stress_factor"] * stress for makespan, stress in document["exact_front"])
+    best = min(
+        10 * makespan + options["stress_factor"] * stress
+        for makespan, stress in document["exact_front"]
+    )
     for seed in document["seeds"]:
         played = [seed[name] for name in ("greedy", "searched", "best_of_n") if name in seed]
         for one in played:
-            assert one["gap"] == pytest.approx((10 * one["makespan"] + options["stress_factor"] * one["stress"] - best) / best, abs=1e-6)
+            assert one["gap"] == pytest.approx(
+                (10 * one["makespan"] + options["stress_factor"] * one["stress"] - best) / best,
+                abs=1e-6,
+            )
         assert min(one["gap"] for one in played) == 0 or options["recipe_name"] == "yu"
         assert played[-1]["gap"] <= 0.1
     rows = RunFolder(folder).rows()
@@ -81,14 +118,18 @@ def test_what_is_learned_is_held_against_the_exact_front(whole):
 
 
 def test_a_stop_changes_nothing(whole, tmp_path):
-    """Ctrl-C after the second interval, then --resume: checkpoint, policies and figures are the same to the bit."""
+    """Ctrl-C after the second interval, then --resume: checkpoint, policies and figures are the
+    same to the bit.
+    """
     cell, options, folder, _ = whole
 
     def stop(progress):
         if progress.rows[0]["interval"] == 2:
             raise KeyboardInterrupt
 
-    assert trainer.train(cell, folder=tmp_path / "stopped", on_progress=stop, **options)["interrupted"]
+    assert trainer.train(cell, folder=tmp_path / "stopped", on_progress=stop, **options)[
+        "interrupted"
+    ]
     assert not trainer.resume(tmp_path / "stopped")["interrupted"]
     for name in ("checkpoint.safetensors", "policy-3.safetensors", "policy-4.safetensors"):
         ours, theirs = load_file(tmp_path / "stopped" / name), load_file(folder / name)
@@ -125,10 +166,21 @@ def test_a_recipe_comes_back_from_what_a_run_writes_down(name):
 
 
 def test_settings_of_a_recipe_are_changed_by_name_and_faults_come_all_at_once():
-    recipe = changed(RECIPES["alphazero"], ["waiting=false", "config.search.simulations=64", "config.search.kind=puct", "config.search.depth=3"])
+    recipe = changed(
+        RECIPES["alphazero"],
+        [
+            "waiting=false",
+            "config.search.simulations=64",
+            "config.search.kind=puct",
+            "config.search.depth=3",
+        ],
+    )
     assert isinstance(recipe, SearchRecipe)
     plain = RECIPES["alphazero"]
     search = replace(plain.config.search, kind="puct", simulations=64, depth=3)
     assert recipe == replace(plain, waiting=False, config=replace(plain.config, search=search))
-    with pytest.raises(UsageError, match=r"(?s)--set x=3: .*has no such setting.*--set waiting 3: must be true or false"):
+    with pytest.raises(
+        UsageError,
+        match=r"(?s)--set x=3: .*has no such setting.*--set waiting 3: must be true or false",
+    ):
         changed(RECIPES["alphazero"], ["x=3", "waiting=3"])

@@ -1,4 +1,6 @@
-"""A training of the thesis's cell that takes a second once it is compiled; as a program it trains into the folder it is given."""
+"""A training of the thesis's cell that takes a second once it is compiled; as a program it trains
+into the folder it is given.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,10 @@ CELL = Path(__file__).parents[2] / "examples" / "thesis.yaml"
 INTERVALS = 12
 RECIPE = StationRecipe(
     Config(
-        stages=(Stage(steps=6 * 128, entropy=0.1, learning_rate=3e-3), Stage(steps=6 * 128, entropy=0.01, learning_rate=1e-3)),
+        stages=(
+            Stage(steps=6 * 128, entropy=0.1, learning_rate=3e-3),
+            Stage(steps=6 * 128, entropy=0.01, learning_rate=1e-3),
+        ),
         environments=8,
         horizon=16,
         episode_limit=100,
@@ -30,7 +35,13 @@ RECIPE = StationRecipe(
 def train(folder: Path, **options: Any) -> dict[str, Any]:
     from tandem.learn.training import trainer
 
-    settings = {"own_recipe": RECIPE, "stress_factor": 1.0, "seeds": (3, 4), "front_limit": 60.0, **options}
+    settings = {
+        "own_recipe": RECIPE,
+        "stress_factor": 1.0,
+        "seeds": (3, 4),
+        "front_limit": 60.0,
+        **options,
+    }
     return trainer.train(tandem.load(CELL), folder=folder, **settings)
 
 

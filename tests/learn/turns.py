@@ -22,10 +22,12 @@ class Way(NamedTuple):
 @partial(jax.tree_util.register_dataclass, data_fields=["unit", "fees"], meta_fields=[])
 @dataclass(frozen=True)
 class Trap:
-    """Agent 0 goes left (move 0) or right (move 1), then agent 1 chooses, then it is over; both pay the same.
+    """Agent 0 goes left (move 0) or right (move 1), then agent 1 chooses, then it is over; both pay
+    the same.
 
-    Left costs 1 and then 5 or 6; right costs 2 and then 1 or 9. Least: right, then move 0, 3 in all. Who looks one step ahead goes left; who thinks
-    that agent 1 is an adversary goes left, too. Move 2 would cost nothing, and is never legal.
+    Left costs 1 and then 5 or 6; right costs 2 and then 1 or 9. Least: right, then move 0, 3 in
+    all. Who looks one step ahead goes left; who thinks that agent 1 is an adversary goes left, too.
+    Move 2 would cost nothing, and is never legal.
     """
 
     unit: Any
@@ -52,7 +54,9 @@ class Trap:
         over = self.is_over(state)
         row = jnp.where(state.moves == 0, 0, 1 + state.first)
         first = jnp.where(state.moves == 0, move, state.first)
-        return Way(state.moves + ~over, first.astype(jnp.int32)), jnp.where(over, 0.0, self.fees[row, move])
+        return Way(state.moves + ~over, first.astype(jnp.int32)), jnp.where(
+            over, 0.0, self.fees[row, move]
+        )
 
     def is_over(self, state: Way) -> jax.Array:
         return state.moves >= 2
@@ -79,7 +83,9 @@ class Blind:
 
 @dataclass(frozen=True)
 class Told:
-    """Says what it is told for each of `Trap`'s three situations: `logits` `[3, 3]`, `to_come` `[3]`."""
+    """Says what it is told for each of `Trap`'s three situations: `logits` `[3, 3]`, `to_come`
+    `[3]`.
+    """
 
     def start(self, key: Any, game: Any = None) -> dict[str, Any]:
         return {"logits": jnp.zeros((3, 3)), "to_come": jnp.zeros(3)}

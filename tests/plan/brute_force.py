@@ -60,23 +60,41 @@ class Plain:
     def __init__(self, data: Mapping[str, Any]) -> None:
         self.kind = {name: entry["kind"] for name, entry in data["operators"].items()}
         self.breaks = {
-            name: sorted((_millionths(a), _millionths(b)) for a, b in entry.get("breaks") or ()) for name, entry in data["operators"].items()
+            name: sorted((_millionths(a), _millionths(b)) for a, b in entry.get("breaks") or ())
+            for name, entry in data["operators"].items()
         }
-        self.limit = {name: _millionths(entry["stress_limit"]) for name, entry in data["operators"].items() if entry.get("stress_limit") is not None}
+        self.limit = {
+            name: _millionths(entry["stress_limit"])
+            for name, entry in data["operators"].items()
+            if entry.get("stress_limit") is not None
+        }
         self.in_hand = {name: entry.get("tool") for name, entry in data["operators"].items()}
-        self.jobs = {str(name): self._job(str(name), entry) for name, entry in data["tasks"].items()}
+        self.jobs = {
+            str(name): self._job(str(name), entry) for name, entry in data["tasks"].items()
+        }
         tools, zones = data.get("tools") or {}, data.get("zones") or {}
-        self.places = {kind: {name: entry.get("capacity", 1) for name, entry in table.items()} for kind, table in (("tool", tools), ("zone", zones))}
-        self.change = {(name, who): _millionths(seconds) for name, entry in tools.items() for who, seconds in (entry.get("changeover") or {}).items()}
+        self.places = {
+            kind: {name: entry.get("capacity", 1) for name, entry in table.items()}
+            for kind, table in (("tool", tools), ("zone", zones))
+        }
+        self.change = {
+            (name, who): _millionths(seconds)
+            for name, entry in tools.items()
+            for who, seconds in (entry.get("changeover") or {}).items()
+        }
         self.pairs = [(str(a), str(b)) for a, b in data.get("same_operator") or ()]
         table = data.get("stress_of_set")
         self.table = table if table is None else {
-            frozenset(filter(None, str(names).split(","))): _millionths(value) for names, value in table.items()
+            frozenset(filter(None, str(names).split(","))): _millionths(value) for names,
+            value in table.items()
         }  # fmt: skip
 
     def _job(self, name: str, entry: Mapping[str, Any]) -> Job:
         stress = entry.get("stress", 0)
-        ways = [Way((who,), _millionths(time), self._strain((who,), stress)) for who, time in (entry.get("time") or {}).items()]
+        ways = [
+            Way((who,), _millionths(time), self._strain((who,), stress))
+            for who, time in (entry.get("time") or {}).items()
+        ]
         for joint in entry.get("together") or ():
             who = tuple(joint["operators"])
             own = stress if joint.get("stress") is None else joint["stress"]
@@ -94,7 +112,10 @@ class Plain:
 
     def _strain(self, who: tuple[str, ...], stress: float | Mapping[str, float]) -> dict[str, int]:
         humans = [name for name in who if self.kind[name] == "human"]
-        return {name: _millionths(stress.get(name, 0) if isinstance(stress, Mapping) else stress) for name in humans}
+        return {
+            name: _millionths(stress.get(name, 0) if isinstance(stress, Mapping) else stress)
+            for name in humans
+        }
 
     # ------------------------------------------------------------ what a schedule may do
 
@@ -109,7 +130,10 @@ class Plain:
         who = {step.name: set(step.way.who) for step in done}
         if any(a in who and b in who and who[a] != who[b] for a, b in self.pairs):
             return False
-        return all(sum(step.way.strain.get(name, 0) for step in done) <= limit for name, limit in self.limit.items())
+        return all(
+            sum(step.way.strain.get(name, 0) for step in done) <= limit
+            for name, limit in self.limit.items()
+        )
 
     def allows(self, done: tuple[Step, ...]) -> bool:
         """Whether these steps, some tasks not begun, break no rule on times."""
@@ -128,11 +152,19 @@ class Plain:
     def _one_at_a_time(self, who: str, done: tuple[Step, ...]) -> bool:
         """Tasks, the changeovers right before them, and breaks, one after the other."""
         hand, free = self.in_hand[who], 0
-        for step in sorted((step for step in done if who in step.way.who), key=lambda step: step.start):
+        for step in sorted(
+            (step for step in done if who in step.way.who), key=lambda step: step.start
+        ):
             tool = self.jobs[step.name].tool
-            change = self.change.get((tool, who), 0) if tool is not None and hand not in (None, tool) else 0
+            change = (
+                self.change.get((tool, who), 0)
+                if tool is not None and hand not in (None, tool)
+                else 0
+            )
             begin = step.start - change
-            if begin < free or any(off < step.end and begin < back for off, back in self.breaks[who]):
+            if begin < free or any(
+                off < step.end and begin < back for off, back in self.breaks[who]
+            ):
                 return False
             hand, free = hand if tool is None else tool, step.end
         return True
@@ -143,7 +175,10 @@ class Plain:
             thing = getattr(self.jobs[step.name], kind)
             if thing is not None:
                 there = (
-                    len(other.way.who) for other in done if getattr(self.jobs[other.name], kind) == thing and other.start <= step.start < other.end
+                    len(other.way.who)
+                    for other in done
+                    if getattr(self.jobs[other.name], kind) == thing
+                    and other.start <= step.start < other.end
                 )
                 if sum(there) > self.places[kind].get(thing, 1):
                     return False
@@ -151,7 +186,8 @@ class Plain:
 
 
 def front_in_order(data: Mapping[str, Any]) -> list[Point]:
-    """The front over all orders and ways, each task at the first moment, not before the last start, at which it may begin.
+    """The front over all orders and ways, each task at the first moment, not before the last start,
+    at which it may begin.
 
     Of any schedule, its tasks taken in order of start, this gives one in which no task is later.
     """
@@ -159,16 +195,22 @@ def front_in_order(data: Mapping[str, Any]) -> list[Point]:
 
 
 def front_of_all(data: Mapping[str, Any], horizon: float | None = None) -> list[Point]:
-    """The front over all schedules on the grid of the cell's times that end by the horizon. Nothing is left out.
+    """The front over all schedules on the grid of the cell's times that end by the horizon. Nothing
+    is left out.
 
-    Without a horizon, the time in which everything can be done one after the other, behind all breaks and releases.
+    Without a horizon, the time in which everything can be done one after the other, behind all
+    breaks and releases.
     """
     plain = Plain(data)
-    return _seconds(_front_of_all(plain, latest(plain) if horizon is None else _millionths(horizon)))
+    return _seconds(
+        _front_of_all(plain, latest(plain) if horizon is None else _millionths(horizon))
+    )
 
 
 def moments(data: Mapping[str, Any]) -> int:
-    """How many moments of its grid a cell has until `latest`: what trying them all would cost a task."""
+    """How many moments of its grid a cell has until `latest`: what trying them all would cost a
+    task.
+    """
     plain = Plain(data)
     return latest(plain) // _grid(plain) + 1
 
@@ -178,10 +220,16 @@ def latest(plain: Plain) -> int:
     work = sum(max(way.time for way in job.ways) for job in plain.jobs.values())
     changes = len(plain.jobs) * max(plain.change.values(), default=0)
     waits = max(job.release for job in plain.jobs.values())
-    return work + changes + max([waits, *(back for breaks in plain.breaks.values() for _, back in breaks)])
+    return (
+        work
+        + changes
+        + max([waits, *(back for breaks in plain.breaks.values() for _, back in breaks)])
+    )
 
 
-def worth(data: Mapping[str, Any], rows: list[tuple[str, float, float, tuple[str, ...]]]) -> Point | None:
+def worth(
+    data: Mapping[str, Any], rows: list[tuple[str, float, float, tuple[str, ...]]]
+) -> Point | None:
     """What a schedule of `(task, start, end, operators)` comes to; None when it breaks the cell."""
     plain = Plain(data)
     if sorted(name for name, *_ in rows) != sorted(plain.jobs):
@@ -189,7 +237,9 @@ def worth(data: Mapping[str, Any], rows: list[tuple[str, float, float, tuple[str
     done = []
     for name, start, end, who in rows:
         time = _millionths(end) - _millionths(start)
-        ways = [way for way in plain.jobs[name].ways if set(way.who) == set(who) and way.time == time]
+        ways = [
+            way for way in plain.jobs[name].ways if set(way.who) == set(who) and way.time == time
+        ]
         if not ways or _millionths(start) < 0:
             return None
         done.append(Step(name, ways[0], _millionths(start)))
@@ -204,7 +254,9 @@ def _front_in_order(plain: Plain) -> list[Pair]:
     found: list[Pair] = []
 
     def beaten(done: tuple[Step, ...]) -> bool:
-        """Whether no schedule that goes on from here is wanted any more; by a table, stress may still fall."""
+        """Whether no schedule that goes on from here is wanted any more; by a table, stress may
+        still fall.
+        """
         if plain.table is not None:
             return False
         stress, makespan = plain.stress(done) or 0, max(step.end for step in done)
@@ -229,12 +281,22 @@ def _front_in_order(plain: Plain) -> list[Pair]:
 
 
 def _appended(plain: Plain, done: tuple[Step, ...], job: Job, way: Way) -> Step | None:
-    """The task at the first moment that is allowed; moments at which something else ends are enough to look at."""
+    """The task at the first moment that is allowed; moments at which something else ends are enough
+    to look at.
+    """
     if not plain.allows_who((*done, Step(job.name, way, 0))):
         return None
     last = max((step.start for step in done), default=0)
-    ends = {0, job.release, *(step.end for step in done), *(back for who in way.who for _, back in plain.breaks[who])}
-    changes = {0, *(plain.change.get((job.tool, who), 0) for who in way.who if job.tool is not None)}
+    ends = {
+        0,
+        job.release,
+        *(step.end for step in done),
+        *(back for who in way.who for _, back in plain.breaks[who]),
+    }
+    changes = {
+        0,
+        *(plain.change.get((job.tool, who), 0) for who in way.who if job.tool is not None),
+    }
     for start in sorted({last, *(end + change for end in ends for change in changes)}):
         if start >= last:
             step = Step(job.name, way, start)
@@ -252,7 +314,9 @@ def _front_of_all(plain: Plain, horizon: int) -> list[Pair]:
     return _unbeaten(found)
 
 
-def _everywhere(plain: Plain, left: list[Job], done: tuple[Step, ...], horizon: int, grid: int) -> Iterator[tuple[Step, ...]]:
+def _everywhere(
+    plain: Plain, left: list[Job], done: tuple[Step, ...], horizon: int, grid: int
+) -> Iterator[tuple[Step, ...]]:
     if not left:
         if plain.allows(done):  # once more: the changeovers may have become others
             yield done
@@ -275,7 +339,9 @@ def _grid(plain: Plain) -> int:
 
 
 def _unbeaten(points: list[Pair]) -> list[Pair]:
-    return sorted({p for p in points if not any(q != p and q[0] <= p[0] and q[1] <= p[1] for q in points)})
+    return sorted(
+        {p for p in points if not any(q != p and q[0] <= p[0] and q[1] <= p[1] for q in points)}
+    )
 
 
 def _seconds(points: list[Pair]) -> list[Point]:

@@ -62,7 +62,13 @@ def begun_before_a_predecessor_has_ended(cell: Cell, plan: Schedule) -> Damaged:
     rows = {a.task: a for a in plan}
     for a in plan:
         for first in cell.tasks[a.task].after:
-            yield cell, _with(plan, a, _at(a, float((exact(rows[first].start) + exact(rows[first].end)) / 2))), {}
+            yield (
+                cell,
+                _with(
+                    plan, a, _at(a, float((exact(rows[first].start) + exact(rows[first].end)) / 2))
+                ),
+                {},
+            )
 
 
 def two_tasks_of_an_operator_at_once(cell: Cell, plan: Schedule) -> Damaged:
@@ -70,7 +76,11 @@ def two_tasks_of_an_operator_at_once(cell: Cell, plan: Schedule) -> Damaged:
         for a in plan.of(name):
             for other in plan.of(name):
                 if a != other:
-                    yield cell, _with(plan, a, _at(a, float((exact(other.start) + exact(other.end)) / 2))), {}
+                    yield (
+                        cell,
+                        _with(plan, a, _at(a, float((exact(other.start) + exact(other.end)) / 2))),
+                        {},
+                    )
 
 
 def begun_before_the_release(cell: Cell, plan: Schedule) -> Damaged:
@@ -99,7 +109,15 @@ def begun_during_the_changeover(cell: Cell, plan: Schedule) -> Damaged:
         rows = plan.of(change.operator)
         place = [a.task for a in rows].index(change.task)
         free = exact(rows[place - 1].end) if place else exact(0)
-        yield cell, _with(plan, rows[place], _at(rows[place], float(free + (exact(change.end) - exact(change.start)) / 2))), {}
+        yield (
+            cell,
+            _with(
+                plan,
+                rows[place],
+                _at(rows[place], float(free + (exact(change.end) - exact(change.start)) / 2)),
+            ),
+            {},
+        )
 
 
 def crowded(cell: Cell, plan: Schedule) -> Damaged:
@@ -109,16 +127,28 @@ def crowded(cell: Cell, plan: Schedule) -> Damaged:
                 place = getattr(cell.tasks[a.task], kind)
                 capacity = places[place].capacity if place in places else 1
                 together = len(a.operators) + len(other.operators)
-                if a != other and place is not None and place == getattr(cell.tasks[other.task], kind) and together > capacity:
+                if (
+                    a != other
+                    and place is not None
+                    and place == getattr(cell.tasks[other.task], kind)
+                    and together > capacity
+                ):
                     yield cell, _with(plan, a, _at(a, other.start)), {}
 
 
 def over_a_stress_limit(cell: Cell, plan: Schedule) -> Damaged:
     for human in cell.humans:
-        loads = {(a.task, frozenset(mode.operators)): mode.stress for a in plan for mode in cell.modes(a.task)}
+        loads = {
+            (a.task, frozenset(mode.operators)): mode.stress
+            for a in plan
+            for mode in cell.modes(a.task)
+        }
         total = sum(exact(loads[a.task, frozenset(a.operators)].get(human, 0)) for a in plan)
         if total:
-            operators = {**cell.operators, human: cell.operators[human].model_copy(update={"stress_limit": float(total) / 2})}
+            operators = {
+                **cell.operators,
+                human: cell.operators[human].model_copy(update={"stress_limit": float(total) / 2}),
+            }
             yield cell.replace(operators=operators), plan, {}
 
 
@@ -126,7 +156,9 @@ def a_pair_apart(cell: Cell, plan: Schedule) -> Damaged:
     rows = {a.task: a for a in plan}
     for a in plan:
         for other in plan:
-            common = {frozenset(mode.operators) for mode in cell.modes(a.task)} & {frozenset(mode.operators) for mode in cell.modes(other.task)}
+            common = {frozenset(mode.operators) for mode in cell.modes(a.task)} & {
+                frozenset(mode.operators) for mode in cell.modes(other.task)
+            }
             if common and set(a.operators) != set(rows[other.task].operators):
                 yield cell.replace(same_operator=((a.task, other.task),)), plan, {}
 
@@ -135,7 +167,15 @@ def a_set_that_is_not_listed(cell: Cell, plan: Schedule) -> Damaged:
     if cell.stress_of_set is not None:
         done = {a.task for a in plan if set(a.operators) & set(cell.humans)}
         key = ",".join(name for name in cell.tasks if name in done)
-        yield cell.replace(stress_of_set={name: value for name, value in cell.stress_of_set.items() if name != key}), plan, {}
+        yield (
+            cell.replace(
+                stress_of_set={
+                    name: value for name, value in cell.stress_of_set.items() if name != key
+                }
+            ),
+            plan,
+            {},
+        )
 
 
 def over_a_limit(cell: Cell, plan: Schedule) -> Damaged:

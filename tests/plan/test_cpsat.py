@@ -1,4 +1,6 @@
-"""Every rule of the CP-SAT model alone: a cell of two tasks that it lets through, and one that it does not."""
+"""Every rule of the CP-SAT model alone: a cell of two tasks that it lets through, and one that it
+does not.
+"""
 
 from __future__ import annotations
 
@@ -30,9 +32,17 @@ def possible(of: Cell, upper: int, *rules: cpsat.Rule, most_stress: int | None =
 
 
 def test_deadlines_are_kept_in_a_slower_way_too():
-    """Anna is slow: from 0 s she ends at 9 s, although the deadline less the cobot's time would let her start at 4 s."""
-    late = cell(tasks={"a": {"time": {"anna": 9, "cobot": 5}, "deadline": 9}, "b": {"time": {"cobot": 9}}})
-    for rule, start, allowed in ((cpsat.deadlines_are_kept, 0, True), (cpsat.deadlines_are_kept, 1, False), (cpsat.predecessors_end_first, 1, True)):
+    """Anna is slow: from 0 s she ends at 9 s, although the deadline less the cobot's time would let
+    her start at 4 s.
+    """
+    late = cell(
+        tasks={"a": {"time": {"anna": 9, "cobot": 5}, "deadline": 9}, "b": {"time": {"cobot": 9}}}
+    )
+    for rule, start, allowed in (
+        (cpsat.deadlines_are_kept, 0, True),
+        (cpsat.deadlines_are_kept, 1, False),
+        (cpsat.predecessors_end_first, 1, True),
+    ):
         plan = cpsat.formulate(Instance.of(late), 20, [rule])
         plan.model.add(plan.chosen[0][0] == 1)
         plan.model.add(plan.start[0] == start)
@@ -53,16 +63,24 @@ def test_an_operator_does_one_thing_at_a_time():
 
 
 def test_breaks_keep_an_operator_from_working():
-    rest = cell({"anna": {"kind": "human", "breaks": [[5, 8]]}}, {"a": {"time": {"anna": 5}}, "b": {"time": {"anna": 5}}})
+    rest = cell(
+        {"anna": {"kind": "human", "breaks": [[5, 8]]}},
+        {"a": {"time": {"anna": 5}}, "b": {"time": {"anna": 5}}},
+    )
     assert possible(rest, 13, cpsat.an_operator_does_one_thing_at_a_time)
     assert not possible(rest, 12, cpsat.an_operator_does_one_thing_at_a_time)
 
 
 @pytest.mark.parametrize(("in_hand", "ends"), [(None, 13), ("wrench", 13), ("driver", 16)])
 def test_taking_up_another_tool_takes_its_time(in_hand, ends):
-    """Wrench, then driver: 5 + 3 + 5; with the driver in hand at the start the wrench has to be taken up too, or the driver again."""
+    """Wrench, then driver: 5 + 3 + 5; with the driver in hand at the start the wrench has to be
+    taken up too, or the driver again.
+    """
     anna = {"kind": "human"} | ({"tool": in_hand} if in_hand else {})
-    tasks = {"a": {"time": {"anna": 5}, "tool": "wrench"}, "b": {"time": {"anna": 5}, "tool": "driver", "after": ["a"]}}
+    tasks = {
+        "a": {"time": {"anna": 5}, "tool": "wrench"},
+        "b": {"time": {"anna": 5}, "tool": "driver", "after": ["a"]},
+    }
     tools = {"wrench": {"changeover": {"anna": 3}}, "driver": {"changeover": {"anna": 3}}}
     swap = cell({"anna": anna}, tasks, tools=tools)
     rules = (cpsat.predecessors_end_first, cpsat.an_operator_does_one_thing_at_a_time)
@@ -71,7 +89,11 @@ def test_taking_up_another_tool_takes_its_time(in_hand, ends):
 
 
 @pytest.mark.parametrize(
-    ("kind", "rule"), [("tool", cpsat.a_tool_is_used_as_often_as_it_exists), ("zone", cpsat.a_zone_holds_as_many_as_it_has_places)]
+    ("kind", "rule"),
+    [
+        ("tool", cpsat.a_tool_is_used_as_often_as_it_exists),
+        ("zone", cpsat.a_zone_holds_as_many_as_it_has_places),
+    ],
 )
 def test_a_tool_and_a_zone_are_shared(kind, rule):
     tasks = {"a": {"time": BOTH, kind: "it"}, "b": {"time": BOTH, kind: "it"}}
@@ -85,8 +107,12 @@ def test_a_joint_task_takes_a_place_for_each_who_takes_part():
     alone = {"time": {"third": 5}, "zone": "fixture"}
     operators = {**TWO, "third": {"kind": "robot"}}
     rule = cpsat.a_zone_holds_as_many_as_it_has_places
-    assert possible(cell(operators, {"a": joint, "b": alone}, zones={"fixture": {"capacity": 3}}), 5, rule)
-    assert not possible(cell(operators, {"a": joint, "b": alone}, zones={"fixture": {"capacity": 2}}), 9, rule)
+    assert possible(
+        cell(operators, {"a": joint, "b": alone}, zones={"fixture": {"capacity": 3}}), 5, rule
+    )
+    assert not possible(
+        cell(operators, {"a": joint, "b": alone}, zones={"fixture": {"capacity": 2}}), 9, rule
+    )
 
 
 def test_a_human_stays_within_the_stress_limit():
@@ -115,10 +141,24 @@ def test_stress_is_counted():
     assert not possible(table, 10, cpsat.stress_is_counted, most_stress=0)
 
 
-@pytest.mark.parametrize("rule", [cpsat.the_work_of_an_operator_fits_before_the_end, cpsat.work_before_and_behind_a_task_fits])
+@pytest.mark.parametrize(
+    "rule",
+    [cpsat.the_work_of_an_operator_fits_before_the_end, cpsat.work_before_and_behind_a_task_fits],
+)
 def test_implied_rules_say_no_before_the_search_does(rule):
-    fan = cell(ONE, {name: {"time": {"anna": 5}, "after": after} for name, after in (("a", []), ("b", []), ("c", ["a", "b"]))})
-    assert not possible(fan, 14 if rule is cpsat.the_work_of_an_operator_fits_before_the_end else 9, rule, cpsat.predecessors_end_first)
+    fan = cell(
+        ONE,
+        {
+            name: {"time": {"anna": 5}, "after": after}
+            for name, after in (("a", []), ("b", []), ("c", ["a", "b"]))
+        },
+    )
+    assert not possible(
+        fan,
+        14 if rule is cpsat.the_work_of_an_operator_fits_before_the_end else 9,
+        rule,
+        cpsat.predecessors_end_first,
+    )
     assert possible(fan, 15, rule, cpsat.predecessors_end_first)
 
 

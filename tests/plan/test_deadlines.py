@@ -1,4 +1,6 @@
-"""Deadlines of tasks that can be done at different speeds: what counts is the way that is taken, not the quickest."""
+"""Deadlines of tasks that can be done at different speeds: what counts is the way that is taken,
+not the quickest.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,12 @@ def cell(tasks: dict, operators: dict = ANNA_AND_COBOT, **more) -> Cell:
 GENTLE_IS_SLOW = cell(
     {
         "hold": {"time": {"cobot": 3}},
-        "glue": {"time": {"cobot": 2}, "stress": 1, "deadline": 4, "together": [{"operators": ["cobot", "anna"], "time": 1}]},
+        "glue": {
+            "time": {"cobot": 2},
+            "stress": 1,
+            "deadline": 4,
+            "together": [{"operators": ["cobot", "anna"], "time": 1}],
+        },
     }
 )
 ALL_FOUR = cell(
@@ -41,13 +48,22 @@ SLOWER_BUT_IN_TIME = cell(
     }
 )
 SLOW_IN_BREAKS = cell(
-    {"a": {"time": {"anna": 2, "ben": 5}, "stress": {"anna": 3, "ben": 1}, "deadline": 7}, "b": {"time": {"ben": 2}, "release": 1}},
+    {
+        "a": {"time": {"anna": 2, "ben": 5}, "stress": {"anna": 3, "ben": 1}, "deadline": 7},
+        "b": {"time": {"ben": 2}, "release": 1},
+    },
     {**THREE, "ben": {"kind": "human", "breaks": [[5, 6]]}},
 )
 """Ben's five seconds end in time at 5 s only, and then b waits for the break to end."""
 JOINT_WAY_IN_A_ZONE = cell(
     {
-        "lift": {"time": {"anna": 6}, "together": [{"operators": ["anna", "ben"], "time": 2}], "stress": 2, "zone": "z", "deadline": 7},
+        "lift": {
+            "time": {"anna": 6},
+            "together": [{"operators": ["anna", "ben"], "time": 2}],
+            "stress": 2,
+            "zone": "z",
+            "deadline": 7,
+        },
         "turn": {"time": {"cobot": 3}, "zone": "z"},
     },
     THREE,
@@ -60,8 +76,18 @@ CHAIN_OF_DEADLINES = cell(
         "c": {"time": {"cobot": 2}},
     }
 )
-TENTHS = cell({"a": {"time": {"anna": 0.1, "cobot": 0.3}, "stress": 0.1, "deadline": 0.4}, "b": {"time": {"cobot": 0.2}}})
-SHORT_OF_A_TICK = cell({"a": {"time": {"anna": 0.1, "cobot": 0.3}, "stress": 0.1, "deadline": 0.49}, "b": {"time": {"cobot": 0.2}, "after": ["a"]}})
+TENTHS = cell(
+    {
+        "a": {"time": {"anna": 0.1, "cobot": 0.3}, "stress": 0.1, "deadline": 0.4},
+        "b": {"time": {"cobot": 0.2}},
+    }
+)
+SHORT_OF_A_TICK = cell(
+    {
+        "a": {"time": {"anna": 0.1, "cobot": 0.3}, "stress": 0.1, "deadline": 0.49},
+        "b": {"time": {"cobot": 0.2}, "after": ["a"]},
+    }
+)
 
 FRONTS = [
     (GENTLE_IS_SLOW, [(4, 1), (5, 0)]),
@@ -97,10 +123,22 @@ def test_the_ends_of_a_front_with_deadlines_are_found_alone(of, points, method):
 @pytest.mark.parametrize(
     "tasks",
     [
-        {"t0": {"time": {"cobot": 2}, "deadline": 4}, "t1": {"time": {"anna": 5, "cobot": 4}, "deadline": 4}},
-        {"t0": {"time": {"cobot": 3}, "deadline": 3}, "t1": {"time": {"anna": 9, "cobot": 4}, "deadline": 6}},
-        {"t0": {"time": {"anna": 9, "cobot": 1}, "deadline": 8}, "t1": {"time": {"anna": 9, "cobot": 8}, "deadline": 8}},
-        {"t0": {"time": {"anna": 2}, "deadline": 2.5}, "t1": {"time": {"anna": 1, "cobot": 2.6}, "deadline": 2.5}},
+        {
+            "t0": {"time": {"cobot": 2}, "deadline": 4},
+            "t1": {"time": {"anna": 5, "cobot": 4}, "deadline": 4},
+        },
+        {
+            "t0": {"time": {"cobot": 3}, "deadline": 3},
+            "t1": {"time": {"anna": 9, "cobot": 4}, "deadline": 6},
+        },
+        {
+            "t0": {"time": {"anna": 9, "cobot": 1}, "deadline": 8},
+            "t1": {"time": {"anna": 9, "cobot": 8}, "deadline": 8},
+        },
+        {
+            "t0": {"time": {"anna": 2}, "deadline": 2.5},
+            "t1": {"time": {"anna": 1, "cobot": 2.6}, "deadline": 2.5},
+        },
     ],
 )
 def test_when_neither_way_is_in_time_that_is_proven(tasks, method):

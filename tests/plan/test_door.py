@@ -1,4 +1,6 @@
-"""Values before proofs: what the checker has not accepted is no incumbent, no bound and no proof, whoever found it."""
+"""Values before proofs: what the checker has not accepted is no incumbent, no bound and no proof,
+whoever found it.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +41,10 @@ def test_a_schedule_over_a_limit_of_the_question_stays_outside(limits):
 
 def test_a_schedule_that_breaks_the_cell_stays_outside_and_is_remembered_when_vouched_for():
     entrance = door()
-    starts = [(way, start - (task == 3)) for task, (way, start) in enumerate(entrance.instance.starts(thesis_schedule()))]
+    starts = [
+        (way, start - (task == 3))
+        for task, (way, start) in enumerate(entrance.instance.starts(thesis_schedule()))
+    ]
     assert faults(thesis(), entrance.instance.schedule(starts))
     assert entrance.admit(starts) is None
     assert entrance.refused == ()
@@ -66,7 +71,9 @@ QUESTIONS = [Question(minimize) for minimize in ("front", "makespan", "stress", 
     ],
 )
 def test_a_model_that_lacks_a_rule_proves_nothing_wrong(monkeypatch, rule):
-    """The solver then finds schedules that the cell does not allow; what it makes of them may not be told as the truth."""
+    """The solver then finds schedules that the cell does not allow; what it makes of them may not
+    be told as the truth.
+    """
     refused = 0
     for cell in CELLS:
         for question in QUESTIONS:
@@ -88,7 +95,9 @@ def test_a_model_that_lacks_a_rule_proves_nothing_wrong(monkeypatch, rule):
 
 def test_where_nothing_but_unsound_schedules_was_found_it_is_said_and_left_open(monkeypatch):
     monkeypatch.setattr(cpsat, "RULES", left_out(cpsat.deadlines_are_kept))
-    with pytest.raises(NothingFoundError, match=r"the checker refused .* 't2': ends at .*This is a bug in Tandem"):
+    with pytest.raises(
+        NothingFoundError, match=r"the checker refused .* 't2': ends at .*This is a bug in Tandem"
+    ):
         plan(FRONTS[1][0], minimize="makespan", workers=1)
 
 
@@ -103,7 +112,9 @@ def test_exhaustive_search_is_not_believed_either(monkeypatch):
 
 
 def test_a_hint_between_two_ticks_is_cut_down_to_them():
-    late = Schedule(tuple(type(a)(a.start + 0.5, a.end + 0.5, a.task, a.operators) for a in thesis_schedule()))
+    late = Schedule(
+        tuple(type(a)(a.start + 0.5, a.end + 0.5, a.task, a.operators) for a in thesis_schedule())
+    )
     admitted = door().hinted(late)
     assert admitted is not None
     assert admitted.point == (23, 7)
@@ -115,11 +126,15 @@ def test_larger_cells_are_improved_by_sound_schedules_alone(workers):
     cell = layered(40, 2, 1, seed=7)
     plan(cell, minimize="makespan", time_limit=2, workers=workers, on_solution=seen.append)
     assert seen
-    assert all(faults(cell, result.schedule) == [] for progress in seen for result in progress.found)
+    assert all(
+        faults(cell, result.schedule) == [] for progress in seen for result in progress.found
+    )
 
 
 def test_a_wrong_model_does_not_keep_a_search_without_limit_going(monkeypatch):
-    """More tasks than CP-SAT takes alone; its model lacks precedence, so it never proves anything."""
+    """More tasks than CP-SAT takes alone; its model lacks precedence, so it never proves
+    anything.
+    """
     monkeypatch.setattr(cpsat, "RULES", left_out(cpsat.predecessors_end_first))
     cell = layered(31, 1, 1, seed=3)
     with pytest.warns(RefusedScheduleWarning):

@@ -20,7 +20,10 @@ def test_the_front_of_the_thesis_cell(method):
     front = plan(thesis(), method=method)
     assert front.points == [(23, 7), (24, 3), (34, 2)]
     assert front.complete
-    assert all(result.status == Status.OPTIMAL and faults(thesis(), result.schedule) == [] for result in front)
+    assert all(
+        result.status == Status.OPTIMAL and faults(thesis(), result.schedule) == []
+        for result in front
+    )
     assert [(result.bound.makespan, result.bound.stress) for result in front] == front.points
     assert front.knee is front[1]
 
@@ -44,7 +47,10 @@ def test_one_best_schedule(method, asked, point):
     assert front.complete
 
 
-@pytest.mark.parametrize(("asked", "points"), [({"max_stress": 3}, [(24, 3), (34, 2)]), ({"max_makespan": 33}, [(23, 7), (24, 3)])])
+@pytest.mark.parametrize(
+    ("asked", "points"),
+    [({"max_stress": 3}, [(24, 3), (34, 2)]), ({"max_makespan": 33}, [(23, 7), (24, 3)])],
+)
 def test_limits_cut_the_front(asked, points):
     front = plan(thesis(), **asked)
     assert front.points == points
@@ -62,14 +68,20 @@ def test_one_worker_and_a_seed_repeat_exactly(seed):
 def test_nothing_is_worse_than_the_best_rule():
     """The rules' schedules are the incumbent from the first moment on."""
     cell = layered(120, 2, 2, seed=3)
-    best = min(RULES[name](cell, Question("makespan"))[0].makespan for name in ("balanced", "longest-tail", "heft", "spt"))
+    best = min(
+        RULES[name](cell, Question("makespan"))[0].makespan
+        for name in ("balanced", "longest-tail", "heft", "spt")
+    )
     assert plan(cell, minimize="makespan", time_limit=0.5)[0].makespan <= best
 
 
 def test_a_hint_is_where_it_begins():
     cell = layered(60, 2, 1, seed=5)
     good = plan(cell, minimize="makespan", time_limit=3)[0]
-    assert plan(cell, minimize="makespan", time_limit=0.3, hint=good.schedule)[0].makespan <= good.makespan
+    assert (
+        plan(cell, minimize="makespan", time_limit=0.3, hint=good.schedule)[0].makespan
+        <= good.makespan
+    )
 
 
 def test_when_time_runs_out_every_point_carries_its_bounds():
@@ -78,7 +90,9 @@ def test_when_time_runs_out_every_point_carries_its_bounds():
     for result in front:
         assert result.bound.makespan <= result.makespan
         assert result.bound.stress <= result.stress
-        assert (result.status == Status.OPTIMAL) == ((result.bound.makespan, result.bound.stress) == (result.makespan, result.stress))
+        assert (result.status == Status.OPTIMAL) == (
+            (result.bound.makespan, result.bound.stress) == (result.makespan, result.stress)
+        )
         assert faults(front.cell, result.schedule) == []
     assert front.points == sorted(front.points)
     assert len(front) > 1
@@ -103,18 +117,32 @@ def test_infeasible_limits_are_explained_in_the_cells_words():
     with pytest.raises(InfeasibleError) as caught:
         plan(thesis(), max_makespan=24, max_stress=2)
     together, without_time, without_stress = caught.value.reasons
-    assert together == "the limit on the makespan (24 s) and the limit on stress (2) cannot be kept together."
-    assert without_time == "Without the limit on the makespan (24 s) it works: 34 s with a stress of 2."
+    assert (
+        together
+        == "the limit on the makespan (24 s) and the limit on stress (2) cannot be kept together."
+    )
+    assert (
+        without_time
+        == "Without the limit on the makespan (24 s) it works: 34 s with a stress of 2."
+    )
     assert without_stress == "Without the limit on stress (2) it works: 23 s with a stress of 7."
 
 
 def test_only_the_limits_that_matter_are_blamed():
-    """Task 7 must end by 22 s, which nothing allows; the human's stress limit and the break are innocent."""
+    """Task 7 must end by 22 s, which nothing allows; the human's stress limit and the break are
+    innocent.
+    """
     cell = thesis()
     tasks = {**cell.tasks, "7": cell.tasks["7"].model_copy(update={"deadline": 22.0})}
-    human = cell.operators["human"].model_copy(update={"stress_limit": 30.0, "breaks": ((100.0, 110.0),)})
+    human = cell.operators["human"].model_copy(
+        update={"stress_limit": 30.0, "breaks": ((100.0, 110.0),)}
+    )
     with pytest.raises(
-        InfeasibleError, match=r"the deadline of task 7 \(22 s\) cannot be kept\.\n.*Without .* it works: 23 s with a stress of 7"
+        InfeasibleError,
+        match=(
+            r"the deadline of task 7 \(22 s\) cannot be kept\.\n.*Without .* it works: 23 s with a"
+            r" stress of 7"
+        ),
     ) as caught:
         plan(cell.replace(tasks=tasks, operators={**cell.operators, "human": human}))
     assert len(caught.value.reasons) == 2
@@ -136,7 +164,33 @@ def test_nothing_found_is_no_proof():
 
 
 @pytest.mark.parametrize(
-    ("seed", "optimum"), list(enumerate([135, 126, 142, 158, 141, 145, 137, 123, 122, 136, 139, 138, 125, 135, 135, 138, 131, 152, 132, 128]))
+    ("seed", "optimum"),
+    list(
+        enumerate(
+            [
+                135,
+                126,
+                142,
+                158,
+                141,
+                145,
+                137,
+                123,
+                122,
+                136,
+                139,
+                138,
+                125,
+                135,
+                135,
+                138,
+                131,
+                152,
+                132,
+                128,
+            ]
+        )
+    ),
 )
 def test_the_optimum_of_yus_boards(seed, optimum):
     front = plan(random_board(seed=seed).to_cell(), minimize="makespan")

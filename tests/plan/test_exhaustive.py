@@ -71,14 +71,21 @@ def test_a_cell_with_a_bit_of_everything_is_planned():
     assert front.complete
     assert all(faults(gearbox(), result.schedule) == [] for result in front)
     assert front.points == sorted(front.points)
-    assert all(one.stress > other.stress for one, other in zip(front, list(front)[1:], strict=False))
+    assert all(
+        one.stress > other.stress for one, other in zip(front, list(front)[1:], strict=False)
+    )
 
 
 def test_joint_work_can_be_the_only_way_to_the_front():
     cell = Cell.model_validate(
         {
             "operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}},
-            "tasks": {"lift": {"time": {"robot": 10}, "together": [{"operators": ["robot", "human"], "time": 4, "stress": 3}]}},
+            "tasks": {
+                "lift": {
+                    "time": {"robot": 10},
+                    "together": [{"operators": ["robot", "human"], "time": 4, "stress": 3}],
+                }
+            },
         }
     )
     assert solve(cell).points == [(4, 3), (10, 0)]
@@ -96,7 +103,10 @@ def test_waiting_can_be_right():
 
 
 def test_decimals_are_exact():
-    tasks = {"a": {"time": {"human": 0.1}, "stress": 0.1}, "b": {"time": {"human": 0.2}, "stress": 0.2, "after": ["a"]}}
+    tasks = {
+        "a": {"time": {"human": 0.1}, "stress": 0.1},
+        "b": {"time": {"human": 0.2}, "stress": 0.2, "after": ["a"]},
+    }
     cell = Cell.model_validate({"operators": THESIS["operators"], "tasks": tasks})
     assert solve(cell).points == [(0.3, 0.3)]
 
@@ -110,8 +120,12 @@ def test_when_time_is_up_the_bounds_hold():
         part = solve(cell, time_limit=limit)
         assert not part.complete or part.points == whole.points
         for result in part:
-            assert result.bound.makespan <= min(time for time, stress in whole.points if stress <= result.stress)
-            assert result.bound.stress <= min(stress for time, stress in whole.points if time <= result.makespan)
+            assert result.bound.makespan <= min(
+                time for time, stress in whole.points if stress <= result.stress
+            )
+            assert result.bound.stress <= min(
+                stress for time, stress in whole.points if time <= result.makespan
+            )
             assert faults(cell, result.schedule) == []
 
 
@@ -119,7 +133,14 @@ def test_when_time_is_up_without_an_answer_it_is_left_open():
     cell = layered(14, seed=5)
     least = solve(layered(14, seed=5), Question("stress"), time_limit=0.2).points[0][1]
     with pytest.raises(NothingFoundError, match="open whether there is one"):
-        solve(cell, Question(max_makespan=5 + sum(min(task.time.values()) for task in cell.tasks.values()) / 2, max_stress=least), time_limit=1e-9)
+        solve(
+            cell,
+            Question(
+                max_makespan=5 + sum(min(task.time.values()) for task in cell.tasks.values()) / 2,
+                max_stress=least,
+            ),
+            time_limit=1e-9,
+        )
 
 
 @pytest.mark.parametrize("stop_at", [1, 2, 5])
@@ -137,8 +158,12 @@ def test_it_can_be_stopped_and_gives_what_it_has(stop_at):
     assert not front.complete
     assert front.results
     for result in (*front, *(result for progress in seen for result in progress.found)):
-        assert result.bound.makespan <= min(time for time, stress in whole.points if stress <= result.stress)
-        assert result.bound.stress <= min(stress for time, stress in whole.points if time <= result.makespan)
+        assert result.bound.makespan <= min(
+            time for time, stress in whole.points if stress <= result.stress
+        )
+        assert result.bound.stress <= min(
+            stress for time, stress in whole.points if time <= result.makespan
+        )
         assert result.status == Status.FEASIBLE or (result.makespan, result.stress) in whole.points
 
 
@@ -165,4 +190,9 @@ def test_a_dozen_tasks_take_seconds():
 def test_it_runs_without_the_constraint_solver():
     modules = "sys, tandem.plan.dynamic_programming, tandem.plan.rules, tandem.plan.lower_bound"
     code = f"import {modules}; print(any(m.startswith('ortools') for m in sys.modules))"
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"
+    assert (
+        subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        ).stdout
+        == "False\n"
+    )

@@ -1,4 +1,6 @@
-"""Three judges that share no code must agree: the checker, the exhaustive search, and the exact solver; and rules may not beat them."""
+"""Three judges that share no code must agree: the checker, the exhaustive search, and the exact
+solver; and rules may not beat them.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,14 @@ from tandem.schedule.checker import faults
 from tandem.schedule.measures import exact, makespan
 from tandem.schedule.model import Assignment, Schedule
 
-OPTIONS = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large]}
+OPTIONS = {
+    "deadline": None,
+    "suppress_health_check": [
+        HealthCheck.too_slow,
+        HealthCheck.filter_too_much,
+        HealthCheck.data_too_large,
+    ],
+}
 
 
 def points(cell: Cell, method: str = "exhaustive", question: Question = Question()) -> list[Point]:
@@ -32,7 +41,15 @@ def points(cell: Cell, method: str = "exhaustive", question: Question = Question
         return []
     assert front.complete
     for result in front:
-        assert faults(cell, result.schedule, max_makespan=question.max_makespan, max_stress=question.max_stress) == []
+        assert (
+            faults(
+                cell,
+                result.schedule,
+                max_makespan=question.max_makespan,
+                max_stress=question.max_stress,
+            )
+            == []
+        )
         assert is_sound(cell, result.schedule)
     return front.points
 
@@ -58,14 +75,28 @@ def test_the_exact_solver_and_exhaustive_search_give_the_same_front(cell):
 
 
 @settings(max_examples=30, **OPTIONS)
-@given(cells(max_tasks=5), st.sampled_from(("makespan", "stress", "weighted")), st.floats(0, 1), st.floats(0, 1))
+@given(
+    cells(max_tasks=5),
+    st.sampled_from(("makespan", "stress", "weighted")),
+    st.floats(0, 1),
+    st.floats(0, 1),
+)
 def test_single_questions_are_answered_by_a_point_of_the_front(cell, minimize, time, load):
-    """With limits between the front's ends, exhaustive search picks the right one of the points that keep them."""
+    """With limits between the front's ends, exhaustive search picks the right one of the points
+    that keep them.
+    """
     front = points(cell)
     assume(front)
-    longest, hardest = front[0][0] + time * (front[-1][0] - front[0][0]), front[-1][1] + load * (front[0][1] - front[-1][1])
+    longest, hardest = (
+        front[0][0] + time * (front[-1][0] - front[0][0]),
+        front[-1][1] + load * (front[0][1] - front[-1][1]),
+    )
     kept = [(t, s) for t, s in front if t <= longest and s <= hardest]
-    best = {"makespan": lambda p: p, "stress": lambda p: (p[1], p[0]), "weighted": lambda p: (exact(p[0]) + 2 * exact(p[1]), p[0])}[minimize]
+    best = {
+        "makespan": lambda p: p,
+        "stress": lambda p: (p[1], p[0]),
+        "weighted": lambda p: (exact(p[0]) + 2 * exact(p[1]), p[0]),
+    }[minimize]
     question = Question(minimize, weights=(1.0, 2.0), max_makespan=longest, max_stress=hardest)
     assert points(cell, "exhaustive", question) == ([min(kept, key=best)] if kept else [])
 
@@ -119,7 +150,9 @@ def test_every_damage_has_something_to_break():
 @settings(max_examples=150, **OPTIONS)
 @given(cells(max_tasks=5), st.data())
 def test_the_checker_and_watching_every_moment_agree_on_shaken_schedules(cell, data):
-    """Tasks are moved by a few of the cell's steps or given to others; most of it breaks something, some of it does not."""
+    """Tasks are moved by a few of the cell's steps or given to others; most of it breaks something,
+    some of it does not.
+    """
     plan = some_schedule(cell)
     rows = list(plan)
     step = min(exact(mode.time) for name in cell.tasks for mode in cell.modes(name))
@@ -127,21 +160,32 @@ def test_the_checker_and_watching_every_moment_agree_on_shaken_schedules(cell, d
         place = data.draw(st.integers(0, len(rows) - 1))
         a = rows[place]
         mode = data.draw(st.sampled_from(cell.modes(a.task)))
-        start = exact(a.start) + data.draw(st.integers(-4, 6)) * step / data.draw(st.sampled_from((1, 2)))
-        rows[place] = Assignment(float(start), float(start + exact(mode.time)), a.task, mode.operators)
+        start = exact(a.start) + data.draw(st.integers(-4, 6)) * step / data.draw(
+            st.sampled_from((1, 2))
+        )
+        rows[place] = Assignment(
+            float(start), float(start + exact(mode.time)), a.task, mode.operators
+        )
     shaken = Schedule(tuple(rows))
     assert (faults(cell, shaken) == []) == is_sound(cell, shaken)
 
 
 def test_the_two_yardsticks_know_the_thesis():
-    assert front_of_all(thesis().replace(tasks={name: thesis().tasks[name] for name in "12"}).to_dict(), 20) == [
+    assert front_of_all(
+        thesis().replace(tasks={name: thesis().tasks[name] for name in "12"}).to_dict(), 20
+    ) == [
         (9.0, 11.0),
         (10.0, 10.0),
         (16.0, 0.0),
     ]
     assert is_sound(thesis(), thesis_schedule())
-    late = Schedule(tuple(Assignment(a.start + 1, a.end + 1, a.task, a.operators) for a in thesis_schedule()))
+    late = Schedule(
+        tuple(Assignment(a.start + 1, a.end + 1, a.task, a.operators) for a in thesis_schedule())
+    )
     assert is_sound(thesis(), late)
     assert makespan(late) == 24
-    one_late = [Assignment(a.start + (a.task == "2"), a.end + (a.task == "2"), a.task, a.operators) for a in thesis_schedule()]
+    one_late = [
+        Assignment(a.start + (a.task == "2"), a.end + (a.task == "2"), a.task, a.operators)
+        for a in thesis_schedule()
+    ]
     assert not is_sound(thesis(), Schedule(tuple(one_late)))

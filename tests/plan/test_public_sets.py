@@ -1,4 +1,6 @@
-"""Public instances: the values known for them are met, and the committed table of the benchmark is consistent with them."""
+"""Public instances: the values known for them are met, and the committed table of the benchmark is
+consistent with them.
+"""
 
 from __future__ import annotations
 
@@ -27,12 +29,22 @@ QUICK = {
 def known(name: str) -> dict[str, tuple[float, float]]:
     """Instance -> (lower, upper) bound known."""
     with open(folder(name) / "best_known.csv", newline="", encoding="utf-8") as file:
-        return {row["instance"]: (float(row["lower_bound"]), float(row["upper_bound"])) for row in csv.DictReader(file)}
+        return {
+            row["instance"]: (float(row["lower_bound"]), float(row["upper_bound"]))
+            for row in csv.DictReader(file)
+        }
 
 
-@pytest.mark.parametrize(("name", "instance"), [(name, instance) for name, instances in QUICK.items() for instance in instances])
+@pytest.mark.parametrize(
+    ("name", "instance"),
+    [(name, instance) for name, instances in QUICK.items() for instance in instances],
+)
 def test_the_optimum_known_is_found_and_proven(name, instance):
-    path = next(path for path in folder(name).iterdir() if path.stem == instance and path.suffix not in (".csv", ".md"))
+    path = next(
+        path
+        for path in folder(name).iterdir()
+        if path.stem == instance and path.suffix not in (".csv", ".md")
+    )
     lower, upper = known(name)[instance]
     assert lower == upper
     front = plan(load(path), minimize="makespan", time_limit=120)
@@ -44,10 +56,16 @@ def test_the_optimum_known_is_found_and_proven(name, instance):
 @pytest.mark.parametrize("instance", ["pearce2018_p1", "pearce2018_p2", "pearce2018_p3"])
 @pytest.mark.parametrize("method", ["exact", "exhaustive"])
 def test_the_fronts_of_makespan_and_strain_index(instance, method):
-    """Pearce et al. (2018): the Strain Index of a set of tasks does not add up, so the cell holds it as a table."""
+    """Pearce et al. (2018): the Strain Index of a set of tasks does not add up, so the cell holds
+    it as a table.
+    """
     data = folder("hrc_case_studies")
     with open(data / "pareto.csv", newline="", encoding="utf-8") as file:
-        wanted = [(float(row["makespan"]), float(row["strain_index"])) for row in csv.DictReader(file) if row["instance"] == instance]
+        wanted = [
+            (float(row["makespan"]), float(row["strain_index"]))
+            for row in csv.DictReader(file)
+            if row["instance"] == instance
+        ]
     front = plan(load(data / f"{instance}.json"), method=method)
     assert front.complete
     assert front.points == wanted

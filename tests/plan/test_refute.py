@@ -20,7 +20,28 @@ from tandem.plan.rules import RULES
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import exact, makespan, stress
 
-OPTIMA = (135, 126, 142, 158, 141, 145, 137, 123, 122, 136, 139, 138, 125, 135, 135, 138, 131, 152, 132, 128)
+OPTIMA = (
+    135,
+    126,
+    142,
+    158,
+    141,
+    145,
+    137,
+    123,
+    122,
+    136,
+    139,
+    138,
+    125,
+    135,
+    135,
+    138,
+    131,
+    152,
+    132,
+    128,
+)
 """Least makespans of Yu's random boards, seeds 0 to 19, by an independent exact solver."""
 
 
@@ -38,7 +59,9 @@ def test_the_desk_takes_94_and_that_is_proven_in_seconds():
 @pytest.mark.parametrize("seed", range(0, 20, 4))
 def test_yu_s_random_boards_are_proven(seed):
     cell = random_board(seed=seed).to_cell()
-    proof = prove_makespan(Instance.of(cell), int(RULES["balanced"](cell, Question("makespan"))[0].makespan), 60)
+    proof = prove_makespan(
+        Instance.of(cell), int(RULES["balanced"](cell, Question("makespan"))[0].makespan), 60
+    )
     assert proof.bound == proof.upper == OPTIMA[seed]
 
 
@@ -56,7 +79,9 @@ def test_it_agrees_with_exhaustive_search(cell, share):
     front, instance = solve(cell).points, Instance.of(cell)
     limit = front[-1][1] + share * (front[0][1] - front[-1][1])
     best = min(time for time, load in front if load <= limit) * instance.per_second
-    proof = prove_makespan(instance, instance.horizon + 1, 30, most_units=int(exact(limit) * instance.per_stress))
+    proof = prove_makespan(
+        instance, instance.horizon + 1, 30, most_units=int(exact(limit) * instance.per_stress)
+    )
     assert proof.bound == proof.upper == best
     found = instance.schedule(proof.starts)
     assert faults(cell, found) == []

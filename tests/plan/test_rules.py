@@ -13,7 +13,15 @@ from tests.strategies import cells
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError
-from tandem.plan.bounds import chain_bound, least_makespan, least_stress, load_bound, load_prices, one_operator_bound, preemptive
+from tandem.plan.bounds import (
+    chain_bound,
+    least_makespan,
+    least_stress,
+    load_bound,
+    load_prices,
+    one_operator_bound,
+    preemptive,
+)
 from tandem.plan.dynamic_programming import solve
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout, append_in_order
@@ -26,7 +34,11 @@ from tandem.schedule.measures import makespan
 
 
 @pytest.mark.parametrize("name", RULES)
-@pytest.mark.parametrize("cell", [thesis(), gearbox(), layered(60, humans=2, robots=1, seed=4)], ids=["thesis", "gearbox", "layered"])
+@pytest.mark.parametrize(
+    "cell",
+    [thesis(), gearbox(), layered(60, humans=2, robots=1, seed=4)],
+    ids=["thesis", "gearbox", "layered"],
+)
 def test_every_rule_gives_sound_schedules_with_bounds(name, cell):
     front = RULES[name](cell)
     assert not front.complete
@@ -73,7 +85,12 @@ def test_a_rule_that_breaks_a_limit_is_repaired(name):
 
 @pytest.mark.parametrize("name", RULES)
 def test_a_rule_says_when_it_finds_nothing(name):
-    with pytest.raises(NothingFoundError, match=rf"{name}: no schedule that keeps a makespan of at most 20 s and the cell's own limits"):
+    with pytest.raises(
+        NothingFoundError,
+        match=(
+            rf"{name}: no schedule that keeps a makespan of at most 20 s and the cell's own limits"
+        ),
+    ):
         RULES[name](thesis(), Question(max_makespan=20))
 
 
@@ -142,7 +159,9 @@ def test_bounds_hold_on_cells_with_every_feature(cell):
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(cells(max_tasks=6))
 def test_appending_a_schedule_in_its_own_order_makes_it_no_longer(cell):
-    """The decoder reaches an optimum: any schedule's order and ways give times that are no later."""
+    """The decoder reaches an optimum: any schedule's order and ways give times that are no
+    later.
+    """
     try:
         front = solve(cell)
     except InfeasibleError:
@@ -162,9 +181,13 @@ def test_appending_a_schedule_in_its_own_order_makes_it_no_longer(cell):
 
 
 def test_work_that_suits_one_operator_is_bounded_by_a_fair_share():
-    """Three tasks that take the human twice as long: two for the robot and one for the human fill 6 s each, and no share is fairer."""
+    """Three tasks that take the human twice as long: two for the robot and one for the human fill 6
+    s each, and no share is fairer.
+    """
     tasks = {name: {"time": {"robot": 3, "human": 6}} for name in "abc"}
-    layout = Layout.of(Instance.of(Cell.model_validate({"operators": THESIS["operators"], "tasks": tasks})))
+    layout = Layout.of(
+        Instance.of(Cell.model_validate({"operators": THESIS["operators"], "tasks": tasks}))
+    )
     assert load_bound(layout) == 6
     assert chain_bound(layout) == 3
     assert one_operator_bound(layout) == 0

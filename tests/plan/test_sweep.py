@@ -1,4 +1,6 @@
-"""How the time of a front is spent: on every open gap, by every worker, and never at the price of a claim that is not proven."""
+"""How the time of a front is spent: on every open gap, by every worker, and never at the price of a
+claim that is not proven.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,9 @@ from tandem.schedule.checker import faults
 
 @pytest.fixture
 def asked(monkeypatch):
-    """The questions of a run in the order in which they were asked, each with its round and who works beside it."""
+    """The questions of a run in the order in which they were asked, each with its round and who
+    works beside it.
+    """
     seen = []
     ask = Sweep._ask
 
@@ -46,11 +50,17 @@ def truth(cell, question=Question()):
 
 
 def assert_nothing_is_claimed_that_is_not_so(front, points):
-    """Every bound holds against the true front, every point called optimal is on it, and every schedule is sound."""
+    """Every bound holds against the true front, every point called optimal is on it, and every
+    schedule is sound.
+    """
     for result in front:
         assert faults(front.cell, result.schedule) == []
-        quickest = min((makespan for makespan, stress in points if stress <= result.stress), default=inf)
-        gentlest = min((stress for makespan, stress in points if makespan <= result.makespan), default=inf)
+        quickest = min(
+            (makespan for makespan, stress in points if stress <= result.stress), default=inf
+        )
+        gentlest = min(
+            (stress for makespan, stress in points if makespan <= result.makespan), default=inf
+        )
         assert result.bound.makespan <= quickest <= result.makespan
         assert result.bound.stress <= gentlest <= result.stress
         if result.status == "optimal":
@@ -64,7 +74,9 @@ def assert_nothing_is_claimed_that_is_not_so(front, points):
     [(31, 1, 1, 4, 33), (30, 2, 1, 1, 39), (40, 1, 1, 0, 55), (32, 1, 1, 3, 33)],
 )
 def test_a_front_of_thirty_to_forty_tasks_is_proven_to_its_end(tasks, humans, robots, seed, points):
-    """As many points as the plain walk gives, from cap to cap with CP-SAT's own order of search; the ends are asked for alone."""
+    """As many points as the plain walk gives, from cap to cap with CP-SAT's own order of search;
+    the ends are asked for alone.
+    """
     cell = layered(tasks, humans, robots, seed=seed)
     front = plan(cell, time_limit=None)
     assert front.complete
@@ -86,7 +98,9 @@ def test_every_open_gap_is_asked_about_again_until_it_is_closed(seed, workers, a
     assert rounds == sorted(rounds)
 
 
-def test_a_question_that_withstood_is_asked_again_with_more_work_and_none_twice_in_a_round(asked, monkeypatch):
+def test_a_question_that_withstood_is_asked_again_with_more_work_and_none_twice_in_a_round(
+    asked, monkeypatch
+):
     next_to_no_work(monkeypatch)
     plan(layered(25, 2, 1, seed=1), workers=1, time_limit=None)
     in_round = [(round_, goal) for round_, goal, _ in asked]
@@ -128,7 +142,9 @@ def test_with_fewer_gaps_than_workers_several_work_on_the_same_one(asked):
 
 
 def test_the_whole_front_is_seen_before_any_part_of_it_is_asked_twice(asked, monkeypatch):
-    """A cell of which little can be proven: the first round enters the front over the whole range of stress."""
+    """A cell of which little can be proven: the first round enters the front over the whole range
+    of stress.
+    """
     cell = layered(50, 2, 2, seed=0)
     ask = Sweep._ask
 
@@ -139,20 +155,31 @@ def test_the_whole_front_is_seen_before_any_part_of_it_is_asked_twice(asked, mon
 
     monkeypatch.setattr(Sweep, "_ask", one_round)
     front = plan(cell, workers=1, time_limit=None)
-    caps = [goal.max_stress for round_, goal, _ in asked if goal.time and goal.max_stress is not None]
+    caps = [
+        goal.max_stress for round_, goal, _ in asked if goal.time and goal.max_stress is not None
+    ]
     low, high = front[-1].stress, front[0].stress
     assert front.interrupted
     assert {int(4 * (cap - low) / (high - low + 1)) for cap in caps} >= {0, 1, 2}
     assert len(front) > 4
 
 
-OPTIONS = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large]}
+OPTIONS = {
+    "deadline": None,
+    "suppress_health_check": [
+        HealthCheck.too_slow,
+        HealthCheck.filter_too_much,
+        HealthCheck.data_too_large,
+    ],
+}
 
 
 @settings(max_examples=40, **OPTIONS)
 @given(cells(max_tasks=5), st.sampled_from([1, 2]), st.integers(1, 12))
 def test_what_is_cut_short_claims_nothing_that_is_not_proven(cell, workers, answers):
-    """Stopped at some improvement, with hardly any work for each question; deadlines, tools, zones and limits are drawn too."""
+    """Stopped at some improvement, with hardly any work for each question; deadlines, tools, zones
+    and limits are drawn too.
+    """
     seen = []
 
     def stop(_):
@@ -197,6 +224,8 @@ def test_one_worker_asks_the_same_questions_again(tasks, humans, robots, asked):
 
 def test_one_worker_with_nothing_to_improve_still_proves():
     """No rule finds a schedule this quick, so there is none to begin with."""
-    front = plan(layered(31, 1, 1, seed=4), minimize="stress", max_makespan=223, workers=1, time_limit=120)
+    front = plan(
+        layered(31, 1, 1, seed=4), minimize="stress", max_makespan=223, workers=1, time_limit=120
+    )
     assert front.points == [(223, 76)]
     assert front.complete

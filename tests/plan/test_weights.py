@@ -1,4 +1,6 @@
-"""Weights and objectives with long decimals: exact answers or a refusal, never a number that does not fit."""
+"""Weights and objectives with long decimals: exact answers or a refusal, never a number that does
+not fit.
+"""
 
 from __future__ import annotations
 
@@ -24,16 +26,27 @@ SMALL = st.integers(1, 40)
 
 
 def order(first: int, second: int, ticks: int, units: int) -> int:
-    """Which of two schedules is better under these weights, if one takes so many ticks more and the other so many units more."""
+    """Which of two schedules is better under these weights, if one takes so many ticks more and the
+    other so many units more.
+    """
     difference = first * ticks - second * units
     return (difference > 0) - (difference < 0)
 
 
 @settings(max_examples=300)
 @given(
-    st.one_of(st.tuples(SMALL, SMALL), st.tuples(LARGE, LARGE), st.just((1, 10**300)), st.just((10**300, 7))), st.integers(0, 12), st.integers(0, 12)
+    st.one_of(
+        st.tuples(SMALL, SMALL),
+        st.tuples(LARGE, LARGE),
+        st.just((1, 10**300)),
+        st.just((10**300, 7)),
+    ),
+    st.integers(0, 12),
+    st.integers(0, 12),
 )
-def test_the_simplest_weights_order_every_two_schedules_as_the_given_ones_do(weights, most_ticks, most_units):
+def test_the_simplest_weights_order_every_two_schedules_as_the_given_ones_do(
+    weights, most_ticks, most_units
+):
     found = simplest(*weights, most_ticks, most_units)
     for ticks in range(most_ticks + 1):
         for units in range(most_units + 1):
@@ -48,11 +61,15 @@ def test_weights_that_are_simple_already_stay_as_they_are():
 
 
 def numbers(random: Random, decimals: int, most: float) -> float:
-    return round(random.choice((1.0, most, random.random() * most)) * random.random(), decimals) or 1.0
+    return (
+        round(random.choice((1.0, most, random.random() * most)) * random.random(), decimals) or 1.0
+    )
 
 
 def wide_cell(random: Random, decimals: int) -> dict:
-    """Two or three tasks, times and stress of up to so many decimals and up to nearly as large as a cell may have."""
+    """Two or three tasks, times and stress of up to so many decimals and up to nearly as large as a
+    cell may have.
+    """
     most = min(0.1 * 2**40 / 10**decimals, 9e6)
     operators = {"anna": {"kind": "human"}, "ben": {"kind": "human"}, "cobot": {"kind": "robot"}}
     tasks = {}
@@ -71,7 +88,9 @@ def some_weights(random: Random) -> tuple[float, float]:
     """From a millionth to a million, with up to 15 decimals."""
 
     def one() -> float:
-        return random.choice((1e-6, 1e6, 1.0, round(random.random(), 15), round(10 ** random.uniform(-6, 6), 15)))
+        return random.choice(
+            (1e-6, 1e6, 1.0, round(random.random(), 15), round(10 ** random.uniform(-6, 6), 15))
+        )
 
     return one() or 1.0, one() or 1.0
 
@@ -86,13 +105,21 @@ def test_wide_numbers_and_long_weights_are_answered_exactly(seed, decimals):
     front = METHODS["exact"](cell, workers=1)
     assert front.points == right
     assert front.complete
-    values = [sum(Fraction(repr(weight)) * Fraction(repr(part)) for weight, part in zip(weights, point, strict=True)) for point in right]
+    values = [
+        sum(
+            Fraction(repr(weight)) * Fraction(repr(part))
+            for weight, part in zip(weights, point, strict=True)
+        )
+        for point in right
+    ]
     best = [point for point, value in zip(right, values, strict=True) if value == min(values)]
     for method in ("exact", "exhaustive"):
         weighted = METHODS[method](cell, Question("weighted", weights), workers=1)
         assert weighted.complete
         assert weighted.points[0] in best
-        cut = METHODS[method](cell, Question("stress", max_makespan=right[0][0] + 1e-15, max_stress=1e300), workers=1)
+        cut = METHODS[method](
+            cell, Question("stress", max_makespan=right[0][0] + 1e-15, max_stress=1e300), workers=1
+        )
         assert cut.points == [right[0]]
 
 
@@ -103,15 +130,33 @@ def test_some_of_these_numbers_are_beyond_what_one_sum_can_count():
     assert search._most_ticks() * search._most_stress() > MOST_COUNTED
 
 
-@pytest.mark.parametrize("question", [Question(), Question("makespan", max_stress=4e4), Question("weighted", (0.123456789012345, 98765.4321))])
+@pytest.mark.parametrize(
+    "question",
+    [
+        Question(),
+        Question("makespan", max_stress=4e4),
+        Question("weighted", (0.123456789012345, 98765.4321)),
+    ],
+)
 def test_larger_cells_with_wide_numbers_are_planned_too(question):
     """More tasks than CP-SAT takes alone: neighbourhoods weigh stress against time as well."""
     cell = layered(34, 2, 1, seed=2)
     tasks = {
-        name: {**task, "time": {who: round(time * 123.456789, 6) for who, time in task["time"].items()}, "stress": task.get("stress", 0) * 517.123457}
+        name: {
+            **task,
+            "time": {who: round(time * 123.456789, 6) for who, time in task["time"].items()},
+            "stress": task.get("stress", 0) * 517.123457,
+        }
         for name, task in cell.to_dict()["tasks"].items()
     }
-    wide = cell_of({**cell.to_dict(), "tasks": {name: {**task, "stress": round(task["stress"], 6)} for name, task in tasks.items()}})
+    wide = cell_of(
+        {
+            **cell.to_dict(),
+            "tasks": {
+                name: {**task, "stress": round(task["stress"], 6)} for name, task in tasks.items()
+            },
+        }
+    )
     front = plan(wide, question, workers=1, time_limit=3)
     assert all(faults(wide, result.schedule) == [] for result in front)
 
@@ -131,5 +176,12 @@ def test_more_decimals_than_can_be_counted_are_refused_with_how_many_would_do(ch
 
 
 def test_too_wide_a_range_is_refused_with_the_step_that_would_do():
-    with pytest.raises(CellError, match=r"too wide a range to plan exactly\. Round the times to 1e-05 s"):
-        cell_of({"operators": {"anna": {"kind": "human"}}, "tasks": {"a": {"time": {"anna": 9e6}}, "b": {"time": {"anna": 0.000001}}}})
+    with pytest.raises(
+        CellError, match=r"too wide a range to plan exactly\. Round the times to 1e-05 s"
+    ):
+        cell_of(
+            {
+                "operators": {"anna": {"kind": "human"}},
+                "tasks": {"a": {"time": {"anna": 9e6}}, "b": {"time": {"anna": 0.000001}}},
+            }
+        )

@@ -1,4 +1,5 @@
-"""A second opinion on schedules: the cell is watched in small steps of time, and each moment must be in order.
+"""A second opinion on schedules: the cell is watched in small steps of time, and each moment must
+be in order.
 
 Slow, and unlike the checker in every way, so that the two can judge each other.
 """
@@ -14,9 +15,13 @@ from tandem.schedule.model import Assignment, Schedule
 
 
 def is_sound(cell: Cell, schedule: Schedule) -> bool:
-    """Whether the schedule keeps every rule. Times in the cell and the schedule must be multiples of 1 ms."""
+    """Whether the schedule keeps every rule. Times in the cell and the schedule must be multiples
+    of 1 ms.
+    """
     rows = list(schedule)
-    if sorted(a.task for a in rows) != sorted(cell.tasks) or any(set(a.operators) - set(cell.operators) for a in rows):
+    if sorted(a.task for a in rows) != sorted(cell.tasks) or any(
+        set(a.operators) - set(cell.operators) for a in rows
+    ):
         return False
     return _numbers_fit(cell, rows) and _stress_fits(cell, rows) and _moments_fit(cell, rows)
 
@@ -31,9 +36,15 @@ def _numbers_fit(cell: Cell, rows: list[Assignment]) -> bool:
         task = cell.tasks[a.task]
         times = {(frozenset((name,)), _ms(time)) for name, time in task.time.items()}
         times |= {(frozenset(joint.operators), _ms(joint.time)) for joint in task.together}
-        if (frozenset(a.operators), _ms(a.end) - _ms(a.start)) not in times or len(set(a.operators)) < len(a.operators):
+        if (frozenset(a.operators), _ms(a.end) - _ms(a.start)) not in times or len(
+            set(a.operators)
+        ) < len(a.operators):
             return False
-        if a.start < 0 or a.start < task.release or (task.deadline is not None and a.end > task.deadline):
+        if (
+            a.start < 0
+            or a.start < task.release
+            or (task.deadline is not None and a.end > task.deadline)
+        ):
             return False
         if any(end[first] > a.start for first in task.after):
             return False
@@ -47,17 +58,28 @@ def _stress_fits(cell: Cell, rows: list[Assignment]) -> bool:
     for name, task in cell.tasks.items():
         who = next(a.operators for a in rows if a.task == name)
         humans = [human for human in who if cell.operators[human].kind == "human"]
-        joint = next((joint for joint in task.together if set(joint.operators) == set(who)), None) if len(who) > 1 else None
+        joint = (
+            next((joint for joint in task.together if set(joint.operators) == set(who)), None)
+            if len(who) > 1
+            else None
+        )
         stress = task.stress if joint is None or joint.stress is None else joint.stress
         for human in humans:
-            sums[human] += round(1000 * (stress if isinstance(stress, float) else stress.get(human, 0)))
+            sums[human] += round(
+                1000 * (stress if isinstance(stress, float) else stress.get(human, 0))
+            )
         touched += [name] if humans else []
     listed = cell.stress_of_set is None or ",".join(touched) in cell.stress_of_set
-    return listed and all(o.stress_limit is None or sums[name] <= round(1000 * o.stress_limit) for name, o in cell.operators.items())
+    return listed and all(
+        o.stress_limit is None or sums[name] <= round(1000 * o.stress_limit)
+        for name, o in cell.operators.items()
+    )
 
 
 def _moments_fit(cell: Cell, rows: list[Assignment]) -> bool:
-    """Everyone does one thing at a time: a task, a changeover or a break; and no tool or zone is over its capacity."""
+    """Everyone does one thing at a time: a task, a changeover or a break; and no tool or zone is
+    over its capacity.
+    """
     times = [_ms(time) for a in rows for time in (a.start, a.end)]
     times += [_ms(time) for o in cell.operators.values() for pause in o.breaks for time in pause]
     times += [_ms(time) for tool in cell.tools.values() for time in tool.changeover.values()]
@@ -83,7 +105,11 @@ def _moments_fit(cell: Cell, rows: list[Assignment]) -> bool:
             hand = hand if tool is None else tool
             for kind, place in (("tool", tool), ("zone", cell.tasks[a.task].zone)):
                 if place is not None:
-                    used.update((kind, place, moment) for moment in range(_ms(a.start), _ms(a.end), step))
+                    used.update(
+                        (kind, place, moment) for moment in range(_ms(a.start), _ms(a.end), step)
+                    )
     places = {("tool", name): tool.capacity for name, tool in cell.tools.items()}
     places |= {("zone", name): zone.capacity for name, zone in cell.zones.items()}
-    return all(count == 1 for count in doing.values()) and all(count <= places.get((kind, name), 1) for (kind, name, _), count in used.items())
+    return all(count == 1 for count in doing.values()) and all(
+        count <= places.get((kind, name), 1) for (kind, name, _), count in used.items()
+    )

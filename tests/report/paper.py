@@ -1,4 +1,6 @@
-"""Instruction sheets as a reader of the page has them: text alone, taken apart without the words and functions that wrote it."""
+"""Instruction sheets as a reader of the page has them: text alone, taken apart without the words
+and functions that wrote it.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,10 @@ SAID = {
         "title": r"Anweisung für (.+)",
         "done": r"wenn (?P<task>.+) fertig ist \((?:Zuruf|Anzeige) von (?P<who>.+)\)",
         "tool": r"wenn Werkzeug (?P<name>.+) frei ist \((?P<who>.+) ist mit (?P<task>.+) fertig\)",
-        "zone": r"wenn Bereich (?P<name>.+) frei ist \((?P<who>.+) ist mit (?P<task>.+) fertig und heraus\)",
+        "zone": (
+            r"wenn Bereich (?P<name>.+) frei ist \((?P<who>.+) ist mit (?P<task>.+) fertig und"
+            r" heraus\)"
+        ),
         "partner": r"wenn auch (?P<who>.+) bereit ist",
         "break": r"wenn die eigene Pause vorbei ist \((?P<off>.+) bis (?P<back>.+) s\)",
         "release": r"nicht vor (?P<release>.+) s",
@@ -33,8 +38,22 @@ SAID = {
     },
 }
 HEADS = {
-    "en": {"what to do": "task", "tool": "tool", "zone": "zone", "together with": "with", "begin when": "wait", "then tell": "tell"},
-    "de": {"was zu tun ist": "task", "Werkzeug": "tool", "Bereich": "zone", "zusammen mit": "with", "anfangen": "wait", "danach melden": "tell"},
+    "en": {
+        "what to do": "task",
+        "tool": "tool",
+        "zone": "zone",
+        "together with": "with",
+        "begin when": "wait",
+        "then tell": "tell",
+    },
+    "de": {
+        "was zu tun ist": "task",
+        "Werkzeug": "tool",
+        "Bereich": "zone",
+        "zusammen mit": "with",
+        "anfangen": "wait",
+        "danach melden": "tell",
+    },
 }
 
 
@@ -52,7 +71,9 @@ class Row:
 
 
 class _Reader(HTMLParser):
-    """Every `details.sheet` of a page: its heading and the rows of its table; a `div` within a cell is a line."""
+    """Every `details.sheet` of a page: its heading and the rows of its table; a `div` within a cell
+    is a line.
+    """
 
     def __init__(self) -> None:
         super().__init__()
@@ -87,23 +108,33 @@ class _Reader(HTMLParser):
 
 
 def sheets_of(page: str, language: str) -> dict[str, list[Row]]:
-    """Operator -> turns, of a page with one plan. Every sentence under "begin when" must be one that is known."""
+    """Operator -> turns, of a page with one plan. Every sentence under "begin when" must be one
+    that is known.
+    """
     reader = _Reader()
     reader.feed(page)
     found = {}
     for heading, rows in reader.sheets:
         (who,) = re.fullmatch(SAID[language]["title"], heading[0]).groups()  # type: ignore[union-attr]
-        head, *turns = [row for row in rows if len(row) > 1] or [[]]  # a line across the table says on paper whose page it is
+        # a line across the table says on paper whose page it is
+        head, *turns = [row for row in rows if len(row) > 1] or [[]]
         found[who] = [_row(head, row, language) for row in turns]
     return found
 
 
 def _row(head: list[list[str]], row: list[list[str]], language: str) -> Row:
-    lines = {HEADS[language].get(name[0], name[0]): [line for line in cell if line] for name, cell in zip(head, row, strict=True)}
-    turn = Row(lines["task"][0], {key: " ".join(value) for key, value in lines.items()}, tell=lines["tell"])
+    lines = {
+        HEADS[language].get(name[0], name[0]): [line for line in cell if line]
+        for name, cell in zip(head, row, strict=True)
+    }
+    turn = Row(
+        lines["task"][0], {key: " ".join(value) for key, value in lines.items()}, tell=lines["tell"]
+    )
     for sentence in lines["wait"]:
         kind, match = next(
-            (kind, match) for kind, pattern in SAID[language].items() if kind != "title" and (match := re.fullmatch(pattern, sentence))
+            (kind, match)
+            for kind, pattern in SAID[language].items()
+            if kind != "title" and (match := re.fullmatch(pattern, sentence))
         )
         turn.conditions.setdefault(kind, []).append(match.groupdict())
     return turn
@@ -111,7 +142,9 @@ def _row(head: list[list[str]], row: list[list[str]], language: str) -> Row:
 
 @dataclass(frozen=True)
 class Worked:
-    """One task as people did it by their sheets: moments in seconds, who, with which tool and in which zone."""
+    """One task as people did it by their sheets: moments in seconds, who, with which tool and in
+    which zone.
+    """
 
     task: str
     start: float
@@ -120,7 +153,8 @@ class Worked:
 
 
 def work_by(sheets: Mapping[str, list[Row]], chance: random.Random) -> list[Worked]:
-    """Everybody does their own sheet from top to bottom, knows nothing else, and every task takes a time of its own by chance.
+    """Everybody does their own sheet from top to bottom, knows nothing else, and every task takes a
+    time of its own by chance.
 
     Raises AssertionError when all wait for each other.
     """
@@ -139,9 +173,15 @@ def work_by(sheets: Mapping[str, list[Row]], chance: random.Random) -> list[Work
 
 
 def _may_begin(
-    sheets: Mapping[str, list[Row]], place: Mapping[str, int], free: Mapping[str, float], done: Mapping[str, float], who: str
+    sheets: Mapping[str, list[Row]],
+    place: Mapping[str, int],
+    free: Mapping[str, float],
+    done: Mapping[str, float],
+    who: str,
 ) -> tuple[float, str, frozenset[str]] | None:
-    """When the operator can begin the next turn, with whom; None while something is not done or a partner is elsewhere."""
+    """When the operator can begin the next turn, with whom; None while something is not done or a
+    partner is elsewhere.
+    """
     turn = sheets[who][place[who]]
     together = frozenset({who, *(one for (one,) in turn.told("partner"))})
     turns = []
@@ -149,8 +189,24 @@ def _may_begin(
         if place[one] >= len(sheets[one]) or sheets[one][place[one]].task != turn.task:
             return None
         turns.append(sheets[one][place[one]])
-    needed = {values["task"] for t in turns for kind in ("done", "tool", "zone") for values in t.conditions.get(kind, [])}
+    needed = {
+        values["task"]
+        for t in turns
+        for kind in ("done", "tool", "zone")
+        for values in t.conditions.get(kind, [])
+    }
     if not needed <= set(done):
         return None
-    release = max((float(values["release"].replace(",", ".")) for t in turns for values in t.conditions.get("release", [])), default=0.0)
-    return max([release, *(free[one] for one in together), *(done[task] for task in needed)]), turn.task, together
+    release = max(
+        (
+            float(values["release"].replace(",", "."))
+            for t in turns
+            for values in t.conditions.get("release", [])
+        ),
+        default=0.0,
+    )
+    return (
+        max([release, *(free[one] for one in together), *(done[task] for task in needed)]),
+        turn.task,
+        together,
+    )

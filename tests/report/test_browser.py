@@ -1,4 +1,6 @@
-"""The report in a real browser: it opens without a network, a click shows a plan, paper shows everything."""
+"""The report in a real browser: it opens without a network, a click shows a plan, paper shows
+everything.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,9 @@ PAPER = (1032, 710)
 
 @pytest.fixture
 def opened(browser: Any, tmp_path: Path) -> Iterator[Callable[..., Any]]:
-    """Opens the report of a front; at the end nothing may have failed and nothing may have been fetched from outside the file."""
+    """Opens the report of a front; at the end nothing may have failed and nothing may have been
+    fetched from outside the file.
+    """
     requests: list[str] = []
     errors: list[str] = []
     context = browser.new_context(offline=True)
@@ -44,7 +48,9 @@ def opened(browser: Any, tmp_path: Path) -> Iterator[Callable[..., Any]]:
         page.on("request", lambda request: requests.append(request.url))
         page.on("pageerror", lambda error: errors.append(str(error)))
         page.on("console", lambda message: errors.append(message.text))
-        page.goto(write_html(front, tmp_path / "report.html", command="tandem plan cell.yaml").as_uri())
+        page.goto(
+            write_html(front, tmp_path / "report.html", command="tandem plan cell.yaml").as_uri()
+        )
         return page
 
     yield load
@@ -58,7 +64,9 @@ def visible_plans(page: Any) -> list[str]:
     return [plan.get_attribute("id") for plan in page.locator(".plan").all() if plan.is_visible()]
 
 
-def test_the_recommended_plan_is_open_at_first_and_a_click_opens_another(opened: Callable[..., Any]) -> None:
+def test_the_recommended_plan_is_open_at_first_and_a_click_opens_another(
+    opened: Callable[..., Any],
+) -> None:
     page = opened(thesis_front())
     assert visible_plans(page) == ["plan-2"]
     page.locator("svg a.point .target").nth(2).click()
@@ -90,13 +98,17 @@ def test_without_scripts_every_plan_is_shown(opened: Callable[..., Any]) -> None
 
 @pytest.mark.parametrize("width", [1400, 800, 390])
 @pytest.mark.parametrize("name", FRONTS)
-def test_the_page_is_never_wider_than_the_window(opened: Callable[..., Any], name: str, width: int) -> None:
+def test_the_page_is_never_wider_than_the_window(
+    opened: Callable[..., Any], name: str, width: int
+) -> None:
     page = opened(FRONTS[name](), width=width)
     assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
 @pytest.mark.parametrize("name", FRONTS)
-def test_text_is_at_least_16_pixels_and_no_label_leaves_its_bar(opened: Callable[..., Any], name: str) -> None:
+def test_text_is_at_least_16_pixels_and_no_label_leaves_its_bar(
+    opened: Callable[..., Any], name: str
+) -> None:
     page = opened(FRONTS[name]())
     sizes = page.evaluate(
         """[...document.querySelectorAll("p, td, th, li, dd, text, button, a")].filter(e => e.textContent.trim() && e.getClientRects().length)
@@ -121,7 +133,11 @@ def test_the_page_looks_like_something(opened: Callable[..., Any], tmp_path: Pat
     page = opened(thesis_front())
     first = page.screenshot(path=tmp_path / "a.png", full_page=True)
     image = Image.open(tmp_path / "a.png").convert("RGB")
-    colours = {"#{:02X}{:02X}{:02X}".format(*colour) for count, colour in image.getcolors(2**24) if count > 1500}
+    colours = {
+        "#{:02X}{:02X}{:02X}".format(*colour)
+        for count, colour in image.getcolors(2**24)
+        if count > 1500
+    }
     assert {look.tint for look in looks(thesis()).values()} <= colours
     page.locator("svg a.point .target").first.click()
     page.locator("#plan-1").wait_for(state="visible")
@@ -143,16 +159,28 @@ def test_on_paper_no_chart_and_no_table_is_cut(opened: Callable[..., Any], name:
 
 
 @pytest.mark.parametrize("name", ["thesis", "gearbox", "desk"])
-def test_the_printed_pages_are_a4_landscape_and_hold_every_plan(opened: Callable[..., Any], tmp_path: Path, name: str) -> None:
+def test_the_printed_pages_are_a4_landscape_and_hold_every_plan(
+    opened: Callable[..., Any], tmp_path: Path, name: str
+) -> None:
     if not shutil.which("pdftotext"):
         pytest.skip("no pdftotext: apt-get install poppler-utils")
     front = FRONTS[name]()
     page = opened(front)
     page.pdf(path=tmp_path / "report.pdf", prefer_css_page_size=True, print_background=True)
-    subprocess.run(["pdftotext", "-bbox", tmp_path / "report.pdf", tmp_path / "words.html"], check=True)
+    subprocess.run(
+        ["pdftotext", "-bbox", tmp_path / "report.pdf", tmp_path / "words.html"], check=True
+    )
     found = (tmp_path / "words.html").read_text()
-    assert {(round(float(w)), round(float(h))) for w, h in re.findall(r'<page width="([\d.]+)" height="([\d.]+)"', found)} == {(842, 595)}
-    edges = [tuple(map(float, edge)) for edge in re.findall(r'<word xMin="([-\d.]+)" yMin="([-\d.]+)" xMax="([-\d.]+)" yMax="([-\d.]+)"', found)]
+    assert {
+        (round(float(w)), round(float(h)))
+        for w, h in re.findall(r'<page width="([\d.]+)" height="([\d.]+)"', found)
+    } == {(842, 595)}
+    edges = [
+        tuple(map(float, edge))
+        for edge in re.findall(
+            r'<word xMin="([-\d.]+)" yMin="([-\d.]+)" xMax="([-\d.]+)" yMax="([-\d.]+)"', found
+        )
+    ]
     assert min(edge[0] for edge in edges) > 25
     assert max(edge[2] for edge in edges) < 842 - 20
     assert max(edge[3] for edge in edges) < 595 - 20
@@ -163,7 +191,9 @@ def test_the_printed_pages_are_a4_landscape_and_hold_every_plan(opened: Callable
         assert task in text
 
 
-def test_instruction_sheets_are_folded_on_the_screen_and_a_page_each_on_paper(opened: Callable[..., Any], tmp_path: Path) -> None:
+def test_instruction_sheets_are_folded_on_the_screen_and_a_page_each_on_paper(
+    opened: Callable[..., Any], tmp_path: Path
+) -> None:
     if not shutil.which("pdftotext"):
         pytest.skip("no pdftotext: apt-get install poppler-utils")
     page = opened(thesis_front())
@@ -172,9 +202,15 @@ def test_instruction_sheets_are_folded_on_the_screen_and_a_page_each_on_paper(op
     page.get_by_text("Instructions for human").locator("visible=true").click()
     assert [table.is_visible() for table in shown.all()].count(True) == 1
     page.pdf(path=tmp_path / "report.pdf", prefer_css_page_size=True, print_background=True)
-    text = subprocess.run(["pdftotext", "-layout", tmp_path / "report.pdf", "-"], check=True, capture_output=True, text=True).stdout
+    text = subprocess.run(
+        ["pdftotext", "-layout", tmp_path / "report.pdf", "-"],
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout
     sheets = [sheet for sheet in text.split("\f") if "Instructions for" in sheet]
-    assert [("human" in sheet.splitlines()[0], "Plan 2: 24 s" in sheet, "begin when" in sheet) for sheet in sheets] == [
+    assert [("human" in sheet.splitlines()[0], "Plan 2: 24 s" in sheet,
+    "begin when" in sheet) for sheet in sheets] == [
         (False, True, True), (True, True, True),
     ]  # fmt: skip
 

@@ -20,8 +20,12 @@ from tandem.schedule.model import Schedule
 
 
 @pytest.mark.parametrize("ending", ENDINGS)
-def test_every_ending_writes_the_same_file_twice_and_nothing_else(tmp_path: Path, ending: str) -> None:
-    first, second = (write(thesis_front(), tmp_path / f"{i}{ending}").read_bytes() for i in range(2))
+def test_every_ending_writes_the_same_file_twice_and_nothing_else(
+    tmp_path: Path, ending: str
+) -> None:
+    first, second = (
+        write(thesis_front(), tmp_path / f"{i}{ending}").read_bytes() for i in range(2)
+    )
     assert first == second
     assert len(list(tmp_path.iterdir())) == 2
 
@@ -29,7 +33,9 @@ def test_every_ending_writes_the_same_file_twice_and_nothing_else(tmp_path: Path
 def test_json_is_the_result_document(tmp_path: Path) -> None:
     document = json.loads(write(gearbox_front(), tmp_path / "a.json").read_text())
     assert document == gearbox_front().to_dict()
-    assert [Schedule.from_list(point["assignments"]) for point in document["front"]] == [r.schedule for r in gearbox_front()]
+    assert [Schedule.from_list(point["assignments"]) for point in document["front"]] == [
+        r.schedule for r in gearbox_front()
+    ]
 
 
 def test_csv_has_every_assignment_of_every_point() -> None:
@@ -38,26 +44,50 @@ def test_csv_has_every_assignment_of_every_point() -> None:
     assert tuple(rows[0]) == COLUMNS
     assert len(rows) == sum(len(result.schedule) for result in front)
     cover = next(row for row in rows if row["task"] == "cover" and row["point"] == "1")
-    assert (cover["label"], cover["operators"], cover["task_stress"]) == ("Set the cover on together", "ben + cobot2", "2")
+    assert (cover["label"], cover["operators"], cover["task_stress"]) == (
+        "Set the cover on together",
+        "ben + cobot2",
+        "2",
+    )
     for place, result in enumerate(front, 1):
         mine = [row for row in rows if row["point"] == str(place)]
         assert sum(float(row["task_stress"]) for row in mine) == result.stress
-        assert max(float(row["end_s"]) for row in mine) == result.makespan == float(mine[0]["makespan_s"])
+        assert (
+            max(float(row["end_s"]) for row in mine)
+            == result.makespan
+            == float(mine[0]["makespan_s"])
+        )
 
 
 def test_a_spreadsheet_takes_no_name_for_a_formula(tmp_path: Path) -> None:
     tasks = {"=1+1": thesis().tasks["1"], "-5 °C": thesis().tasks["1"], "-3": thesis().tasks["1"]}
-    cell = thesis().replace(tasks={name: task.model_copy(update={"label": None}) for name, task in tasks.items()})
-    schedule = Schedule.from_list([{"task": name, "operators": ["robot"], "start": 9 * i, "end": 9 * i + 9} for i, name in enumerate(tasks)])
+    cell = thesis().replace(
+        tasks={name: task.model_copy(update={"label": None}) for name, task in tasks.items()}
+    )
+    schedule = Schedule.from_list(
+        [
+            {"task": name, "operators": ["robot"], "start": 9 * i, "end": 9 * i + 9}
+            for i, name in enumerate(tasks)
+        ]
+    )
     data = write(front_of(cell, [schedule]), tmp_path / "a.csv").read_bytes()
-    assert [row["task"] for row in csv.DictReader(io.StringIO(data.decode("utf-8-sig")))] == ["'=1+1", "'-5 °C", "-3"]
+    assert [row["task"] for row in csv.DictReader(io.StringIO(data.decode("utf-8-sig")))] == [
+        "'=1+1",
+        "'-5 °C",
+        "-3",
+    ]
     assert data.startswith(b"\xef\xbb\xbf")
     assert to_csv(thesis_front()).isascii()
 
 
 def test_names_are_asked_for_before_the_search(tmp_path: Path) -> None:
     (tmp_path / "folder.json").mkdir()
-    bad = [tmp_path / "a.htm", tmp_path / "plain", tmp_path / "missing" / "a.json", tmp_path / "folder.json"]
+    bad = [
+        tmp_path / "a.htm",
+        tmp_path / "plain",
+        tmp_path / "missing" / "a.json",
+        tmp_path / "folder.json",
+    ]
     with pytest.raises(UsageError) as refused:
         ready_to_write([*bad, tmp_path / "good.json"])
     lines = str(refused.value).splitlines()
@@ -78,18 +108,27 @@ def test_a_full_disk_leaves_the_old_file_and_nothing_else(tmp_path: Path, ending
     target = tmp_path / f"plan{ending}"
     target.write_text("the old one")
     code = (
-        "import sys\nfrom tests.draw.cells import thesis_front\nfrom tandem.report.files import write\n"
-        "try:\n    write(thesis_front(), sys.argv[1])\nexcept OSError as error:\n    print('refused', error.strerror)\n"
+        "import sys\nfrom tests.draw.cells import thesis_front\nfrom tandem.report.files import"
+        " write\ntry:\n    write(thesis_front(), sys.argv[1])\nexcept OSError as error:\n   "
+        " print('refused', error.strerror)\n"
     )
 
     def small_disk() -> None:
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))
 
-    # matplotlib would write a cache of fonts of its own; it exists once this process has drawn something.
+    # matplotlib would write a cache of fonts of its own; it exists once this process has drawn
+    # something.
     thesis_front().plot()
     root = Path(__file__).resolve().parents[2]
-    done = subprocess.run([sys.executable, "-c", code, str(target)], preexec_fn=small_disk, cwd=root, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(target)],
+        preexec_fn=small_disk,
+        cwd=root,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
     assert done.stdout == "refused File too large\n", done.stderr
     assert [path.name for path in tmp_path.iterdir()] == [target.name]
     assert target.read_text() == "the old one"

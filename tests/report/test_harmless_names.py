@@ -1,4 +1,6 @@
-"""Whatever tasks, operators and cells are called, no exported file makes a reader's program run, draw or break anything by their names."""
+"""Whatever tasks, operators and cells are called, no exported file makes a reader's program run,
+draw or break anything by their names.
+"""
 
 from __future__ import annotations
 
@@ -40,11 +42,24 @@ def front() -> tandem.Front:
     """A plan of tasks, operators, tools, zones and a cell that are all called such things."""
     operators = {"=cobot": {"kind": "robot"}, "<b>@anna": {"kind": "human", "label": "</title><b>"}}
     tasks: dict[str, Any] = {
-        name: {"time": {"=cobot": 2, "<b>@anna": 3}, "stress": 1, "label": f"{name} !", "tool": "+tool", "zone": "-zone"} for name in NAMES
+        name: {
+            "time": {"=cobot": 2, "<b>@anna": 3},
+            "stress": 1,
+            "label": f"{name} !",
+            "tool": "+tool",
+            "zone": "-zone",
+        }
+        for name in NAMES
     }
     for first, then in pairwise(NAMES):
         tasks[then]["after"] = [first]
-    return tandem.plan(cell_of({"name": '=HYPERLINK("x") </script><script>', "operators": operators, "tasks": tasks}), time_limit=20, workers=1)
+    return tandem.plan(
+        cell_of(
+            {"name": '=HYPERLINK("x") </script><script>', "operators": operators, "tasks": tasks}
+        ),
+        time_limit=20,
+        workers=1,
+    )
 
 
 def in_csv(data: bytes) -> None:
@@ -62,8 +77,16 @@ def in_xlsx(data: bytes) -> None:
     """No cell is a formula that a name has made."""
     book = openpyxl.load_workbook(io.BytesIO(data))
     cells = [cell for sheet in book for row in sheet.iter_rows() for cell in row]
-    assert [cell.value for cell in cells if cell.data_type == "f" and any(name in str(cell.value) for name in (*NAMES, "HYPERLINK"))] == []
-    assert [cell.hyperlink.target for cell in cells if cell.hyperlink and "javascript" in (cell.hyperlink.target or "")] == []
+    assert [
+        cell.value
+        for cell in cells
+        if cell.data_type == "f" and any(name in str(cell.value) for name in (*NAMES, "HYPERLINK"))
+    ] == []
+    assert [
+        cell.hyperlink.target
+        for cell in cells
+        if cell.hyperlink and "javascript" in (cell.hyperlink.target or "")
+    ] == []
     assert any(cell.value == "=1+1" and cell.data_type == "s" for cell in cells)
 
 
@@ -77,11 +100,17 @@ class _Tags(html.parser.HTMLParser):
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.scripts += [dict(attrs)] if tag == "script" else []
         self.images += tag == "img"
-        self.handlers += [name for name, value in attrs if name.startswith("on") or (value or "").startswith("javascript:")]
+        self.handlers += [
+            name
+            for name, value in attrs
+            if name.startswith("on") or (value or "").startswith("javascript:")
+        ]
 
 
 def in_html(data: bytes) -> None:
-    """As many scripts as the page has for a cell with plain names, and no element that a name has made."""
+    """As many scripts as the page has for a cell with plain names, and no element that a name has
+    made.
+    """
     page = _Tags()
     page.feed(data.decode())
     assert (page.handlers, page.images) == ([], 0)
@@ -95,7 +124,12 @@ def in_xml(data: bytes) -> None:
 
 def in_svg(data: bytes) -> None:
     root = ET.fromstring(data)
-    assert {element.tag.rpartition("}")[2] for element in root.iter()} & {"script", "foreignObject", "image", "a"} == set()
+    assert {element.tag.rpartition("}")[2] for element in root.iter()} & {
+        "script",
+        "foreignObject",
+        "image",
+        "a",
+    } == set()
 
 
 def in_markdown(data: bytes) -> None:
@@ -125,13 +159,17 @@ CHECKS: dict[str, Callable[[bytes], None]] = {
 
 @pytest.mark.parametrize("language", ["en", "de"])
 @pytest.mark.parametrize("ending", ENDINGS)
-def test_no_name_does_harm_in_any_file(tmp_path: Path, front: tandem.Front, ending: str, language: str) -> None:
+def test_no_name_does_harm_in_any_file(
+    tmp_path: Path, front: tandem.Front, ending: str, language: str
+) -> None:
     path = write(front, tmp_path / f"plan{ending}", language=language)
     CHECKS[ending](path.read_bytes())
 
 
 def test_no_name_does_harm_in_the_terminal(front: tandem.Front) -> None:
-    """Brackets are markup to the library that colours the terminal; escapes never get into a cell."""
+    """Brackets are markup to the library that colours the terminal; escapes never get into a
+    cell.
+    """
     from rich.console import Console
 
     console = Console(file=(out := io.StringIO()), width=400, force_terminal=False)

@@ -1,4 +1,6 @@
-"""The report as text: everything is in it, nothing is fetched, nothing in a name is taken for markup."""
+"""The report as text: everything is in it, nothing is fetched, nothing in a name is taken for
+markup.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,16 @@ from html.parser import HTMLParser
 from xml.etree import ElementTree
 
 import pytest
-from tests.draw.cells import desk, front_of, gearbox_front, greedy, layered_front, thesis, thesis_front, thesis_schedules
+from tests.draw.cells import (
+    desk,
+    front_of,
+    gearbox_front,
+    greedy,
+    layered_front,
+    thesis,
+    thesis_front,
+    thesis_schedules,
+)
 
 from tandem.draw.layers import reduced
 from tandem.draw.style import contrast
@@ -23,13 +34,20 @@ from tandem.report.svg_gantt import panel_times
 from tandem.report.tables import shown_plans
 from tandem.schedule.model import Schedule
 
-FRONTS = {"thesis": thesis_front(), "gearbox": gearbox_front(), "desk": front_of(desk(), [greedy(desk())], proven=False, slack=0.1)}
+FRONTS = {
+    "thesis": thesis_front(),
+    "gearbox": gearbox_front(),
+    "desk": front_of(desk(), [greedy(desk())], proven=False, slack=0.1),
+}
 NASTY = "<script>alert(1)</script> & \"quoted\" 'x' </script><!--"
 
 
 def drawings(page: str) -> list[ElementTree.Element]:
     """Every drawing; that they parse says that they are well formed."""
-    return [ElementTree.fromstring(found.replace(' xmlns="http://www.w3.org/2000/svg"', "")) for found in re.findall(r"<svg.*?</svg>", page, re.S)]
+    return [
+        ElementTree.fromstring(found.replace(' xmlns="http://www.w3.org/2000/svg"', ""))
+        for found in re.findall(r"<svg.*?</svg>", page, re.S)
+    ]
 
 
 def charts(page: str, kind: str) -> list[ElementTree.Element]:
@@ -56,12 +74,20 @@ def test_every_plan_has_a_bar_for_each_task_of_each_operator(name: str) -> None:
 
 def test_bars_stand_where_their_tasks_do() -> None:
     (gantt,) = charts(html(front_of(thesis(), thesis_schedules()[:1])), "gantt")
-    boxes = {e.find("title").text.split(":")[0]: next(r for r in e.iter("rect")) for e in with_class(gantt, "task")}
-    start, end = float(boxes["1"].get("x")), float(boxes["7"].get("x")) + float(boxes["7"].get("width"))
+    boxes = {
+        e.find("title").text.split(":")[0]: next(r for r in e.iter("rect"))
+        for e in with_class(gantt, "task")
+    }
+    start, end = (
+        float(boxes["1"].get("x")),
+        float(boxes["7"].get("x")) + float(boxes["7"].get("width")),
+    )
     scale = (end - start) / 23
     for a in thesis_schedules()[0]:
         assert float(boxes[a.task].get("x")) == pytest.approx(start + a.start * scale, abs=0.1)
-        assert float(boxes[a.task].get("width")) == pytest.approx((a.end - a.start) * scale, abs=0.1)
+        assert float(boxes[a.task].get("width")) == pytest.approx(
+            (a.end - a.start) * scale, abs=0.1
+        )
 
 
 def test_every_point_is_a_link_to_its_plan() -> None:
@@ -83,10 +109,16 @@ def test_the_graph_has_every_task_and_every_arrow(name: str) -> None:
 
 def test_names_are_never_taken_for_markup() -> None:
     renamed = {"1": NASTY}
-    tasks = {renamed.get(n, n): t.model_copy(update={"after": tuple(renamed.get(a, a) for a in t.after)}) for n, t in thesis().tasks.items()}
+    tasks = {
+        renamed.get(n, n): t.model_copy(update={"after": tuple(renamed.get(a, a) for a in t.after)})
+        for n, t in thesis().tasks.items()
+    }
     operators = {"robot": {"kind": "robot", "label": NASTY}, "human": {"kind": "human"}}
     cell = thesis().replace(name=NASTY, tasks=tasks, operators=operators)
-    rows = [{**row, "task": renamed.get(row["task"], row["task"])} for row in thesis_schedules()[0].to_list()]
+    rows = [
+        {**row, "task": renamed.get(row["task"], row["task"])}
+        for row in thesis_schedules()[0].to_list()
+    ]
     page = html(front_of(cell, [Schedule.from_list(rows)]), command=NASTY, date=NASTY)
     found: list[str] = []
 
@@ -104,14 +136,20 @@ def test_names_are_never_taken_for_markup() -> None:
 
 def test_all_numbers_are_in_the_page_as_data() -> None:
     page = html(gearbox_front())
-    document = json.loads(re.search(r'<script type="application/json" id="result">(.*?)</script>', page, re.S)[1])
+    document = json.loads(
+        re.search(r'<script type="application/json" id="result">(.*?)</script>', page, re.S)[1]
+    )
     assert {key: document[key] for key in gearbox_front().to_dict()} == gearbox_front().to_dict()
     assert document["cell_file"] == gearbox_front().cell.to_dict()
 
 
 def test_nothing_is_fetched_from_anywhere() -> None:
     page = html(gearbox_front())
-    urls = set(re.findall(r"""(?:https?:)?//[\w.-]+[^\s"'<)]*""", re.sub(r"^\s*//.*$", "", page, flags=re.M)))
+    urls = set(
+        re.findall(
+            r"""(?:https?:)?//[\w.-]+[^\s"'<)]*""", re.sub(r"^\s*//.*$", "", page, flags=re.M)
+        )
+    )
     assert urls <= {"http://www.w3.org/2000/svg"}
     assert not re.search(r"@import|src=|url\((?!#)", page)
     assert "default-src 'none'" in page
@@ -119,7 +157,13 @@ def test_nothing_is_fetched_from_anywhere() -> None:
 
 def test_it_says_how_it_was_made() -> None:
     page = html(thesis_front(), command="tandem plan thesis.yaml -o report.html", date="2026-05-01")
-    for said in ("tandem plan thesis.yaml -o report.html", "2026-05-01", "cp-sat 9.14.6206", thesis().digest, "tandem 0."):
+    for said in (
+        "tandem plan thesis.yaml -o report.html",
+        "2026-05-01",
+        "cp-sat 9.14.6206",
+        thesis().digest,
+        "tandem 0.",
+    ):
         assert said in page
     assert '<html lang="en">' in page
     assert html(thesis_front()) == html(thesis_front())
@@ -127,14 +171,23 @@ def test_it_says_how_it_was_made() -> None:
 
 def test_the_summary_is_for_people() -> None:
     assert summary(thesis_front(), words()) == [
-        "7 tasks are to be done by 1 human and 1 robot. There are 3 sensible compromises between time and stress: the quickest takes 23 s with "
-        "stress 7, the gentlest takes 34 s with stress 2. We recommend plan 2: 24 s with stress 3. It takes 1 s (4.3 %) longer than the quickest "
-        "and spares 4 (57 %) of its stress.",
-        "This is proven: whatever plan is made for this cell, one of these is at least as quick and puts no more stress on people.",
+        (
+            "7 tasks are to be done by 1 human and 1 robot. There are 3 sensible compromises"
+            " between time and stress: the quickest takes 23 s with stress 7, the gentlest takes 34"
+            " s with stress 2. We recommend plan 2: 24 s with stress 3. It takes 1 s (4.3 %) longer"
+            " than the quickest and spares 4 (57 %) of its stress."
+        ),
+        (
+            "This is proven: whatever plan is made for this cell, one of these is at least as quick"
+            " and puts no more stress on people."
+        ),
     ]
     open_front = front_of(thesis(), thesis_schedules(), proven=False, slack=0.1)
     assert "better plans may exist" in summary(open_front, words())[1]
-    assert summary(Front(thesis(), (), False, "exact", "cp-sat", 0, 1.0), words())[1] == "No plan was found."
+    assert (
+        summary(Front(thesis(), (), False, "exact", "cp-sat", 0, 1.0), words())[1]
+        == "No plan was found."
+    )
 
 
 def test_assumptions_name_what_the_cell_has_and_nothing_else() -> None:
@@ -143,7 +196,9 @@ def test_assumptions_name_what_the_cell_has_and_nothing_else() -> None:
         assert sentence in gearbox_page
         assert sentence not in thesis_page
     assert "Proof: complete" in thesis_page
-    assert "0 of 3 plans are proven" in html(front_of(thesis(), thesis_schedules(), proven=False, slack=0.1))
+    assert "0 of 3 plans are proven" in html(
+        front_of(thesis(), thesis_schedules(), proven=False, slack=0.1)
+    )
 
 
 def test_an_empty_front_has_a_page_too() -> None:
@@ -177,7 +232,10 @@ def test_an_unknown_language_is_refused() -> None:
 
 
 def test_small_pieces() -> None:
-    assert tag("a", "<&", class_="x", hidden=True, id=None, data_n=1.0) == '<a class="x" hidden="" data-n="1">&lt;&amp;</a>'
+    assert (
+        tag("a", "<&", class_="x", hidden=True, id=None, data_n=1.0)
+        == '<a class="x" hidden="" data-n="1">&lt;&amp;</a>'
+    )
     assert tag("p", "bell\x07") == "<p>bell</p>"
     assert fitting(["a long wording", "short"], width_of("short", 16)) == "short"
     assert fitting(["a long wording"], 100).endswith("…")
@@ -186,14 +244,18 @@ def test_small_pieces() -> None:
     assert ticks(0.1, 0.34, 5) == [0.1, 0.15, 0.2, 0.25, 0.3]
 
 
-@pytest.mark.parametrize(("language", "heading"), [("en", "Instructions for human"), ("de", "Anweisung für human")])
+@pytest.mark.parametrize(
+    ("language", "heading"), [("en", "Instructions for human"), ("de", "Anweisung für human")]
+)
 def test_each_plan_has_an_instruction_sheet_for_each_operator(language: str, heading: str) -> None:
     front = thesis_front()
     page = html(front, language=language)
     sheets = re.findall(r'<details class="sheet" open="">.*?</details>', page, re.DOTALL)
     assert len(sheets) == len(front) * 2
     t = words(language)
-    rows = re.findall(r"<tr><td.*?</tr>", next(sheet for sheet in sheets if heading in sheet), re.DOTALL)
+    rows = re.findall(
+        r"<tr><td.*?</tr>", next(sheet for sheet in sheets if heading in sheet), re.DOTALL
+    )
     assert [len(rows), "4" in rows[-1]] == [len(front[0].schedule.of("human")), True]
     for turn, row in zip(turns(front.cell, front[0].schedule, "human", t), rows, strict=True):
         assert all(escape(sentence) in row for sentence in (*turn.wait, *turn.hands_to))

@@ -1,4 +1,6 @@
-"""What stands on paper is enough: whoever knows nothing but the sheets cannot work against the cell, however late the others are."""
+"""What stands on paper is enough: whoever knows nothing but the sheets cannot work against the
+cell, however late the others are.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,14 @@ from tandem.report.xlsx import xlsx
 from tandem.schedule.measures import changeover_times
 from tandem.schedule.model import Schedule
 
-OPTIONS = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large]}
+OPTIONS = {
+    "deadline": None,
+    "suppress_health_check": [
+        HealthCheck.too_slow,
+        HealthCheck.filter_too_much,
+        HealthCheck.data_too_large,
+    ],
+}
 
 
 @cache
@@ -64,13 +73,19 @@ def test_every_step_names_all_that_it_waits_for(cell: Cell, language: str) -> No
             assert (turn.cells.get("with", "–") or "–") == (", ".join(partners) or "–")
             assert turn.cells.get("tool", "–").split(" (")[0] == (task.tool or "–")
             assert turn.cells.get("zone", "–") == (task.zone or "–")
-            assert turn.told("release") == ({(f"{task.release:g}".replace(".", "," if language == "de" else "."),)} if task.release else set())
+            assert turn.told("release") == (
+                {(f"{task.release:g}".replace(".", "," if language == "de" else "."),)}
+                if task.release
+                else set()
+            )
             assert turn.conditions
 
 
 @settings(max_examples=60, **OPTIONS)
 @given(cells(max_tasks=7), st.sampled_from(("en", "de")), st.integers(0, 2**32))
-def test_work_by_the_sheets_alone_keeps_to_the_cell_however_late_others_are(cell: Cell, language: str, seed: int) -> None:
+def test_work_by_the_sheets_alone_keeps_to_the_cell_however_late_others_are(
+    cell: Cell, language: str, seed: int
+) -> None:
     schedule = knee(cell)
     if schedule is None:
         return
@@ -89,23 +104,40 @@ def test_work_by_the_sheets_alone_keeps_to_the_cell_however_late_others_are(cell
 
 @settings(max_examples=40, **OPTIONS)
 @given(cells(max_tasks=7), st.sampled_from(("en", "de")))
-def test_every_break_between_two_turns_and_every_changeover_is_said(cell: Cell, language: str) -> None:
+def test_every_break_between_two_turns_and_every_changeover_is_said(
+    cell: Cell, language: str
+) -> None:
     schedule = knee(cell)
     if schedule is None:
         return
     for one, turns in on_paper(cell, schedule, language).items():
         own = schedule.of(one)
         ends = [0.0, *(a.end for a in own)]
-        for turn, a, free, seconds in zip(turns, own, ends, changeover_times(cell, one, [a.task for a in own]), strict=False):
-            between = [(off, back) for off, back in cell.operators[one].breaks if free <= off and back <= a.start]
-            said = {tuple(float(number.replace(",", ".")) for number in pair) for pair in turn.told("break")}
+        for turn, a, free, seconds in zip(
+            turns, own, ends, changeover_times(cell, one, [a.task for a in own]), strict=False
+        ):
+            between = [
+                (off, back)
+                for off, back in cell.operators[one].breaks
+                if free <= off and back <= a.start
+            ]
+            said = {
+                tuple(float(number.replace(",", ".")) for number in pair)
+                for pair in turn.told("break")
+            }
             assert said == set(between)
             assert ("(" in turn.cells.get("tool", "")) == (seconds > 0)
-            assert not seconds or f"{seconds:g}".replace(".", "," if language == "de" else ".") in turn.cells["tool"]
+            assert (
+                not seconds
+                or f"{seconds:g}".replace(".", "," if language == "de" else ".")
+                in turn.cells["tool"]
+            )
 
 
 def shop() -> Cell:
-    """Everything once: Anna clamps and fetches before Cobot drills, with one driver and one jig between them."""
+    """Everything once: Anna clamps and fetches before Cobot drills, with one driver and one jig
+    between them.
+    """
     return cell_of(
         {
             "operators": {
@@ -117,10 +149,18 @@ def shop() -> Cell:
             "tasks": {
                 "clamp part": {"time": {"a": 2}, "zone": "jig"},
                 "fetch tool": {"time": {"b": 1}},
-                "drill": {"time": {"c": 3}, "after": ["clamp part", "fetch tool"], "zone": "jig", "tool": "driver"},
+                "drill": {
+                    "time": {"c": 3},
+                    "after": ["clamp part", "fetch tool"],
+                    "zone": "jig",
+                    "tool": "driver",
+                },
                 "deburr": {"time": {"a": 1}, "after": ["clamp part"], "tool": "file"},
                 "screw": {"time": {"a": 2}, "tool": "driver", "release": 7.5, "deadline": 20},
-                "turn over": {"together": [{"operators": ["a", "b"], "time": 4}], "after": ["drill"]},
+                "turn over": {
+                    "together": [{"operators": ["a", "b"], "time": 4}],
+                    "after": ["drill"],
+                },
             },
         }
     )
@@ -139,7 +179,13 @@ def shop_front() -> Front:
 
 
 def test_the_drill_waits_for_the_clamp_although_only_the_tool_comes_last() -> None:
-    cell = shop().replace(tasks={name: task for name, task in shop().tasks.items() if name in ("clamp part", "fetch tool", "drill")})
+    cell = shop().replace(
+        tasks={
+            name: task
+            for name, task in shop().tasks.items()
+            if name in ("clamp part", "fetch tool", "drill")
+        }
+    )
     late = rows(("clamp part", "a", 0, 2), ("fetch tool", "b", 4, 5), ("drill", "c", 5, 8))
     (drill,) = on_paper(cell, late, "en")["Cobot"]
     assert drill.told("done") == {("clamp part", "Anna"), ("fetch tool", "Bert")}
@@ -162,7 +208,10 @@ def test_a_sheet_says_all_that_there_is_to_a_step_in_english() -> None:
     }
     assert screw.cells["tool"] == "driver (take it up first: 1.5 s)"
     assert screw.cells["at the latest [s]"] == "20"
-    assert turn.conditions == {"done": [{"task": "drill", "who": "Cobot"}], "partner": [{"who": "Bert"}]}
+    assert turn.conditions == {
+        "done": [{"task": "drill", "who": "Cobot"}],
+        "partner": [{"who": "Bert"}],
+    }
 
 
 def test_a_sheet_says_all_that_there_is_to_a_step_in_german() -> None:
@@ -178,16 +227,31 @@ def test_a_sheet_says_all_that_there_is_to_a_step_in_german() -> None:
 
 def test_the_last_task_of_the_thesis_names_all_that_others_do_before_it() -> None:
     for result in thesis_front():
-        (seventh,) = [turn for turns in on_paper(result.cell, result.schedule, "en").values() for turn in turns if turn.task == "7"]
+        (seventh,) = [
+            turn
+            for turns in on_paper(result.cell, result.schedule, "en").values()
+            for turn in turns
+            if turn.task == "7"
+        ]
         doer = next(a.operators[0] for a in result.schedule if a.task == "7")
-        others = {(a.task, a.operators[0]) for a in result.schedule if a.task != "7" and a.operators[0] != doer}
+        others = {
+            (a.task, a.operators[0])
+            for a in result.schedule
+            if a.task != "7" and a.operators[0] != doer
+        }
         assert seventh.told("done") == others
 
 
 def test_one_of_two_tools_stays_with_whoever_has_it() -> None:
     """Two drivers for two people who work side by side: nobody fetches the other's."""
     tasks = {f"{who}{n}": {"time": {who: 2}, "tool": "driver"} for who in "ab" for n in (1, 2)}
-    cell = cell_of({"operators": {w: {"kind": "human"} for w in "ab"}, "tools": {"driver": {"capacity": 2}}, "tasks": tasks})
+    cell = cell_of(
+        {
+            "operators": {w: {"kind": "human"} for w in "ab"},
+            "tools": {"driver": {"capacity": 2}},
+            "tasks": tasks,
+        }
+    )
     schedule = rows(("a1", "a", 0, 2), ("b1", "b", 1, 3), ("b2", "b", 5, 7), ("a2", "a", 6, 8))
     for turns in on_paper(cell, schedule, "en").values():
         assert not any(turn.told("tool") for turn in turns)
@@ -196,12 +260,19 @@ def test_one_of_two_tools_stays_with_whoever_has_it() -> None:
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_workbook_and_markdown_say_what_the_page_says(language: str) -> None:
     front = shop_front()
-    book, text = openpyxl.load_workbook(io.BytesIO(xlsx(front, language=language))), markdown(front, language=language)
+    book, text = (
+        openpyxl.load_workbook(io.BytesIO(xlsx(front, language=language))),
+        markdown(front, language=language),
+    )
     for who, turns in sheets_of(html(front, language=language), language).items():
         rows = [row for row in book[who].iter_rows(min_row=4, values_only=True) if row[0]]
-        heads = [head for (head,) in book[who].iter_cols(min_row=3, max_row=3, values_only=True) if head]
+        heads = [
+            head for (head,) in book[who].iter_cols(min_row=3, max_row=3, values_only=True) if head
+        ]
         for turn, row in zip(turns, rows, strict=True):
-            wait = str(row[heads.index("begin when" if language == "en" else "anfangen")]).split("\n")
+            wait = str(row[heads.index("begin when" if language == "en" else "anfangen")]).split(
+                "\n"
+            )
             assert " ".join(wait) == turn.cells["wait"]
             assert f"| {'; '.join(wait)} |" in text
 

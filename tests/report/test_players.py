@@ -1,4 +1,6 @@
-"""Players beside the front: every number of the table, and a diamond for each place in the chart."""
+"""Players beside the front: every number of the table, and a diamond for each place in the
+chart.
+"""
 
 from __future__ import annotations
 

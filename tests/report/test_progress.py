@@ -30,7 +30,12 @@ def test_a_line_says_objective_bound_gap_and_time() -> None:
 def test_only_what_is_new_makes_a_line() -> None:
     stream = io.StringIO()
     with SolveProgress(stream) as progress:
-        for state in (Progress((KNEE,), 20, 0), Progress((KNEE,), 20, 0), Progress((KNEE,), 24, 0), Progress((QUICK, KNEE), 20, 0)):
+        for state in (
+            Progress((KNEE,), 20, 0),
+            Progress((KNEE,), 20, 0),
+            Progress((KNEE,), 24, 0),
+            Progress((QUICK, KNEE), 20, 0),
+        ):
             progress(state)
     lines = stream.getvalue().splitlines()
     assert [line.partition("  ")[2] for line in lines] == [

@@ -1,4 +1,6 @@
-"""Workbook, MS Project file, Markdown and instructions: every number is that of the plan, and other programs can open them."""
+"""Workbook, MS Project file, Markdown and instructions: every number is that of the plan, and other
+programs can open them.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,7 @@ def opened(front: Front) -> openpyxl.Workbook:
     return openpyxl.load_workbook(io.BytesIO(xlsx(front)))
 
 
-# --- the workbook -------------------------------------------------------------------------------------------------------------
+# --- the workbook ---------------------------------------------------------------------------------
 
 
 def test_the_workbook_gives_the_same_cell_again(front: Front, tmp_path: Path) -> None:
@@ -60,7 +62,9 @@ def test_every_sentence_is_there_in_german_with_the_same_places() -> None:
 
 def test_the_front_sheet_has_every_plan(front: Front) -> None:
     sheet = opened(front)["Front"]
-    rows = [(sheet.cell(row, 2).value, sheet.cell(row, 3).value) for row in range(4, 4 + len(front))]
+    rows = [
+        (sheet.cell(row, 2).value, sheet.cell(row, 3).value) for row in range(4, 4 + len(front))
+    ]
     assert rows == front.points
 
 
@@ -68,7 +72,9 @@ def test_the_plan_sheet_has_every_step() -> None:
     front = thesis_front()
     sheet = opened(front)["Plan 1"]
     rows = [[cell.value for cell in row[:5]] for row in sheet.iter_rows(min_row=4, max_row=10)]
-    assert [(row[0], row[1], row[2], row[3]) for row in rows] == [(a.task, a.operators[0], a.start, a.end) for a in front[0].schedule]
+    assert [(row[0], row[1], row[2], row[3]) for row in rows] == [
+        (a.task, a.operators[0], a.start, a.end) for a in front[0].schedule
+    ]
     assert sum(row[4] or 0 for row in rows) == front[0].stress
 
 
@@ -81,7 +87,11 @@ def test_the_gantt_sheet_paints_each_task_where_it_is() -> None:
         row, first, last = names[a.operators[0]], round(a.start / slot) + 2, round(a.end / slot) + 1
         assert sheet.cell(row, first).value == a.task
         assert sheet.cell(row, first).fill.fgColor.rgb[-6:] not in ("000000", "FFFFFF")
-        area = next(area for area in sheet.merged_cells.ranges if (area.min_row, area.min_col) == (row, first))
+        area = next(
+            area
+            for area in sheet.merged_cells.ranges
+            if (area.min_row, area.min_col) == (row, first)
+        )
         assert area.max_col == last
 
 
@@ -93,7 +103,11 @@ def test_a_gantt_chart_has_few_enough_columns(total: float) -> None:
 def test_sheets_of_operators_that_are_called_alike() -> None:
     cell = Cell.model_validate(
         {
-            "operators": {"a/b": {"kind": "human"}, "A_b": {"kind": "robot"}, "Tasks": {"kind": "robot"}},
+            "operators": {
+                "a/b": {"kind": "human"},
+                "A_b": {"kind": "robot"},
+                "Tasks": {"kind": "robot"},
+            },
             "tasks": {"=1+1": {"time": {"a/b": 1, "A_b": 2, "Tasks": 3}, "stress": 1}},
         }
     )
@@ -102,34 +116,48 @@ def test_sheets_of_operators_that_are_called_alike() -> None:
     assert book["Plan 1"]["A4"].data_type == "s"
 
 
-# --- MS Project ---------------------------------------------------------------------------------------------------------------
+# --- MS Project -----------------------------------------------------------------------------------
 
 ORDER = {
     "Project": (
-        "SaveVersion UID Name Title Subject Category Company Manager Author CreationDate Revision LastSaved ScheduleFromStart StartDate "
-        "FinishDate FYStartDate CriticalSlackLimit CurrencyDigits CurrencySymbol CurrencyCode CurrencySymbolPosition CalendarUID "
-        "DefaultStartTime DefaultFinishTime MinutesPerDay MinutesPerWeek DaysPerMonth DefaultTaskType DefaultFixedCostAccrual "
-        "DefaultStandardRate DefaultOvertimeRate DurationFormat WorkFormat EditableActualCosts HonorConstraints EarnedValueMethod "
-        "InsertedProjectsLikeSummary MultipleCriticalPaths NewTasksEffortDriven NewTasksEstimated Calendars Tasks Resources Assignments"
+        "SaveVersion UID Name Title Subject Category Company Manager Author CreationDate Revision"
+        " LastSaved ScheduleFromStart StartDate FinishDate FYStartDate CriticalSlackLimit"
+        " CurrencyDigits CurrencySymbol CurrencyCode CurrencySymbolPosition CalendarUID"
+        " DefaultStartTime DefaultFinishTime MinutesPerDay MinutesPerWeek DaysPerMonth"
+        " DefaultTaskType DefaultFixedCostAccrual DefaultStandardRate DefaultOvertimeRate"
+        " DurationFormat WorkFormat EditableActualCosts HonorConstraints EarnedValueMethod"
+        " InsertedProjectsLikeSummary MultipleCriticalPaths NewTasksEffortDriven NewTasksEstimated"
+        " Calendars Tasks Resources Assignments"
     ),
     "Calendar": "UID Name IsBaseCalendar BaseCalendarUID WeekDays Exceptions WorkWeeks",
     "WeekDay": "DayType DayWorking TimePeriod WorkingTimes",
     "WorkingTime": "FromTime ToTime",
     "Task": (
-        "UID ID Name Type IsNull CreateDate Contact WBS WBSLevel OutlineNumber OutlineLevel Priority Start Finish Duration DurationFormat "
-        "Work Stop Resume ResumeValid EffortDriven Recurring OverAllocated Estimated Milestone Summary Critical IsSubproject EarlyStart "
-        "EarlyFinish LateStart LateFinish FreeSlack TotalSlack FixedCost ConstraintType CalendarUID ConstraintDate Deadline "
-        "LevelAssignments Hyperlink IgnoreResourceCalendar Notes HideBar PredecessorLink"
+        "UID ID Name Type IsNull CreateDate Contact WBS WBSLevel OutlineNumber OutlineLevel"
+        " Priority Start Finish Duration DurationFormat Work Stop Resume ResumeValid EffortDriven"
+        " Recurring OverAllocated Estimated Milestone Summary Critical IsSubproject EarlyStart"
+        " EarlyFinish LateStart LateFinish FreeSlack TotalSlack FixedCost ConstraintType"
+        " CalendarUID ConstraintDate Deadline LevelAssignments Hyperlink IgnoreResourceCalendar"
+        " Notes HideBar PredecessorLink"
     ),
     "PredecessorLink": "PredecessorUID Type CrossProject CrossProjectName LinkLag LagFormat",
     "Resource": (
-        "UID ID Name Type IsNull Initials Phonetics NTAccount MaterialLabel Code Group WorkGroup EmailAddress MaxUnits PeakUnits CalendarUID Notes"
+        "UID ID Name Type IsNull Initials Phonetics NTAccount MaterialLabel Code Group WorkGroup"
+        " EmailAddress MaxUnits PeakUnits CalendarUID Notes"
     ),
     "Assignment": "UID TaskUID ResourceUID Finish Milestone Notes Start Stop Resume Units Work",
 }
-"""The sequences of mspdi_pj12.xsd as Microsoft's reference prints them, as far as they are used here."""
+"""The sequences of mspdi_pj12.xsd as Microsoft's reference prints them, as far as they are used
+here.
+"""
 
-REQUIRED = {"Project": ("SaveVersion", "CurrencyCode"), "Task": ("UID",), "Resource": ("UID",), "Assignment": ("UID",), "Calendar": ("UID",)}
+REQUIRED = {
+    "Project": ("SaveVersion", "CurrencyCode"),
+    "Task": ("UID",),
+    "Resource": ("UID",),
+    "Assignment": ("UID",),
+    "Calendar": ("UID",),
+}
 
 
 def project(front: Front) -> ElementTree.Element:
@@ -166,21 +194,40 @@ def test_the_project_says_what_the_plan_says(front: Front) -> None:
     for name, entry in tasks.items():
         assert clock(text(entry, "Start")) == pytest.approx(rows[name].start, abs=0.01)
         assert clock(text(entry, "Finish")) == pytest.approx(rows[name].end, abs=0.01)
-        hours, minutes, seconds = map(int, re.fullmatch(r"PT(\d+)H(\d+)M(\d+)S", text(entry, "Duration")).groups())  # type: ignore[union-attr]
-        assert (hours * 3600 + minutes * 60 + seconds) / SCALE == pytest.approx(rows[name].end - rows[name].start, abs=0.01)
-        links = [uid[text(link, "PredecessorUID")] for link in entry.iter(f"{{{SPACE}}}PredecessorLink")]
+        hours, minutes, seconds = map(
+            int, re.fullmatch(r"PT(\d+)H(\d+)M(\d+)S", text(entry, "Duration")).groups()
+        )  # type: ignore[union-attr]
+        assert (hours * 3600 + minutes * 60 + seconds) / SCALE == pytest.approx(
+            rows[name].end - rows[name].start, abs=0.01
+        )
+        links = [
+            uid[text(link, "PredecessorUID")] for link in entry.iter(f"{{{SPACE}}}PredecessorLink")
+        ]
         assert tuple(links) == front.cell.tasks[name].after
-    operators = dict(zip([text(entry, "UID") for entry in root.iter(f"{{{SPACE}}}Resource")], front.cell.operators, strict=True))
-    found = {(uid[text(entry, "TaskUID")], operators[text(entry, "ResourceUID")]) for entry in root.iter(f"{{{SPACE}}}Assignment")}
+    operators = dict(
+        zip(
+            [text(entry, "UID") for entry in root.iter(f"{{{SPACE}}}Resource")],
+            front.cell.operators,
+            strict=True,
+        )
+    )
+    found = {
+        (uid[text(entry, "TaskUID")], operators[text(entry, "ResourceUID")])
+        for entry in root.iter(f"{{{SPACE}}}Assignment")
+    }
     assert found == {(a.task, who) for a in front.knee.schedule for who in a.operators}
 
 
-# --- Markdown and instructions ------------------------------------------------------------------------------------------------
+# --- Markdown and instructions --------------------------------------------------------------------
 
 
 def test_markdown_tables_are_whole(front: Front) -> None:
     said = markdown(front)
-    widths = {len(re.split(r"(?<!\\)\|", line)) for line in said.splitlines() if line.startswith(("| plan ", "| 1 "))}
+    widths = {
+        len(re.split(r"(?<!\\)\|", line))
+        for line in said.splitlines()
+        if line.startswith(("| plan ", "| 1 "))
+    }
     assert widths
     for block in re.findall(r"(?:^\|.*\n)+", said, re.MULTILINE):
         assert len({len(re.split(r"(?<!\\)\|", line)) for line in block.splitlines()}) == 1
@@ -189,7 +236,13 @@ def test_markdown_tables_are_whole(front: Front) -> None:
 
 
 def test_names_are_no_markup() -> None:
-    cell = Cell.model_validate({"name": "<b>*x*|y", "operators": {"h": {"kind": "human"}}, "tasks": {"a|b": {"time": {"h": 1}, "label": "<script>"}}})
+    cell = Cell.model_validate(
+        {
+            "name": "<b>*x*|y",
+            "operators": {"h": {"kind": "human"}},
+            "tasks": {"a|b": {"time": {"h": 1}, "label": "<script>"}},
+        }
+    )
     said = markdown(plan(cell))
     assert "<b>" not in said
     assert "<script>" not in said
@@ -200,7 +253,9 @@ def test_every_operator_is_told_every_turn(front: Front) -> None:
     t = words("en")
     for who in front.cell.operators:
         found = turns(front.cell, front.knee.schedule, who, t)
-        assert [(turn.task, turn.start, turn.end) for turn in found] == [(a.task, a.start, a.end) for a in front.knee.schedule.of(who)]
+        assert [(turn.task, turn.start, turn.end) for turn in found] == [
+            (a.task, a.start, a.end) for a in front.knee.schedule.of(who)
+        ]
         assert all(turn.wait for turn in found)
 
 
@@ -215,17 +270,28 @@ def test_who_waits_for_whom() -> None:
     assert robot["7"].wait == tuple(f"{task} is done (call from human)" for task in "356")
 
 
-# --- other programs -----------------------------------------------------------------------------------------------------------
+# --- other programs -------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
 def test_libreoffice_opens_the_workbook(tmp_path: Path) -> None:
-    program = shutil.which("soffice") or pytest.skip("no LibreOffice: apt-get install libreoffice-calc")
+    program = shutil.which("soffice") or pytest.skip(
+        "no LibreOffice: apt-get install libreoffice-calc"
+    )
     write(gearbox_front(), tmp_path / "plan.xlsx")
     profile = f"-env:UserInstallation=file://{tmp_path / 'profile'}"
 
     def convert(form: str) -> None:
-        call = [program, profile, "--headless", "--convert-to", form, "--outdir", str(tmp_path), str(tmp_path / "plan.xlsx")]
+        call = [
+            program,
+            profile,
+            "--headless",
+            "--convert-to",
+            form,
+            "--outdir",
+            str(tmp_path),
+            str(tmp_path / "plan.xlsx"),
+        ]
         subprocess.run(call, check=True, capture_output=True, timeout=120)
 
     convert("csv")

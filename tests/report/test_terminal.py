@@ -7,12 +7,26 @@ import re
 
 import pytest
 from rich.console import Console
-from tests.draw.cells import desk, front_of, gearbox_front, greedy, layered_front, thesis, thesis_front, thesis_schedules
+from tests.draw.cells import (
+    desk,
+    front_of,
+    gearbox_front,
+    greedy,
+    layered_front,
+    thesis,
+    thesis_front,
+    thesis_schedules,
+)
 
 from tandem.plan.result import Front
 from tandem.report.terminal import FrontView, GanttText, headline
 
-FRONTS = {"thesis": thesis_front(), "gearbox": gearbox_front(), "desk": front_of(desk(), [greedy(desk())]), "120 tasks": layered_front()}
+FRONTS = {
+    "thesis": thesis_front(),
+    "gearbox": gearbox_front(),
+    "desk": front_of(desk(), [greedy(desk())]),
+    "120 tasks": layered_front(),
+}
 
 
 def printed(view: object, width: int = 80, *, encoding: str = "utf-8", **options: object) -> str:
@@ -47,8 +61,13 @@ def test_bars_stand_where_their_tasks_do() -> None:
     lines = printed(GanttText(thesis(), thesis_schedules()[0]), 77).splitlines()
     robot, human = (re.split(r"[│]", line)[1] for line in lines[:2])
     scale = len(robot) / 23
-    for lane, found in ((robot, {"1": 0, "2": 9, "4": 16, "7": 21}), (human, {"3": 0, "5": 10, "6": 18})):
-        assert {name: lane.index(f"▐{name}") for name in found} == {name: round(start * scale) for name, start in found.items()}
+    for lane, found in (
+        (robot, {"1": 0, "2": 9, "4": 16, "7": 21}),
+        (human, {"3": 0, "5": 10, "6": 18}),
+    ):
+        assert {name: lane.index(f"▐{name}") for name in found} == {
+            name: round(start * scale) for name, start in found.items()
+        }
     assert set(robot[round(18 * scale) : round(21 * scale)]) == {" "}
     assert lines[-1] == "critical path: 1 → 2 → 4 → 6 → 7"
 
@@ -69,7 +88,9 @@ def test_colours_are_for_terminals_that_want_them(monkeypatch: pytest.MonkeyPatc
     for name in ("NO_COLOR", "FORCE_COLOR", "TERM", "COLORTERM"):
         monkeypatch.delenv(name, raising=False)
     colour = re.compile(r"\x1b\[[0-9;]*3[0-9]m")
-    assert colour.search(printed(FrontView(thesis_front()), force_terminal=True, color_system="standard"))
+    assert colour.search(
+        printed(FrontView(thesis_front()), force_terminal=True, color_system="standard")
+    )
     assert not colour.search(printed(FrontView(thesis_front())))
     monkeypatch.setenv("NO_COLOR", "1")
     assert not colour.search(printed(FrontView(thesis_front()), force_terminal=True))
@@ -87,7 +108,10 @@ def test_a_large_schedule_is_folded_and_keeps_most_names() -> None:
 
 
 def test_markup_in_names_is_shown_and_not_obeyed() -> None:
-    cell = thesis().replace(name="[bold red]x[/]", operators={"robot": {"kind": "robot", "label": "[red]R[/red]"}, "human": {"kind": "human"}})
+    cell = thesis().replace(
+        name="[bold red]x[/]",
+        operators={"robot": {"kind": "robot", "label": "[red]R[/red]"}, "human": {"kind": "human"}},
+    )
     text = printed(FrontView(front_of(cell, thesis_schedules())), 120)
     assert "[bold red]x[/]" in text
     assert text.count("[red]R[/red]") >= 2

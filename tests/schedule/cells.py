@@ -16,7 +16,11 @@ THESIS: dict[str, Any] = {
         "4": {"time": {"robot": 2}, "after": ["1", "2"]},
         "5": {"time": {"robot": 4, "human": 2}, "stress": 4, "after": ["3"]},
         "6": {"time": {"robot": 10, "human": 3}, "stress": 1, "after": ["1", "2", "4"]},
-        "7": {"time": {"robot": 2, "human": 4}, "stress": 5, "after": ["1", "2", "3", "4", "5", "6"]},
+        "7": {
+            "time": {"robot": 2, "human": 4},
+            "stress": 5,
+            "after": ["1", "2", "3", "4", "5", "6"],
+        },
     },
 }
 
@@ -26,15 +30,34 @@ GEARBOX: dict[str, Any] = {
         "anna": {"kind": "human", "stress_limit": 8},
         "ben": {"kind": "human"},
     },
-    "tools": {"driver": {"capacity": 1, "changeover": {"cobot": 3, "anna": 0.5}}, "gripper": {"changeover": {"cobot": 1}}},
+    "tools": {
+        "driver": {"capacity": 1, "changeover": {"cobot": 3, "anna": 0.5}},
+        "gripper": {"changeover": {"cobot": 1}},
+    },
     "zones": {"jig": {"capacity": 2}},
     "tasks": {
         "housing": {"time": {"cobot": 4, "anna": 5, "ben": 5}, "stress": 2, "tool": "gripper"},
         "shaft": {"time": {"anna": 2.5}, "stress": 3, "release": 1},
-        "gears": {"together": [{"operators": ["anna", "ben"], "time": 3, "stress": {"anna": 1.1, "ben": 0.2}}], "after": ["shaft"], "zone": "jig"},
-        "screws": {"time": {"cobot": 2, "anna": 3}, "stress": 1, "after": ["housing"], "tool": "driver", "deadline": 12},
+        "gears": {
+            "together": [
+                {"operators": ["anna", "ben"], "time": 3, "stress": {"anna": 1.1, "ben": 0.2}}
+            ],
+            "after": ["shaft"],
+            "zone": "jig",
+        },
+        "screws": {
+            "time": {"cobot": 2, "anna": 3},
+            "stress": 1,
+            "after": ["housing"],
+            "tool": "driver",
+            "deadline": 12,
+        },
         "cover": {"time": {"ben": 4}, "stress": 4, "zone": "jig", "after": ["gears"]},
-        "label": {"time": {"ben": 1, "anna": 1}, "stress": 0.3, "difficulty": {"ben": 2, "anna": 0.1}},
+        "label": {
+            "time": {"ben": 1, "anna": 1},
+            "stress": 0.3,
+            "difficulty": {"ben": 2, "anna": 0.1},
+        },
         "check": {"time": {"anna": 2, "ben": 2}, "stress": 0.5, "after": ["cover"], "zone": "jig"},
         "pack": {"time": {"cobot": 3}, "after": ["screws"], "tool": "gripper"},
     },
@@ -65,7 +88,9 @@ def gearbox(**changes: Any) -> Cell:
 
 def schedule(rows: dict[str, tuple[tuple[str, ...], float, float]]) -> Schedule:
     """Task -> (operators, start, end), as a schedule."""
-    return Schedule(tuple(Assignment(start, end, task, who) for task, (who, start, end) in rows.items()))
+    return Schedule(
+        tuple(Assignment(start, end, task, who) for task, (who, start, end) in rows.items())
+    )
 
 
 def gearbox_schedule(**changes: tuple[tuple[str, ...], float, float]) -> Schedule:

@@ -9,7 +9,15 @@ from dataclasses import replace
 from decimal import Decimal
 
 import pytest
-from tests.schedule.cells import GEARBOX, GEARBOX_PLAN, gearbox, gearbox_schedule, schedule, thesis, thesis_schedule
+from tests.schedule.cells import (
+    GEARBOX,
+    GEARBOX_PLAN,
+    gearbox,
+    gearbox_schedule,
+    schedule,
+    thesis,
+    thesis_schedule,
+)
 
 from tandem.cell.model import Cell
 from tandem.schedule.checker import RULES, Judged, faults
@@ -26,22 +34,34 @@ def test_a_sound_schedule_has_no_faults():
 DAMAGE = {
     "times that are no numbers": ({"label": (ANNA, math.nan, 7.5)}, r"'label'.*nan.*no time"),
     "an endless task": ({"pack": (COBOT, 15, math.inf)}, r"'pack'.*inf.*no time"),
-    "an unknown operator": ({"label": (("anne",), 6.5, 7.5)}, r"'label'.*no operator 'anne'. Did you mean 'anna'\?"),
-    "an operator named twice": ({"label": (("anna", "anna"), 6.5, 7.5)}, r"'label'.*'anna' is named 2 times"),
+    "an unknown operator": ({"label": (("anne",), 6.5, 7.5)},
+    r"'label'.*no operator 'anne'. Did you mean 'anna'\?"),
+    "an operator named twice": ({"label": (("anna", "anna"), 6.5, 7.5)},
+    r"'label'.*'anna' is named 2 times"),
     "nobody": ({"label": ((), 6.5, 7.5)}, r"'label': nobody does it; anna or ben can"),
-    "an operator who cannot": ({"label": (COBOT, 9, 10)}, r"'label': cobot cannot do it; anna or ben can"),
+    "an operator who cannot": ({"label": (COBOT, 9, 10)},
+    r"'label': cobot cannot do it; anna or ben can"),
     "half a group": ({"gears": (ANNA, 3.5, 6.5)}, r"'gears': anna cannot do it; anna and ben can"),
-    "a wrong duration": ({"label": (ANNA, 6.5, 7)}, r"'label': anna cannot do it in 0.5 s \(6.5 to 7 s\); it takes 1 s, so it would end at 7.5 s"),
+    "a wrong duration": ({"label": (ANNA, 6.5, 7)},
+    r"'label': anna cannot do it in 0.5 s \(6.5 to 7 s\); it takes 1 s, so it would end at 7.5 s"),
     "a negative duration": ({"label": (ANNA, 7.5, 6.5)}, r"'label': anna cannot do it in -1 s"),
     "a start before zero": ({"housing": (COBOT, -1, 3)}, r"'housing': starts at -1 s"),
-    "a missed predecessor": ({"cover": (BEN, 6.25, 10.25)}, r"'cover': starts at 6.25 s, before task 'gears'.*6.5 s is the earliest"),
-    "two tasks at once": ({"label": (BEN, 7, 8)}, r"'ben': does task 'cover' \(6.5 to 10.5 s\) and task 'label' \(7 to 8 s\).*10.5 s is"),
-    "a start before the release": ({"shaft": (ANNA, 0.5, 3)}, r"'shaft': starts at 0.5 s, before its release: 1 s is the earliest"),
-    "a missed deadline": ({"screws": (COBOT, 10.5, 12.5)}, r"'screws': ends at 12.5 s, after its deadline: 12 s"),
-    "work in a break": ({"pack": (COBOT, 11, 14)}, r"'cobot': task 'pack' \(11 to 14 s\) runs into the break from 12 s to 14 s"),
-    "a changeover too short": ({"screws": (COBOT, 6.5, 8.5)}, r"'cobot': needs 3 s.*'driver'.*'screws'.*2.5 s after task 'housing'; 7 s is the earl"),
-    "a changeover in a break": ({"pack": (COBOT, 14, 17)}, r"'cobot': needs 1 s.*'gripper'.*13 s to 14 s.*break from 12 s to 14 s; after it, 15 s"),
-    "a pair apart": ({"check": (ANNA, 10.5, 12.5)}, r"'cover' and 'check': must be done by the same operators, but ben and anna"),
+    "a missed predecessor": ({"cover": (BEN, 6.25, 10.25)},
+    r"'cover': starts at 6.25 s, before task 'gears'.*6.5 s is the earliest"),
+    "two tasks at once": ({"label": (BEN, 7, 8)},
+    r"'ben': does task 'cover' \(6.5 to 10.5 s\) and task 'label' \(7 to 8 s\).*10.5 s is"),
+    "a start before the release": ({"shaft": (ANNA, 0.5, 3)},
+    r"'shaft': starts at 0.5 s, before its release: 1 s is the earliest"),
+    "a missed deadline": ({"screws": (COBOT, 10.5, 12.5)},
+    r"'screws': ends at 12.5 s, after its deadline: 12 s"),
+    "work in a break": ({"pack": (COBOT, 11, 14)},
+    r"'cobot': task 'pack' \(11 to 14 s\) runs into the break from 12 s to 14 s"),
+    "a changeover too short": ({"screws": (COBOT, 6.5, 8.5)},
+    r"'cobot': needs 3 s.*'driver'.*'screws'.*2.5 s after task 'housing'; 7 s is the earl"),
+    "a changeover in a break": ({"pack": (COBOT, 14, 17)},
+    r"'cobot': needs 1 s.*'gripper'.*13 s to 14 s.*break from 12 s to 14 s; after it, 15 s"),
+    "a pair apart": ({"check": (ANNA, 10.5, 12.5)},
+    r"'cover' and 'check': must be done by the same operators, but ben and anna"),
 }  # fmt: skip
 
 
@@ -67,25 +87,47 @@ def test_an_empty_schedule_misses_every_task():
 def test_a_stress_limit_is_judged_by_the_human_s_own_stress():
     tight = {**GEARBOX["operators"], "anna": {"kind": "human", "stress_limit": 4.3}}
     assert faults(gearbox(operators=tight), gearbox_schedule()) == [
-        "operator 'anna': collects 4.4 of stress, the limit is 4.3; 0.1 must go (most from 'shaft' 3, 'gears' 1.1, 'label' 0.3)."
+        "operator 'anna': collects 4.4 of stress, the limit is 4.3; 0.1 must go (most from 'shaft'"
+        " 3, 'gears' 1.1, 'label' 0.3)."
     ]
-    assert faults(gearbox(operators={**tight, "anna": {"kind": "human", "stress_limit": 4.4}}), gearbox_schedule()) == []
+    assert (
+        faults(
+            gearbox(operators={**tight, "anna": {"kind": "human", "stress_limit": 4.4}}),
+            gearbox_schedule(),
+        )
+        == []
+    )
 
 
 def test_a_crowded_zone_and_a_tool_in_too_many_hands_are_said():
     narrow = gearbox(
         zones={},
-        tasks={**GEARBOX["tasks"], "gears": {**GEARBOX["tasks"]["gears"], "zone": None}, "label": {**GEARBOX["tasks"]["label"], "zone": "jig"}},
+        tasks={
+            **GEARBOX["tasks"],
+            "gears": {**GEARBOX["tasks"]["gears"], "zone": None},
+            "label": {**GEARBOX["tasks"]["label"], "zone": "jig"},
+        },
     )
     assert faults(narrow, gearbox_schedule()) == [
-        "zone 'jig': there is only 1 place, but 2 operators need it at once from 6.5 s to 7.5 s (tasks 'label' and 'cover')."
+        "zone 'jig': there is only 1 place, but 2 operators need it at once from 6.5 s to 7.5 s"
+        " (tasks 'label' and 'cover')."
     ]
     tools = {**GEARBOX["tasks"], "label": {**GEARBOX["tasks"]["label"], "tool": "driver"}}
     moved = gearbox_schedule(label=(ANNA, 7, 8))
     assert faults(gearbox(tasks=tools), moved) == [
-        "tool 'driver': there is only 1 of it, but 2 operators need it at once from 7 s to 8 s (tasks 'label' and 'screws')."
+        "tool 'driver': there is only 1 of it, but 2 operators need it at once from 7 s to 8 s"
+        " (tasks 'label' and 'screws')."
     ]
-    assert faults(gearbox(tasks=tools, tools={**GEARBOX["tools"], "driver": {**GEARBOX["tools"]["driver"], "capacity": 2}}), moved) == []
+    assert (
+        faults(
+            gearbox(
+                tasks=tools,
+                tools={**GEARBOX["tools"], "driver": {**GEARBOX["tools"]["driver"], "capacity": 2}},
+            ),
+            moved,
+        )
+        == []
+    )
 
 
 def test_touching_is_not_overlapping():
@@ -104,36 +146,66 @@ def test_touching_is_not_overlapping():
 def test_tenths_add_up_exactly():
     """0.1 + 0.2 ends at 0.3, though the floats say otherwise."""
     cell = Cell.model_validate(
-        {"operators": {"cobot": {"kind": "robot"}}, "tasks": {"a": {"time": {"cobot": 0.1}}, "b": {"time": {"cobot": 0.2}, "after": ["a"]}}}
+        {
+            "operators": {"cobot": {"kind": "robot"}},
+            "tasks": {"a": {"time": {"cobot": 0.1}}, "b": {"time": {"cobot": 0.2}, "after": ["a"]}},
+        }
     )
     assert faults(cell, schedule({"a": (COBOT, 0, 0.1), "b": (COBOT, 0.1, 0.3)})) == []
-    assert "it takes 0.2 s" in faults(cell, schedule({"a": (COBOT, 0, 0.1), "b": (COBOT, 0.1, 0.1 + 0.2)}))[0]
+    assert (
+        "it takes 0.2 s"
+        in faults(cell, schedule({"a": (COBOT, 0, 0.1), "b": (COBOT, 0.1, 0.1 + 0.2)}))[0]
+    )
 
 
 def test_a_first_tool_costs_nothing_unless_another_is_in_hand():
     tasks = {"a": {"time": {"cobot": 2}, "tool": "driver"}}
     tools = {"driver": {"changeover": {"cobot": 3}}}
     start = schedule({"a": (COBOT, 0, 2)})
-    assert faults(Cell.model_validate({"operators": {"cobot": {"kind": "robot"}}, "tools": tools, "tasks": tasks}), start) == []
-    held = Cell.model_validate({"operators": {"cobot": {"kind": "robot", "tool": "gripper"}}, "tools": tools, "tasks": tasks})
+    assert (
+        faults(
+            Cell.model_validate(
+                {"operators": {"cobot": {"kind": "robot"}}, "tools": tools, "tasks": tasks}
+            ),
+            start,
+        )
+        == []
+    )
+    held = Cell.model_validate(
+        {
+            "operators": {"cobot": {"kind": "robot", "tool": "gripper"}},
+            "tools": tools,
+            "tasks": tasks,
+        }
+    )
     assert faults(held, start) == [
-        "operator 'cobot': needs 3 s to take up tool 'driver' before task 'a', which starts only 0 s after the beginning; 3 s is the earliest."
+        "operator 'cobot': needs 3 s to take up tool 'driver' before task 'a', which starts only 0"
+        " s after the beginning; 3 s is the earliest."
     ]
     assert faults(held, schedule({"a": (COBOT, 3, 5)})) == []
 
 
 def test_tasks_without_a_tool_leave_the_tool_in_hand():
     tools = {"driver": {"changeover": {"cobot": 3}}}
-    tasks = {"a": {"time": {"cobot": 1}, "tool": "driver"}, "b": {"time": {"cobot": 1}}, "c": {"time": {"cobot": 1}, "tool": "driver"}}
-    cell = Cell.model_validate({"operators": {"cobot": {"kind": "robot"}}, "tools": tools, "tasks": tasks})
-    assert faults(cell, schedule({"a": (COBOT, 0, 1), "b": (COBOT, 1, 2), "c": (COBOT, 2, 3)})) == []
+    tasks = {
+        "a": {"time": {"cobot": 1}, "tool": "driver"},
+        "b": {"time": {"cobot": 1}},
+        "c": {"time": {"cobot": 1}, "tool": "driver"},
+    }
+    cell = Cell.model_validate(
+        {"operators": {"cobot": {"kind": "robot"}}, "tools": tools, "tasks": tasks}
+    )
+    assert (
+        faults(cell, schedule({"a": (COBOT, 0, 1), "b": (COBOT, 1, 2), "c": (COBOT, 2, 3)})) == []
+    )
 
 
 def test_a_set_that_the_table_does_not_list_is_said():
     cell = thesis().replace(stress_of_set={"3,5,6": 7, "3": 1})
     assert faults(cell, thesis_schedule()) == []
     assert faults(cell.replace(stress_of_set={"3": 1}), thesis_schedule()) == [
-        "stress_of_set does not list '3,5,6', the tasks that humans do here: this set of tasks is not allowed."
+        "stress_of_set does not list '3,5,6', the tasks that humans do here: this set of tasks is"
+        " not allowed."
     ]
 
 
@@ -143,14 +215,19 @@ def test_limits_are_judged_when_given():
         "task '7': ends at 23 s, after the limit on the makespan of 22.9 s.",
         "stress: is 7, over its limit of 6.9.",
     ]
-    assert faults(thesis().replace(stress_of_set={"3,5,6": 4}), thesis_schedule(), max_stress=3) == ["stress: is 4, over its limit of 3."]
+    assert faults(
+        thesis().replace(stress_of_set={"3,5,6": 4}), thesis_schedule(), max_stress=3
+    ) == ["stress: is 4, over its limit of 3."]
 
 
 def test_all_faults_are_said_at_once():
-    broken = gearbox_schedule(housing=(BEN, -1, 3), screws=(("bob",), 3, 9), shaft=(COBOT, 0, 1), check=(ANNA, 2, 12.5))
+    broken = gearbox_schedule(
+        housing=(BEN, -1, 3), screws=(("bob",), 3, 9), shaft=(COBOT, 0, 1), check=(ANNA, 2, 12.5)
+    )
     named = {rule.__name__ for rule in RULES if list(rule(Judged.of(gearbox(), broken)))}
     assert named >= {
-        "operators_are_known", "the_group_can_do_the_task", "durations_are_right", "nothing_starts_before_zero", "predecessors_end_first",
+        "operators_are_known", "the_group_can_do_the_task", "durations_are_right",
+        "nothing_starts_before_zero", "predecessors_end_first",
         "an_operator_does_one_task_at_a_time", "releases_are_kept", "pairs_have_the_same_operators",
     }  # fmt: skip
 
@@ -179,9 +256,19 @@ def test_five_hundred_tasks_are_judged_in_a_blink():
     }
     operators = {name: {"kind": "human", "breaks": [[900, 901]]} for name in "abcd"}
     cell = Cell.model_validate(
-        {"operators": operators, "tasks": tasks, "zones": {"z": {"capacity": 4}}, "tools": {"x": {"capacity": 4}, "y": {"capacity": 4}}}
+        {
+            "operators": operators,
+            "tasks": tasks,
+            "zones": {"z": {"capacity": 4}},
+            "tools": {"x": {"capacity": 4}, "y": {"capacity": 4}},
+        }
     )
-    plan = Schedule(tuple(Assignment(place // 4 * 1.5, place // 4 * 1.5 + 1.5, name, ("abcd"[place % 4],)) for place, name in enumerate(names)))
+    plan = Schedule(
+        tuple(
+            Assignment(place // 4 * 1.5, place // 4 * 1.5 + 1.5, name, ("abcd"[place % 4],))
+            for place, name in enumerate(names)
+        )
+    )
     assert faults(cell, plan) == []
     assert min(_seconds(lambda: faults(cell, plan)) for _ in range(5)) < 0.05
     heap = Schedule(tuple(replace(a, start=0.0, end=1.5) for a in plan))
@@ -198,10 +285,27 @@ def test_every_rule_has_been_seen_to_fire():
     """The damages above, together, wake every rule of the checker; a new rule needs its damage."""
     fired = set()
     cells = [(gearbox(), gearbox_schedule(**rows)) for rows, _ in DAMAGE.values()]
-    cells += [(gearbox(), Schedule((Assignment(0, 1, "nothing", ANNA),))), (thesis().replace(stress_of_set={"3": 1}), thesis_schedule())]
-    zones = {name: {**task, "zone": "jig", "tool": "driver"} for name, task in GEARBOX["tasks"].items()}
-    cells.append((gearbox(tasks=zones, zones={"jig": {"capacity": 2}}, tools={"driver": {"capacity": 2}}), gearbox_schedule()))
-    cells.append((gearbox(operators={**GEARBOX["operators"], "anna": {"kind": "human", "stress_limit": 0}}), gearbox_schedule()))
+    cells += [
+        (gearbox(), Schedule((Assignment(0, 1, "nothing", ANNA),))),
+        (thesis().replace(stress_of_set={"3": 1}), thesis_schedule()),
+    ]
+    zones = {
+        name: {**task, "zone": "jig", "tool": "driver"} for name, task in GEARBOX["tasks"].items()
+    }
+    cells.append(
+        (
+            gearbox(tasks=zones, zones={"jig": {"capacity": 2}}, tools={"driver": {"capacity": 2}}),
+            gearbox_schedule(),
+        )
+    )
+    cells.append(
+        (
+            gearbox(
+                operators={**GEARBOX["operators"], "anna": {"kind": "human", "stress_limit": 0}}
+            ),
+            gearbox_schedule(),
+        )
+    )
     for cell, plan in cells:
         judged = Judged.of(cell, plan, max_makespan=1, max_stress=float(Decimal("0.1")))
         fired |= {rule for rule in RULES if list(rule(judged))}

@@ -23,18 +23,29 @@ from tandem.schedule.model import Schedule
 def test_the_thesis_s_critical_path_is_the_robot_s():
     path = critical_path(thesis(), thesis_schedule())
     assert [(link.assignment.task, link.reason, link.waited_for) for link in path] == [
-        ("1", "start", None), ("2", "operator", "1"), ("4", "predecessor", "2"), ("6", "predecessor", "4"), ("7", "predecessor", "6"),
+        ("1", "start", None), ("2", "operator", "1"), ("4", "predecessor", "2"), ("6",
+        "predecessor", "4"), ("7", "predecessor", "6"),
     ]  # fmt: skip
     assert str(path[1]) == "2 at 9 s, when robot is free from 1"
 
 
 def test_only_what_is_off_the_critical_path_can_slip():
-    assert slack(thesis(), thesis_schedule()) == {"1": 0, "2": 0, "3": 6, "4": 0, "5": 6, "6": 0, "7": 0}
+    assert slack(thesis(), thesis_schedule()) == {
+        "1": 0,
+        "2": 0,
+        "3": 6,
+        "4": 0,
+        "5": 6,
+        "6": 0,
+        "7": 0,
+    }
 
 
 def test_a_path_can_begin_behind_a_break():
     path = critical_path(gearbox(), gearbox_schedule())
-    assert [(link.assignment.task, link.reason, link.by) for link in path] == [("pack", "break", "cobot")]
+    assert [(link.assignment.task, link.reason, link.by) for link in path] == [
+        ("pack", "break", "cobot")
+    ]
 
 
 def test_a_path_goes_through_changeovers_tools_and_zones():
@@ -48,11 +59,19 @@ def test_a_path_goes_through_changeovers_tools_and_zones():
             "d": {"time": {"cobot": 5}, "zone": "jig"},
         },
     })  # fmt: skip
-    plan = schedule({"a": (("cobot",), 0, 3), "b": (("cobot",), 5, 9), "c": (("anna",), 9, 10), "d": (("cobot",), 10, 15)})
+    plan = schedule(
+        {
+            "a": (("cobot",), 0, 3),
+            "b": (("cobot",), 5, 9),
+            "c": (("anna",), 9, 10),
+            "d": (("cobot",), 10, 15),
+        }
+    )
     assert faults(cell, plan) == []
     path = critical_path(cell, plan)
     assert [(link.assignment.task, link.reason, link.by) for link in path] == [
-        ("a", "start", ""), ("b", "changeover", "cobot"), ("c", "tool", "driver"), ("d", "zone", "jig"),
+        ("a", "start", ""), ("b", "changeover", "cobot"), ("c", "tool", "driver"), ("d", "zone",
+        "jig"),
     ]  # fmt: skip
     assert slack(cell, plan) == {"a": 0, "b": 0, "c": 0, "d": 0}
 
@@ -71,7 +90,9 @@ def test_an_empty_schedule_has_no_path():
 @settings(deadline=None, max_examples=60)
 @given(cell=cells())
 def test_a_path_explains_every_moment_of_a_schedule_by_rules(cell, rule):
-    """Each task on it starts when what it waited for ended, it leads to the makespan, and rules leave no needless wait on it."""
+    """Each task on it starts when what it waited for ended, it leads to the makespan, and rules
+    leave no needless wait on it.
+    """
     try:
         plan = RULES[rule](cell, Question("makespan"))[0].schedule
     except NothingFoundError:
@@ -95,9 +116,15 @@ def test_a_task_can_slip_alone_by_its_slack_when_nothing_follows_it(cell):
     assert min(free.values()) == 0
     last = {a.task: a for name in cell.operators for a in plan.of(name)[-1:]}
     for name, a in last.items():
-        alone = not any(name in task.after for task in cell.tasks.values()) and all(plan.of(who)[-1] == a for who in a.operators)
+        alone = not any(name in task.after for task in cell.tasks.values()) and all(
+            plan.of(who)[-1] == a for who in a.operators
+        )
         if alone and cell.tasks[name].tool is None and cell.tasks[name].zone is None:
-            moved = replace(a, start=float(exact(a.start) + exact(free[name])), end=float(exact(a.end) + exact(free[name])))
+            moved = replace(
+                a,
+                start=float(exact(a.start) + exact(free[name])),
+                end=float(exact(a.end) + exact(free[name])),
+            )
             slipped = Schedule((*(other for other in plan if other != a), moved))
             assert faults(cell, slipped) == []
             assert makespan(slipped) == makespan(plan)

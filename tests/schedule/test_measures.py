@@ -42,15 +42,23 @@ def test_joint_tasks_put_stress_on_each_human_and_sums_are_exact():
 
 def test_ten_tenths_are_one():
     cell = Cell.model_validate(
-        {"operators": {"anna": {"kind": "human"}}, "tasks": {name: {"time": {"anna": 0.1}, "stress": 0.1} for name in "abcdefghij"}}
+        {
+            "operators": {"anna": {"kind": "human"}},
+            "tasks": {name: {"time": {"anna": 0.1}, "stress": 0.1} for name in "abcdefghij"},
+        }
     )
-    plan = schedule({name: (("anna",), place / 10, (place + 1) / 10) for place, name in enumerate("abcdefghij")})
+    plan = schedule(
+        {name: (("anna",), place / 10, (place + 1) / 10) for place, name in enumerate("abcdefghij")}
+    )
     assert (makespan(plan), stress(cell, plan), working(cell, plan)) == (1.0, 1.0, {"anna": 1.0})
 
 
 def test_breaks_and_changeovers_are_not_idle_time():
     cell, plan = gearbox(), gearbox_schedule()
-    assert changeovers(cell, plan) == (Changeover("cobot", "driver", "screws", 4, 7), Changeover("cobot", "gripper", "pack", 14, 15))
+    assert changeovers(cell, plan) == (
+        Changeover("cobot", "driver", "screws", 4, 7),
+        Changeover("cobot", "gripper", "pack", 14, 15),
+    )
     assert working(cell, plan) == {"cobot": 9, "anna": 6.5, "ben": 9}
     assert idle(cell, plan) == {"cobot": 18 - 9 - 4 - 2, "anna": 11.5, "ben": 9}
 

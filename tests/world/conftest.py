@@ -19,16 +19,36 @@ RICH = {
         "anna": {"kind": "human", "stress_limit": 14.0, "tool": "driver"},
         "ben": {"kind": "human", "breaks": [[6.0, 9.0]]},
     },
-    "tools": {"driver": {"capacity": 1, "changeover": {"anna": 1.5, "ben": 1.0, "arm": 0.5}}, "wrench": {"capacity": 2, "changeover": {"anna": 2.0}}},
+    "tools": {
+        "driver": {"capacity": 1, "changeover": {"anna": 1.5, "ben": 1.0, "arm": 0.5}},
+        "wrench": {"capacity": 2, "changeover": {"anna": 2.0}},
+    },
     "zones": {"bench": {"capacity": 2}},
     "same_operator": [["3", "6"]],
     "tasks": {
         "1": {"time": {"arm": 4.0, "anna": 5.0}, "stress": 3.0, "tool": "driver", "spread": 0.2},
         "2": {"time": {"cart": 6.0, "ben": 4.5}, "stress": 2.0, "zone": "bench"},
         "3": {"time": {"anna": 3.0, "ben": 4.0}, "stress": 4.0, "after": ["1"], "tool": "wrench"},
-        "4": {"time": {"arm": 5.0}, "together": [{"operators": ["cart", "ben"], "time": 3.0, "stress": 1.0}], "after": ["2"], "zone": "bench"},
-        "5": {"time": {"anna": 2.5, "arm": 3.5, "ben": 3.0}, "stress": 2.5, "after": ["1", "2"], "release": 7.0, "deadline": 30.0},
-        "6": {"time": {"anna": 2.0, "ben": 2.0}, "stress": 4.0, "after": ["4", "5"], "tool": "driver", "zone": "bench"},
+        "4": {
+            "time": {"arm": 5.0},
+            "together": [{"operators": ["cart", "ben"], "time": 3.0, "stress": 1.0}],
+            "after": ["2"],
+            "zone": "bench",
+        },
+        "5": {
+            "time": {"anna": 2.5, "arm": 3.5, "ben": 3.0},
+            "stress": 2.5,
+            "after": ["1", "2"],
+            "release": 7.0,
+            "deadline": 30.0,
+        },
+        "6": {
+            "time": {"anna": 2.0, "ben": 2.0},
+            "stress": 4.0,
+            "after": ["4", "5"],
+            "tool": "driver",
+            "zone": "bench",
+        },
     },
 }
 

@@ -1,4 +1,6 @@
-"""Whole episodes: JAX and NumPy agree, the same key gives the same history, and with chance off the world is the planner's."""
+"""Whole episodes: JAX and NumPy agree, the same key gives the same history, and with chance off the
+world is the planner's.
+"""
 
 from __future__ import annotations
 
@@ -15,14 +17,26 @@ from tandem.plan.methods import plan
 from tandem.schedule.checker import faults
 from tandem.schedule.model import Schedule
 from tandem.world.arrays import Arrays, Names, namespace
-from tandem.world.episode import Episode, Played, Shift, begin, expected_ends, is_over, play_many, play_one, step
+from tandem.world.episode import (
+    Episode,
+    Played,
+    Shift,
+    begin,
+    expected_ends,
+    is_over,
+    play_many,
+    play_one,
+    step,
+)
 from tandem.world.people import Person, compliant
 from tandem.world.people import crew as crew_of
 from tandem.world.population import crowd
 from tandem.world.randomness import OFF, Chance, Draw, Fate, fates, nominal_fate
 from tandem.world.state import legal_of
 
-EVERYTHING = Chance("lognormal", cv=0.2, failure_s=60.0, repair_s=4.0, absence_s=60.0, away_s=5.0, later=0.5)
+EVERYTHING = Chance(
+    "lognormal", cv=0.2, failure_s=60.0, repair_s=4.0, absence_s=60.0, away_s=5.0, later=0.5
+)
 
 
 def first(arrays: Arrays, shift: Shift) -> Any:
@@ -40,17 +54,29 @@ def row(values: Any, place: int) -> Any:
     return type(values)(*(part[place] for part in values))
 
 
-def prepared(cell: Cell, spec: str, chance: Chance, episodes: int, seed: int = 0) -> tuple[Names, Arrays, Draw, Person]:
+def prepared(
+    cell: Cell, spec: str, chance: Chance, episodes: int, seed: int = 0
+) -> tuple[Names, Arrays, Draw, Person]:
     names = Names.of(cell)
     people = crowd(spec, names, names.arrays())
     arrays = names.arrays(undo=chance.undo if people.makes_mistakes else None)
-    return names, arrays, Draw.of(names, arrays, chance), people.draw(np.random.default_rng(seed), episodes)
+    return (
+        names,
+        arrays,
+        Draw.of(names, arrays, chance),
+        people.draw(np.random.default_rng(seed), episodes),
+    )
 
 
-def played_in_numpy(cell: Cell, spec: str, chance: Chance, decide: Any = first, episodes: int = 10, seed: int = 0) -> list[Episode]:
+def played_in_numpy(
+    cell: Cell, spec: str, chance: Chance, decide: Any = first, episodes: int = 10, seed: int = 0
+) -> list[Episode]:
     names, arrays, draw, people = prepared(cell, spec, chance, episodes, seed)
     chances = fates(jax.random.key(seed), draw, arrays, episodes)
-    return [play_one(names, arrays, row(chances, e), crew_of(arrays, row(people, e)), decide) for e in range(episodes)]
+    return [
+        play_one(names, arrays, row(chances, e), crew_of(arrays, row(people, e)), decide)
+        for e in range(episodes)
+    ]
 
 
 WILD = "forgetful:0.3+random:0.3+tiring:weak,after=5+refusing:0.1+pace:0.8..1.6"
@@ -60,16 +86,26 @@ WILD = "forgetful:0.3+random:0.3+tiring:weak,after=5+refusing:0.1+pace:0.8..1.6"
 def everything(rich: Cell) -> tuple[Names, Played, list[Episode]]:
     """The same episodes in JAX and in NumPy."""
     names, arrays, draw, people = prepared(rich, WILD, EVERYTHING, 40)
-    return names, play_many(jax.random.key(0), draw, arrays, people, first), played_in_numpy(rich, WILD, EVERYTHING, episodes=40)
+    return (
+        names,
+        play_many(jax.random.key(0), draw, arrays, people, first),
+        played_in_numpy(rich, WILD, EVERYTHING, episodes=40),
+    )
 
 
-def test_jax_and_numpy_play_the_same_episodes(everything: tuple[Names, Played, list[Episode]]) -> None:
-    """To a tick in a few: floats of the two differ in the last bit, and a duration may round the other way."""
+def test_jax_and_numpy_play_the_same_episodes(
+    everything: tuple[Names, Played, list[Episode]],
+) -> None:
+    """To a tick in a few: floats of the two differ in the last bit, and a duration may round the
+    other way.
+    """
     names, played, one_by_one = everything
     assert played.done.all()
     for place, episode in enumerate(one_by_one):
         assert episode.done
-        assert episode.makespan == pytest.approx(names.seconds(int(played.makespan[place])), abs=0.005)
+        assert episode.makespan == pytest.approx(
+            names.seconds(int(played.makespan[place])), abs=0.005
+        )
         assert episode.stress == names.stress(int(played.stress[place]))
         assert episode.decisions == int(played.shift.decisions[place])
 
@@ -80,17 +116,25 @@ def test_mistakes_are_in_the_record(everything: tuple[Names, Played, list[Episod
     for episode in one_by_one:
         for task in names.tasks:
             work = [a for a in episode.work if a.task == task]
-            assert len(work) == 1 + 2 * len([a for a in episode.undone if a.task == task]), "done, taken apart, done, ..."
+            assert len(work) == 1 + 2 * len([a for a in episode.undone if a.task == task]), (
+                "done, taken apart, done, ..."
+            )
 
 
 def test_whoever_often_strays_gets_there_in_the_end(thesis: Cell) -> None:
-    """Once the same slip came again at every new attempt: the task that was meant has to count as tried, not only the one that was begun."""
-    for episode in played_in_numpy(thesis, "forgetful:0.5", Chance(wrong_order=1.0), last, episodes=12):
+    """Once the same slip came again at every new attempt: the task that was meant has to count as
+    tried, not only the one that was begun.
+    """
+    for episode in played_in_numpy(
+        thesis, "forgetful:0.5", Chance(wrong_order=1.0), last, episodes=12
+    ):
         assert episode.done
         assert len(episode.undone) < 30
 
 
-def test_nobody_is_at_two_tasks_whatever_happens(everything: tuple[Names, Played, list[Episode]]) -> None:
+def test_nobody_is_at_two_tasks_whatever_happens(
+    everything: tuple[Names, Played, list[Episode]],
+) -> None:
     names, _, one_by_one = everything
     for episode in one_by_one:
         for who in names.operators:
@@ -99,11 +143,17 @@ def test_nobody_is_at_two_tasks_whatever_happens(everything: tuple[Names, Played
 
 
 def test_the_same_key_gives_the_same_history_whoever_decides(thesis: Cell) -> None:
-    """Task 3, which only the human can do, takes as long under one decider as under the other; another key brings another time."""
+    """Task 3, which only the human can do, takes as long under one decider as under the other;
+    another key brings another time.
+    """
 
     def task_3(decide: Any, seed: int) -> list[float]:
-        played = played_in_numpy(thesis, "compliant", Chance("lognormal", cv=0.3), decide, seed=seed)
-        return [round(a.end - a.start, 6) for episode in played for a in episode.work if a.task == "3"]
+        played = played_in_numpy(
+            thesis, "compliant", Chance("lognormal", cv=0.3), decide, seed=seed
+        )
+        return [
+            round(a.end - a.start, 6) for episode in played for a in episode.work if a.task == "3"
+        ]
 
     assert task_3(first, 0) == task_3(last, 0)
     assert task_3(first, 0) != task_3(first, 1)
@@ -116,7 +166,11 @@ def test_with_chance_off_a_plan_is_played_to_the_tick(thesis: Cell) -> None:
     start = {names.way(a.task, a.operators): names.ticks(a.start) for a in best.schedule}
 
     def planned(arrays: Arrays, shift: Shift) -> Any:
-        due = [way for way in np.flatnonzero(legal_of(arrays, shift.mask, shift.turn)) if start.get(int(way)) == int(shift.state.clock)]
+        due = [
+            way
+            for way in np.flatnonzero(legal_of(arrays, shift.mask, shift.turn))
+            if start.get(int(way)) == int(shift.state.clock)
+        ]
         return np.int32(due[0] if due else -1)
 
     fate = nominal_fate(Draw.of(names, arrays, OFF), arrays)
@@ -155,19 +209,30 @@ def test_what_is_asked_and_not_legal_counts_as_waiting(thesis: Cell) -> None:
     names, arrays, draw, people = prepared(thesis, "compliant", OFF, 1)
     crew, fate = crew_of(arrays, row(people, 0)), nominal_fate(draw, arrays)
     shift = step(arrays, fate, crew, begin(arrays, crew), np.int32(names.way("7", ["human"])))
-    assert (int(shift.illegal), shift.state.waits.tolist(), bool((shift.state.way < 0).all())) == (1, [False, True], True)
+    assert (int(shift.illegal), shift.state.waits.tolist(), bool((shift.state.way < 0).all())) == (
+        1,
+        [False, True],
+        True,
+    )
 
 
 def test_whoever_refused_is_asked_again_when_nothing_else_is_left(thesis: Cell) -> None:
-    """The robot and the human could both do most tasks; a human who refuses whatever it can still lets the assembly end."""
+    """The robot and the human could both do most tasks; a human who refuses whatever it can still
+    lets the assembly end.
+    """
     assert all(episode.done for episode in played_in_numpy(thesis, "refusing:1", OFF, episodes=3))
 
 
 def test_an_episode_in_which_nothing_more_can_be_done_ends(thesis: Cell) -> None:
-    """Only the human can do task 3; a limit on stress below the least that tasks put on it leaves no way."""
+    """Only the human can do task 3; a limit on stress below the least that tasks put on it leaves
+    no way.
+    """
     tight = cell_of(
         {
-            "operators": {"robot": {"kind": "robot"}, "human": {"kind": "human", "stress_limit": 1.0}},
+            "operators": {
+                "robot": {"kind": "robot"},
+                "human": {"kind": "human", "stress_limit": 1.0},
+            },
             "tasks": {"1": {"time": {"human": 3.0}, "stress": 2.0}, "2": {"time": {"robot": 2.0}}},
         }
     )

@@ -9,7 +9,16 @@ import pytest
 from tandem.cell.model import Cell
 from tandem.errors import UsageError
 from tandem.world.arrays import NEVER, Names
-from tandem.world.randomness import OFF, Chance, Draw, away_until, fate, fates, nominal_fate, with_rests
+from tandem.world.randomness import (
+    OFF,
+    Chance,
+    Draw,
+    away_until,
+    fate,
+    fates,
+    nominal_fate,
+    with_rests,
+)
 
 
 def drawn(cell: Cell, chance: Chance, episodes: int = 4000, undo: float | None = None):
@@ -62,7 +71,11 @@ def test_breakdowns_are_the_robots_and_absences_the_humans(rich: Cell) -> None:
 
 def test_work_rests_while_somebody_is_away(thesis: Cell) -> None:
     _names, _arrays, chances = drawn(thesis, Chance(failure_s=10.0), 1)
-    two = chances._replace(away_from=np.array([3, 6], np.int32), away_to=np.array([5, 9], np.int32), away=np.array([[True, False], [True, False]]))
+    two = chances._replace(
+        away_from=np.array([3, 6], np.int32),
+        away_to=np.array([5, 9], np.int32),
+        away=np.array([[True, False], [True, False]]),
+    )
     robot, human = np.array([True, False]), np.array([False, True])
     assert with_rests(two, np.int32(0), np.int32(5), robot) == 10, "0-3 and 5-6 and 9-10"
     assert with_rests(two, np.int32(0), np.int32(3), robot) == 3
@@ -72,7 +85,11 @@ def test_work_rests_while_somebody_is_away(thesis: Cell) -> None:
 
 def test_joint_work_rests_once_while_both_are_away(thesis: Cell) -> None:
     _names, _arrays, chances = drawn(thesis, Chance(failure_s=10.0), 1)
-    both = chances._replace(away_from=np.array([3, 4], np.int32), away_to=np.array([8, 6], np.int32), away=np.array([[True, False], [False, True]]))
+    both = chances._replace(
+        away_from=np.array([3, 4], np.int32),
+        away_to=np.array([8, 6], np.int32),
+        away=np.array([[True, False], [False, True]]),
+    )
     assert with_rests(both, np.int32(0), np.int32(5), np.array([True, True])) == 10
 
 
@@ -81,14 +98,21 @@ def test_the_same_numbers_give_the_same_fate_in_numpy_and_jax(rich: Cell) -> Non
     arrays = names.arrays(undo=1.0)
     draw = Draw.of(names, arrays, Chance("lognormal", cv=0.2, failure_s=30.0, absence_s=40.0))
     uniform = np.random.default_rng(0).random(draw.numbers, np.float32)
-    here, there = fate(draw, arrays, uniform), jax.jit(lambda numbers: fate(draw, arrays, numbers))(uniform)
+    here, there = (
+        fate(draw, arrays, uniform),
+        jax.jit(lambda numbers: fate(draw, arrays, numbers))(uniform),
+    )
     for mine, other in zip(here, there, strict=True):
         assert mine.shape == other.shape
-        np.testing.assert_allclose(mine.astype(float), np.asarray(other).astype(float), rtol=2e-5, atol=1)
+        np.testing.assert_allclose(
+            mine.astype(float), np.asarray(other).astype(float), rtol=2e-5, atol=1
+        )
 
 
 def test_everything_wrong_is_said_at_once() -> None:
-    with pytest.raises(UsageError, match=r"(?s)spread='gauss'.*cv is -1.*later is 2.*failure_s is 0.*undo is 0"):
+    with pytest.raises(
+        UsageError, match=r"(?s)spread='gauss'.*cv is -1.*later is 2.*failure_s is 0.*undo is 0"
+    ):
         Chance("gauss", cv=-1, later=2, failure_s=0, undo=0)
     with pytest.raises(UsageError, match=r"a triangle ends at 0\.4"):
         Chance("triangular", cv=0.5)

@@ -1,4 +1,6 @@
-"""The world's rules are the checker's: what is sound replays, what is played legally is sound, and nothing beats the exact bound."""
+"""The world's rules are the checker's: what is sound replays, what is played legally is sound, and
+nothing beats the exact bound.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,22 @@ from tandem.schedule.checker import faults
 from tandem.schedule.measures import stress as measured_stress
 from tandem.world.arrays import Names
 from tandem.world.replay import replay
-from tandem.world.state import State, advance, assign, is_done, is_stuck, late, legal, legal_of, makespan, may_wait, reset, stress, turn, wait
+from tandem.world.state import (
+    State,
+    advance,
+    assign,
+    is_done,
+    is_stuck,
+    late,
+    legal,
+    legal_of,
+    makespan,
+    may_wait,
+    reset,
+    stress,
+    turn,
+    wait,
+)
 
 
 def random_play(cell: Cell, random: Random, waits: float = 0.2) -> tuple[Names, State, bool]:
@@ -39,21 +56,31 @@ def random_play(cell: Cell, random: Random, waits: float = 0.2) -> tuple[Names, 
         elif random.random() < waits and may_wait(arrays, state, mask, who):
             state = wait(state, who)
         else:
-            state = assign(arrays, state, np.int32(random.choice(np.flatnonzero(legal_of(arrays, mask, who)).tolist())))
+            state = assign(
+                arrays,
+                state,
+                np.int32(random.choice(np.flatnonzero(legal_of(arrays, mask, who)).tolist())),
+            )
     raise AssertionError("the play does not end")
 
 
 @settings(max_examples=120)
 @given(cells(), st.randoms(use_true_random=False))
 def test_random_legal_play_is_sound_replays_and_beats_no_bound(cell: Cell, random: Random) -> None:
-    """No operator, tool or zone is used twice at once, no break, limit or pair is broken; only deadlines may be missed, and are reported."""
+    """No operator, tool or zone is used twice at once, no break, limit or pair is broken; only
+    deadlines may be missed, and are reported.
+    """
     names, state, done = random_play(cell, random)
     arrays = names.arrays()
     schedule = names.schedule(state.way, state.start_at, state.end_at)
     wrong = faults(cell, schedule)
     said = [sentence for sentence in wrong if "deadline" not in sentence]
     if not done:
-        said = [sentence for sentence in said if "is missing" not in sentence and "stress_of_set" not in sentence]
+        said = [
+            sentence
+            for sentence in said
+            if "is missing" not in sentence and "stress_of_set" not in sentence
+        ]
     assert said == []
     assert (late(arrays, state).max() > 0) == any("deadline" in sentence for sentence in wrong)
     if done:

@@ -31,13 +31,16 @@ def layered(
 
     Every draw is uniform and comes from NumPy's `default_rng(seed)`, in this order:
 
-    - layer of a task: each layer has one task, the others are spread over all; tasks are numbered layer by layer.
-    - predecessors: each task of the layer before with probability `density`; where none is drawn, one of them.
-    - time: a base of 2 to 30 s for the task and an own time of 2 to 30 s for each operator, both whole;
-      `(1 - heterogeneity) * base + heterogeneity * own`, rounded to whole seconds, half to even. At 0 all operators take the same time,
-      at 1 their times have nothing to do with each other.
-    - who can do it: with probability `exclusive` only the humans or only the robots, either with equal chance (where
-      there is only one kind: only one operator); else everyone.
+    - layer of a task: each layer has one task, the others are spread over all; tasks are numbered
+      layer by layer.
+    - predecessors: each task of the layer before with probability `density`; where none is drawn,
+      one of them.
+    - time: a base of 2 to 30 s for the task and an own time of 2 to 30 s for each operator, both
+      whole; `(1 - heterogeneity) * base + heterogeneity * own`, rounded to whole seconds, half to
+      even. At 0 all operators take the same time, at 1 their times have nothing to do with each
+      other.
+    - who can do it: with probability `exclusive` only the humans or only the robots, either with
+      equal chance (where there is only one kind: only one operator); else everyone.
     - stress: 0 to 10, whole, for tasks that a human can do.
 
     Args:
@@ -51,9 +54,19 @@ def layered(
     import numpy as np
 
     layers = max(1, round(math.sqrt(tasks))) if layers is None else layers
-    _check(tasks, humans, robots, layers, exclusive=exclusive, density=density, heterogeneity=heterogeneity)
+    _check(
+        tasks,
+        humans,
+        robots,
+        layers,
+        exclusive=exclusive,
+        density=density,
+        heterogeneity=heterogeneity,
+    )
     rng = np.random.default_rng(seed)
-    names = [f"robot_{place + 1}" for place in range(robots)] + [f"human_{place + 1}" for place in range(humans)]
+    names = [f"robot_{place + 1}" for place in range(robots)] + [
+        f"human_{place + 1}" for place in range(humans)
+    ]
     layer = np.sort(np.concatenate([np.arange(layers), rng.integers(layers, size=tasks - layers)]))
     after = _predecessors(rng, layer, density)
     base = rng.integers(SHORTEST, LONGEST + 1, size=(tasks, 1))
@@ -63,20 +76,39 @@ def layered(
     stress = rng.integers(HARDEST + 1, size=tasks)
     entries: dict[str, Any] = {}
     for task in range(tasks):
-        entry: dict[str, Any] = {"time": {name: int(times[task, place]) for place, name in enumerate(names) if able[task, place]}}
+        entry: dict[str, Any] = {
+            "time": {
+                name: int(times[task, place])
+                for place, name in enumerate(names)
+                if able[task, place]
+            }
+        }
         if able[task, robots:].any():
             entry["stress"] = int(stress[task])
         entry["after"] = [str(first + 1) for first in after[task]]
         entries[str(task + 1)] = entry
-    operators = {name: {"kind": "robot" if place < robots else "human"} for place, name in enumerate(names)}
-    return Cell.model_validate({"name": f"Layered random cell, {tasks} tasks, seed {seed}", "operators": operators, "tasks": entries})
+    operators = {
+        name: {"kind": "robot" if place < robots else "human"} for place, name in enumerate(names)
+    }
+    return Cell.model_validate(
+        {
+            "name": f"Layered random cell, {tasks} tasks, seed {seed}",
+            "operators": operators,
+            "tasks": entries,
+        }
+    )
 
 
 def _check(tasks: int, humans: int, robots: int, layers: int, **shares: float) -> None:
     if tasks < 1 or humans < 0 or robots < 0 or humans + robots < 1:
-        raise ValueError(f"{tasks} tasks, {humans} humans, {robots} robots: a cell needs a task and an operator at least.")
+        raise ValueError(
+            f"{tasks} tasks, {humans} humans, {robots} robots: a cell needs a task and an operator"
+            " at least."
+        )
     if not 1 <= layers <= tasks:
-        raise ValueError(f"layers is {layers}, but must be between 1 and the number of tasks, {tasks}.")
+        raise ValueError(
+            f"layers is {layers}, but must be between 1 and the number of tasks, {tasks}."
+        )
     for name, share in shares.items():
         if not 0 <= share <= 1:
             raise ValueError(f"{name} is {share}, but must be between 0 and 1.")
@@ -92,11 +124,15 @@ def _predecessors(rng: np.random.Generator, layer: np.ndarray, density: float) -
             after.append([])
             continue
         drawn = before[rng.random(len(before)) < density]
-        after.append([int(first) for first in (drawn if len(drawn) else before[[rng.integers(len(before))]])])
+        after.append(
+            [int(first) for first in (drawn if len(drawn) else before[[rng.integers(len(before))]])]
+        )
     return after
 
 
-def _able(rng: np.random.Generator, tasks: int, humans: int, robots: int, exclusive: float) -> np.ndarray:
+def _able(
+    rng: np.random.Generator, tasks: int, humans: int, robots: int, exclusive: float
+) -> np.ndarray:
     """`[task, operator]` bool, robots first."""
     import numpy as np
 

@@ -1,7 +1,9 @@
-"""What is to be assembled and who is there to do it: the one model behind files, Python and the studio.
+"""What is to be assembled and who is there to do it: the one model behind files, Python and the
+studio.
 
-A `Cell` is frozen and sound once it exists: whoever holds one need not check it again. What a single value must look like
-is said by the types in `parts.py`; what values must be to each other is said in `soundness.py`, one rule a function.
+A `Cell` is frozen and sound once it exists: whoever holds one need not check it again. What a
+single value must look like is said by the types in `parts.py`; what values must be to each other is
+said in `soundness.py`, one rule a function.
 """
 
 from __future__ import annotations
@@ -24,7 +26,8 @@ class Cell(Fields):
 
     Raises:
       CellError: with every fault, when the parts are well formed but do not fit together.
-      pydantic.ValidationError: when a part is not well formed; `tandem.load` turns it into a `CellError` too.
+      pydantic.ValidationError: when a part is not well formed; `tandem.load` turns it into a
+        `CellError` too.
     """
 
     @model_validator(mode="after")
@@ -45,7 +48,9 @@ class Cell(Fields):
 
     def replace(self, **changes: Any) -> Cell:
         """A checked variant: the same cell with some top-level keys changed."""
-        return type(self).model_validate({**{field: getattr(self, field) for field in type(self).model_fields}, **changes})
+        return type(self).model_validate(
+            {**{field: getattr(self, field) for field in type(self).model_fields}, **changes}
+        )
 
 
 def plain(value: Any) -> Any:

@@ -1,7 +1,9 @@
-"""The door for names: one spelling of each, no signs that do harm, and the nearest known name for an unknown one.
+"""The door for names: one spelling of each, no signs that do harm, and the nearest known name for
+an unknown one.
 
-Two spellings that nobody can tell apart on a screen would be two tasks, or one task that nobody finds. So every name comes in
-through `clean`, wherever it is written: cell files, workbooks, events, options of the command line, plans that are read back.
+Two spellings that nobody can tell apart on a screen would be two tasks, or one task that nobody
+finds. So every name comes in through `clean`, wherever it is written: cell files, workbooks,
+events, options of the command line, plans that are read back.
 """
 
 from __future__ import annotations
@@ -13,20 +15,28 @@ from difflib import get_close_matches
 
 SEARCHES = 25
 COMPARISONS = 250_000
-"""Comparing with thousands of names takes a moment; whoever misspells more than this gets no more guesses."""
+"""Comparing with thousands of names takes a moment; whoever misspells more than this gets no more
+guesses.
+"""
 
 JOINERS = "\u200c\u200d\ufe00-\ufe0f"
-"""Unseen signs that shape their neighbours, as in Persian words and in pictures made of several: titles keep them."""
+"""Unseen signs that shape their neighbours, as in Persian words and in pictures made of several:
+titles keep them.
+"""
 UNSEEN = re.compile(
     "[\u00ad\u034f\u061c\u115f\u1160\u17b4\u17b5\u180b-\u180f\u200b-\u200f\u202a-\u202e\u2060-\u206f\u3164\ufe00-\ufe0f\ufeff\uffa0"
     "\ufff0-\ufff8\U0001bca0-\U0001bca3\U0001d173-\U0001d17a\U000e0000-\U000e0fff]"
 )
-"""Signs without a look of their own: Unicode's Default_Ignorable_Code_Point. Among them are those that turn the direction of writing."""
+"""Signs without a look of their own: Unicode's Default_Ignorable_Code_Point. Among them are those
+that turn the direction of writing.
+"""
 UNSEEN_IN_TITLES = re.compile(f"(?![{JOINERS}]){UNSEEN.pattern}")
 BLANKS = re.compile(r"[\s\u2800]+")
 """Blanks of every width, line breaks, and the pattern of no dots."""
 HARMFUL = re.compile(r"[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
-"""Control characters, which a terminal or a printer would obey, and halves of characters, which no file can hold."""
+"""Control characters, which a terminal or a printer would obey, and halves of characters, which no
+file can hold.
+"""
 
 SAME_LOOK = str.maketrans(
     "АВЕЅІЈКМНОРСТУХЗаеѕіјорсухһԁԛԝ" + "ΑΒΕΖΗΙΚΜΝΟΡΤΥΧον" + "‐‑‒–—−ı",
@@ -38,10 +48,11 @@ LOOKS_OTHERWISE = ("<super>", "<sub>", "<circle>", "<fraction>", "<square>", "<v
 
 
 def clean(text: str) -> str:
-    """The one spelling of a name: letters with their accents in one piece (NFC), single blanks, none at the ends, no unseen signs.
+    """The one spelling of a name: letters with their accents in one piece (NFC), single blanks,
+    none at the ends, no unseen signs.
 
-    What comes out stays as it is when it is cleaned again. A name in which nothing can be seen comes out empty; what no name may
-    hold (`harm_in`) is left for the caller to refuse.
+    What comes out stays as it is when it is cleaned again. A name in which nothing can be seen
+    comes out empty; what no name may hold (`harm_in`) is left for the caller to refuse.
     """
     if text.isascii():
         return " ".join(text.split()) if " " in text or not text.isprintable() else text
@@ -49,25 +60,46 @@ def clean(text: str) -> str:
 
 
 def clean_title(text: str) -> str:
-    """The same for a title, which people only read: it keeps the unseen signs that shape letters and pictures."""
-    return clean(text) if text.isascii() else BLANKS.sub(" ", unicodedata.normalize("NFC", UNSEEN_IN_TITLES.sub("", text))).strip()
+    """The same for a title, which people only read: it keeps the unseen signs that shape letters
+    and pictures.
+    """
+    return (
+        clean(text)
+        if text.isascii()
+        else BLANKS.sub(" ", unicodedata.normalize("NFC", UNSEEN_IN_TITLES.sub("", text))).strip()
+    )
 
 
 def harm_in(text: str) -> str | None:
-    """What stands in a name or title that none may hold, such as "the control character U+001B"; None when nothing does."""
+    """What stands in a name or title that none may hold, such as "the control character U+001B";
+    None when nothing does.
+    """
     found = HARMFUL.search(text)
     if found is None:
         return None
     sign = ord(found.group())
-    kind = "the half character" if 0xD800 <= sign <= 0xDFFF else "the control character" if sign < 0xA0 else "the sign"
+    kind = (
+        "the half character"
+        if 0xD800 <= sign <= 0xDFFF
+        else "the control character"
+        if sign < 0xA0
+        else "the sign"
+    )
     return f"{kind} U+{sign:04X}"
 
 
 def look(name: str) -> str:
-    """What a reader sees of a clean name: names of one look cannot be told apart, whatever signs they are made of."""
+    """What a reader sees of a clean name: names of one look cannot be told apart, whatever signs
+    they are made of.
+    """
     if name.isascii():
         return name
-    folded = "".join(c if unicodedata.decomposition(c).startswith(LOOKS_OTHERWISE) else unicodedata.normalize("NFKC", c) for c in name)
+    folded = "".join(
+        c
+        if unicodedata.decomposition(c).startswith(LOOKS_OTHERWISE)
+        else unicodedata.normalize("NFKC", c)
+        for c in name
+    )
     return " ".join(folded.translate(SAME_LOOK).split())
 
 
@@ -82,8 +114,13 @@ def twins(names: Iterable[str]) -> Iterator[tuple[str, str]]:
 
 def difference(one: str, other: str) -> str:
     """Where two names of one look differ, such as "U+0430 where the first has U+0061"."""
-    place = next((place for place, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
-    signs = [f"U+{ord(name[place]):04X}" if place < len(name) else "nothing" for name in (one, other)]
+    place = next(
+        (place for place, (a, b) in enumerate(zip(one, other, strict=False)) if a != b),
+        min(len(one), len(other)),
+    )
+    signs = [
+        f"U+{ord(name[place]):04X}" if place < len(name) else "nothing" for name in (one, other)
+    ]
     return f"{signs[1]} where the first has {signs[0]}"
 
 
@@ -112,12 +149,16 @@ class Known:
         return self._folded[close[0]] if close else None
 
     def hint(self, name: str) -> str:
-        """What follows the complaint about an unknown name: the nearest known one, else all of them when they are few."""
+        """What follows the complaint about an unknown name: the nearest known one, else all of them
+        when they are few.
+        """
         nearest = self.nearest(name)
         if nearest is not None:
             return f"Did you mean {nearest!r}?"
         if len(self.names) <= 12:
-            return f"Known: {', '.join(map(repr, self.names))}." if self.names else "None are stated."
+            return (
+                f"Known: {', '.join(map(repr, self.names))}." if self.names else "None are stated."
+            )
         return f"{len(self.names)} others are known, none like it."
 
 

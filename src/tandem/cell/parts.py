@@ -1,4 +1,6 @@
-"""The parts of a cell, and what a single value must look like; what values must be to each other is said in `soundness.py`."""
+"""The parts of a cell, and what a single value must look like; what values must be to each other is
+said in `soundness.py`.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +9,17 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Strict, Tag, WithJsonSchema
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Strict,
+    Tag,
+    WithJsonSchema,
+)
 from pydantic_core import PydanticCustomError
 
 from tandem.cell.names import clean, clean_title, harm_in
@@ -31,7 +43,9 @@ class Table(dict[str, V]):
 
 
 def _spelled(value: object, spelling: Callable[[str], str] = clean) -> object:
-    """Text in its one spelling; a whole number is taken as its digits, so that `after: [1, 2]` need no quotes."""
+    """Text in its one spelling; a whole number is taken as its digits, so that `after: [1, 2]` need
+    no quotes.
+    """
     if not isinstance(value, str):
         return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
     text = spelling(value)
@@ -51,7 +65,11 @@ def _each_name_once(value: object) -> object:
         for key in value:
             first = seen.setdefault(clean(str(key)), key)
             if first is not key:
-                raise PydanticCustomError("twins", "{name}: {first}, {again}", {"first": ascii(first), "again": ascii(key), "name": clean(str(key))})
+                raise PydanticCustomError(
+                    "twins",
+                    "{name}: {first}, {again}",
+                    {"first": ascii(first), "again": ascii(key), "name": clean(str(key))},
+                )
     return value
 
 
@@ -61,10 +79,19 @@ Name = Annotated[
     str,
     BeforeValidator(_spelled),
     Field(min_length=1, max_length=200, pattern=r"\S"),
-    WithJsonSchema({"type": ["string", "number"], "minLength": 1, "maxLength": 200, "pattern": r"\S"}),
+    WithJsonSchema(
+        {"type": ["string", "number"], "minLength": 1, "maxLength": 200, "pattern": r"\S"}
+    ),
 ]
-"""A name. Files may write one without quotes though it looks like a number; it is taken as it is written, in the one spelling of `names.clean`."""
-Text = Annotated[str, BeforeValidator(_titled), Field(max_length=500), WithJsonSchema({"type": ["string", "number"], "maxLength": 500})]
+"""A name. Files may write one without quotes though it looks like a number; it is taken as it is
+written, in the one spelling of `names.clean`.
+"""
+Text = Annotated[
+    str,
+    BeforeValidator(_titled),
+    Field(max_length=500),
+    WithJsonSchema({"type": ["string", "number"], "maxLength": 500}),
+]
 """A title for people; it may look like a number, too."""
 Seconds = Annotated[float, Strict(), Field(gt=0, le=1e7, allow_inf_nan=False)]
 """A duration: more than 0 s."""
@@ -83,74 +110,121 @@ def _form(value: object) -> str:
     return "table" if isinstance(value, Mapping) else "number"
 
 
-OneOrEach = Annotated[Annotated[Amount, Tag("number")] | Annotated[PerOperator, Tag("table")], Discriminator(_form)]
+OneOrEach = Annotated[
+    Annotated[Amount, Tag("number")] | Annotated[PerOperator, Tag("table")], Discriminator(_form)
+]
 """One number for all, or a number for each by name; 0 for who is not named."""
 
 
 class Frozen(BaseModel):
     """Unknown keys are refused, values stay as they are."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="strings", validate_default=True)
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", ser_json_inf_nan="strings", validate_default=True
+    )
 
 
 class Operator(Frozen):
     """A human or a robot."""
 
     kind: Literal["human", "robot"] = Field(description="Stress counts for humans only.")
-    label: Text | None = Field(default=None, description="What charts and messages call the operator; the name when absent.")
+    label: Text | None = Field(
+        default=None,
+        description="What charts and messages call the operator; the name when absent.",
+    )
     breaks: tuple[tuple[Moment, Seconds], ...] = Field(
         default=(),
         max_length=MOST_BREAKS,
-        description="Times off, each `[from, to]` in seconds since the start. No task and no changeover runs into one.",
+        description=(
+            "Times off, each `[from, to]` in seconds since the start. No task and no changeover"
+            " runs into one."
+        ),
     )
-    stress_limit: Amount | None = Field(default=None, description="The most stress that this human may collect in all.")
+    stress_limit: Amount | None = Field(
+        default=None, description="The most stress that this human may collect in all."
+    )
     tool: Name | None = Field(
         default=None,
-        description="The tool in hand at the start. When absent, the first tool is at hand and costs no changeover.",
+        description=(
+            "The tool in hand at the start. When absent, the first tool is at hand and costs no"
+            " changeover."
+        ),
     )
 
 
 class Together(Frozen):
     """A way of doing a task that occupies several operators at once."""
 
-    operators: tuple[Name, ...] = Field(min_length=2, description="All who take part, from start to end.")
+    operators: tuple[Name, ...] = Field(
+        min_length=2, description="All who take part, from start to end."
+    )
     time: Seconds = Field(description="Seconds.")
     stress: OneOrEach | None = Field(
         default=None,
         description=(
-            "Stress on each human who takes part: one number for each of them, or a number per human (0 for who is not named). "
-            "The task's own when absent."
+            "Stress on each human who takes part: one number for each of them, or a number per"
+            " human (0 for who is not named). The task's own when absent."
         ),
     )
 
 
 class Task(Frozen):
-    """One assembly step. It can be done by each operator in `time` alone, or by each group in `together`."""
+    """One assembly step. It can be done by each operator in `time` alone, or by each group in
+    `together`.
+    """
 
-    label: Text | None = Field(default=None, description="What charts and messages call the task; its name when absent.")
+    label: Text | None = Field(
+        default=None, description="What charts and messages call the task; its name when absent."
+    )
     part: Text | None = Field(default=None, description="The part or product that it mounts.")
     time: Annotated[Mapping[Name, Seconds], OneEntryAName, AfterValidator(Table)] = Field(
-        default_factory=Table, description="Operator to seconds. An operator that is missing cannot do the task."
+        default_factory=Table,
+        description="Operator to seconds. An operator that is missing cannot do the task.",
     )
-    together: tuple[Together, ...] = Field(default=(), description="Alternatives that occupy several operators at once.")
+    together: tuple[Together, ...] = Field(
+        default=(), description="Alternatives that occupy several operators at once."
+    )
     stress: OneOrEach = Field(
-        default=0.0, description="Ergonomic stress on the human who does it: one number, or a number per human (0 for who is not named)."
+        default=0.0,
+        description=(
+            "Ergonomic stress on the human who does it: one number, or a number per human (0 for"
+            " who is not named)."
+        ),
     )
-    after: tuple[Name, ...] = Field(default=(), description="Tasks that must have ended before this one starts.")
-    tool: Name | None = Field(default=None, description="The tool that every operator who does the task needs in hand.")
+    after: tuple[Name, ...] = Field(
+        default=(), description="Tasks that must have ended before this one starts."
+    )
+    tool: Name | None = Field(
+        default=None, description="The tool that every operator who does the task needs in hand."
+    )
     zone: Name | None = Field(default=None, description="The shared space in which it is done.")
-    difficulty: PerOperator = Field(default_factory=Table, description="How hard the task is for an operator: operator to a number; 0 when absent.")
+    difficulty: PerOperator = Field(
+        default_factory=Table,
+        description="How hard the task is for an operator: operator to a number; 0 when absent.",
+    )
     release: Moment = Field(default=0.0, description="Earliest start, seconds.")
     deadline: Seconds | None = Field(default=None, description="Latest end, seconds.")
-    spread: OneOrEach = Field(default=0.0, description="Coefficient of variation of the time, for simulation: one number, or a number per operator.")
+    spread: OneOrEach = Field(
+        default=0.0,
+        description=(
+            "Coefficient of variation of the time, for simulation: one number, or a number per"
+            " operator."
+        ),
+    )
 
 
 class Tool(Frozen):
     """A tool that tasks name."""
 
-    capacity: Places = Field(default=1, description="How many of it there are: so many operators can work with it at once.")
+    capacity: Places = Field(
+        default=1,
+        description="How many of it there are: so many operators can work with it at once.",
+    )
     changeover: PerOperator = Field(
-        default_factory=Table, description="Operator to seconds needed to take it up when another tool was in hand; 0 when absent."
+        default_factory=Table,
+        description=(
+            "Operator to seconds needed to take it up when another tool was in hand; 0 when absent."
+        ),
     )
 
 
@@ -176,26 +250,47 @@ class Mode:
 
 
 class Fields(Frozen):
-    """All that a cell holds, each value well formed; whether they fit together is not known yet. The rules of soundness read it."""
+    """All that a cell holds, each value well formed; whether they fit together is not known yet.
+    The rules of soundness read it.
+    """
 
     format: Literal[1] = Field(default=1, description="Version of this file format.")
     name: Text = Field(default="", description="What charts and reports call the cell.")
     operators: Annotated[Mapping[Name, Operator], OneEntryAName, AfterValidator(Table)] = Field(
         min_length=1, description="Who works here: name to operator."
     )
-    tasks: Annotated[Mapping[Name, Task], OneEntryAName, AfterValidator(Table)] = Field(min_length=1, description="What is to be done: name to task.")
+    tasks: Annotated[Mapping[Name, Task], OneEntryAName, AfterValidator(Table)] = Field(
+        min_length=1, description="What is to be done: name to task."
+    )
     tools: Annotated[Mapping[Name, Tool], OneEntryAName, AfterValidator(Table)] = Field(
-        default_factory=Table, description="What is special about a tool. One that is not listed exists once and costs no changeover."
+        default_factory=Table,
+        description=(
+            "What is special about a tool. One that is not listed exists once and costs no"
+            " changeover."
+        ),
     )
     zones: Annotated[Mapping[Name, Zone], OneEntryAName, AfterValidator(Table)] = Field(
-        default_factory=Table, description="What is special about a zone. One that is not listed holds one operator at a time."
+        default_factory=Table,
+        description=(
+            "What is special about a zone. One that is not listed holds one operator at a time."
+        ),
     )
-    same_operator: tuple[tuple[Name, Name], ...] = Field(default=(), description="Pairs of tasks that must be done by the same operators.")
-    stress_of_set: Annotated[Mapping[Annotated[str, BeforeValidator(_spelled)], Amount], OneEntryAName, AfterValidator(Table)] | None = Field(
+    same_operator: tuple[tuple[Name, Name], ...] = Field(
+        default=(), description="Pairs of tasks that must be done by the same operators."
+    )
+    stress_of_set: (
+        Annotated[
+            Mapping[Annotated[str, BeforeValidator(_spelled)], Amount],
+            OneEntryAName,
+            AfterValidator(Table),
+        ]
+        | None
+    ) = Field(
         default=None,
         description=(
-            "Stress by table instead of by sum, for methods that do not add up (such as the Strain Index): the tasks done by humans, in the "
-            "cell's order and joined by commas, to the stress of doing just these. A set that is not listed is not allowed."
+            "Stress by table instead of by sum, for methods that do not add up (such as the Strain"
+            " Index): the tasks done by humans, in the cell's order and joined by commas, to the"
+            " stress of doing just these. A set that is not listed is not allowed."
         ),
     )
 
@@ -210,7 +305,9 @@ class Fields(Frozen):
         return tuple(name for name, operator in self.operators.items() if operator.kind == "robot")
 
     def modes(self, task: str) -> tuple[Mode, ...]:
-        """Every way of doing the task: each operator alone in the cell's order, then the joint ways as given."""
+        """Every way of doing the task: each operator alone in the cell's order, then the joint ways
+        as given.
+        """
         return self._modes[task]
 
     @cached_property
@@ -223,8 +320,17 @@ class Fields(Frozen):
             yield Mode((name,), task.time[name], self._stress((name,), task.stress))
         for joint in task.together:
             operators = tuple(sorted(joint.operators, key=order.__getitem__))
-            yield Mode(operators, joint.time, self._stress(operators, task.stress if joint.stress is None else joint.stress))
+            yield Mode(
+                operators,
+                joint.time,
+                self._stress(operators, task.stress if joint.stress is None else joint.stress),
+            )
 
-    def _stress(self, operators: Iterable[str], stress: float | Mapping[str, float]) -> dict[str, float]:
+    def _stress(
+        self, operators: Iterable[str], stress: float | Mapping[str, float]
+    ) -> dict[str, float]:
         humans = [name for name in operators if self.operators[name].kind == "human"]
-        return {name: stress.get(name, 0.0) if isinstance(stress, Mapping) else stress for name in humans}
+        return {
+            name: stress.get(name, 0.0) if isinstance(stress, Mapping) else stress
+            for name in humans
+        }

@@ -17,24 +17,42 @@ SHOWN = 12
 
 
 def no_task_waits_for_itself(cell: Fields) -> Iterator[Fault]:
-    """No chain of predecessors leads back to where it began. A task that names itself has a rule of its own."""
-    after = {name: tuple(first for first in task.after if first != name and first in cell.tasks) for name, task in cell.tasks.items()}
+    """No chain of predecessors leads back to where it began. A task that names itself has a rule of
+    its own.
+    """
+    after = {
+        name: tuple(first for first in task.after if first != name and first in cell.tasks)
+        for name, task in cell.tasks.items()
+    }
     for cycle, _ in zip(cycles(after), range(MOST), strict=False):
         last, first = cycle[-1], cycle[0]
         path = ("tasks", first, "after", cell.tasks[first].after.index(last))
         if len(cycle) == 2:
-            yield Fault(f"tasks {first!r} and {last!r} wait for each other. Take one of them out of the other's `after`.", path)
+            yield Fault(
+                f"tasks {first!r} and {last!r} wait for each other. Take one of them out of the"
+                " other's `after`.",
+                path,
+            )
             continue
-        names = [*cycle, first] if len(cycle) <= SHOWN else [*cycle[: SHOWN // 2], "...", *cycle[-SHOWN // 2 :], first]
+        names = (
+            [*cycle, first]
+            if len(cycle) <= SHOWN
+            else [*cycle[: SHOWN // 2], "...", *cycle[-SHOWN // 2 :], first]
+        )
         circle = " before ".join(name if name == "..." else repr(name) for name in names)
-        yield Fault(f"{len(cycle)} tasks wait for each other in a circle: {circle}. Take one of these out of the next one's `after`.", path)
+        yield Fault(
+            f"{len(cycle)} tasks wait for each other in a circle: {circle}. Take one of these out"
+            " of the next one's `after`.",
+            path,
+        )
 
 
 def cycles(after: Mapping[str, Sequence[str]]) -> Iterator[list[str]]:
-    """Circles in a graph given by the predecessors of each node; when each loses one arc, none is left.
+    """Circles in a graph given by the predecessors of each node; when each loses one arc, none is
+    left.
 
-    Each circle comes once, its nodes so that one goes before the next and the one named first in `after` stands first.
-    Depth-first without recursion: a chain may be thousands of tasks long.
+    Each circle comes once, its nodes so that one goes before the next and the one named first in
+    `after` stands first. Depth-first without recursion: a chain may be thousands of tasks long.
     """
     order = {name: place for place, name in enumerate(after)}
     done: set[str] = set()
@@ -49,7 +67,11 @@ def cycles(after: Mapping[str, Sequence[str]]) -> Iterator[list[str]]:
                 if first in place_on_trail:
                     backwards = trail[place_on_trail[first] :]
                     start = min(range(len(backwards)), key=lambda place: order[backwards[place]])
-                    yield (backwards[start::-1] + backwards[:start:-1]) if start else [backwards[0], *backwards[:0:-1]]
+                    yield (
+                        (backwards[start::-1] + backwards[:start:-1])
+                        if start
+                        else [backwards[0], *backwards[:0:-1]]
+                    )
                 elif first not in done:
                     place_on_trail[first] = len(trail)
                     trail.append(first)

@@ -1,7 +1,7 @@
 """What the parts of a cell must be to each other: one rule a function, every fault reported.
 
-A rule reads the whole cell and leaves to the others what is theirs: an unknown name is met by the rule for names, and
-all other rules step over it.
+A rule reads the whole cell and leaves to the others what is theirs: an unknown name is met by the
+rule for names, and all other rules step over it.
 """
 
 from __future__ import annotations
@@ -13,7 +13,12 @@ from typing import TYPE_CHECKING
 from tandem.cell.names import Known, difference, twins
 from tandem.cell.precedence import no_task_waits_for_itself
 from tandem.cell.slips import slips
-from tandem.cell.times import a_deadline_can_be_met, breaks_are_apart, exact_planning_can_count_it, numbers_have_few_decimals
+from tandem.cell.times import (
+    a_deadline_can_be_met,
+    breaks_are_apart,
+    exact_planning_can_count_it,
+    numbers_have_few_decimals,
+)
 from tandem.cell.written import number
 from tandem.errors import Fault
 
@@ -34,11 +39,15 @@ def operators_are_known(cell: Fields) -> Iterator[Fault]:
     known = Known(cell.operators)
     for path, name, what in _operators_named(cell):
         if name not in known:
-            yield Fault(f"{what} names {name!r}, who is no operator of the cell. {known.hint(name)}", path)
+            yield Fault(
+                f"{what} names {name!r}, who is no operator of the cell. {known.hint(name)}", path
+            )
 
 
 def names_can_be_told_apart(cell: Fields) -> Iterator[Fault]:
-    """No two tasks, operators, tools or zones look alike though they are made of other signs, such as a Cyrillic letter."""
+    """No two tasks, operators, tools or zones look alike though they are made of other signs, such
+    as a Cyrillic letter.
+    """
     used: dict[str, dict[str, Path]] = {"operators": {}, "tasks": {}, "tools": {}, "zones": {}}
     for name, task in cell.tasks.items():
         if task.tool is not None:
@@ -52,33 +61,49 @@ def names_can_be_told_apart(cell: Fields) -> Iterator[Fault]:
         stated: Mapping[str, object] = getattr(cell, key)
         for first, name in twins([*stated, *named]):
             yield Fault(
-                f"{key[:-1]} {name!r} looks like {key[:-1]} {first!r} but is written with other signs ({difference(first, name)}). "
-                "Spell both alike if they are one, else rename one of them.",
+                f"{key[:-1]} {name!r} looks like {key[:-1]} {first!r} but is written with other"
+                f" signs ({difference(first, name)}). Spell both alike if they are one, else rename"
+                " one of them.",
                 (key, name) if name in stated else named[name],
             )
 
 
 def tasks_are_known(cell: Fields) -> Iterator[Fault]:
-    """Whatever stands in `after` and `same_operator` is one of the cell's tasks; `stress_of_set` has a rule of its own."""
+    """Whatever stands in `after` and `same_operator` is one of the cell's tasks; `stress_of_set`
+    has a rule of its own.
+    """
     known = Known(cell.tasks)
     for name, task in cell.tasks.items():
         for place, first in enumerate(task.after):
             if first not in known:
-                yield Fault(f"task {name!r} comes after {first!r}, which is no task. {known.hint(first)}", ("tasks", name, "after", place))
+                yield Fault(
+                    f"task {name!r} comes after {first!r}, which is no task. {known.hint(first)}",
+                    ("tasks", name, "after", place),
+                )
     for place, pair in enumerate(cell.same_operator):
         for side, name in enumerate(pair):
             if name not in known:
-                yield Fault(f"same_operator names {name!r}, which is no task. {known.hint(name)}", ("same_operator", place, side))
+                yield Fault(
+                    f"same_operator names {name!r}, which is no task. {known.hint(name)}",
+                    ("same_operator", place, side),
+                )
 
 
 def no_task_comes_after_itself(cell: Fields) -> Iterator[Fault]:
     """A task is not its own predecessor, and no pair of `same_operator` holds one task twice."""
     for name, task in cell.tasks.items():
         if name in task.after:
-            yield Fault(f"task {name!r} comes after itself. Take {name!r} out of its `after`.", ("tasks", name, "after", task.after.index(name)))
+            yield Fault(
+                f"task {name!r} comes after itself. Take {name!r} out of its `after`.",
+                ("tasks", name, "after", task.after.index(name)),
+            )
     for place, (one, other) in enumerate(cell.same_operator):
         if one == other:
-            yield Fault(f"same_operator pairs task {one!r} with itself. Name two different tasks, or take the pair out.", ("same_operator", place))
+            yield Fault(
+                f"same_operator pairs task {one!r} with itself. Name two different tasks, or take"
+                " the pair out.",
+                ("same_operator", place),
+            )
 
 
 def a_group_names_each_operator_once(cell: Fields) -> Iterator[Fault]:
@@ -90,22 +115,34 @@ def a_group_names_each_operator_once(cell: Fields) -> Iterator[Fault]:
             twice = [who for who, count in Counter(joint.operators).items() if count > 1]
             if twice:
                 yield Fault(
-                    f"task {name!r}: {_listed(twice)} stands twice in one group. A joint task needs different operators.", (*path, "operators")
+                    f"task {name!r}: {_listed(twice)} stands twice in one group. A joint task needs"
+                    " different operators.",
+                    (*path, "operators"),
                 )
                 continue
             first = seen.setdefault(frozenset(joint.operators), place)
             if first != place:
                 times = f"{number(task.together[first].time)} s and {number(joint.time)} s"
-                yield Fault(f"task {name!r}: the group {_listed(joint.operators)} is stated twice, with {times}. Keep one of them.", path)
+                yield Fault(
+                    f"task {name!r}: the group {_listed(joint.operators)} is stated twice, with"
+                    f" {times}. Keep one of them.",
+                    path,
+                )
 
 
 def someone_can_do_each_task(cell: Fields) -> Iterator[Fault]:
-    """Each task has a way of being done that finds room: enough places in its zone and enough of its tool."""
+    """Each task has a way of being done that finds room: enough places in its zone and enough of
+    its tool.
+    """
     for name, task in cell.tasks.items():
         path: Path = ("tasks", name)
         if not task.time and not task.together:
             here = _listed(cell.operators)
-            yield Fault(f"task {name!r}: nobody can do it. Give `time` for one of {here}, or a group in `together`.", path)
+            yield Fault(
+                f"task {name!r}: nobody can do it. Give `time` for one of {here}, or a group in"
+                " `together`.",
+                path,
+            )
         elif not task.time:
             yield from _room_for_a_group(cell, name, task)
 
@@ -118,10 +155,15 @@ def _room_for_a_group(cell: Fields, name: str, task: Task) -> Iterator[Fault]:
             continue
         capacity = table[used].capacity if used in table else 1
         if size > capacity:
-            room = f"zone {used!r} holds {capacity} at a time" if key == "zone" else f"there is {capacity} of tool {used!r}"
+            room = (
+                f"zone {used!r} holds {capacity} at a time"
+                if key == "zone"
+                else f"there is {capacity} of tool {used!r}"
+            )
             yield Fault(
-                f"task {name!r}: {_listed(smallest.operators)} can only do it together, but {room}, so they never meet. "
-                f"State `{key}s: {{{used}: {{capacity: {size}}}}}`, or let one operator do it alone.",
+                f"task {name!r}: {_listed(smallest.operators)} can only do it together, but {room},"
+                f" so they never meet. State `{key}s: {{{used}: {{capacity: {size}}}}}`, or let one"
+                " operator do it alone.",
                 ("tasks", name, key),
             )
 
@@ -131,16 +173,24 @@ def stress_is_put_on_humans(cell: Fields) -> Iterator[Fault]:
     for path, stress, what in _stresses(cell):
         for who in stress:
             if who in cell.operators and cell.operators[who].kind == "robot":
-                yield Fault(f"{what}: stress is stated for {who!r}, a robot. Only humans have stress; take {who!r} out.", (*path, who))
+                yield Fault(
+                    f"{what}: stress is stated for {who!r}, a robot. Only humans have stress; take"
+                    f" {who!r} out.",
+                    (*path, who),
+                )
     for who, operator in cell.operators.items():
         if operator.kind == "robot" and operator.stress_limit is not None:
             yield Fault(
-                f"operator {who!r} is a robot and has a stress_limit. Only humans have stress; take it out.", ("operators", who, "stress_limit")
+                f"operator {who!r} is a robot and has a stress_limit. Only humans have stress; take"
+                " it out.",
+                ("operators", who, "stress_limit"),
             )
 
 
 def stress_of_a_group_is_put_on_its_members(cell: Fields) -> Iterator[Fault]:
-    """A group's stress per human names humans who take part; a number for anybody else would count for nobody."""
+    """A group's stress per human names humans who take part; a number for anybody else would count
+    for nobody.
+    """
     for name, task in cell.tasks.items():
         for place, joint in enumerate(task.together):
             if not isinstance(joint.stress, Mapping):
@@ -149,8 +199,9 @@ def stress_of_a_group_is_put_on_its_members(cell: Fields) -> Iterator[Fault]:
                 known = who in cell.operators and cell.operators[who].kind == "human"
                 if known and who not in joint.operators:
                     yield Fault(
-                        f"task {name!r}: together: stress is stated for {who!r}, who takes no part. Taking part are "
-                        f"{_listed(joint.operators)}; take {who!r} out of the stress, or into the group.",
+                        f"task {name!r}: together: stress is stated for {who!r}, who takes no part."
+                        f" Taking part are {_listed(joint.operators)}; take {who!r} out of the"
+                        " stress, or into the group.",
                         ("tasks", name, "together", place, "stress", who),
                     )
 
@@ -162,56 +213,82 @@ def pairs_have_a_common_way(cell: Fields) -> Iterator[Fault]:
             continue
         ways = [_groups(cell.tasks[name]) for name in (one, other)]
         if all(ways) and not ways[0] & ways[1]:
-            can = " and ".join(f"{name!r} by {_or(way)}" for name, way in zip((one, other), ways, strict=True))
+            can = " and ".join(
+                f"{name!r} by {_or(way)}" for name, way in zip((one, other), ways, strict=True)
+            )
             yield Fault(
-                f"tasks {one!r} and {other!r} must have the same operators, but nobody can do both: {can}. "
-                "Take the pair out, or give somebody a time for each.",
+                f"tasks {one!r} and {other!r} must have the same operators, but nobody can do both:"
+                f" {can}. Take the pair out, or give somebody a time for each.",
                 ("same_operator", place),
             )
 
 
 def sets_are_spelled_in_order(cell: Fields) -> Iterator[Fault]:
-    """The keys of `stress_of_set` are known tasks, each once, in the cell's order, joined by commas."""
+    """The keys of `stress_of_set` are known tasks, each once, in the cell's order, joined by
+    commas.
+    """
     if cell.stress_of_set is None:
         return
     order = {name: place for place, name in enumerate(cell.tasks)}
     known = Known(cell.tasks)
     for name in cell.tasks:
         if "," in name:
-            yield Fault(f"task {name!r} has a comma in its name, so that stress_of_set cannot name it. Rename the task.", ("tasks", name))
+            yield Fault(
+                f"task {name!r} has a comma in its name, so that stress_of_set cannot name it."
+                " Rename the task.",
+                ("tasks", name),
+            )
     seen: dict[str, str] = {}
     for key in cell.stress_of_set:
         path: Path = ("stress_of_set", key)
         names = [part.strip() for part in key.split(",")] if key else []
         unknown = [name for name in names if name not in order]
         for name in unknown:
-            yield Fault(f"stress_of_set {key!r} names {name!r}, which is no task. {known.hint(name)}", path)
+            yield Fault(
+                f"stress_of_set {key!r} names {name!r}, which is no task. {known.hint(name)}", path
+            )
         if unknown:
             continue
         right = ",".join(sorted(set(names), key=order.__getitem__))
         if right in seen:
-            yield Fault(f"stress_of_set states the set {right!r} twice, as {seen[right]!r} and {key!r}. Keep one of them.", path)
+            yield Fault(
+                f"stress_of_set states the set {right!r} twice, as {seen[right]!r} and {key!r}."
+                " Keep one of them.",
+                path,
+            )
         elif right != key:
-            yield Fault(f"stress_of_set {key!r}: the tasks stand in the cell's order, each once, without blanks. Write {right!r}.", path)
+            yield Fault(
+                f"stress_of_set {key!r}: the tasks stand in the cell's order, each once, without"
+                f" blanks. Write {right!r}.",
+                path,
+            )
         seen.setdefault(right, key)
 
 
 def listed_tools_and_zones_are_not_misspelled(cell: Fields) -> Iterator[Fault]:
-    """A tool or zone that is listed, used by nobody and spelled almost like an unlisted one in use is a slip of the pen.
+    """A tool or zone that is listed, used by nobody and spelled almost like an unlisted one in use
+    is a slip of the pen.
 
     One that is listed, unused and like no other is no fault.
     """
-    tools = {task.tool for task in cell.tasks.values()} | {operator.tool for operator in cell.operators.values()}
+    tools = {task.tool for task in cell.tasks.values()} | {
+        operator.tool for operator in cell.operators.values()
+    }
     zones = {task.zone for task in cell.tasks.values()}
     for key, used, table in (("tools", tools, cell.tools), ("zones", zones, cell.zones)):
         strays = Known(name for name in used if name is not None and name not in table)
         for name in table:
             if name not in used and (meant := strays.nearest(name)) is not None:
-                yield Fault(f"{key[:-1]} {name!r} is listed but never used, while {meant!r} is used but not listed. Spell both alike.", (key, name))
+                yield Fault(
+                    f"{key[:-1]} {name!r} is listed but never used, while {meant!r} is used but not"
+                    " listed. Spell both alike.",
+                    (key, name),
+                )
 
 
 def tools_and_zones_are_spelled_alike(cell: Fields) -> Iterator[Fault]:
-    """Tools, and zones, that differ by capitals or one letter are one; listing both says that they are two.
+    """Tools, and zones, that differ by capitals or one letter are one; listing both says that they
+    are two.
 
     A name that is listed and used by nobody is left to the rule above.
     """
@@ -226,12 +303,13 @@ def tools_and_zones_are_spelled_alike(cell: Fields) -> Iterator[Fault]:
         if operator.tool is not None:
             tools.setdefault(operator.tool, ("operators", who, "tool"))
     for kind, used, listed in (("tool", tools, cell.tools), ("zone", zones, cell.zones)):
-        in_order = sorted(used, key=lambda name: name not in listed)  # a listed name is the one that is meant
+        # a listed name is the one that is meant
+        in_order = sorted(used, key=lambda name: name not in listed)
         for name, meant in slips(in_order).items():
             if name not in listed:
                 yield Fault(
-                    f"{kind} {name!r} is spelled almost like {kind} {meant!r}, so that they count as two. Did you mean {meant!r}? "
-                    f"If they are two, list both under `{kind}s`.",
+                    f"{kind} {name!r} is spelled almost like {kind} {meant!r}, so that they count"
+                    f" as two. Did you mean {meant!r}? If they are two, list both under `{kind}s`.",
                     used[name],
                 )
 
@@ -264,11 +342,17 @@ def _stresses(cell: Fields) -> Iterator[tuple[Path, Mapping[str, float], str]]:
             yield ("tasks", name, "stress"), task.stress, f"task {name!r}"
         for place, joint in enumerate(task.together):
             if isinstance(joint.stress, Mapping):
-                yield ("tasks", name, "together", place, "stress"), joint.stress, f"task {name!r}: together"
+                yield (
+                    ("tasks", name, "together", place, "stress"),
+                    joint.stress,
+                    f"task {name!r}: together",
+                )
 
 
 def _groups(task: Task) -> set[frozenset[str]]:
-    return {frozenset((who,)) for who in task.time} | {frozenset(joint.operators) for joint in task.together}
+    return {frozenset((who,)) for who in task.time} | {
+        frozenset(joint.operators) for joint in task.together
+    }
 
 
 def _or(groups: set[frozenset[str]]) -> str:

@@ -1,4 +1,5 @@
-"""Whether the times of a cell fit together: breaks, deadlines, and numbers that can be counted exactly.
+"""Whether the times of a cell fit together: breaks, deadlines, and numbers that can be counted
+exactly.
 
 Times are compared in whole microseconds: seconds have at most six decimals, so nothing is lost.
 """
@@ -20,7 +21,9 @@ if TYPE_CHECKING:
 DECIMALS = 6
 MICRO = 1_000_000
 LARGEST = 2**40
-"""The largest sum in units of the finest number: solvers add such numbers, in 64 bits, with room to spare."""
+"""The largest sum in units of the finest number: solvers add such numbers, in 64 bits, with room to
+spare.
+"""
 
 Path = tuple[str | int, ...]
 
@@ -34,13 +37,25 @@ def breaks_are_apart(cell: Fields) -> Iterator[Fault]:
             if end > start:
                 good.append((start, end, place))
                 continue
-            remedy = f"write [{number(end)}, {number(start)}]" if end < start else "a break must last a while"
-            yield Fault(f"operator {who!r}: the break [{number(start)}, {number(end)}] ends before or when it starts; {remedy}.", (*here, place))
+            remedy = (
+                f"write [{number(end)}, {number(start)}]"
+                if end < start
+                else "a break must last a while"
+            )
+            yield Fault(
+                f"operator {who!r}: the break [{number(start)}, {number(end)}] ends before or when"
+                f" it starts; {remedy}.",
+                (*here, place),
+            )
         good.sort()
         for (a, b, _), (c, d, place) in pairwise(good):
             if c < b:
                 both = f"[{number(a)}, {number(b)}] and [{number(c)}, {number(d)}]"
-                yield Fault(f"operator {who!r}: the breaks {both} overlap. Make them one: [{number(a)}, {number(max(b, d))}].", (*here, place))
+                yield Fault(
+                    f"operator {who!r}: the breaks {both} overlap. Make them one: [{number(a)},"
+                    f" {number(max(b, d))}].",
+                    (*here, place),
+                )
 
 
 @dataclass(frozen=True)
@@ -61,7 +76,9 @@ class Earliest:
 
 
 def a_deadline_can_be_met(cell: Fields) -> Iterator[Fault]:
-    """No task is bound to be late: its predecessors and itself, each in its quickest way, from the release on, around breaks."""
+    """No task is bound to be late: its predecessors and itself, each in its quickest way, from the
+    release on, around breaks.
+    """
     if all(task.deadline is None for task in cell.tasks.values()):
         return
     rest = _Rests(cell)
@@ -75,24 +92,33 @@ def a_deadline_can_be_met(cell: Fields) -> Iterator[Fault]:
         if task.deadline is not None and soonest.end > _micro(task.deadline):
             yield Fault(_too_late(cell, name, found), ("tasks", name, "deadline"))
             deadline = _micro(task.deadline)  # what follows it is not blamed for the same delay
-            found[name] = Earliest(deadline, min(soonest.chain_end, deadline), soonest.first, soonest.operators)
+            found[name] = Earliest(
+                deadline, min(soonest.chain_end, deadline), soonest.first, soonest.operators
+            )
 
 
 class _Rests:
     """When operators are off, alone and together, in whole microseconds."""
 
     def __init__(self, cell: Fields):
-        self.of_each = {who: [(_micro(a), _micro(b)) for a, b in operator.breaks if b > a] for who, operator in cell.operators.items()}
+        self.of_each = {
+            who: [(_micro(a), _micro(b)) for a, b in operator.breaks if b > a]
+            for who, operator in cell.operators.items()
+        }
         self._joint: dict[tuple[str, ...], list[tuple[int, int]]] = {}
 
     def __contains__(self, who: str) -> bool:
         return who in self.of_each
 
     def soonest_end(self, start: int, length: int, operators: tuple[str, ...]) -> int:
-        """The soonest end of something that lasts so long, starts then or later and touches no break of those who do it."""
+        """The soonest end of something that lasts so long, starts then or later and touches no
+        break of those who do it.
+        """
         rests = self._joint.get(operators)
         if rests is None:
-            rests = self._joint[operators] = _apart(rest for who in operators for rest in self.of_each[who])
+            rests = self._joint[operators] = _apart(
+                rest for who in operators for rest in self.of_each[who]
+            )
         for a, b in islice(rests, bisect_right(rests, start, key=_end), None):
             if a >= start + length:
                 break
@@ -115,9 +141,13 @@ def _apart(rests: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
     return joined
 
 
-def _earliest(cell: Fields, name: str, found: Mapping[str, Earliest], rest: _Rests) -> Earliest | None:
+def _earliest(
+    cell: Fields, name: str, found: Mapping[str, Earliest], rest: _Rests
+) -> Earliest | None:
     task = cell.tasks[name]
-    ways = [((who,), time) for who, time in task.time.items()] + [(joint.operators, joint.time) for joint in task.together]
+    ways = [((who,), time) for who, time in task.time.items()] + [
+        (joint.operators, joint.time) for joint in task.together
+    ]
     ways = [(who, time) for who, time in ways if all(one in rest for one in who)]
     if not ways:
         return None
@@ -129,7 +159,9 @@ def _earliest(cell: Fields, name: str, found: Mapping[str, Earliest], rest: _Res
     else:
         first = None
     chain_start = max([chain_start, *(found[one].chain_end for one in before)])
-    end, operators = min((rest.soonest_end(start, _micro(time), tuple(who)), tuple(who)) for who, time in ways)
+    end, operators = min(
+        (rest.soonest_end(start, _micro(time), tuple(who)), tuple(who)) for who, time in ways
+    )
     return Earliest(end, chain_start + min(_micro(time) for _, time in ways), first, operators)
 
 
@@ -144,8 +176,9 @@ def _too_late(cell: Fields, name: str, found: Mapping[str, Earliest]) -> str:
     deadline, end = cell.tasks[name].deadline, found[name].end
     around = " around the breaks" if found[name].chain_end <= _micro(deadline or 0.0) else ""
     return (
-        f"task {name!r} can never keep its deadline of {number(deadline or 0.0)} s: {steps} ends at {number(end / MICRO)} s at the soonest{around}. "
-        f"Set the deadline to {number(end / MICRO)} or later, or make what goes before it quicker."
+        f"task {name!r} can never keep its deadline of {number(deadline or 0.0)} s: {steps} ends at"
+        f" {number(end / MICRO)} s at the soonest{around}. Set the deadline to"
+        f" {number(end / MICRO)} or later, or make what goes before it quicker."
     )
 
 
@@ -158,7 +191,10 @@ def _step(cell: Fields, name: str) -> str:
 
 def _in_order(cell: Fields) -> list[str]:
     """Tasks so that predecessors come first; those on a circle or behind one are left out."""
-    waiting = {name: len({first for first in task.after if first in cell.tasks}) for name, task in cell.tasks.items()}
+    waiting = {
+        name: len({first for first in task.after if first in cell.tasks})
+        for name, task in cell.tasks.items()
+    }
     behind: dict[str, list[str]] = {name: [] for name in cell.tasks}
     for name, task in cell.tasks.items():
         for first in set(task.after):
@@ -183,28 +219,55 @@ def numbers_have_few_decimals(cell: Fields) -> Iterator[Fault]:
 
 
 def exact_planning_can_count_it(cell: Fields) -> Iterator[Fault]:
-    """All times together, and all stress together, in units of the finest of them, stay below 2^40."""
+    """All times together, and all stress together, in units of the finest of them, stay below
+    2^40.
+    """
     times, stresses = [], []
     longest = stressed = 0.0
-    changeover = max((seconds for tool in cell.tools.values() for seconds in tool.changeover.values()), default=0.0)
+    changeover = max(
+        (seconds for tool in cell.tools.values() for seconds in tool.changeover.values()),
+        default=0.0,
+    )
     for task in cell.tasks.values():
         own = [*task.time.values(), *(joint.time for joint in task.together)]
-        strain = [*_values(task.stress), *(value for joint in task.together if joint.stress is not None for value in _values(joint.stress))]
+        strain = [
+            *_values(task.stress),
+            *(
+                value
+                for joint in task.together
+                if joint.stress is not None
+                for value in _values(joint.stress)
+            ),
+        ]
         times += [*own, task.release, task.deadline or 0.0]
         stresses += strain
         longest += max(own, default=0.0) + changeover
         stressed += max(strain, default=0.0) * len(cell.operators)
     ends = [end for operator in cell.operators.values() for pair in operator.breaks for end in pair]
-    times += [*ends, *(seconds for tool in cell.tools.values() for seconds in tool.changeover.values())]
+    times += [
+        *ends,
+        *(seconds for tool in cell.tools.values() for seconds in tool.changeover.values()),
+    ]
     longest += max((task.release for task in cell.tasks.values()), default=0.0) + sum(ends)
     table = list((cell.stress_of_set or {}).values())
-    stresses += [*table, *(operator.stress_limit for operator in cell.operators.values() if operator.stress_limit is not None)]
-    for what, unit, total, numbers in (("times", " s", longest, times), ("stresses", "", max(stressed, *table, 0.0), stresses)):
+    stresses += [
+        *table,
+        *(
+            operator.stress_limit
+            for operator in cell.operators.values()
+            if operator.stress_limit is not None
+        ),
+    ]
+    for what, unit, total, numbers in (
+        ("times", " s", longest, times),
+        ("stresses", "", max(stressed, *table, 0.0), stresses),
+    ):
         scale = _scale(numbers)
         if total * scale > LARGEST:
             yield Fault(
-                f"the {what} add up to {total:.6g}{unit} and the finest has a step of {1 / scale:.6g}{unit}: too wide a range to plan exactly. "
-                f"Round the {what} to {_step_that_fits(total)}{unit}.",
+                f"the {what} add up to {total:.6g}{unit} and the finest has a step of"
+                f" {1 / scale:.6g}{unit}: too wide a range to plan exactly. Round the {what} to"
+                f" {_step_that_fits(total)}{unit}.",
                 ("tasks",),
             )
 
@@ -228,7 +291,10 @@ def _numbers(cell: Fields) -> Iterator[tuple[Path, float]]:
     """Every number of the cell and where it stands."""
     for who, operator in cell.operators.items():
         for place, pair in enumerate(operator.breaks):
-            yield from ((("operators", who, "breaks", place, side), value) for side, value in enumerate(pair))
+            yield from (
+                (("operators", who, "breaks", place, side), value)
+                for side, value in enumerate(pair)
+            )
         yield from _if_stated(("operators", who, "stress_limit"), operator.stress_limit)
     for name, task in cell.tasks.items():
         here: Path = ("tasks", name)
@@ -246,7 +312,9 @@ def _numbers(cell: Fields) -> Iterator[tuple[Path, float]]:
     yield from _if_stated(("stress_of_set",), cell.stress_of_set)
 
 
-def _if_stated(path: Path, value: float | Mapping[str, float] | None) -> Iterator[tuple[Path, float]]:
+def _if_stated(
+    path: Path, value: float | Mapping[str, float] | None
+) -> Iterator[tuple[Path, float]]:
     if isinstance(value, Mapping):
         yield from (((*path, key), number) for key, number in value.items())
     elif value is not None:

@@ -1,4 +1,6 @@
-"""`tandem explain`, `tandem compare`, `tandem sensitivity`: why a plan is so, what changed, and what would help."""
+"""`tandem explain`, `tandem compare`, `tandem sensitivity`: why a plan is so, what changed, and
+what would help.
+"""
 
 from __future__ import annotations
 
@@ -20,8 +22,15 @@ if TYPE_CHECKING:
     from tandem.plan.result import Front
 
 CELL = click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=True))
-FORMAT = click.option("--format", "form", metavar="NAME", help="What CELL is written in; told from its content when absent.")
-AS_JSON = click.option("--json", "as_json", is_flag=True, help="Print one document on stdout and nothing else there.")
+FORMAT = click.option(
+    "--format",
+    "form",
+    metavar="NAME",
+    help="What CELL is written in; told from its content when absent.",
+)
+AS_JSON = click.option(
+    "--json", "as_json", is_flag=True, help="Print one document on stdout and nothing else there."
+)
 
 
 class Percent(click.ParamType):  # type: ignore[type-arg,unused-ignore]
@@ -29,7 +38,9 @@ class Percent(click.ParamType):  # type: ignore[type-arg,unused-ignore]
 
     name = "PERCENT"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
         if isinstance(value, float):
             return value
         try:
@@ -42,13 +53,32 @@ class Percent(click.ParamType):  # type: ignore[type-arg,unused-ignore]
 @CELL
 @FORMAT
 @click.option("--task", help="Only this task.")
-@click.option("--point", type=int, help="A point of the front, counted from 1; the recommended compromise when absent.")
-@click.option("--time-limit", type=float, default=17.0, show_default=True, help="Seconds for everything; what is not proven by then says so.")
+@click.option(
+    "--point",
+    type=int,
+    help="A point of the front, counted from 1; the recommended compromise when absent.",
+)
+@click.option(
+    "--time-limit",
+    type=float,
+    default=17.0,
+    show_default=True,
+    help="Seconds for everything; what is not proven by then says so.",
+)
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
-@click.option("--workers", type=int, help="Threads that plan at the same time; one per core when absent.")
+@click.option(
+    "--workers", type=int, help="Threads that plan at the same time; one per core when absent."
+)
 @AS_JSON
 def explain_command(
-    cell_file: str, form: str | None, task: str | None, point: int | None, time_limit: float, seed: int, workers: int | None, as_json: bool
+    cell_file: str,
+    form: str | None,
+    task: str | None,
+    point: int | None,
+    time_limit: float,
+    seed: int,
+    workers: int | None,
+    as_json: bool,
 ) -> None:
     """Say why a schedule is as it is, and what every other choice would cost.
 
@@ -65,7 +95,15 @@ def explain_command(
     check_time(time_limit, workers)
     cell = load(cell_file, form)
     show = None if as_json else Telling(point)
-    found = explain(cell, task=task, point=point, time_limit=time_limit, seed=seed, workers=workers, on_answer=show)
+    found = explain(
+        cell,
+        task=task,
+        point=point,
+        time_limit=time_limit,
+        seed=seed,
+        workers=workers,
+        on_answer=show,
+    )
     if as_json:
         click.echo(json.dumps(found.to_dict(), ensure_ascii=False))
 
@@ -92,14 +130,39 @@ class Telling:
 @click.command("compare")
 @click.argument("before_file", metavar="BEFORE", type=click.Path(dir_okay=False))
 @click.argument("after_file", metavar="AFTER", type=click.Path(dir_okay=False))
-@click.option("--point", type=int, help="For results: the point of both fronts, counted from 1; the recommended compromise when absent.")
 @click.option(
-    "--plan/--no-plan", "planned", default=True, show_default=True, help="For cells: plan both, and say what becomes of each point of the front."
+    "--point",
+    type=int,
+    help=(
+        "For results: the point of both fronts, counted from 1; the recommended compromise when"
+        " absent."
+    ),
 )
-@click.option("--time-limit", type=float, default=20.0, show_default=True, help="Seconds for planning each cell.")
+@click.option(
+    "--plan/--no-plan",
+    "planned",
+    default=True,
+    show_default=True,
+    help="For cells: plan both, and say what becomes of each point of the front.",
+)
+@click.option(
+    "--time-limit",
+    type=float,
+    default=20.0,
+    show_default=True,
+    help="Seconds for planning each cell.",
+)
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
 @AS_JSON
-def compare_command(before_file: str, after_file: str, point: int | None, planned: bool, time_limit: float, seed: int, as_json: bool) -> None:
+def compare_command(
+    before_file: str,
+    after_file: str,
+    point: int | None,
+    planned: bool,
+    time_limit: float,
+    seed: int,
+    as_json: bool,
+) -> None:
     """Say what changed between two cells, or between two results of `tandem plan --json`.
 
     \b
@@ -110,7 +173,10 @@ def compare_command(before_file: str, after_file: str, point: int | None, planne
     check_time(time_limit, None)
     results = [_result_document(Path(name)) for name in (before_file, after_file)]
     if (results[0] is None) != (results[1] is None):
-        raise UsageError(f"{before_file} and {after_file} are a cell and a result: give two cells or two results.")
+        raise UsageError(
+            f"{before_file} and {after_file} are a cell and a result: give two cells or two"
+            " results."
+        )
     if results[0] is not None and results[1] is not None:
         _tell_stale(before_file, after_file)
         _compare_results(results[0], results[1], point, as_json)
@@ -127,7 +193,9 @@ def _tell_stale(*names: str) -> None:
             click.echo(f"{name}: stale: made for another state of the cell.", err=True)
 
 
-def _compare_cells(before_file: str, after_file: str, planned: bool, time_limit: float, seed: int, as_json: bool) -> None:
+def _compare_cells(
+    before_file: str, after_file: str, planned: bool, time_limit: float, seed: int, as_json: bool
+) -> None:
     from tandem.explain.compare import compare_cells
     from tandem.explain.fronts import changes
     from tandem.files.load import load
@@ -135,11 +203,26 @@ def _compare_cells(before_file: str, after_file: str, planned: bool, time_limit:
 
     before, after = load(before_file), load(after_file)
     found = compare_cells(before, after)
-    fronts = [plan(cell, time_limit=time_limit, seed=seed) for cell in (before, after)] if planned and found else []
+    fronts = (
+        [plan(cell, time_limit=time_limit, seed=seed) for cell in (before, after)]
+        if planned and found
+        else []
+    )
     moved = changes(*fronts) if fronts else ()
     if as_json:
-        document = {"schema_version": 1, "kind": "cells", "digests": [before.digest, after.digest], "changes": [change.to_dict() for change in found]}
-        _print({**document, "front_changes": [change.to_dict() for change in moved], "complete": all(front.complete for front in fronts)})
+        document = {
+            "schema_version": 1,
+            "kind": "cells",
+            "digests": [before.digest, after.digest],
+            "changes": [change.to_dict() for change in found],
+        }
+        _print(
+            {
+                **document,
+                "front_changes": [change.to_dict() for change in moved],
+                "complete": all(front.complete for front in fronts),
+            }
+        )
         return
     click.echo("\n".join(map(str, found)) if found else "the two cells are the same.")
     if fronts:
@@ -147,16 +230,26 @@ def _compare_cells(before_file: str, after_file: str, planned: bool, time_limit:
         click.echo("\n".join(difference_lines(*fronts)))
 
 
-def _compare_results(before: dict[str, Any], after: dict[str, Any], point: int | None, as_json: bool) -> None:
+def _compare_results(
+    before: dict[str, Any], after: dict[str, Any], point: int | None, as_json: bool
+) -> None:
     from tandem.explain.compare import compare_schedules
     from tandem.schedule.model import Schedule
 
-    places = [_point_of(document, point, name) for document, name in ((before, "the first"), (after, "the second"))]
-    rows = [document["front"][place] for document, place in zip((before, after), places, strict=True)]
+    places = [
+        _point_of(document, point, name)
+        for document, name in ((before, "the first"), (after, "the second"))
+    ]
+    rows = [
+        document["front"][place] for document, place in zip((before, after), places, strict=True)
+    ]
     moves = compare_schedules(*(Schedule.from_list(row["assignments"]) for row in rows))
     moved = [move for move in moves if move.changed]
     if as_json:
-        values = [{"makespan": row["makespan"], "stress": row["stress"], "point": place + 1} for row, place in zip(rows, places, strict=True)]
+        values = [
+            {"makespan": row["makespan"], "stress": row["stress"], "point": place + 1}
+            for row, place in zip(rows, places, strict=True)
+        ]
         same = before.get("cell_digest") == after.get("cell_digest")
         _print(
             {
@@ -173,7 +266,11 @@ def _compare_results(before: dict[str, Any], after: dict[str, Any], point: int |
         click.echo("the two results belong to different cells, or to different versions of one.")
     times, loads = ([number(row[key]) for row in rows] for key in ("makespan", "stress"))
     click.echo(f"makespan {times[0]} s -> {times[1]} s, stress {loads[0]} -> {loads[1]}")
-    click.echo("\n".join(map(str, moved)) if moved else "every task is done by the same operators at the same time.")
+    click.echo(
+        "\n".join(map(str, moved))
+        if moved
+        else "every task is done by the same operators at the same time."
+    )
     if moved and len(moved) < len(moves):
         click.echo(f"{len(moves) - len(moved)} of {len(moves)} tasks stay as they were.")
 
@@ -182,13 +279,30 @@ def _compare_results(before: dict[str, Any], after: dict[str, Any], point: int |
 @CELL
 @FORMAT
 @click.option(
-    "--change", "shares", type=Percent(), multiple=True, default=("-10%",), show_default=True, help="How much longer or shorter; may be repeated."
+    "--change",
+    "shares",
+    type=Percent(),
+    multiple=True,
+    default=("-10%",),
+    show_default=True,
+    help="How much longer or shorter; may be repeated.",
 )
-@click.option("--each", is_flag=True, help="Change the time of one operator at a time, not all times of a task together.")
-@click.option("--time-limit", type=float, default=60.0, show_default=True, help="Seconds for everything.")
+@click.option(
+    "--each",
+    is_flag=True,
+    help="Change the time of one operator at a time, not all times of a task together.",
+)
+@click.option(
+    "--time-limit", type=float, default=60.0, show_default=True, help="Seconds for everything."
+)
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
 @click.option("--workers", type=int, help="Processes; one per core when absent.")
-@click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Draw a tornado chart: .svg, .png or .pdf.")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Draw a tornado chart: .svg, .png or .pdf.",
+)
 @click.option("-q", "--quiet", is_flag=True, help="No progress on stderr.")
 @AS_JSON
 def sensitivity_command(
@@ -221,7 +335,15 @@ def sensitivity_command(
         raise UsageError(f"-o {output}: a picture's name ends in {', '.join(PICTURES)}.")
     cell = load(cell_file, form)
     with Counting(quiet) as counting:
-        found = sensitivity(cell, shares, each=each, time_limit=time_limit, seed=seed, workers=workers, on_done=counting)
+        found = sensitivity(
+            cell,
+            shares,
+            each=each,
+            time_limit=time_limit,
+            seed=seed,
+            workers=workers,
+            on_done=counting,
+        )
     if output is not None:
         _draw(found, output)
         click.echo(f"wrote {output}", err=True)
@@ -232,27 +354,54 @@ def sensitivity_command(
     return 130 if found.interrupted else 0
 
 
-# --- what if ------------------------------------------------------------------------------------------------------------------
+# --- what if --------------------------------------------------------------------------------------
 
 
 def variant_options(command: Any) -> Any:
-    """The options `--set`, `--without` and `--force` of a command that plans a variant; its arguments `sets`, `without` and `force`."""
+    """The options `--set`, `--without` and `--force` of a command that plans a variant; its
+    arguments `sets`, `without` and `force`.
+    """
     for option in (
-        click.option("--force", multiple=True, metavar="TASK=OPERATOR", help="Have the task done so and not otherwise: 5=human, 5=human+robot."),
-        click.option("--without", multiple=True, metavar="OPERATOR", help="Plan as if this operator were not there."),
-        click.option("--set", "sets", multiple=True, metavar="PATH=VALUE", help="Plan with another value: tasks.6.time.robot=8, or =-10%, or =none."),
+        click.option(
+            "--force",
+            multiple=True,
+            metavar="TASK=OPERATOR",
+            help="Have the task done so and not otherwise: 5=human, 5=human+robot.",
+        ),
+        click.option(
+            "--without",
+            multiple=True,
+            metavar="OPERATOR",
+            help="Plan as if this operator were not there.",
+        ),
+        click.option(
+            "--set",
+            "sets",
+            multiple=True,
+            metavar="PATH=VALUE",
+            help="Plan with another value: tasks.6.time.robot=8, or =-10%, or =none.",
+        ),
     ):
         command = option(command)
     return command
 
 
 def tell_difference(base: Cell, front: Front, plan_base: Callable[[], Front]) -> None:
-    """Prints what the variant changed in the cell, and what becomes of each point of the base's front."""
+    """Prints what the variant changed in the cell, and what becomes of each point of the base's
+    front.
+    """
     from tandem.errors import InfeasibleError, NothingFoundError
     from tandem.explain.compare import compare_cells
 
     click.echo("")
-    click.echo("\n".join(["compared with the cell as it is:", *(f"  {change}" for change in compare_cells(base, front.cell))]))
+    click.echo(
+        "\n".join(
+            [
+                "compared with the cell as it is:",
+                *(f"  {change}" for change in compare_cells(base, front.cell)),
+            ]
+        )
+    )
     try:
         click.echo("\n".join(difference_lines(plan_base(), front)))
     except InfeasibleError:
@@ -262,15 +411,21 @@ def tell_difference(base: Cell, front: Front, plan_base: Callable[[], Front]) ->
 
 
 def difference(base: Cell, front: Front, plan_base: Callable[[], Front]) -> dict[str, Any]:
-    """What `tell_difference` says, for programs: the changes of the cell, and of each point of the base's front.
+    """What `tell_difference` says, for programs: the changes of the cell, and of each point of the
+    base's front.
 
-    `base` is None, and `points` empty, when the cell as it is has no schedule or none was found; `why` says which.
+    `base` is None, and `points` empty, when the cell as it is has no schedule or none was found;
+    `why` says which.
     """
     from tandem.errors import InfeasibleError, NothingFoundError
     from tandem.explain.compare import compare_cells
     from tandem.explain.fronts import changes
 
-    found: dict[str, Any] = {"cell": [change.to_dict() for change in compare_cells(base, front.cell)], "base": None, "points": []}
+    found: dict[str, Any] = {
+        "cell": [change.to_dict() for change in compare_cells(base, front.cell)],
+        "base": None,
+        "points": [],
+    }
     try:
         before = plan_base()
     except InfeasibleError:
@@ -278,20 +433,37 @@ def difference(base: Cell, front: Front, plan_base: Callable[[], Front]) -> dict
     except NothingFoundError:
         return {**found, "why": "nothing found"}
     points = [[row["makespan"], row["stress"]] for row in before.to_dict()["front"]]
-    found["base"] = {"cell": base.name, "cell_digest": base.digest, "complete": before.complete, "front": points}
+    found["base"] = {
+        "cell": base.name,
+        "cell_digest": base.digest,
+        "complete": before.complete,
+        "front": points,
+    }
     return {**found, "points": [change.to_dict() for change in changes(before, front)]}
 
 
 def difference_lines(base: Front, other: Front) -> list[str]:
-    """A table: for each point of the base, what the other front offers at the same stress and in the same time."""
+    """A table: for each point of the base, what the other front offers at the same stress and in
+    the same time.
+    """
     from tandem.explain.fronts import changes
 
-    table: list[tuple[str, ...]] = [("point", "makespan", "stress", "at the same stress", "in the same time")]
+    table: list[tuple[str, ...]] = [
+        ("point", "makespan", "stress", "at the same stress", "in the same time")
+    ]
     for place, change in enumerate(changes(base, other), 1):
         time, load = change.makespan_then, change.stress_then
-        faster = "not possible" if time is None else f"{number(time)} s ({_signed(change.seconds)} s)"
-        easier = "not possible" if load is None else f"stress {number(load)} ({_signed(change.more_stress)})"
-        table.append((str(place), f"{number(change.makespan)} s", f"{number(change.stress)}", faster, easier))
+        faster = (
+            "not possible" if time is None else f"{number(time)} s ({_signed(change.seconds)} s)"
+        )
+        easier = (
+            "not possible"
+            if load is None
+            else f"stress {number(load)} ({_signed(change.more_stress)})"
+        )
+        table.append(
+            (str(place), f"{number(change.makespan)} s", f"{number(change.stress)}", faster, easier)
+        )
     lines = aligned(table)
     points = ", ".join(f"({number(time)} s, {number(load)})" for time, load in other.points)
     lines.append(f"front then: {points}{'' if other.complete else ', not complete'}")
@@ -300,7 +472,7 @@ def difference_lines(base: Front, other: Front) -> list[str]:
     return lines
 
 
-# --- showing ------------------------------------------------------------------------------------------------------------------
+# --- showing --------------------------------------------------------------------------------------
 
 
 class Counting:
@@ -327,7 +499,9 @@ class Counting:
 
     def __call__(self, done: int, of: int) -> None:
         if self.bar is not None:
-            self.row = self.bar.add_task("planning anew", total=of) if self.row is None else self.row
+            self.row = (
+                self.bar.add_task("planning anew", total=of) if self.row is None else self.row
+            )
             self.bar.update(self.row, completed=done)
         elif not self.quiet and (done == of or done % max(of // 4, 1) == 0):
             click.echo(f"{done} of {of} planned", err=True)
@@ -337,7 +511,14 @@ def _effect_lines(found: Sensitivity) -> list[str]:
     table: list[tuple[str, ...]] = [("task", "change", "least makespan", "front")]
     for effect in found.effects:
         if effect.gain is None or effect.seconds is None or effect.floor is None:
-            table.append((_effect_name(found, effect), f"{effect.share:+.0%}", "no schedule" if effect.proven else "none found", ""))
+            table.append(
+                (
+                    _effect_name(found, effect),
+                    f"{effect.share:+.0%}",
+                    "no schedule" if effect.proven else "none found",
+                    "",
+                )
+            )
             continue
         mark = "" if effect.proven else " (not complete)"
         table.append(
@@ -348,8 +529,18 @@ def _effect_lines(found: Sensitivity) -> list[str]:
                 f"{effect.gain:+.1%}{mark}",
             )
         )
-    base = f"{len(found.front)} point{'s' * (len(found.front) != 1)}, least makespan {number(found.front[0].makespan)} s"
-    return [f"the front of the cell as it is: {base}{'' if found.front.complete else ' (not complete)'}", "", *aligned(table)]
+    base = (
+        f"{len(found.front)} point{'s' * (len(found.front) != 1)}, least makespan"
+        f" {number(found.front[0].makespan)} s"
+    )
+    return [
+        (
+            "the front of the cell as it is:"
+            f" {base}{'' if found.front.complete else ' (not complete)'}"
+        ),
+        "",
+        *aligned(table),
+    ]
 
 
 def _effect_name(found: Sensitivity, effect: Effect) -> str:
@@ -367,15 +558,25 @@ def _draw(found: Sensitivity, path: Path) -> None:
         rows.setdefault(f"task {_effect_name(found, effect)}", {})
     for effect in sorted(found.effects, key=lambda effect: effect.share):
         if effect.gain is not None:
-            rows.setdefault(f"task {_effect_name(found, effect)}", {})[f"time {effect.share:+.0%}"] = round(effect.gain * 100, 2)
+            rows.setdefault(f"task {_effect_name(found, effect)}", {})[
+                f"time {effect.share:+.0%}"
+            ] = round(effect.gain * 100, 2)
     title = f"What moves the front: {found.front.cell.name or 'cell'}"
-    save(plot_tornado(list(rows.items()), xlabel="area that the front dominates, change in %", title=title), path)
+    save(
+        plot_tornado(
+            list(rows.items()), xlabel="area that the front dominates, change in %", title=title
+        ),
+        path,
+    )
 
 
 def aligned(rows: list[tuple[str, ...]]) -> list[str]:
     """Rows of a table in columns, the first row being the header."""
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    return ["  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    return [
+        "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
 
 
 def _signed(value: float | None) -> str:
@@ -393,7 +594,9 @@ def _result_document(path: Path) -> dict[str, Any] | None:
     except (OSError, ValueError):
         return None
     rows = document.get("front") if isinstance(document, dict) else None
-    sound = isinstance(rows, list) and all(isinstance(row, dict) and {"makespan", "stress", "assignments"} <= set(row) for row in rows)
+    sound = isinstance(rows, list) and all(
+        isinstance(row, dict) and {"makespan", "stress", "assignments"} <= set(row) for row in rows
+    )
     return document if sound and rows else None
 
 
@@ -404,7 +607,10 @@ def _point_of(document: dict[str, Any], point: int | None, name: str) -> int:
     if point is None:
         return knee_index([(row["makespan"], row["stress"]) for row in rows])
     if not 1 <= point <= len(rows):
-        raise UsageError(f"--point {point}: {name} front has {len(rows)} point{'s' * (len(rows) != 1)}, counted from 1.")
+        raise UsageError(
+            f"--point {point}: {name} front has {len(rows)} point{'s' * (len(rows) != 1)}, counted"
+            " from 1."
+        )
     return point - 1
 
 

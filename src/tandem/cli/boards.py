@@ -20,11 +20,29 @@ PLACE = 7
 
 @click.command("board")
 @click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=True))
-@click.option("--format", "form", metavar="NAME", help="What CELL is written in; told from its content when absent.")
-@click.option("-o", "--output", multiple=True, type=click.Path(dir_okay=False, path_type=Path), help="Picture to draw: .svg, .png or .pdf.")
-@click.option("--optimum", "proven", is_flag=True, help="Prove what the game takes at best, and what it would if agents might wait.")
+@click.option(
+    "--format",
+    "form",
+    metavar="NAME",
+    help="What CELL is written in; told from its content when absent.",
+)
+@click.option(
+    "-o",
+    "--output",
+    multiple=True,
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Picture to draw: .svg, .png or .pdf.",
+)
+@click.option(
+    "--optimum",
+    "proven",
+    is_flag=True,
+    help="Prove what the game takes at best, and what it would if agents might wait.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one document instead of the board.")
-def board_command(cell_file: str, form: str | None, output: tuple[Path, ...], proven: bool, as_json: bool) -> None:
+def board_command(
+    cell_file: str, form: str | None, output: tuple[Path, ...], proven: bool, as_json: bool
+) -> None:
     """Put a cell on the chessboard of Yu, Huang, Chang (2020), or say why it cannot be put there.
 
     \b
@@ -41,11 +59,24 @@ def board_command(cell_file: str, form: str | None, output: tuple[Path, ...], pr
         "board": board.name,
         "height": board.height,
         "width": board.width,
-        "pieces": [{"name": p.name, "row": p.row, "first": p.first, "last": p.last, "who": p.who.name.lower(), "time": p.time} for p in board.pieces],
+        "pieces": [
+            {
+                "name": p.name,
+                "row": p.row,
+                "first": p.first,
+                "last": p.last,
+                "who": p.who.name.lower(),
+                "time": p.time,
+            }
+            for p in board.pieces
+        ],
     }
     if proven:
         needs_jax("the optimum of a board")
-        document["optimum"] = {name: _proof(board, waiting) for name, waiting in (("no_waiting", False), ("waiting", True))}
+        document["optimum"] = {
+            name: _proof(board, waiting)
+            for name, waiting in (("no_waiting", False), ("waiting", True))
+        }
     for file in output:
         from tandem.draw.saving import save
         from tandem.lab.yu2020.board_picture import plot_board
@@ -57,12 +88,17 @@ def board_command(cell_file: str, form: str | None, output: tuple[Path, ...], pr
         return
     click.echo(text_board(board), nl=False)
     for name, found in document.get("optimum", {}).items():
-        click.echo(f"optimum {'with' if name == 'waiting' else 'without'} waiting: {found['makespan']} s (proven, {found['states']:,} states)")
+        click.echo(
+            f"optimum {'with' if name == 'waiting' else 'without'} waiting: {found['makespan']} s"
+            f" (proven, {found['states']:,} states)"
+        )
         click.echo(f"  proven in {found['wall_s']} s", err=True)
 
 
 def text_board(board: Board) -> str:
-    """Rows from the top: name, who (R robot, H human, E either) and seconds of each piece over the columns that it covers."""
+    """Rows from the top: name, who (R robot, H human, E either) and seconds of each piece over the
+    columns that it covers.
+    """
     lines = []
     margin = len(str(board.height))
     for row in range(board.height, 0, -1):
@@ -73,7 +109,9 @@ def text_board(board: Board) -> str:
                 words = f" {piece.who.name[0]}{piece.time}"
                 room = right - left - 1
                 line[left], line[right] = "|", "|"
-                line[left + 1 : right] = (piece.name[: max(room - len(words), 0)] + words)[:room].center(room, "_")
+                line[left + 1 : right] = (piece.name[: max(room - len(words), 0)] + words)[
+                    :room
+                ].center(room, "_")
         lines.append(f"{row:>{margin}} {''.join(line).rstrip()}\n")
     return "".join(lines)
 

@@ -1,4 +1,6 @@
-"""`tandem generate`, `tandem convert`, `tandem schema`: cells to try things on, in and out of files."""
+"""`tandem generate`, `tandem convert`, `tandem schema`: cells to try things on, in and out of
+files.
+"""
 
 from __future__ import annotations
 
@@ -14,10 +16,17 @@ if TYPE_CHECKING:
     from tandem.lab.yu2020.board import Board
 
 OUTPUT = click.option(
-    "-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Cell file to write, .yaml or .json; YAML on stdout when absent."
+    "-o",
+    "--output",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Cell file to write, .yaml or .json; YAML on stdout when absent.",
 )
 
-PICTURE = click.option("--picture", type=click.Path(dir_okay=False, path_type=Path), help="Draw the board too: .svg, .png or .pdf.")
+PICTURE = click.option(
+    "--picture",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Draw the board too: .svg, .png or .pdf.",
+)
 
 
 @click.group("generate")
@@ -35,20 +44,57 @@ def generate() -> None:
 @click.option("--tasks", type=int, default=20, show_default=True, help="How many tasks.")
 @click.option("--humans", type=int, default=1, show_default=True, help="How many humans.")
 @click.option("--robots", type=int, default=1, show_default=True, help="How many robots.")
-@click.option("--exclusive", type=float, default=0.3, show_default=True, help="Share of tasks that only humans or only robots can do.")
-@click.option("--density", type=float, default=0.2, show_default=True, help="Share of the layer before that a task waits for.")
-@click.option("--heterogeneity", type=float, default=0.5, show_default=True, help="How far times differ from operator to operator, 0 to 1.")
-@click.option("--layers", type=int, help="Number of layers; chosen from the number of tasks when absent.")
+@click.option(
+    "--exclusive",
+    type=float,
+    default=0.3,
+    show_default=True,
+    help="Share of tasks that only humans or only robots can do.",
+)
+@click.option(
+    "--density",
+    type=float,
+    default=0.2,
+    show_default=True,
+    help="Share of the layer before that a task waits for.",
+)
+@click.option(
+    "--heterogeneity",
+    type=float,
+    default=0.5,
+    show_default=True,
+    help="How far times differ from operator to operator, 0 to 1.",
+)
+@click.option(
+    "--layers", type=int, help="Number of layers; chosen from the number of tasks when absent."
+)
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the draw.")
 @OUTPUT
 def layered_command(
-    tasks: int, humans: int, robots: int, exclusive: float, density: float, heterogeneity: float, layers: int | None, seed: int, output: Path | None
+    tasks: int,
+    humans: int,
+    robots: int,
+    exclusive: float,
+    density: float,
+    heterogeneity: float,
+    layers: int | None,
+    seed: int,
+    output: Path | None,
 ) -> None:
     """A random cell whose tasks lie in layers; the same numbers give the same cell."""
     from tandem.cell.generators import layered
 
     try:
-        cell = layered(tasks, humans, robots, exclusive=exclusive, density=density, heterogeneity=heterogeneity, layers=layers, seed=seed)
+        cell = layered(
+            tasks,
+            humans,
+            robots,
+            exclusive=exclusive,
+            density=density,
+            heterogeneity=heterogeneity,
+            layers=layers,
+            seed=seed,
+        )
     except ValueError as error:
         raise UsageError(str(error)) from error
     _put(cell, output)
@@ -60,12 +106,26 @@ def layered_command(
 @click.option("--human", type=int, default=15, show_default=True, help="Pieces for the human only.")
 @click.option("--joint", type=int, default=10, show_default=True, help="Pieces for either.")
 @click.option("--robot", type=int, default=20, show_default=True, help="Pieces for the robot only.")
-@click.option("--max-time", type=int, default=10, show_default=True, help="Times are whole seconds from 1 to one less.")
+@click.option(
+    "--max-time",
+    type=int,
+    default=10,
+    show_default=True,
+    help="Times are whole seconds from 1 to one less.",
+)
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the draw.")
 @OUTPUT
 @PICTURE
 def chessboard_command(
-    height: int, width: int, human: int, joint: int, robot: int, max_time: int, seed: int, output: Path | None, picture: Path | None
+    height: int,
+    width: int,
+    human: int,
+    joint: int,
+    robot: int,
+    max_time: int,
+    seed: int,
+    output: Path | None,
+    picture: Path | None,
 ) -> None:
     """A random board of Yu, Huang, Chang (2020) as a cell; the same numbers give the same board."""
     from tandem.lab.yu2020.board import random_board
@@ -91,7 +151,12 @@ def desk_command(output: Path | None, picture: Path | None) -> None:
 
 @click.command("convert")
 @click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=True))
-@click.option("--format", "form", metavar="NAME", help="What CELL is written in; told from its content when absent.")
+@click.option(
+    "--format",
+    "form",
+    metavar="NAME",
+    help="What CELL is written in; told from its content when absent.",
+)
 @OUTPUT
 def convert_command(cell_file: str, form: str | None, output: Path | None) -> None:
     """Turn a file of a public format into a cell file.
@@ -116,7 +181,9 @@ def convert_command(cell_file: str, form: str | None, output: Path | None) -> No
     help="Cell files, or the lines of `tandem dispatch`.",
 )
 def schema_command(what: str) -> None:
-    """Print the JSON Schema of cell files, for editors that check while you type; or of a shift's events and decisions."""
+    """Print the JSON Schema of cell files, for editors that check while you type; or of a shift's
+    events and decisions.
+    """
     if what == "cell":
         from tandem.files.schema import schema_text
 
@@ -134,7 +201,9 @@ def _put(cell: Cell, output: Path | None) -> None:
         click.echo(dumps(cell), nl=False)
         return
     dump(cell, output)
-    click.echo(f"wrote {output}: {len(cell.tasks)} tasks, {len(cell.operators)} operators.", err=True)
+    click.echo(
+        f"wrote {output}: {len(cell.tasks)} tasks, {len(cell.operators)} operators.", err=True
+    )
 
 
 def _draw(board: Board, picture: Path | None) -> None:

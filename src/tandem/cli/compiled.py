@@ -1,4 +1,6 @@
-"""What JAX compiles is kept from one command to the next: the second `tandem train` of a cell begins after a second instead of a minute."""
+"""What JAX compiles is kept from one command to the next: the second `tandem train` of a cell
+begins after a second instead of a minute.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,8 @@ MOST_BYTES = 2**29
 
 
 def needs_jax(purpose: str) -> None:
-    """Makes ready for a command that needs JAX. Raises TandemError, which says what to install, when it is not there.
+    """Makes ready for a command that needs JAX. Raises TandemError, which says what to install,
+    when it is not there.
 
     Args:
       purpose: what needs it, as the message begins.
@@ -24,11 +27,14 @@ def needs_jax(purpose: str) -> None:
     try:
         import jax  # noqa: F401
     except ImportError as error:
-        raise TandemError(f"{purpose} needs JAX, which is not installed. Get it with: pip install 'tandem[learn]'") from error
+        raise TandemError(
+            f"{purpose} needs JAX, which is not installed. Get it with: pip install 'tandem[learn]'"
+        ) from error
 
 
 def keep_compiled() -> None:
-    """Names JAX a folder in the user's cache, by JAX's own variables and only where they are not set: JAX reads them when it is imported.
+    """Names JAX a folder in the user's cache, by JAX's own variables and only where they are not
+    set: JAX reads them when it is imported.
 
     Nothing is kept, and nothing said, where learning is not installed or the folder cannot be made.
     """
@@ -36,9 +42,13 @@ def keep_compiled() -> None:
         from filelock import FileLock, Timeout
         from platformdirs import user_cache_path
 
-        folder = Path(os.environ.get("JAX_COMPILATION_CACHE_DIR") or user_cache_path("tandem") / f"compiled-{_processor()}")
+        folder = Path(
+            os.environ.get("JAX_COMPILATION_CACHE_DIR")
+            or user_cache_path("tandem") / f"compiled-{_processor()}"
+        )
         folder.mkdir(parents=True, exist_ok=True)
-        with contextlib.suppress(Timeout), FileLock(folder / ".lockfile", timeout=1):  # JAX's own lock
+        # JAX's own lock
+        with contextlib.suppress(Timeout), FileLock(folder / ".lockfile", timeout=1):
             _mend(folder)
     except (ImportError, OSError, RuntimeError):
         return
@@ -48,17 +58,24 @@ def keep_compiled() -> None:
 
 
 def _mend(folder: Path) -> None:
-    """Drops what a command did not write to its end when it was killed: JAX notes the time of an entry last, and stumbles where that is missing."""
+    """Drops what a command did not write to its end when it was killed: JAX notes the time of an
+    entry last, and stumbles where that is missing.
+    """
     for entry in folder.glob("*-cache"):
         if not entry.with_name(entry.name.removesuffix("-cache") + "-atime").exists():
             entry.unlink()
 
 
 def _processor() -> str:
-    """Stands for this processor: what is compiled for one need not run on another that shares the home directory."""
+    """Stands for this processor: what is compiled for one need not run on another that shares the
+    home directory.
+    """
     try:
         told = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
-        features = next((line for line in told.splitlines() if line.lower().startswith(("flags", "features"))), "")
+        features = next(
+            (line for line in told.splitlines() if line.lower().startswith(("flags", "features"))),
+            "",
+        )
     except OSError:
         features = platform.processor()
     return hashlib.sha256(f"{platform.machine()} {features}".encode()).hexdigest()[:8]

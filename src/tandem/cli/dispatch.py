@@ -33,7 +33,9 @@ class Moment(click.ParamType):  # type: ignore[type-arg]  # older releases of cl
 
     name = "ISO-8601"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> datetime:
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> datetime:
         try:
             moment = value if isinstance(value, datetime) else datetime.fromisoformat(str(value))
         except ValueError:
@@ -46,28 +48,71 @@ class Moment(click.ParamType):  # type: ignore[type-arg]  # older releases of cl
 @click.command("dispatch")
 @click.argument("cell_file", metavar="CELL", type=click.Path())
 @FORMAT
-@click.option("--policy", default="auto", show_default=True, help="Who decides; `tandem policies` lists them.")
 @click.option(
-    "--journal", type=click.Path(dir_okay=False, path_type=Path), help="File that keeps the shift. Begin again with it to go on where it ended."
+    "--policy", default="auto", show_default=True, help="Who decides; `tandem policies` lists them."
 )
-@click.option("--replay", "replays", is_flag=True, help="Take the journal's events anew, and say whether the decisions are the same.")
+@click.option(
+    "--journal",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="File that keeps the shift. Begin again with it to go on where it ended.",
+)
+@click.option(
+    "--replay",
+    "replays",
+    is_flag=True,
+    help="Take the journal's events anew, and say whether the decisions are the same.",
+)
 @click.option(
     "--events",
     type=click.Path(exists=True, dir_okay=False, allow_dash=True),
     default="-",
     help="File of events, a line each; standard input when absent.",
 )
-@click.option("--budget", type=click.FloatRange(1.0), default=50.0, show_default=True, help="Milliseconds for each decision.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the decider, and of the simulated floor.")
-@click.option("--weights", type=Weights(), default=(1.0, 0.0), help="Keep TIME * makespan + STRESS * stress small; 1,0 when absent.")
-@click.option("--max-stress", type=float, help="Stay within this stress of all humans, as far as possible.")
 @click.option(
-    "--frozen", type=click.FloatRange(0.0), default=0.0, show_default=True, help="Seconds: what was announced so shortly before is not changed."
+    "--budget",
+    type=click.FloatRange(1.0),
+    default=50.0,
+    show_default=True,
+    help="Milliseconds for each decision.",
 )
 @click.option(
-    "--change-penalty", type=click.FloatRange(0.0), default=0.0, show_default=True, help="Seconds to gain before an announced task is changed."
+    "--seed",
+    type=int,
+    default=0,
+    show_default=True,
+    help="Seed of the decider, and of the simulated floor.",
 )
-@click.option("--prior", type=Prior(), help="What is believed of a human's pace before anything was seen: factors with weights, 0.6:1,1:3,2:1.")
+@click.option(
+    "--weights",
+    type=Weights(),
+    default=(1.0, 0.0),
+    help="Keep TIME * makespan + STRESS * stress small; 1,0 when absent.",
+)
+@click.option(
+    "--max-stress", type=float, help="Stay within this stress of all humans, as far as possible."
+)
+@click.option(
+    "--frozen",
+    type=click.FloatRange(0.0),
+    default=0.0,
+    show_default=True,
+    help="Seconds: what was announced so shortly before is not changed.",
+)
+@click.option(
+    "--change-penalty",
+    type=click.FloatRange(0.0),
+    default=0.0,
+    show_default=True,
+    help="Seconds to gain before an announced task is changed.",
+)
+@click.option(
+    "--prior",
+    type=Prior(),
+    help=(
+        "What is believed of a human's pace before anything was seen: factors with weights,"
+        " 0.6:1,1:3,2:1."
+    ),
+)
 @click.option("--learned", help="A trained policy: a file, or the folder of a run.")
 @click.option(
     "--taking-apart",
@@ -76,8 +121,17 @@ class Moment(click.ParamType):  # type: ignore[type-arg]  # older releases of cl
     show_default=True,
     help="Share of a task's time that taking it apart takes.",
 )
-@click.option("--start", type=Moment(), help="When the shift begins, for events that tell the time; the first such event when absent.")
-@click.option("--simulate", "people", metavar="PEOPLE", help="No floor but a simulated one: compliant, random:0.5, pace:2+forgetful:0.1, ...")
+@click.option(
+    "--start",
+    type=Moment(),
+    help="When the shift begins, for events that tell the time; the first such event when absent.",
+)
+@click.option(
+    "--simulate",
+    "people",
+    metavar="PEOPLE",
+    help="No floor but a simulated one: compliant, random:0.5, pace:2+forgetful:0.1, ...",
+)
 @click.option(
     "--cv",
     type=click.FloatRange(0.0),
@@ -85,15 +139,26 @@ class Moment(click.ParamType):  # type: ignore[type-arg]  # older releases of cl
     show_default=True,
     help="Simulated: how far times scatter where the cell does not say (lognormal).",
 )
-@click.option("--failures", type=click.FloatRange(0.0, min_open=True), help="Simulated: mean seconds until a robot breaks down; never when absent.")
 @click.option(
-    "--absences", type=click.FloatRange(0.0, min_open=True), help="Simulated: mean seconds until a human is called away; never when absent."
+    "--failures",
+    type=click.FloatRange(0.0, min_open=True),
+    help="Simulated: mean seconds until a robot breaks down; never when absent.",
 )
 @click.option(
-    "--speed", type=click.FloatRange(0.0, min_open=True), help="Simulated: so many times as fast as real time; as fast as possible when absent."
+    "--absences",
+    type=click.FloatRange(0.0, min_open=True),
+    help="Simulated: mean seconds until a human is called away; never when absent.",
 )
 @click.option(
-    "--json/--words", "as_json", default=None, help="JSON lines, or words for people; words on a terminal, JSON lines elsewhere when absent."
+    "--speed",
+    type=click.FloatRange(0.0, min_open=True),
+    help="Simulated: so many times as fast as real time; as fast as possible when absent.",
+)
+@click.option(
+    "--json/--words",
+    "as_json",
+    default=None,
+    help="JSON lines, or words for people; words on a terminal, JSON lines elsewhere when absent.",
 )
 @click.pass_context
 def dispatch_command(ctx: click.Context, /, **given: Any) -> int:
@@ -105,13 +170,16 @@ def dispatch_command(ctx: click.Context, /, **given: Any) -> int:
       tandem dispatch cell.yaml --simulate pace:1.5 --cv 0.2
       tandem dispatch cell.yaml --journal shift.db --replay
 
-    An event is {"event": "done", "at": 12.5, "task": "4"}; the manual has them all. Advice, not a safety function.
+    An event is {"event": "done", "at": 12.5, "task": "4"}; the manual has them all. Advice, not a
+    safety function.
     """
     from tandem.dispatch.journal import IN_MEMORY, Journal
     from tandem.files.load import load
 
     if given["cell_file"] == "-":
-        raise UsageError("CELL cannot come from standard input, where the events come from. Name a file.")
+        raise UsageError(
+            "CELL cannot come from standard input, where the events come from. Name a file."
+        )
     cell = load(given["cell_file"], given["form"])
     path: Path | None = given["journal"]
     if given["replays"]:
@@ -119,22 +187,33 @@ def dispatch_command(ctx: click.Context, /, **given: Any) -> int:
             raise UsageError("--replay: name the journal with --journal FILE.")
         with Journal(path, read_only=True) as journal:
             return _replay(cell, journal, bool(given["as_json"]))
-    show = _json_line if given["as_json"] or (given["as_json"] is None and not _is_terminal()) else _screen()
+    show = (
+        _json_line
+        if given["as_json"] or (given["as_json"] is None and not _is_terminal())
+        else _screen()
+    )
     with Journal(IN_MEMORY if path is None else path) as journal, _terminated_cleanly() as stopped:
         try:
             return _run(ctx, cell, journal, given, show)
         except KeyboardInterrupt:
-            go_on = f"Go on with: tandem dispatch {given['cell_file']} --journal {path}" if path else "Nothing was kept; --journal FILE would."
+            go_on = (
+                f"Go on with: tandem dispatch {given['cell_file']} --journal {path}"
+                if path
+                else "Nothing was kept; --journal FILE would."
+            )
             click.echo(f"{'terminated' if stopped else 'interrupted'}. {go_on}", err=True)
             return 0 if stopped else 130
 
 
-def _run(ctx: click.Context, cell: Cell, journal: Journal, given: dict[str, Any], show: Show) -> int:
+def _run(
+    ctx: click.Context, cell: Cell, journal: Journal, given: dict[str, Any], show: Show
+) -> int:
     from tandem.dispatch.deciders.memory import settled_memory
     from tandem.dispatch.shift.documents import summary
     from tandem.dispatch.shift.live import Shift
 
-    sys.setswitchinterval(0.001)  # a decider that is late and still computes leaves the processor to the rule sooner
+    # a decider that is late and still computes leaves the processor to the rule sooner
+    sys.setswitchinterval(0.001)
     _same_as_kept(ctx, journal, given)
     floor = None if given["people"] is None else _floor(cell, given)
     shift = Shift.open(cell, journal, _settings(given), given["start"])
@@ -145,13 +224,23 @@ def _run(ctx: click.Context, cell: Cell, journal: Journal, given: dict[str, Any]
     show(shift, summary(shift.situation, journal.entries()))
     if not shift.situation.is_over and given["journal"] and given["people"] is None:
         click.echo(
-            f"the events have ended, the shift has not. Go on with: tandem dispatch {given['cell_file']} --journal {given['journal']}", err=True
+            "the events have ended, the shift has not. Go on with: tandem dispatch"
+            f" {given['cell_file']} --journal {given['journal']}",
+            err=True,
         )
     return 0
 
 
-def _live(shift: Shift, floor: Floor | None, given: dict[str, Any], show: Show, between: Callable[[], None]) -> None:
-    """Says where the shift stands, and takes line by line until no more come. `between`: called after each answer, when nobody waits."""
+def _live(
+    shift: Shift,
+    floor: Floor | None,
+    given: dict[str, Any],
+    show: Show,
+    between: Callable[[], None],
+) -> None:
+    """Says where the shift stands, and takes line by line until no more come. `between`: called
+    after each answer, when nobody waits.
+    """
     from tandem.dispatch.situation.model import Situation
 
     show(shift, shift.hello())
@@ -163,7 +252,9 @@ def _live(shift: Shift, floor: Floor | None, given: dict[str, Any], show: Show, 
                     show(shift, document)
                 between()
     else:
-        floor.catch_up(Situation.of(shift.cell, taking_apart=given["taking_apart"]), shift.journal.entries())
+        floor.catch_up(
+            Situation.of(shift.cell, taking_apart=given["taking_apart"]), shift.journal.entries()
+        )
         for line in _simulated(floor, shift, given["speed"]):
             for document in shift.take(line):
                 show(shift, document)
@@ -184,11 +275,18 @@ def _settings(given: dict[str, Any]) -> Settings:
         learned=given["learned"],
         **({} if given["prior"] is None else {"prior": given["prior"]}),
     )
-    return Settings(given["policy"], Objective(time_weight, stress_weight, given["max_stress"]), options, given["taking_apart"])
+    return Settings(
+        given["policy"],
+        Objective(time_weight, stress_weight, given["max_stress"]),
+        options,
+        given["taking_apart"],
+    )
 
 
 def _same_as_kept(ctx: click.Context, journal: Journal, given: dict[str, Any]) -> None:
-    """Takes what is not stated from the journal; what is stated must be what the shift was begun with."""
+    """Takes what is not stated from the journal; what is stated must be what the shift was begun
+    with.
+    """
     from tandem.dispatch.shift.live import Settings
 
     if journal.is_new:
@@ -206,14 +304,23 @@ def _same_as_kept(ctx: click.Context, journal: Journal, given: dict[str, Any]) -
         "prior": dict(kept.options.prior),
         "taking_apart": kept.taking_apart,
     }
-    stated = [key for key in there if ctx.get_parameter_source(key) is click.core.ParameterSource.COMMANDLINE]
+    stated = [
+        key
+        for key in there
+        if ctx.get_parameter_source(key) is click.core.ParameterSource.COMMANDLINE
+    ]
     wrong = [
-        f"--{key.replace('_', '-')} is {_stated(given[key])}, the shift was begun with {_stated(there[key])}."
+        f"--{key.replace('_', '-')} is {_stated(given[key])}, the shift was begun with"
+        f" {_stated(there[key])}."
         for key in stated
         if given[key] != there[key]
     ]
     if wrong:
-        raise UsageError("\n".join([*wrong, f"{journal.path}: go on without these options, or name another journal."]))
+        raise UsageError(
+            "\n".join(
+                [*wrong, f"{journal.path}: go on without these options, or name another journal."]
+            )
+        )
     given |= there
 
 
@@ -238,7 +345,11 @@ def _floor(cell: Cell, given: dict[str, Any]) -> Floor:
     from tandem.world.randomness import Chance
 
     chance = Chance(
-        spread="lognormal" if given["cv"] or any(_states_spread(task.spread) for task in cell.tasks.values()) else "off",
+        spread=(
+            "lognormal"
+            if given["cv"] or any(_states_spread(task.spread) for task in cell.tasks.values())
+            else "off"
+        ),
         cv=given["cv"],
         failure_s=given["failures"],
         absence_s=given["absences"],
@@ -267,13 +378,17 @@ def _events(name: str) -> Iterator[IO[bytes]]:
         return
     if sys.stdin.isatty():
         click.echo(
-            'events from the keyboard, a line each, such as {"event": "started", "at": 0, "task": "1", "operator": "robot"}; Ctrl-D ends.', err=True
+            'events from the keyboard, a line each, such as {"event": "started", "at": 0, "task":'
+            ' "1", "operator": "robot"}; Ctrl-D ends.',
+            err=True,
         )
     yield sys.stdin.buffer
 
 
 def _lines(file: IO[bytes]) -> Iterator[bytes]:
-    """Lines that are not blank, as they came. Of a line that is longer than any event only the beginning is kept."""
+    """Lines that are not blank, as they came. Of a line that is longer than any event only the
+    beginning is kept.
+    """
     from tandem.dispatch.situation.events import MOST_BYTES
 
     most = MOST_BYTES + 8
@@ -287,7 +402,9 @@ def _lines(file: IO[bytes]) -> Iterator[bytes]:
 
 @contextmanager
 def _terminated_cleanly() -> Iterator[list[int]]:
-    """Within it SIGTERM ends the shift as Ctrl-C does; what is yielded tells afterwards whether that was so."""
+    """Within it SIGTERM ends the shift as Ctrl-C does; what is yielded tells afterwards whether
+    that was so.
+    """
     stopped: list[int] = []
 
     def stop(number: int, _: object) -> None:
@@ -309,7 +426,8 @@ def _replay(cell: Cell, journal: Journal, as_json: bool) -> int:
         click.echo(json.dumps({"type": "replay", **vars(found)}, ensure_ascii=False))
     else:
         click.echo(
-            f"{found.entries} entries, {found.events} events taken, {found.decisions} decisions: {'DIFFERENT' if found.differences else 'the same'}."
+            f"{found.entries} entries, {found.events} events taken, {found.decisions} decisions:"
+            f" {'DIFFERENT' if found.differences else 'the same'}."
         )
         for difference in found.differences:
             click.echo(f"- {difference}")

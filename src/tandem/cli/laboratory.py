@@ -35,11 +35,38 @@ Long runs can be stopped and go on where they were.
 
 @click.command("reproduce", help=HELP)
 @click.argument("name", metavar="[SYSTEM]", required=False)
-@click.option("--all", "everything", is_flag=True, help="Every published system, and one page that compares them: OUTPUT/comparison.html.")
-@click.option("--quick", is_flag=True, help="A short version: few seeds, small budgets; shows that the code runs, not what the recipes reach.")
-@click.option("-o", "--output", type=FOLDER, help="Folder for the result, the records and the figures; tandem-out/SYSTEM when absent.")
-@click.option("--seeds", type=click.IntRange(1, 100), help="How many seeds; as many as the stored run has when absent.")
-@click.option("--case", "cases", multiple=True, type=CASE, help="With `cells`: a case study to train on besides the random cells; may be repeated.")
+@click.option(
+    "--all",
+    "everything",
+    is_flag=True,
+    help="Every published system, and one page that compares them: OUTPUT/comparison.html.",
+)
+@click.option(
+    "--quick",
+    is_flag=True,
+    help=(
+        "A short version: few seeds, small budgets; shows that the code runs, not what the recipes"
+        " reach."
+    ),
+)
+@click.option(
+    "-o",
+    "--output",
+    type=FOLDER,
+    help="Folder for the result, the records and the figures; tandem-out/SYSTEM when absent.",
+)
+@click.option(
+    "--seeds",
+    type=click.IntRange(1, 100),
+    help="How many seeds; as many as the stored run has when absent.",
+)
+@click.option(
+    "--case",
+    "cases",
+    multiple=True,
+    type=CASE,
+    help="With `cells`: a case study to train on besides the random cells; may be repeated.",
+)
 @click.option("--stored", is_flag=True, help="Train nothing: show the stored long run.")
 @click.option("--json", "as_json", is_flag=True, help="Print the result as one document.")
 def reproduce_command(
@@ -59,15 +86,28 @@ def reproduce_command(
         needs_jax("training")  # what a system can do is found by letting it learn a little
         if cases:
             raise UsageError("--case: only `tandem reproduce cells` takes case studies.")
-        return _compare(output or Path("tandem-out") / "all", quick=quick, stored=stored, seeds=seeds, as_json=as_json)
+        return _compare(
+            output or Path("tandem-out") / "all",
+            quick=quick,
+            stored=stored,
+            seeds=seeds,
+            as_json=as_json,
+        )
     chosen = system(name)
     if cases and not chosen.takes_cases:
-        raise UsageError(f"--case: {name} is run on its own cells; only `tandem reproduce cells` takes case studies.")
+        raise UsageError(
+            f"--case: {name} is run on its own cells; only `tandem reproduce cells` takes case"
+            " studies."
+        )
     if not stored:
         needs_jax("training")
     experiment, folder = _load(chosen), output or Path("tandem-out") / name
     further: dict[str, Any] = {"cases": cases} if chosen.takes_cases else {}
-    document = experiment.stored() if stored else experiment.reproduce(folder, quick=quick, seeds=seeds, tell=_tell, **further)
+    document = (
+        experiment.stored()
+        if stored
+        else experiment.reproduce(folder, quick=quick, seeds=seeds, tell=_tell, **further)
+    )
     for file in experiment.draw_figures(document, folder):
         _tell(f"wrote {file}")
     click.echo(json.dumps(document, ensure_ascii=False) if as_json else experiment.table(document))

@@ -23,18 +23,75 @@ PICTURE = click.Path(dir_okay=False, path_type=Path)
 
 @click.command("train")
 @click.argument("cell_file", metavar="[CELL]", required=False, type=click.Path(allow_dash=True))
-@click.option("--format", "form", metavar="NAME", help="What CELL is written in; told from its content when absent.")
-@click.option("--recipe", "recipe_name", default="tandem", show_default=True, help="How to train; see the documentation.")
-@click.option("--set", "settings", multiple=True, metavar="NAME=VALUE", help="Change a number of the recipe, such as waiting=false; may be repeated.")
-@click.option("--people", metavar="SPEC", help="With `--recipe response`: beside whom, such as random:0.5 or population:FILE.")
-@click.option("--stress-factor", type=float, default=0.0, show_default=True, help="How much a unit of stress counts; a second counts 10.")
-@click.option("--seeds", type=click.IntRange(1, 1000), default=1, show_default=True, help="How many trainings, side by side.")
-@click.option("--first-seed", type=click.IntRange(0), default=0, show_default=True, help="The seeds are this one and those that follow.")
-@click.option("--run", "folder", type=FOLDER, help="Folder that the run is kept in; a new one under runs/ when absent.")
+@click.option(
+    "--format",
+    "form",
+    metavar="NAME",
+    help="What CELL is written in; told from its content when absent.",
+)
+@click.option(
+    "--recipe",
+    "recipe_name",
+    default="tandem",
+    show_default=True,
+    help="How to train; see the documentation.",
+)
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Change a number of the recipe, such as waiting=false; may be repeated.",
+)
+@click.option(
+    "--people",
+    metavar="SPEC",
+    help="With `--recipe response`: beside whom, such as random:0.5 or population:FILE.",
+)
+@click.option(
+    "--stress-factor",
+    type=float,
+    default=0.0,
+    show_default=True,
+    help="How much a unit of stress counts; a second counts 10.",
+)
+@click.option(
+    "--seeds",
+    type=click.IntRange(1, 1000),
+    default=1,
+    show_default=True,
+    help="How many trainings, side by side.",
+)
+@click.option(
+    "--first-seed",
+    type=click.IntRange(0),
+    default=0,
+    show_default=True,
+    help="The seeds are this one and those that follow.",
+)
+@click.option(
+    "--run",
+    "folder",
+    type=FOLDER,
+    help="Folder that the run is kept in; a new one under runs/ when absent.",
+)
 @click.option("--resume", type=FOLDER, metavar="RUN", help="Go on with a run that was stopped.")
-@click.option("--front-limit", type=float, default=30.0, show_default=True, help="Seconds for the exact front that everything is held against.")
-@click.option("--tensorboard", is_flag=True, help="Write TensorBoard events into the run's folder too.")
-@click.option("--json", "as_json", is_flag=True, help="Print the result document on stdout and nothing else there.")
+@click.option(
+    "--front-limit",
+    type=float,
+    default=30.0,
+    show_default=True,
+    help="Seconds for the exact front that everything is held against.",
+)
+@click.option(
+    "--tensorboard", is_flag=True, help="Write TensorBoard events into the run's folder too."
+)
+@click.option(
+    "--json",
+    "as_json",
+    is_flag=True,
+    help="Print the result document on stdout and nothing else there.",
+)
 @click.option("-q", "--quiet", is_flag=True, help="No progress on stderr.")
 def train_command(
     cell_file: str | None,
@@ -54,9 +111,10 @@ def train_command(
 ) -> int:
     """Train agents on CELL by trial and error, one for each operator.
 
-    Recipes: tandem (ours: independent PPO), thesis (Kinat 2023); alphazero (ours: self-play with a search, any number of operators),
-    yu2020 (Yu, Huang and Chang 2020); dqn (ours: deep Q-learning), yu2021 (Yu, Huang and Chang 2021); response (ours: one decider beside
-    people who do as they like, for `tandem simulate` and `tandem dispatch`).
+    Recipes: tandem (ours: independent PPO), thesis (Kinat 2023); alphazero (ours: self-play with a
+    search, any number of operators), yu2020 (Yu, Huang and Chang 2020); dqn (ours: deep
+    Q-learning), yu2021 (Yu, Huang and Chang 2021); response (ours: one decider beside people who do
+    as they like, for `tandem simulate` and `tandem dispatch`).
 
     \b
     Examples:
@@ -73,11 +131,17 @@ def train_command(
     from tandem.learn.training.recipes import changed, recipe
 
     if (cell_file is None) == (resume is None):
-        raise UsageError("give a CELL to train on, or --resume RUN to go on with a run; one of the two.")
-    own_recipe = changed(recipe(recipe_name), [*settings, *([f"people={people}"] if people else [])])
+        raise UsageError(
+            "give a CELL to train on, or --resume RUN to go on with a run; one of the two."
+        )
+    own_recipe = changed(
+        recipe(recipe_name), [*settings, *([f"people={people}"] if people else [])]
+    )
     with _Bar(quiet) as bar:
         if resume is not None:
-            document = trainer.resume(resume, tensorboard=tensorboard, on_progress=bar, on_notice=_notice)
+            document = trainer.resume(
+                resume, tensorboard=tensorboard, on_progress=bar, on_notice=_notice
+            )
         else:
             assert cell_file is not None
             document = trainer.train(
@@ -96,7 +160,9 @@ def train_command(
     else:
         _show_training(document)
     if document["interrupted"]:
-        click.echo(f"interrupted and saved. Go on with: tandem train --resume {document['run']}", err=True)
+        click.echo(
+            f"interrupted and saved. Go on with: tandem train --resume {document['run']}", err=True
+        )
         return 130
     return 0
 
@@ -106,7 +172,9 @@ def _notice(text: str) -> None:
 
 
 class _Bar:
-    """The training's progress on stderr: share done, and what the greedy policy of the first seed reaches."""
+    """The training's progress on stderr: share done, and what the greedy policy of the first seed
+    reaches.
+    """
 
     def __init__(self, quiet: bool) -> None:
         from rich.console import Console
@@ -132,7 +200,11 @@ class _Bar:
 
     def __call__(self, progress: Progress) -> None:
         row = progress.rows[0]
-        reached = "not finished" if row["greedy_makespan"] is None else f"makespan {row['greedy_makespan']:g} s, stress {row['greedy_stress']:g}"
+        reached = (
+            "not finished"
+            if row["greedy_makespan"] is None
+            else f"makespan {row['greedy_makespan']:g} s, stress {row['greedy_stress']:g}"
+        )
         gap = "" if row["gap"] is None else f", {row['gap']:.1%} above the optimum"
         self.bar.update(self.task, completed=progress.share, description=f"greedy: {reached}{gap}")
 
@@ -143,17 +215,36 @@ def _show_training(document: dict[str, Any]) -> None:
 
     searched = any("searched" in row for row in document["seeds"])
     best = f"best of {document['seeds'][0]['best_of_n']['n']}"
-    table = Table("seed", "greedy makespan", "stress", "illegal", "gap", *["searched", "gap"] * searched, best, "gap", "steps", "CPU s")
+    table = Table(
+        "seed",
+        "greedy makespan",
+        "stress",
+        "illegal",
+        "gap",
+        *["searched", "gap"] * searched,
+        best,
+        "gap",
+        "steps",
+        "CPU s",
+    )
     for row in document["seeds"]:
         plays = [row[name] for name in ("searched", "best_of_n") if name in row]
         table.add_row(
-            str(row["seed"]), *_figures(row["greedy"]), str(row["greedy"]["illegal"]), _share(row["greedy"]["gap"]),
-            *(text for played in plays for text in (" / ".join(_figures(played)), _share(played["gap"]))), str(row["steps"]), f"{row['cpu_s']:.1f}",
+            str(row["seed"]), *_figures(row["greedy"]), str(row["greedy"]["illegal"]),
+            _share(row["greedy"]["gap"]),
+            *(text for played in plays for text in (" / ".join(_figures(played)),
+            _share(played["gap"]))), str(row["steps"]), f"{row['cpu_s']:.1f}",
         )  # fmt: skip
     console = Console(highlight=False)
     console.print(table)
-    points = ", ".join(f"({makespan:g} s, {stress:g})" for makespan, stress in document["exact_front"]) or "not found in time"
-    console.print(f"exact front{'' if document['exact_front_complete'] else ' (not proven complete)'}: {points}")
+    points = (
+        ", ".join(f"({makespan:g} s, {stress:g})" for makespan, stress in document["exact_front"])
+        or "not found in time"
+    )
+    console.print(
+        f"exact front{'' if document['exact_front_complete'] else ' (not proven complete)'}:"
+        f" {points}"
+    )
     console.print(f"run: {document['run']}   look at it with: tandem evaluate {document['run']}")
 
 
@@ -161,11 +252,31 @@ def _show_training(document: dict[str, Any]) -> None:
 @click.argument("run", type=FOLDER)
 @click.argument("cell_file", metavar="[CELL]", required=False, type=click.Path(allow_dash=True))
 @click.option("--seed", type=int, help="Which of the run's seeds; its first when absent.")
-@click.option("--episodes", type=click.IntRange(2, 100_000), default=100, show_default=True, help="Episodes of the sampled and the random player.")
-@click.option("--front-limit", type=float, default=30.0, show_default=True, help="Seconds for the exact front.")
-@click.option("--gantt", type=PICTURE, help="Draw the greedy schedule into this .svg, .png or .pdf.")
-@click.option("--curves", type=PICTURE, help="Draw the training's curves into this .svg, .png or .pdf.")
-@click.option("--report", type=click.Path(path_type=Path, dir_okay=False), help="Write the front with the players beside it: one HTML file.")
+@click.option(
+    "--episodes",
+    type=click.IntRange(2, 100_000),
+    default=100,
+    show_default=True,
+    help="Episodes of the sampled and the random player.",
+)
+@click.option(
+    "--front-limit",
+    type=float,
+    default=30.0,
+    show_default=True,
+    help="Seconds for the exact front.",
+)
+@click.option(
+    "--gantt", type=PICTURE, help="Draw the greedy schedule into this .svg, .png or .pdf."
+)
+@click.option(
+    "--curves", type=PICTURE, help="Draw the training's curves into this .svg, .png or .pdf."
+)
+@click.option(
+    "--report",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Write the front with the players beside it: one HTML file.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print everything as one document.")
 def evaluate_command(
     run: Path,
@@ -178,7 +289,8 @@ def evaluate_command(
     report: Path | None,
     as_json: bool,
 ) -> None:
-    """Play what RUN has learned, beside the exact front, the best dispatch rule and a random player.
+    """Play what RUN has learned, beside the exact front, the best dispatch rule and a random
+    player.
 
     \b
     Examples:
@@ -191,11 +303,20 @@ def evaluate_command(
     keep_compiled()
     from tandem.learn.training.evaluate import evaluate
 
-    found = evaluate(run, load(cell_file) if cell_file else None, seed=seed, episodes=episodes, front_limit=front_limit)
+    found = evaluate(
+        run,
+        load(cell_file) if cell_file else None,
+        seed=seed,
+        episodes=episodes,
+        front_limit=front_limit,
+    )
     greedy = found.line("greedy")
     if gantt:
         if greedy.schedule is None:
-            raise UsageError(f"--gantt: the greedy policy gives no schedule to draw ({'; '.join(greedy.faults) or 'it did not finish'}).")
+            raise UsageError(
+                "--gantt: the greedy policy gives no schedule to draw"
+                f" ({'; '.join(greedy.faults) or 'it did not finish'})."
+            )
         from tandem.draw.gantt import plot_gantt
 
         save(plot_gantt(found.cell, greedy.schedule), gantt)
@@ -205,7 +326,10 @@ def evaluate_command(
 
         rows = RunFolder(run).figures()
         if not rows:
-            raise UsageError(f"--curves: {run} has no figures yet; they come with the first interval of the training.")
+            raise UsageError(
+                f"--curves: {run} has no figures yet; they come with the first interval of the"
+                " training."
+            )
         save(plot_training(rows), curves)
     if report:
         _write_report(found, report)
@@ -222,8 +346,13 @@ def _write_report(found: Any, path: Path) -> None:
     from tandem.report.players import Player
 
     if found.front is None:
-        raise UsageError("--report: there is no exact front to report; give it more time with --front-limit.")
-    players = [Player(line.player, line.makespan, line.stress, line.gap, line.schedule) for line in found.lines]
+        raise UsageError(
+            "--report: there is no exact front to report; give it more time with --front-limit."
+        )
+    players = [
+        Player(line.player, line.makespan, line.stress, line.gap, line.schedule)
+        for line in found.lines
+    ]
     command, today = shlex.join(["tandem", *sys.argv[1:]]), datetime.date.today().isoformat()
     write_html(found.front, path, command=command, date=today, players=players)
 
@@ -236,8 +365,13 @@ def _show_players(found: Any) -> None:
     for line in found.lines:
         time, stress = _figures({"makespan": line.makespan, "stress": line.stress})
         if line.makespan_ci95 is not None:
-            time, stress = f"{time} ± {line.makespan_ci95:.2g}", f"{stress} ± {line.stress_ci95:.2g}"
-        table.add_row(line.player, time, stress, f"{line.illegal:g}", f"{line.done:.0%}", _share(line.gap))
+            time, stress = (
+                f"{time} ± {line.makespan_ci95:.2g}",
+                f"{stress} ± {line.stress_ci95:.2g}",
+            )
+        table.add_row(
+            line.player, time, stress, f"{line.illegal:g}", f"{line.done:.0%}", _share(line.gap)
+        )
     console = Console(highlight=False)
     console.print(table)
     greedy = found.line("greedy")
@@ -246,12 +380,23 @@ def _show_players(found: Any) -> None:
 
         console.print(GanttText(found.cell, greedy.schedule))
     front = found.front
-    points = ", ".join(f"({makespan:g} s, {stress:g})" for makespan, stress in front.points) if front else "not found in time"
-    console.print(f"exact front{'' if front and front.complete else ' (not proven complete)'}: {points}   (± = 95 % interval of the mean)")
+    points = (
+        ", ".join(f"({makespan:g} s, {stress:g})" for makespan, stress in front.points)
+        if front
+        else "not found in time"
+    )
+    console.print(
+        f"exact front{'' if front and front.complete else ' (not proven complete)'}: {points}   (±"
+        " = 95 % interval of the mean)"
+    )
 
 
 def _figures(played: dict[str, Any]) -> tuple[str, str]:
-    return ("not finished", "-") if played["makespan"] is None else (f"{played['makespan']:g} s", f"{played['stress']:g}")
+    return (
+        ("not finished", "-")
+        if played["makespan"] is None
+        else (f"{played['makespan']:g} s", f"{played['stress']:g}")
+    )
 
 
 def _share(value: float | None) -> str:

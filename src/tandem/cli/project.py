@@ -19,8 +19,16 @@ if TYPE_CHECKING:
 
 @click.command("init")
 @click.argument("folder", metavar="DIR", type=click.Path(file_okay=False, path_type=Path))
-@click.option("--from", "source", metavar="FILE", type=click.Path(path_type=Path), help="Your workbook or cell file; the example when absent.")
-@click.option("--force", is_flag=True, help="Replace the files when they exist; results are never touched.")
+@click.option(
+    "--from",
+    "source",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    help="Your workbook or cell file; the example when absent.",
+)
+@click.option(
+    "--force", is_flag=True, help="Replace the files when they exist; results are never touched."
+)
 def init_command(folder: Path, source: Path | None, force: bool) -> None:
     """Lay out a small project: a cell, variants of it, and a place for results.
 
@@ -29,7 +37,8 @@ def init_command(folder: Path, source: Path | None, force: bool) -> None:
       tandem init line-3
       tandem init line-3 --from tasks.xlsx
 
-    A workbook whose columns need a word of explanation: `tandem import` it first, and begin from the cell file.
+    A workbook whose columns need a word of explanation: `tandem import` it first, and begin from
+    the cell file.
     """
     from tandem.report.project import CELL, RESULTS, lay_out
 
@@ -37,10 +46,14 @@ def init_command(folder: Path, source: Path | None, force: bool) -> None:
     try:
         written = lay_out(folder, cell, text=text, force=force)
     except FileExistsError as error:
-        raise UsageError(f"{error.filename}: is a file where a folder is needed. Choose another name.") from error
+        raise UsageError(
+            f"{error.filename}: is a file where a folder is needed. Choose another name."
+        ) from error
     for path in written:
         click.echo(f"wrote {path}", err=True)
-    cell_file, plan, page = (_as_typed(folder, name) for name in (CELL, f"{RESULTS}/plan.json", f"{RESULTS}/plan.html"))
+    cell_file, plan, page = (
+        _as_typed(folder, name) for name in (CELL, f"{RESULTS}/plan.json", f"{RESULTS}/plan.html")
+    )
     click.echo(f"next: tandem plan {cell_file} -o {plan} --report {page}", err=True)
 
 
@@ -68,7 +81,8 @@ def _beginning(source: Path | None) -> tuple[Cell, bytes | None]:
 
 
 def tell_folder(folder: Path, as_json: bool) -> None:
-    """Prints whether each cell of the project is sound, and whether each result is current or stale.
+    """Prints whether each cell of the project is sound, and whether each result is current or
+    stale.
 
     Raises:
       CellError: a cell is not sound, or there is none.
@@ -81,7 +95,14 @@ def tell_folder(folder: Path, as_json: bool) -> None:
     if as_json:
         document = {
             "schema_version": 1,
-            "cells": [{"file": path.relative_to(folder).as_posix(), "cell": c.name, "cell_digest": c.digest} for path, c in cells.items()],
+            "cells": [
+                {
+                    "file": path.relative_to(folder).as_posix(),
+                    "cell": c.name,
+                    "cell_digest": c.digest,
+                }
+                for path, c in cells.items()
+            ],
             "results": [_row(standing, folder) for standing in found],
         }
         click.echo(json.dumps(document, ensure_ascii=False))
@@ -91,15 +112,29 @@ def tell_folder(folder: Path, as_json: bool) -> None:
         click.echo("\n".join(_line(standing, folder) for standing in found) or "no results yet.")
     old = sum(standing.state is State.STALE for standing in found)
     if old:
-        click.echo(f"{old} of {len(found)} results {'is' if old == 1 else 'are'} stale: made for another state of the cell. Plan anew.", err=True)
+        click.echo(
+            f"{old} of {len(found)} results {'is' if old == 1 else 'are'} stale: made for another"
+            " state of the cell. Plan anew.",
+            err=True,
+        )
     if any(standing.faults for standing in found):
-        raise UnsoundScheduleError([f"{standing.path}: {fault}" for standing in found for fault in standing.faults])
+        raise UnsoundScheduleError(
+            [f"{standing.path}: {fault}" for standing in found for fault in standing.faults]
+        )
 
 
 def sound(cell: Cell, file: str, named: bool = True) -> str:
-    """ "cell.yaml: sound; 7 tasks, 1 human, 1 robot."; by the cell's own name where it has one and `named` is set."""
-    people = f"{len(cell.humans)} human{'s' * (len(cell.humans) != 1)}, {len(cell.robots)} robot{'s' * (len(cell.robots) != 1)}"
-    return f"{(cell.name if named else '') or file}: sound; {len(cell.tasks)} task{'s' * (len(cell.tasks) != 1)}, {people}."
+    """ "cell.yaml: sound; 7 tasks, 1 human, 1 robot."; by the cell's own name where it has one and
+    `named` is set.
+    """
+    people = (
+        f"{len(cell.humans)} human{'s' * (len(cell.humans) != 1)}, {len(cell.robots)}"
+        f" robot{'s' * (len(cell.robots) != 1)}"
+    )
+    return (
+        f"{(cell.name if named else '') or file}: sound; {len(cell.tasks)}"
+        f" task{'s' * (len(cell.tasks) != 1)}, {people}."
+    )
 
 
 def _line(standing: Standing, folder: Path) -> str:
@@ -112,8 +147,18 @@ def _line(standing: Standing, folder: Path) -> str:
             return f"{standing.path}: does not say which cell it belongs to"
     assert standing.belongs_to is not None
     many = f"{standing.schedules} schedule{'s' * (standing.schedules != 1)}"
-    judged = "" if not standing.schedules else f"; {many}, none breaks it" if not standing.faults else f"; {many}, {len(standing.faults)} faults"
-    return f"{standing.path}: current, of {standing.belongs_to.relative_to(folder).as_posix()}{judged}"
+    judged = (
+        ""
+        if not standing.schedules
+        else (
+            f"; {many}, none breaks it"
+            if not standing.faults
+            else f"; {many}, {len(standing.faults)} faults"
+        )
+    )
+    return (
+        f"{standing.path}: current, of {standing.belongs_to.relative_to(folder).as_posix()}{judged}"
+    )
 
 
 def _row(standing: Standing, folder: Path) -> dict[str, object]:
@@ -122,7 +167,9 @@ def _row(standing: Standing, folder: Path) -> dict[str, object]:
     return {
         "file": standing.path.relative_to(folder).as_posix(),
         "stale": None if standing.state is State.UNKNOWN else standing.state is State.STALE,
-        "belongs_to": standing.belongs_to.relative_to(folder).as_posix() if standing.belongs_to else None,
+        "belongs_to": (
+            standing.belongs_to.relative_to(folder).as_posix() if standing.belongs_to else None
+        ),
         "schedules": standing.schedules,
         "faults": list(standing.faults),
     }

@@ -17,33 +17,109 @@ import tandem as package
 from tandem.errors import CellError, InfeasibleError, NotReadWarning, TandemError
 
 VERBS: dict[str, tuple[str, str, str]] = {
-    "init": ("tandem.cli.project", "init_command", "Lay out a project: a cell, variants, a place for results."),
-    "plan": ("tandem.cli.planning", "plan_command", "Find every compromise of time and stress, with proof."),
-    "check": ("tandem.cli.planning", "check_command", "Say whether a cell is sound, and a result keeps to it."),
-    "explain": ("tandem.cli.answers", "explain_command", "Say why a schedule is so, and what else would cost."),
-    "compare": ("tandem.cli.answers", "compare_command", "Say what changed between two cells or two results."),
-    "sensitivity": ("tandem.cli.answers", "sensitivity_command", "Say which task time moves the front most."),
-    "train": ("tandem.cli.learn", "train_command", "Train agents by trial and error, one for each operator."),
-    "evaluate": ("tandem.cli.learn", "evaluate_command", "Play what a run has learned, beside the exact front."),
-    "reproduce": ("tandem.cli.laboratory", "reproduce_command", "Run a published system beside ours and the exact one."),
-    "dispatch": ("tandem.cli.dispatch", "dispatch_command", "Run a shift: events in, decisions out."),
-    "simulate": ("tandem.cli.simulate", "simulate_command", "Judge who decides, over many assemblies beside people."),
-    "policies": ("tandem.cli.simulate", "policies_command", "List the policies: who can decide live."),
+    "init": (
+        "tandem.cli.project",
+        "init_command",
+        "Lay out a project: a cell, variants, a place for results.",
+    ),
+    "plan": (
+        "tandem.cli.planning",
+        "plan_command",
+        "Find every compromise of time and stress, with proof.",
+    ),
+    "check": (
+        "tandem.cli.planning",
+        "check_command",
+        "Say whether a cell is sound, and a result keeps to it.",
+    ),
+    "explain": (
+        "tandem.cli.answers",
+        "explain_command",
+        "Say why a schedule is so, and what else would cost.",
+    ),
+    "compare": (
+        "tandem.cli.answers",
+        "compare_command",
+        "Say what changed between two cells or two results.",
+    ),
+    "sensitivity": (
+        "tandem.cli.answers",
+        "sensitivity_command",
+        "Say which task time moves the front most.",
+    ),
+    "train": (
+        "tandem.cli.learn",
+        "train_command",
+        "Train agents by trial and error, one for each operator.",
+    ),
+    "evaluate": (
+        "tandem.cli.learn",
+        "evaluate_command",
+        "Play what a run has learned, beside the exact front.",
+    ),
+    "reproduce": (
+        "tandem.cli.laboratory",
+        "reproduce_command",
+        "Run a published system beside ours and the exact one.",
+    ),
+    "dispatch": (
+        "tandem.cli.dispatch",
+        "dispatch_command",
+        "Run a shift: events in, decisions out.",
+    ),
+    "simulate": (
+        "tandem.cli.simulate",
+        "simulate_command",
+        "Judge who decides, over many assemblies beside people.",
+    ),
+    "policies": (
+        "tandem.cli.simulate",
+        "policies_command",
+        "List the policies: who can decide live.",
+    ),
     "methods": ("tandem.cli.planning", "methods_command", "List the methods of planning."),
-    "generate": ("tandem.cli.cells", "generate", "Make a cell: random layers, chessboards, or a desk."),
-    "board": ("tandem.cli.boards", "board_command", "Put a cell on the chessboard of Yu et al. (2020)."),
-    "convert": ("tandem.cli.cells", "convert_command", "Turn a file of a public format into a cell file."),
-    "schema": ("tandem.cli.cells", "schema_command", "Print the JSON Schema of cell files or of a shift."),
-    "import": ("tandem.cli.sheets", "import_command", "Turn a planner's workbook into a cell file."),
-    "template": ("tandem.cli.sheets", "template_command", "Write a workbook to fill in, or a cell as one."),
+    "generate": (
+        "tandem.cli.cells",
+        "generate",
+        "Make a cell: random layers, chessboards, or a desk.",
+    ),
+    "board": (
+        "tandem.cli.boards",
+        "board_command",
+        "Put a cell on the chessboard of Yu et al. (2020).",
+    ),
+    "convert": (
+        "tandem.cli.cells",
+        "convert_command",
+        "Turn a file of a public format into a cell file.",
+    ),
+    "schema": (
+        "tandem.cli.cells",
+        "schema_command",
+        "Print the JSON Schema of cell files or of a shift.",
+    ),
+    "import": (
+        "tandem.cli.sheets",
+        "import_command",
+        "Turn a planner's workbook into a cell file.",
+    ),
+    "template": (
+        "tandem.cli.sheets",
+        "template_command",
+        "Write a workbook to fill in, or a cell as one.",
+    ),
 }
-"""Verb -> the module and the name of its command, which is loaded when it is needed, and what it does in a line. A new verb is a line here."""
+"""Verb -> the module and the name of its command, which is loaded when it is needed, and what it
+does in a line. A new verb is a line here.
+"""
 
 MOST_FAULTS = 50
 
 
 class Verbs(click.Group):
-    """Loads a command when it is asked for, so that `tandem --version` and each verb start quickly."""
+    """Loads a command when it is asked for, so that `tandem --version` and each verb start
+    quickly.
+    """
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(VERBS)
@@ -60,9 +136,17 @@ class Verbs(click.Group):
         with formatter.section("Commands"):
             formatter.write_dl([(verb, what) for verb, (_, _, what) in VERBS.items()])
 
-    def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
-        if args and args[0] not in VERBS and (args[0].endswith((".yaml", ".yml", ".json")) or os.path.exists(args[0])):
-            raise click.UsageError(f"{args[0]!r} is a file, not a verb. Did you mean: tandem plan {args[0]}?", ctx)
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if (
+            args
+            and args[0] not in VERBS
+            and (args[0].endswith((".yaml", ".yml", ".json")) or os.path.exists(args[0]))
+        ):
+            raise click.UsageError(
+                f"{args[0]!r} is a file, not a verb. Did you mean: tandem plan {args[0]}?", ctx
+            )
         return super().resolve_command(ctx, args)
 
 
@@ -75,7 +159,11 @@ Answers go to stdout, everything else to stderr.
 `tandem VERB --help` says more about each verb."""
 
 
-@click.group(cls=Verbs, epilog=EXIT_CODES, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.group(
+    cls=Verbs,
+    epilog=EXIT_CODES,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
 @click.version_option(package.__version__, prog_name="tandem")
 def tandem() -> None:
     """Plan the work that people and collaborative robots share.
@@ -91,7 +179,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Runs the command line and ends the process with one of the exit codes of the manual."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")  # a task name must not stop a terminal that cannot print it
+            # a task name must not stop a terminal that cannot print it
+            stream.reconfigure(errors="backslashreplace")
     code = run(arguments)
     with contextlib.suppress(OSError):
         sys.stdout.flush()
@@ -99,11 +188,17 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
-    """Runs the command line; returns the exit code. Everything expected is told in one message on stderr, without a traceback."""
+    """Runs the command line; returns the exit code. Everything expected is told in one message on
+    stderr, without a traceback.
+    """
     try:
         with warnings.catch_warnings():
             _tell_what_is_not_read()
-            result: Any = tandem.main(args=None if arguments is None else list(arguments), prog_name="tandem", standalone_mode=False)
+            result: Any = tandem.main(
+                args=None if arguments is None else list(arguments),
+                prog_name="tandem",
+                standalone_mode=False,
+            )
         return result if isinstance(result, int) else 0
     except click.exceptions.Exit as exit_:
         return exit_.exit_code
@@ -121,19 +216,26 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return 0
     except OSError as error:
         what = f"{error.filename}: " if error.filename else ""
-        return _say(f"{what}{(error.strerror or str(error)).lower()}. Nothing was left half written; choose another place for the output.", 2)
+        return _say(
+            f"{what}{(error.strerror or str(error)).lower()}. Nothing was left half written; choose"
+            " another place for the output.",
+            2,
+        )
     except Exception as error:
         if os.environ.get("TANDEM_DEBUG"):
             raise
         return _say(
-            f"this is a bug in Tandem, not in your input: {type(error).__name__}: {error}\n"
-            "Please report it with the command and the cell file. With TANDEM_DEBUG=1 in the environment the traceback is shown.",
+            f"this is a bug in Tandem, not in your input: {type(error).__name__}: {error}\nPlease"
+            " report it with the command and the cell file. With TANDEM_DEBUG=1 in the environment"
+            " the traceback is shown.",
             1,
         )
 
 
 def _tell_what_is_not_read() -> None:
-    """Whatever command loads a file: what has no place in the cell is named on stderr, one line each."""
+    """Whatever command loads a file: what has no place in the cell is named on stderr, one line
+    each.
+    """
     warnings.simplefilter("always", NotReadWarning)
     show_others = warnings.showwarning
 

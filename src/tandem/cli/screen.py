@@ -1,4 +1,6 @@
-"""A shift on a terminal: what happened, and now, next and why, in words. Grey is normal; only what is wrong has a colour."""
+"""A shift on a terminal: what happened, and now, next and why, in words. Grey is normal; only what
+is wrong has a colour.
+"""
 
 from __future__ import annotations
 
@@ -27,14 +29,22 @@ class Screen:
         """Shows the document, read against where the shift stands."""
         match document["type"]:
             case "shift":
-                self._say(f"{document['cell'] or 'shift'}, decided by {document['policy']}. Advice, not a safety function.")
+                self._say(
+                    f"{document['cell'] or 'shift'}, decided by {document['policy']}. Advice, not a"
+                    " safety function."
+                )
                 if document["resumed"]:
-                    self._say(f"going on at {document['at']:g} s, after entry {document['number']}.")
+                    self._say(
+                        f"going on at {document['at']:g} s, after entry {document['number']}."
+                    )
             case "answer" if not document["accepted"]:
                 for reason in document["reasons"]:
                     self._say(f"refused    {reason}", "red")
             case "answer" if "duplicate_of" in document:
-                self._say(f"known      this event was taken already, as number {document['duplicate_of']}.")
+                self._say(
+                    "known      this event was taken already, as number"
+                    f" {document['duplicate_of']}."
+                )
             case "answer":
                 self._say(f"{'' if shift.event is None else happened(shift.event)}", "bold")
                 for remark in document["remarks"]:
@@ -45,13 +55,23 @@ class Screen:
                     self._say(line)
                 for reason in document.get("stuck", []):
                     self._say(f"stuck      {reason}", "red")
-                before, self.paces = self.paces, [f"  {'pace':<8} {human} needs {pace.words}" for human, pace in believed.items() if pace.seen]
+                before, self.paces = (
+                    self.paces,
+                    [
+                        f"  {'pace':<8} {human} needs {pace.words}"
+                        for human, pace in believed.items()
+                        if pace.seen
+                    ],
+                )
                 for line in self.paces:
                     if line not in before:
                         self._say(line)
             case "summary":
                 state = "over" if document["over"] else "not over"
-                self._say(f"{state} at {document['at']:g} s, stress {document['stress']:g}; {document['events']} events, {_latency(document)}.")
+                self._say(
+                    f"{state} at {document['at']:g} s, stress {document['stress']:g};"
+                    f" {document['events']} events, {_latency(document)}."
+                )
 
     def _say(self, text: str, style: str | None = None) -> None:
         self.console.print(text, style=style, soft_wrap=True)
@@ -61,30 +81,61 @@ def happened(event: Event) -> str:
     """An event in words."""
     who = " and ".join(event.operators)
     until = "" if event.until is None else f" until {event.until:g} s"
-    words = [event.kind, *([f"{event.task!r}"] if event.task is not None else []), *([f"({who})"] if who else [])]
+    words = [
+        event.kind,
+        *([f"{event.task!r}"] if event.task is not None else []),
+        *([f"({who})"] if who else []),
+    ]
     return f"{event.at:>8g} s  {' '.join(words)}{until}"
 
 
-def orders(situation: Situation, decision: dict[str, Any], believed: Mapping[str, Pace]) -> list[str]:
-    """A decision in words: what goes on now, what robots and humans are asked to do next, and why. `believed`: the humans' paces."""
+def orders(
+    situation: Situation, decision: dict[str, Any], believed: Mapping[str, Pace]
+) -> list[str]:
+    """A decision in words: what goes on now, what robots and humans are asked to do next, and why.
+    `believed`: the humans' paces.
+    """
     apart = set(decision["take_apart"])
 
     def named(task: str) -> str:
         return f"take {task!r} apart" if task in apart else repr(task)
 
     def going(task: str, at: Running) -> str:
-        end = at.start + at.rested + at.stated * max(believed[who].mean if who in believed else 1.0 for who in at.operators)
-        state = "resting" if at.rests_since is not None else f"until about {end:.4g} s" if situation.now < end else f"expected by {end:.4g} s"
-        return f"{' and '.join(at.operators)} {f'taking {task!r} apart' if at.undoing else repr(task)} {state}"
+        end = (
+            at.start
+            + at.rested
+            + at.stated
+            * max(believed[who].mean if who in believed else 1.0 for who in at.operators)
+        )
+        state = (
+            "resting"
+            if at.rests_since is not None
+            else f"until about {end:.4g} s"
+            if situation.now < end
+            else f"expected by {end:.4g} s"
+        )
+        return (
+            f"{' and '.join(at.operators)} {f'taking {task!r} apart' if at.undoing else repr(task)}"
+            f" {state}"
+        )
 
     now = [going(task, at) for task, at in situation.running.items()]
     told = [f"{' and '.join(row['operators'])} {named(row['task'])}" for row in decision["starts"]]
     asked = [f"{human}, please {named(task)}" for human, task in decision["announced"].items()]
-    withdrawn = [f"{' and '.join(row['operators'])} not {row['task']!r} after all" for row in decision["revoked"]]
+    withdrawn = [
+        f"{' and '.join(row['operators'])} not {row['task']!r} after all"
+        for row in decision["revoked"]
+    ]
     rows = [("now", now), ("next", [*told, *asked]), ("withdrawn", withdrawn)]
-    return [*(f"  {label:<8} {' · '.join(words)}" for label, words in rows if words), f"  {'why':<8} {decision['why']}"]
+    return [
+        *(f"  {label:<8} {' · '.join(words)}" for label, words in rows if words),
+        f"  {'why':<8} {decision['why']}",
+    ]
 
 
 def _latency(document: dict[str, Any]) -> str:
     latency = document["latency_ms"]
-    return f"{document['decisions']} decisions in {latency['p50']:.1f} ms (median), {latency['p99']:.1f} ms (99 %), {document['late']} late"
+    return (
+        f"{document['decisions']} decisions in {latency['p50']:.1f} ms (median),"
+        f" {latency['p99']:.1f} ms (99 %), {document['late']} late"
+    )

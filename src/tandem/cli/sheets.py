@@ -13,17 +13,41 @@ from tandem.errors import UsageError
 if TYPE_CHECKING:
     from tandem.files.spreadsheet.draft import Draft
 
-TITLES = {"column": "Columns not read", "row": "Rows not read", "sheet": "Sheets not read", "cannot": "Who cannot do what", "assumed": "Assumed"}
+TITLES = {
+    "column": "Columns not read",
+    "row": "Rows not read",
+    "sheet": "Sheets not read",
+    "cannot": "Who cannot do what",
+    "assumed": "Assumed",
+}
 
 
-@click.command("import", epilog="Notes and faults go to the error stream, each with its place such as Sheet1!C4.")
+@click.command(
+    "import",
+    epilog="Notes and faults go to the error stream, each with its place such as Sheet1!C4.",
+)
 @click.argument("workbook", type=click.Path(path_type=Path, dir_okay=False))
-@click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False), help="Cell file to write, .yaml or .json; else YAML on stdout.")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Cell file to write, .yaml or .json; else YAML on stdout.",
+)
 @click.option("--preview", is_flag=True, help="Show what would be read, and write nothing.")
 @click.option("--sheet", help="The sheet with the tasks, when several look like it.")
-@click.option("--map", "columns", multiple=True, metavar='"HEADER=MEANING"', help='What a column holds: "Spalte 4=time robot [s]", "F=ignore".')
-@click.option("--human", "humans", multiple=True, metavar="NAME", help="An operator that is a human.")
-@click.option("--robot", "robots", multiple=True, metavar="NAME", help="An operator that is a robot.")
+@click.option(
+    "--map",
+    "columns",
+    multiple=True,
+    metavar='"HEADER=MEANING"',
+    help='What a column holds: "Spalte 4=time robot [s]", "F=ignore".',
+)
+@click.option(
+    "--human", "humans", multiple=True, metavar="NAME", help="An operator that is a human."
+)
+@click.option(
+    "--robot", "robots", multiple=True, metavar="NAME", help="An operator that is a robot."
+)
 @click.option("--force", is_flag=True, help="Replace the output file when it exists.")
 def import_command(
     workbook: Path,
@@ -47,7 +71,9 @@ def import_command(
 
     if output is not None and output.exists() and not force and not preview:
         raise UsageError(f"{output} exists already. Give --force to replace it, or another name.")
-    draft = read_workbook(workbook, sheet=sheet, columns=dict(map(_pair, columns)), humans=humans, robots=robots)
+    draft = read_workbook(
+        workbook, sheet=sheet, columns=dict(map(_pair, columns)), humans=humans, robots=robots
+    )
     if preview:
         click.echo(preview_text(draft))
     tell_notes(draft)
@@ -58,15 +84,32 @@ def import_command(
         click.echo(dumps(cell), nl=False)
         return
     dump(cell, output)
-    click.echo(f"{output}: {_count(cell.tasks, 'task')}, {_count(cell.operators, 'operator')} ({', '.join(cell.operators)}).", err=True)
+    click.echo(
+        f"{output}: {_count(cell.tasks, 'task')}, {_count(cell.operators, 'operator')}"
+        f" ({', '.join(cell.operators)}).",
+        err=True,
+    )
 
 
 @click.command("template")
-@click.argument("cell_file", metavar="[CELL]", required=False, type=click.Path(path_type=Path, dir_okay=False))
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), default=Path("template.xlsx"), show_default=True, help="Workbook to write."
+@click.argument(
+    "cell_file", metavar="[CELL]", required=False, type=click.Path(path_type=Path, dir_okay=False)
 )
-@click.option("--lang", type=click.Choice(["en", "de"]), default="en", show_default=True, help="Language of headers and help.")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path, dir_okay=False),
+    default=Path("template.xlsx"),
+    show_default=True,
+    help="Workbook to write.",
+)
+@click.option(
+    "--lang",
+    type=click.Choice(["en", "de"]),
+    default="en",
+    show_default=True,
+    help="Language of headers and help.",
+)
 @click.option("--force", is_flag=True, help="Replace the workbook when it exists.")
 def template_command(cell_file: Path | None, output: Path, lang: Any, force: bool) -> None:
     """Write a workbook to fill in, with an example; or CELL in the same form.
@@ -79,7 +122,9 @@ def template_command(cell_file: Path | None, output: Path, lang: Any, force: boo
     from tandem.files.spreadsheet.template import export_cell, write_template
 
     if output.suffix.lower() != ".xlsx":
-        raise UsageError(f"-o {output}: a template is an .xlsx workbook. Write -o {output.with_suffix('.xlsx')}.")
+        raise UsageError(
+            f"-o {output}: a template is an .xlsx workbook. Write -o {output.with_suffix('.xlsx')}."
+        )
     if output.exists() and not force:
         raise UsageError(f"{output} exists already. Give --force to replace it, or another name.")
     if cell_file is None:
@@ -89,7 +134,10 @@ def template_command(cell_file: Path | None, output: Path, lang: Any, force: boo
 
         for sentence in export_cell(load(cell_file), output, lang=lang):
             click.echo(f"not kept in the workbook: {sentence}", err=True)
-    click.echo(f"{output}: overwrite the tasks, save, then `tandem import {output} -o cell.yaml`.", err=True)
+    click.echo(
+        f"{output}: overwrite the tasks, save, then `tandem import {output} -o cell.yaml`.",
+        err=True,
+    )
 
 
 def preview_text(draft: Draft) -> str:
@@ -98,12 +146,30 @@ def preview_text(draft: Draft) -> str:
     table: list[tuple[str, ...]] = [("column", "header", "is read as")]
     for column in draft.columns:
         letter = column.place.rpartition("!")[2].rstrip("0123456789")
-        table.append((letter, column.header, str(column.meaning) if column.meaning and column.meaning.what != "ignore" else "(not read)"))
+        table.append(
+            (
+                letter,
+                column.header,
+                (
+                    str(column.meaning)
+                    if column.meaning and column.meaning.what != "ignore"
+                    else "(not read)"
+                ),
+            )
+        )
     lines += _aligned(table)
     if draft.rows:
         letters = [column.place.rpartition("!")[2].rstrip("0123456789") for column in draft.columns]
         lines += ["", "first rows:"]
-        lines += _aligned([tuple(letters), *(tuple(_short(row[column.index]) for column in draft.columns) for row in draft.rows)])
+        lines += _aligned(
+            [
+                tuple(letters),
+                *(
+                    tuple(_short(row[column.index]) for column in draft.columns)
+                    for row in draft.rows
+                ),
+            ]
+        )
     tasks, operators = draft.document["tasks"], draft.document["operators"]
     who = ", ".join(f"{name} ({data.get('kind')})" for name, data in operators.items())
     lines += ["", f"{_count(tasks, 'task')}, {_count(operators, 'operator')}: {who}"]
@@ -123,7 +189,11 @@ def tell_notes(draft: Draft) -> None:
 
 def _aligned(rows: list[tuple[str, ...]]) -> list[str]:
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    return ["  " + "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    return [
+        "  "
+        + "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
 
 
 def _short(text: str) -> str:
@@ -137,5 +207,7 @@ def _count(things: Any, name: str) -> str:
 def _pair(text: str) -> tuple[str, str]:
     header, equals, meaning = text.rpartition("=")
     if not equals or not header.strip() or not meaning.strip():
-        raise UsageError(f'--map {text!r}: write HEADER=MEANING, such as --map "Spalte 4=time robot [s]".')
+        raise UsageError(
+            f'--map {text!r}: write HEADER=MEANING, such as --map "Spalte 4=time robot [s]".'
+        )
     return header.strip(), meaning.strip()

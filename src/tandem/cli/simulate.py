@@ -22,21 +22,31 @@ class Prior(click.ParamType):  # type: ignore[type-arg]  # older releases of cli
 
     name = "FACTOR:WEIGHT,..."
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> dict[float, float]:
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> dict[float, float]:
         if isinstance(value, dict):
             return value
         try:
             pairs = [part.split(":") for part in str(value).split(",")]
             return {float(factor): float(weight) for factor, weight in pairs}
         except ValueError:
-            self.fail(f"{value!r} is no list of factors and weights, such as 0.6:1,1:3,2:1.", param, ctx)
+            self.fail(
+                f"{value!r} is no list of factors and weights, such as 0.6:1,1:3,2:1.", param, ctx
+            )
 
 
 @click.command("simulate")
 @click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=True))
 @FORMAT
 @click.option(
-    "--policy", "policies", required=True, help="Who decides, joined by commas; `tandem policies` lists them. The others are compared with the first."
+    "--policy",
+    "policies",
+    required=True,
+    help=(
+        "Who decides, joined by commas; `tandem policies` lists them. The others are compared with"
+        " the first."
+    ),
 )
 @click.option(
     "--people",
@@ -45,10 +55,31 @@ class Prior(click.ParamType):  # type: ignore[type-arg]  # older releases of cli
     show_default=True,
     help="Who works there: compliant, random:0.5, pace:2.0, population:FILE, ...",
 )
-@click.option("--episodes", type=click.IntRange(2, 1_000_000), default=1000, show_default=True, help="Assemblies for each policy and people.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Of all chance. The same seed gives every policy the same episodes.")
-@click.option("--weights", type=Weights(), default=(1.0, 0.0), help="Policies keep TIME * makespan + STRESS * stress small; 1,0 when absent.")
-@click.option("--max-stress", type=float, help="Policies stay within this stress of the human, as far as they can.")
+@click.option(
+    "--episodes",
+    type=click.IntRange(2, 1_000_000),
+    default=1000,
+    show_default=True,
+    help="Assemblies for each policy and people.",
+)
+@click.option(
+    "--seed",
+    type=int,
+    default=0,
+    show_default=True,
+    help="Of all chance. The same seed gives every policy the same episodes.",
+)
+@click.option(
+    "--weights",
+    type=Weights(),
+    default=(1.0, 0.0),
+    help="Policies keep TIME * makespan + STRESS * stress small; 1,0 when absent.",
+)
+@click.option(
+    "--max-stress",
+    type=float,
+    help="Policies stay within this stress of the human, as far as they can.",
+)
 @click.option(
     "--spread",
     type=click.Choice(["off", "lognormal", "triangular"]),
@@ -57,10 +88,22 @@ class Prior(click.ParamType):  # type: ignore[type-arg]  # older releases of cli
     help="How real times scatter around the stated ones.",
 )
 @click.option(
-    "--cv", type=click.FloatRange(0.0, 10.0), default=0.0, show_default=True, help="Coefficient of variation where the cell does not state a spread."
+    "--cv",
+    type=click.FloatRange(0.0, 10.0),
+    default=0.0,
+    show_default=True,
+    help="Coefficient of variation where the cell does not state a spread.",
 )
-@click.option("--failures", type=click.FloatRange(0.0, min_open=True), help="Mean seconds until a robot breaks down; never when absent.")
-@click.option("--absences", type=click.FloatRange(0.0, min_open=True), help="Mean seconds until a human is called away; never when absent.")
+@click.option(
+    "--failures",
+    type=click.FloatRange(0.0, min_open=True),
+    help="Mean seconds until a robot breaks down; never when absent.",
+)
+@click.option(
+    "--absences",
+    type=click.FloatRange(0.0, min_open=True),
+    help="Mean seconds until a human is called away; never when absent.",
+)
 @click.option(
     "--taking-apart",
     type=click.FloatRange(0.0, 100.0, min_open=True),
@@ -68,18 +111,43 @@ class Prior(click.ParamType):  # type: ignore[type-arg]  # older releases of cli
     show_default=True,
     help="Share of a task's time that taking it apart takes.",
 )
-@click.option("--budget", type=click.FloatRange(1.0), default=50.0, show_default=True, help="Milliseconds that a policy is given for a decision.")
-@click.option("--prior", type=Prior(), help="What is believed of a human's pace before anything was seen: factors with weights, 0.6:1,1:3,2:1.")
 @click.option(
-    "--frozen", type=click.FloatRange(0.0), default=0.0, show_default=True, help="Seconds: what was announced so shortly before is not changed."
+    "--budget",
+    type=click.FloatRange(1.0),
+    default=50.0,
+    show_default=True,
+    help="Milliseconds that a policy is given for a decision.",
 )
 @click.option(
-    "--change-penalty", type=click.FloatRange(0.0), default=0.0, show_default=True, help="Seconds to gain before an announced task is changed."
+    "--prior",
+    type=Prior(),
+    help=(
+        "What is believed of a human's pace before anything was seen: factors with weights,"
+        " 0.6:1,1:3,2:1."
+    ),
 )
-@click.option("--learned", help="A trained policy, for `learned` and `auto`: a file, or the folder of a run.")
+@click.option(
+    "--frozen",
+    type=click.FloatRange(0.0),
+    default=0.0,
+    show_default=True,
+    help="Seconds: what was announced so shortly before is not changed.",
+)
+@click.option(
+    "--change-penalty",
+    type=click.FloatRange(0.0),
+    default=0.0,
+    show_default=True,
+    help="Seconds to gain before an announced task is changed.",
+)
+@click.option(
+    "--learned", help="A trained policy, for `learned` and `auto`: a file, or the folder of a run."
+)
 @click.option("--chart", type=PICTURE, help="Draw what came out into this .svg, .png or .pdf.")
 @click.option("-o", "--output", type=PICTURE, help="Write the document into this .json file too.")
-@click.option("--json", "as_json", is_flag=True, help="Print the document; a list of them for several people.")
+@click.option(
+    "--json", "as_json", is_flag=True, help="Print the document; a list of them for several people."
+)
 @click.option("-q", "--quiet", is_flag=True, help="No progress.")
 def simulate_command(
     cell_file: str,
@@ -92,12 +160,14 @@ def simulate_command(
     quiet: bool,
     **given: Any,
 ) -> None:
-    """Judge who decides beside people: many assemblies, the same chances for all, next to the exact optimum.
+    """Judge who decides beside people: many assemblies, the same chances for all, next to the exact
+    optimum.
 
     \b
     Examples:
       tandem simulate cell.yaml --policy fixed,replan-robust --people pace:1.5
-      tandem simulate cell.yaml --policy expected,fixed --people random:0.1,random:0.5,random:1 --chart regret.svg
+      tandem simulate cell.yaml --policy expected,fixed --people random:0.1,random:0.5,random:1
+      --chart regret.svg
     """
     from tandem.files.load import load
 
@@ -138,7 +208,13 @@ def _remarks(document: dict[str, Any]) -> Iterator[str]:
     for row in document["policies"]:
         plan = row.get("plan")
         if plan is not None and plan["status"] != "optimal":
-            basis = Basis(plan["makespan"], plan["stress"], False, plan["bound"]["makespan"], plan["bound"]["stress"])
+            basis = Basis(
+                plan["makespan"],
+                plan["stress"],
+                False,
+                plan["bound"]["makespan"],
+                plan["bound"]["stress"],
+            )
             yield f"{row['policy']}: {basis.doubt}"
 
 
@@ -155,7 +231,13 @@ def _trial(policies: tuple[str, ...], people: tuple[str, ...], given: dict[str, 
         given["episodes"],
         given["seed"],
         Objective(given["weights"][0], given["weights"][1], given["max_stress"]),
-        Chance(spread=given["spread"], cv=given["cv"], failure_s=given["failures"], absence_s=given["absences"], undo=given["taking_apart"]),
+        Chance(
+            spread=given["spread"],
+            cv=given["cv"],
+            failure_s=given["failures"],
+            absence_s=given["absences"],
+            undo=given["taking_apart"],
+        ),
         Options(
             budget_ms=given["budget"],
             seed=given["seed"],
@@ -198,8 +280,16 @@ def _show(document: dict[str, Any]) -> None:
         )
     console = Console(highlight=False)
     unit = " s" if document["weights"] == [1, 0] else ""
-    best = "" if document["optimum"] is None else f", exact optimum {number(document['optimum'])}{unit}"
-    console.print(f"beside {document['people']}: {document['episodes']} episodes, seed {document['seed']}{best}", soft_wrap=True)
+    best = (
+        ""
+        if document["optimum"] is None
+        else f", exact optimum {number(document['optimum'])}{unit}"
+    )
+    console.print(
+        f"beside {document['people']}: {document['episodes']} episodes, seed"
+        f" {document['seed']}{best}",
+        soft_wrap=True,
+    )
     console.print(table)
 
 
@@ -215,7 +305,16 @@ def policies_command(as_json: bool) -> None:
     from tandem.dispatch.deciders.table import POLICIES
 
     if as_json:
-        click.echo(json.dumps({"schema_version": 1, "policies": [{"name": name, "what": entry.what} for name, entry in POLICIES.items()]}))
+        click.echo(
+            json.dumps(
+                {
+                    "schema_version": 1,
+                    "policies": [
+                        {"name": name, "what": entry.what} for name, entry in POLICIES.items()
+                    ],
+                }
+            )
+        )
         return
     width = max(map(len, POLICIES))
     for name, entry in POLICIES.items():

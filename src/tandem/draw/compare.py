@@ -28,7 +28,8 @@ class Change:
     """What became of one task.
 
     Attributes:
-      kind: "moved" to other operators, "shifted" in time only, "added" or "dropped" when only one of the schedules has it, or "same".
+      kind: "moved" to other operators, "shifted" in time only, "added" or "dropped" when only one
+        of the schedules has it, or "same".
       before, after: the task in either schedule.
     """
 
@@ -39,7 +40,9 @@ class Change:
 
 
 def changes(before: Schedule, after: Schedule) -> tuple[Change, ...]:
-    """What became of every task of either schedule, in order of the start in the second, dropped ones last."""
+    """What became of every task of either schedule, in order of the start in the second, dropped
+    ones last.
+    """
     old = {a.task: a for a in before}
     found = []
     for now in after:
@@ -49,7 +52,14 @@ def changes(before: Schedule, after: Schedule) -> tuple[Change, ...]:
         elif set(then.operators) != set(now.operators):
             found.append(Change(now.task, "moved", then, now))
         else:
-            found.append(Change(now.task, "same" if (then.start, then.end) == (now.start, now.end) else "shifted", then, now))
+            found.append(
+                Change(
+                    now.task,
+                    "same" if (then.start, then.end) == (now.start, now.end) else "shifted",
+                    then,
+                    now,
+                )
+            )
     return (*found, *(Change(task, "dropped", then, None) for task, then in old.items()))
 
 
@@ -58,18 +68,32 @@ def summary(cell: Cell, before: Schedule, after: Schedule) -> str:
     kinds = [change.kind for change in changes(before, after)]
     time = _from_to(makespan(before), makespan(after), " s")
     load = _from_to(stress(cell, before), stress(cell, after), "")
-    counts = [f"{kinds.count(kind)} {kind}" for kind in ("moved", "shifted", "added", "dropped") if kind in kinds]
+    counts = [
+        f"{kinds.count(kind)} {kind}"
+        for kind in ("moved", "shifted", "added", "dropped")
+        if kind in kinds
+    ]
     return f"makespan {time}, stress {load}; tasks: {', '.join(counts) or 'none changed'}"
 
 
-def plot_compare(cell: Cell, before: Schedule, after: Schedule, ax: Axes | None = None, *, names: tuple[str, str] = ("before", "after")) -> Axes:
+def plot_compare(
+    cell: Cell,
+    before: Schedule,
+    after: Schedule,
+    ax: Axes | None = None,
+    *,
+    names: tuple[str, str] = ("before", "after"),
+) -> Axes:
     """Draws both schedules over each other on one time axis and returns the axes.
 
-    Tasks that moved to another operator have a bold red outline and an arrow from the one to the other; tasks that stayed as they were are pale.
+    Tasks that moved to another operator have a bold red outline and an arrow from the one to the
+    other; tasks that stayed as they were are pale.
     """
     ax = axes_or_new(ax, compare_size(cell, max(before, after, key=len)))
     end = max(axis_end(before), axis_end(after))
-    upper, lower = (lanes(cell, schedule, until=end, critical=False) for schedule in (before, after))
+    upper, lower = (
+        lanes(cell, schedule, until=end, critical=False) for schedule in (before, after)
+    )
     below = len(upper) + GAP
     ax.set_xlim(0, end)
     ax.set_ylim(below + len(lower) - 0.45, -0.95)
@@ -79,9 +103,16 @@ def plot_compare(cell: Cell, before: Schedule, after: Schedule, ax: Axes | None 
     _mark(ax, found, cell, below)
     for schedule, top, name in ((before, 0.0, names[0]), (after, below, names[1])):
         _heading(ax, cell, schedule, top, name)
-    _moves(ax, [change for change in found if change.kind == "moved"], cell, len(upper) - 0.5 + GAP / 2 - 0.2)
+    _moves(
+        ax,
+        [change for change in found if change.kind == "moved"],
+        cell,
+        len(upper) - 0.5 + GAP / 2 - 0.2,
+    )
     _dress(ax, upper, lower, below)
-    ax.set_title(summary(cell, before, after), loc="left", fontsize=11, fontweight="bold", parse_math=False)
+    ax.set_title(
+        summary(cell, before, after), loc="left", fontsize=11, fontweight="bold", parse_math=False
+    )
     return ax
 
 
@@ -96,23 +127,68 @@ def _mark(ax: Axes, found: Iterable[Change], cell: Cell, below: float) -> None:
             for who in a.operators:
                 corner, width = (a.start, top + place[who] - HALF), a.end - a.start
                 if change.kind == "same":
-                    ax.add_patch(Rectangle(corner, width, 2 * HALF, facecolor="white", alpha=0.55, lw=0, zorder=4.5))
+                    ax.add_patch(
+                        Rectangle(
+                            corner, width, 2 * HALF, facecolor="white", alpha=0.55, lw=0, zorder=4.5
+                        )
+                    )
                 else:
                     ax.add_patch(
-                        Rectangle(corner, width, 2 * HALF, fill=False, edgecolor=ACCENT, lw=2.4, zorder=4.6, gid=f"changed {change.task} {who}")
+                        Rectangle(
+                            corner,
+                            width,
+                            2 * HALF,
+                            fill=False,
+                            edgecolor=ACCENT,
+                            lw=2.4,
+                            zorder=4.6,
+                            gid=f"changed {change.task} {who}",
+                        )
                     )
         if change.kind == "moved" and change.before and change.after:
-            start = ((change.before.start + change.before.end) / 2, max(place[o] for o in change.before.operators) + HALF)
-            stop = ((change.after.start + change.after.end) / 2, below + min(place[o] for o in change.after.operators) - HALF)
-            arrow = FancyArrowPatch(start, stop, arrowstyle="-|>", mutation_scale=12, shrinkA=0, shrinkB=0, color=ACCENT, lw=1.4, zorder=4.2)
+            start = (
+                (change.before.start + change.before.end) / 2,
+                max(place[o] for o in change.before.operators) + HALF,
+            )
+            stop = (
+                (change.after.start + change.after.end) / 2,
+                below + min(place[o] for o in change.after.operators) - HALF,
+            )
+            arrow = FancyArrowPatch(
+                start,
+                stop,
+                arrowstyle="-|>",
+                mutation_scale=12,
+                shrinkA=0,
+                shrinkB=0,
+                color=ACCENT,
+                lw=1.4,
+                zorder=4.2,
+            )
             arrow.set_gid(f"move {change.task}")
             ax.add_patch(arrow)
 
 
 def _heading(ax: Axes, cell: Cell, schedule: Schedule, top: float, name: str) -> None:
     words = f"{name}: {seconds(makespan(schedule))}, stress {number(stress(cell, schedule))}"
-    ax.text(0, top - 0.5, words, ha="left", va="bottom", fontsize=10, fontweight="bold", color=INK, parse_math=False)
-    ax.plot([makespan(schedule)] * 2, [top - 0.5, top + len(cell.operators) - 0.5], color=INK, lw=1.2, zorder=1.6)
+    ax.text(
+        0,
+        top - 0.5,
+        words,
+        ha="left",
+        va="bottom",
+        fontsize=10,
+        fontweight="bold",
+        color=INK,
+        parse_math=False,
+    )
+    ax.plot(
+        [makespan(schedule)] * 2,
+        [top - 0.5, top + len(cell.operators) - 0.5],
+        color=INK,
+        lw=1.2,
+        zorder=1.6,
+    )
 
 
 def _moves(ax: Axes, moved: list[Change], cell: Cell, y: float) -> None:
@@ -126,7 +202,8 @@ def _moves(ax: Axes, moved: list[Change], cell: Cell, y: float) -> None:
 
     sentences = [f"{change.task}: {who(change.before)} → {who(change.after)}" for change in moved]
     fuller = [
-        ";  ".join(sentences[:count]) + (f";  and {len(sentences) - count} more" if count < len(sentences) else "")
+        ";  ".join(sentences[:count])
+        + (f";  and {len(sentences) - count} more" if count < len(sentences) else "")
         for count in range(len(sentences), 0, -1)
     ]
     if fuller:
@@ -147,11 +224,23 @@ def _dress(ax: Axes, upper: tuple[Lane, ...], lower: tuple[Lane, ...], below: fl
     ax.set_axisbelow(True)
     for side in ("top", "right", "left"):
         ax.spines[side].set_visible(False)
-    hint: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "ha": "left", "va": "top", "fontsize": 9, "color": FAINT_INK}
-    ax.annotate("red outline and arrow: done by somebody else; pale: as before", (0, 0), (0, -36), **hint)
+    hint: dict[str, Any] = {
+        "xycoords": "axes fraction",
+        "textcoords": "offset points",
+        "ha": "left",
+        "va": "top",
+        "fontsize": 9,
+        "color": FAINT_INK,
+    }
+    ax.annotate(
+        "red outline and arrow: done by somebody else; pale: as before", (0, 0), (0, -36), **hint
+    )
 
 
 def _from_to(before: float, after: float, unit: str) -> str:
     if before == after:
         return f"{number(after)}{unit} as before"
-    return f"{number(before)} → {number(after)}{unit} ({'+' if after > before else '−'}{number(abs(after - before))})"
+    return (
+        f"{number(before)} → {number(after)}{unit}"
+        f" ({'+' if after > before else '−'}{number(abs(after - before))})"
+    )

@@ -22,14 +22,18 @@ PITCH = (2.1, 0.84)
 """Inches from one task to the next, across and down."""
 MOST_INCHES = 40.0
 MARK, LETTER, BESIDE = 0.62, 0.07, 1.3
-"""Inches that a legend's mark and one letter of its words take, and what lies to the left of the axes under which it stands."""
+"""Inches that a legend's mark and one letter of its words take, and what lies to the left of the
+axes under which it stands.
+"""
 
 
 def figure_for(cell: Cell, schedule: Schedule | None = None, *, kind: str = "gantt") -> Figure:
-    """An empty figure with one axes, large enough for this cell: `figure_for(cell, schedule).axes[0]`.
+    """An empty figure with one axes, large enough for this cell: `figure_for(cell,
+    schedule).axes[0]`.
 
     Args:
-      kind: "gantt" for one schedule, "compare" for two, "graph" for the precedence graph, "front" for the trade-off.
+      kind: "gantt" for one schedule, "compare" for two, "graph" for the precedence graph, "front"
+        for the trade-off.
     """
     sizes = {"gantt": gantt_size, "compare": compare_size}
     if kind == "graph":
@@ -38,7 +42,9 @@ def figure_for(cell: Cell, schedule: Schedule | None = None, *, kind: str = "gan
 
 
 def blank(width: float, height: float) -> Figure:
-    """A figure of that many inches with one axes. It belongs to nobody: no window, no pyplot state."""
+    """A figure of that many inches with one axes. It belongs to nobody: no window, no pyplot
+    state.
+    """
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height), layout="constrained")
@@ -47,10 +53,14 @@ def blank(width: float, height: float) -> Figure:
 
 
 def gantt_size(cell: Cell, schedule: Schedule | None = None) -> tuple[float, float]:
-    """Inches for a Gantt chart: so wide that nearly every bar can hold an upright name, so high as there are lanes."""
+    """Inches for a Gantt chart: so wide that nearly every bar can hold an upright name, so high as
+    there are lanes.
+    """
     spans = sorted(a.end - a.start for a in schedule or ())
     narrow = spans[len(spans) // 16] / max(a.end for a in schedule) if schedule and spans else 1.0
-    return min(max(10.0, 2.2 + 0.18 / max(narrow, 1e-6)), MOST_INCHES), 1.7 + 0.72 * len(cell.operators)
+    return min(max(10.0, 2.2 + 0.18 / max(narrow, 1e-6)), MOST_INCHES), 1.7 + 0.72 * len(
+        cell.operators
+    )
 
 
 def compare_size(cell: Cell, schedule: Schedule | None = None) -> tuple[float, float]:
@@ -84,4 +94,14 @@ def legend_below(ax: Axes, entries: Sequence[tuple[Artist, str]], *, inches: flo
     columns = max(1, min(len(entries), int((figure.bbox.width / figure.dpi - BESIDE) / wide)))
     below = ax.transAxes + ScaledTranslation(0, -inches, figure.dpi_scale_trans)
     handles, labels = [handle for handle, _ in entries], [label for _, label in entries]
-    ax.legend(handles, labels, loc="upper left", bbox_to_anchor=(0, 0), bbox_transform=below, ncols=columns, frameon=False, fontsize=9, borderpad=0)
+    ax.legend(
+        handles,
+        labels,
+        loc="upper left",
+        bbox_to_anchor=(0, 0),
+        bbox_transform=below,
+        ncols=columns,
+        frameon=False,
+        fontsize=9,
+        borderpad=0,
+    )

@@ -20,8 +20,9 @@ MOST_LABELS = 40
 def plot_front(front: Front, ax: Axes | None = None, *, language: str = "en") -> Axes:
     """Draws every point with its numbers and returns the axes.
 
-    What the points dominate is shaded, the knee has a ring, and a point that is not proven is hollow, with lines that reach to its bounds.
-    Raises UsageError when pictures do not speak the language.
+    What the points dominate is shaded, the knee has a ring, and a point that is not proven is
+    hollow, with lines that reach to its bounds. Raises UsageError when pictures do not speak the
+    language.
     """
     t = words(language)
     ax = axes_or_new(ax, (7.0, 4.8))
@@ -41,9 +42,23 @@ def plot_front(front: Front, ax: Axes | None = None, *, language: str = "en") ->
         for result in front:
             _point(ax, result)
         knee = front.knee
-        ax.plot([knee.makespan], [knee.stress], ls="", marker="o", ms=17, mfc="none", mec=INK, mew=1.6, zorder=4, gid="knee")
+        ax.plot(
+            [knee.makespan],
+            [knee.stress],
+            ls="",
+            marker="o",
+            ms=17,
+            mfc="none",
+            mec=INK,
+            mew=1.6,
+            zorder=4,
+            gid="knee",
+        )
         _labels(ax, front, t)
-    title = t("picture.complete" if front.complete else "picture.open", points=t.count("picture.points", len(front)))
+    title = t(
+        "picture.complete" if front.complete else "picture.open",
+        points=t.count("picture.points", len(front)),
+    )
     ax.set_title(title, loc="left", fontsize=11, fontweight="bold")
     if len(front):
         _legend(ax, front, t)
@@ -51,16 +66,41 @@ def plot_front(front: Front, ax: Axes | None = None, *, language: str = "en") ->
 
 
 def window(front: Front) -> tuple[float, float, float, float]:
-    """Left, right, low, high of a chart in which every point and bound has room, seconds and stress."""
-    times = [value for r in front for value in (r.makespan, r.bound.makespan if r.status != Status.OPTIMAL else r.makespan)] or [0.0, 1.0]
-    loads = [value for r in front for value in (r.stress, r.bound.stress if r.status != Status.OPTIMAL else r.stress)] or [0.0, 1.0]
-    across = max(max(times) - min(times), 0.02 * max(times)) if len(front) > 1 else max(0.3 * max(times), 1.0)
-    up = max(max(loads) - min(loads), 0.02 * max(loads)) if len(front) > 1 else max(0.4 * max(loads), 1.0)
-    return max(0.0, min(times) - 0.14 * across), max(times) + 0.22 * across, max(0.0, min(loads) - 0.16 * up), max(loads) + 0.22 * up
+    """Left, right, low, high of a chart in which every point and bound has room, seconds and
+    stress.
+    """
+    times = [
+        value
+        for r in front
+        for value in (r.makespan, r.bound.makespan if r.status != Status.OPTIMAL else r.makespan)
+    ] or [0.0, 1.0]
+    loads = [
+        value
+        for r in front
+        for value in (r.stress, r.bound.stress if r.status != Status.OPTIMAL else r.stress)
+    ] or [0.0, 1.0]
+    across = (
+        max(max(times) - min(times), 0.02 * max(times))
+        if len(front) > 1
+        else max(0.3 * max(times), 1.0)
+    )
+    up = (
+        max(max(loads) - min(loads), 0.02 * max(loads))
+        if len(front) > 1
+        else max(0.4 * max(loads), 1.0)
+    )
+    return (
+        max(0.0, min(times) - 0.14 * across),
+        max(times) + 0.22 * across,
+        max(0.0, min(loads) - 0.16 * up),
+        max(loads) + 0.22 * up,
+    )
 
 
 def staircase(front: Front, right: float, high: float) -> list[tuple[float, float]]:
-    """Corners of the edge between what the points dominate and the rest, from top left to bottom right."""
+    """Corners of the edge between what the points dominate and the rest, from top left to bottom
+    right.
+    """
     corners = [(front[0].makespan, high)]
     for result in front:
         corners += [(result.makespan, corners[-1][1]), (result.makespan, result.stress)]
@@ -71,7 +111,11 @@ def _dominated(ax: Axes, front: Front, right: float, high: float) -> None:
     from matplotlib.patches import Polygon
 
     edge = staircase(front, right, high)
-    ax.add_patch(Polygon([*edge, (right, high)], closed=True, facecolor=SHADE, lw=0, zorder=0.6, gid="dominated"))
+    ax.add_patch(
+        Polygon(
+            [*edge, (right, high)], closed=True, facecolor=SHADE, lw=0, zorder=0.6, gid="dominated"
+        )
+    )
     ax.plot([x for x, _ in edge], [y for _, y in edge], color="#7A828A", lw=1.1, zorder=1)
 
 
@@ -79,9 +123,39 @@ def _point(ax: Axes, result: Result) -> None:
     x, y = result.makespan, result.stress
     proven = result.status == Status.OPTIMAL
     if not proven:
-        ax.plot([result.bound.makespan, x], [y, y], color=POINT, lw=1.3, ls=(0, (3, 2)), marker="|", ms=9, markevery=[0], zorder=2)
-        ax.plot([x, x], [result.bound.stress, y], color=POINT, lw=1.3, ls=(0, (3, 2)), marker="_", ms=9, markevery=[0], zorder=2)
-    ax.plot([x], [y], ls="", marker="o", ms=9, mfc=POINT if proven else "white", mec=POINT, mew=1.8, zorder=5)
+        ax.plot(
+            [result.bound.makespan, x],
+            [y, y],
+            color=POINT,
+            lw=1.3,
+            ls=(0, (3, 2)),
+            marker="|",
+            ms=9,
+            markevery=[0],
+            zorder=2,
+        )
+        ax.plot(
+            [x, x],
+            [result.bound.stress, y],
+            color=POINT,
+            lw=1.3,
+            ls=(0, (3, 2)),
+            marker="_",
+            ms=9,
+            markevery=[0],
+            zorder=2,
+        )
+    ax.plot(
+        [x],
+        [y],
+        ls="",
+        marker="o",
+        ms=9,
+        mfc=POINT if proven else "white",
+        mec=POINT,
+        mew=1.8,
+        zorder=5,
+    )
 
 
 def _labels(ax: Axes, front: Front, t: Words) -> None:
@@ -98,13 +172,20 @@ def _labels(ax: Axes, front: Front, t: Words) -> None:
         key = "picture.point.knee" if place == knee and len(front) > 2 else "picture.point"
         label = t(key, makespan=t.seconds(result.makespan), stress=t.number(result.stress))
         away = 10 if place == knee else 7
-        # Above right of a point lies only what it dominates: the one side that is always free of other points.
+        # Above right of a point lies only what it dominates: the one side that is always free of
+        # other points.
         box = Bbox.from_bounds(x + away, y + away - 2, 5.6 * len(label), 11)
         if place not in (knee, 0, len(front) - 1) and any(box.overlaps(other) for other in taken):
             continue
         taken.append(box)
         bold = "bold" if place == knee else "normal"
-        at: dict[str, Any] = {"textcoords": "offset points", "fontsize": 9.5, "color": INK, "fontweight": bold, "zorder": 6}
+        at: dict[str, Any] = {
+            "textcoords": "offset points",
+            "fontsize": 9.5,
+            "color": INK,
+            "fontweight": bold,
+            "zorder": 6,
+        }
         ax.annotate(label, (result.makespan, result.stress), (away, away - 2), **at)
 
 

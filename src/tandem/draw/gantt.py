@@ -37,14 +37,16 @@ def plot_gantt(
 ) -> Axes:
     """Draws the schedule and returns the axes.
 
-    Tasks on the critical path have a bold outline and are joined by a line; a joint task stands in the lane of everyone who takes part,
-    joined by a bracket; breaks and changeovers are shaded; a task's own deadline is a mark in its lane.
+    Tasks on the critical path have a bold outline and are joined by a line; a joint task stands in
+    the lane of everyone who takes part, joined by a bracket; breaks and changeovers are shaded; a
+    task's own deadline is a mark in its lane.
 
     Args:
       schedule: a sound schedule of the cell.
       critical: whether the critical path is marked.
       limit: a time to draw a line at, such as the takt; seconds.
-      until: where the axis ends, seconds, so that several charts can be compared; a little behind the makespan when absent.
+      until: where the axis ends, seconds, so that several charts can be compared; a little behind
+        the makespan when absent.
       title: what stands above; makespan and stress when absent, nothing when empty.
       legend: whether marks are explained below the chart; only those that occur.
       language: of the words and the decimal mark.
@@ -63,7 +65,11 @@ def plot_gantt(
     _joint_links(ax, rows)
     _end_line(ax, makespan(schedule), limit, t)
     if title is None:
-        title = t("picture.plan", makespan=t.seconds(makespan(schedule)), stress=t.number(stress(cell, schedule)))
+        title = t(
+            "picture.plan",
+            makespan=t.seconds(makespan(schedule)),
+            stress=t.number(stress(cell, schedule)),
+        )
     _dress(ax, rows, title, t)
     if legend:
         draw_legend(ax, rows, t, critical=critical and len(schedule) > 0)
@@ -75,8 +81,12 @@ def axis_end(schedule: Schedule, limit: float | None = None) -> float:
     return 1.03 * max(makespan(schedule), limit or 0.0, 1e-3)
 
 
-def draw_lanes(ax: Axes, rows: Sequence[Lane], t: Words, *, at: float = 0.0, deadlines: bool = True) -> None:
-    """Bars, breaks and changeovers of every lane, the first lane at height `at`; from a task's end to its deadline a line if wanted."""
+def draw_lanes(
+    ax: Axes, rows: Sequence[Lane], t: Words, *, at: float = 0.0, deadlines: bool = True
+) -> None:
+    """Bars, breaks and changeovers of every lane, the first lane at height `at`; from a task's end
+    to its deadline a line if wanted.
+    """
     for place, lane in enumerate(rows):
         y = at + place
         ax.axhspan(y - HALF - 0.08, y + HALF + 0.08, color="#F6F7F8", zorder=0, lw=0)
@@ -88,7 +98,13 @@ def draw_lanes(ax: Axes, rows: Sequence[Lane], t: Words, *, at: float = 0.0, dea
             _bar(ax, lane, bar, y)
             if deadlines and bar.deadline is not None:
                 above = y - HALF - 0.06
-                ax.plot([bar.end, bar.deadline, bar.deadline], [above, above, above + 0.12], color=ACCENT, lw=1.4, zorder=4.5)
+                ax.plot(
+                    [bar.end, bar.deadline, bar.deadline],
+                    [above, above, above + 0.12],
+                    color=ACCENT,
+                    lw=1.4,
+                    zorder=4.5,
+                )
 
 
 def _bar(ax: Axes, lane: Lane, bar: Bar, y: float) -> None:
@@ -99,21 +115,46 @@ def _bar(ax: Axes, lane: Lane, bar: Bar, y: float) -> None:
 
     place, width = (bar.start, y - HALF), bar.end - bar.start
     with matplotlib.rc_context({"hatch.linewidth": 0.6}):
-        patch = Rectangle(place, width, 2 * HALF, facecolor=lane.look.tint, edgecolor=lane.look.colour, hatch=lane.look.hatch, lw=0, zorder=2)
+        patch = Rectangle(
+            place,
+            width,
+            2 * HALF,
+            facecolor=lane.look.tint,
+            edgecolor=lane.look.colour,
+            hatch=lane.look.hatch,
+            lw=0,
+            zorder=2,
+        )
         ax.add_patch(patch)
     edge, weight, above = (INK, 2.2, 4) if bar.critical else ("#6B7280", 0.8, 3)
     outline = Rectangle(place, width, 2 * HALF, fill=False, edgecolor=edge, lw=weight, zorder=above)
     outline.set_gid(f"task {bar.task} {lane.look.operator}")
     ax.add_patch(outline)
-    backing = {"boxstyle": "round,pad=0.12", "facecolor": lane.look.tint, "edgecolor": "none"} if lane.look.hatch else None
-    text = fitted_text(ax, (bar.start, y - HALF, bar.end, y + HALF), wordings(bar), size=10, bbox=backing, clip_path=patch)
+    backing = (
+        {"boxstyle": "round,pad=0.12", "facecolor": lane.look.tint, "edgecolor": "none"}
+        if lane.look.hatch
+        else None
+    )
+    text = fitted_text(
+        ax,
+        (bar.start, y - HALF, bar.end, y + HALF),
+        wordings(bar),
+        size=10,
+        bbox=backing,
+        clip_path=patch,
+    )
     text.set_clip_path(patch)
 
 
 def wordings(bar: Bar) -> list[str]:
     """What may stand in a bar, from the fullest to the shortest."""
     longest = max((len(word) for word in bar.label.split()), default=1)
-    folded = [textwrap.wrap(bar.label, max(longest, -(-len(bar.label) // lines) + 1), break_long_words=False) for lines in (2, 3)]
+    folded = [
+        textwrap.wrap(
+            bar.label, max(longest, -(-len(bar.label) // lines) + 1), break_long_words=False
+        )
+        for lines in (2, 3)
+    ]
     return [bar.label, *("\n".join(lines) for lines in folded if 1 < len(lines) < 4), bar.task]
 
 
@@ -124,9 +165,28 @@ def _shaded(ax: Axes, start: float, end: float, y: float, why: str, hatch: str) 
     from tandem.draw.fitted import fitted_text
 
     with matplotlib.rc_context({"hatch.linewidth": 0.5}):
-        ax.add_patch(Rectangle((start, y - HALF), end - start, 2 * HALF, facecolor=SHADE, edgecolor="#9AA0A6", hatch=hatch, lw=0, zorder=1))
+        ax.add_patch(
+            Rectangle(
+                (start, y - HALF),
+                end - start,
+                2 * HALF,
+                facecolor=SHADE,
+                edgecolor="#9AA0A6",
+                hatch=hatch,
+                lw=0,
+                zorder=1,
+            )
+        )
     backing = {"boxstyle": "round,pad=0.1", "facecolor": SHADE, "edgecolor": "none"}
-    fitted_text(ax, (start, y - HALF, end, y + HALF), [why], size=8, color=FAINT_INK, bbox=backing, zorder=1.5)
+    fitted_text(
+        ax,
+        (start, y - HALF, end, y + HALF),
+        [why],
+        size=8,
+        color=FAINT_INK,
+        bbox=backing,
+        zorder=1.5,
+    )
 
 
 def _critical_links(ax: Axes, cell: Cell, schedule: Schedule) -> None:
@@ -134,13 +194,21 @@ def _critical_links(ax: Axes, cell: Cell, schedule: Schedule) -> None:
     place = {name: y for y, name in enumerate(cell.operators)}
     of_task = {a.task: a for a in schedule}
     for link in critical_path(cell, schedule):
-        if link.waited_for is None or set(of_task[link.waited_for].operators) & set(link.assignment.operators):
+        if link.waited_for is None or set(of_task[link.waited_for].operators) & set(
+            link.assignment.operators
+        ):
             continue
         first, then = of_task[link.waited_for], link.assignment
         pairs = [(place[one], place[two]) for one in first.operators for two in then.operators]
         y0, y1 = min(pairs, key=lambda pair: abs(pair[0] - pair[1]))
         side = HALF if y1 > y0 else -HALF
-        ax.plot([first.end, first.end, then.start, then.start], [y0 + side, (y0 + y1) / 2, (y0 + y1) / 2, y1 - side], color=INK, lw=2.2, zorder=1.9)
+        ax.plot(
+            [first.end, first.end, then.start, then.start],
+            [y0 + side, (y0 + y1) / 2, (y0 + y1) / 2, y1 - side],
+            color=INK,
+            lw=2.2,
+            zorder=1.9,
+        )
 
 
 def _joint_links(ax: Axes, rows: Sequence[Lane]) -> None:
@@ -152,7 +220,15 @@ def _joint_links(ax: Axes, rows: Sequence[Lane]) -> None:
     for found in spans.values():
         bar, ys = found[0][1], [y for y, _ in found]
         middle = (bar.start + bar.end) / 2
-        ax.plot([middle] * 2, [min(ys) + HALF, max(ys) - HALF], color=INK, lw=1.4, ls=(0, (1, 1)), zorder=1.8, gid=f"joint {bar.task}")
+        ax.plot(
+            [middle] * 2,
+            [min(ys) + HALF, max(ys) - HALF],
+            color=INK,
+            lw=1.4,
+            ls=(0, (1, 1)),
+            zorder=1.8,
+            gid=f"joint {bar.task}",
+        )
         for y in ys:
             ends = ([y + HALF] if y < max(ys) else []) + ([y - HALF] if y > min(ys) else [])
             ax.plot([middle] * len(ends), ends, ls="", marker="o", ms=4.5, color=INK, zorder=6)
@@ -160,11 +236,23 @@ def _joint_links(ax: Axes, rows: Sequence[Lane]) -> None:
 
 def _end_line(ax: Axes, end: float, limit: float | None, t: Words) -> None:
     ax.axvline(end, color=INK, lw=1.2, zorder=1.6)
-    at: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "va": "bottom", "fontsize": 9.5}
+    at: dict[str, Any] = {
+        "xycoords": ("data", "axes fraction"),
+        "textcoords": "offset points",
+        "va": "bottom",
+        "fontsize": 9.5,
+    }
     ax.annotate(t.seconds(end), (end, 1), (-3, 3), ha="right", **at)
     if limit is not None:
         ax.axvline(limit, color=ACCENT, lw=1.4, ls=(0, (5, 2)), zorder=6)
-        ax.annotate(t("picture.limit", limit=t.seconds(limit)), (limit, 1), (-3, 15), ha="right", color=ACCENT, **at)
+        ax.annotate(
+            t("picture.limit", limit=t.seconds(limit)),
+            (limit, 1),
+            (-3, 15),
+            ha="right",
+            color=ACCENT,
+            **at,
+        )
 
 
 def _dress(ax: Axes, rows: Sequence[Lane], title: str, t: Words) -> None:
@@ -199,15 +287,29 @@ def draw_legend(ax: Axes, rows: Sequence[Lane], t: Words, *, critical: bool) -> 
         look = next((lane.look for lane in rows if lane.look.kind == kind), None)
         if look:
             fill = "hatched" if look.hatch else "plain"
-            entries.append((Patch(facecolor=look.tint, edgecolor=look.colour, hatch=look.hatch), t(f"picture.{kind}.{fill}")))
+            entries.append(
+                (
+                    Patch(facecolor=look.tint, edgecolor=look.colour, hatch=look.hatch),
+                    t(f"picture.{kind}.{fill}"),
+                )
+            )
     if critical:
         entries.append((Patch(fill=False, edgecolor=INK, lw=2.2), t("picture.critical")))
     if any(bar.joint for lane in rows for bar in lane.bars):
-        entries.append((Line2D([], [], color=INK, ls=(0, (1, 1)), marker="o", ms=4.5), t("picture.joint")))
+        entries.append(
+            (Line2D([], [], color=INK, ls=(0, (1, 1)), marker="o", ms=4.5), t("picture.joint"))
+        )
     if any(lane.breaks for lane in rows):
-        entries.append((Patch(facecolor=SHADE, edgecolor="#9AA0A6", hatch="xxxx", lw=0), t("picture.break")))
+        entries.append(
+            (Patch(facecolor=SHADE, edgecolor="#9AA0A6", hatch="xxxx", lw=0), t("picture.break"))
+        )
     if any(lane.changeovers for lane in rows):
-        entries.append((Patch(facecolor=SHADE, edgecolor="#9AA0A6", hatch="....", lw=0), t("picture.changeover")))
+        entries.append(
+            (
+                Patch(facecolor=SHADE, edgecolor="#9AA0A6", hatch="....", lw=0),
+                t("picture.changeover"),
+            )
+        )
     if any(bar.deadline is not None for lane in rows for bar in lane.bars):
         entries.append((Line2D([], [], color=ACCENT, lw=1.4), t("picture.deadline")))
     legend_below(ax, entries)

@@ -26,17 +26,27 @@ MOST_CHIPS = 4
 
 @dataclass(frozen=True)
 class Chip:
-    """One way of doing a task, as a node shows it: who, in letters, and how long. `looks` has one entry for each who takes part."""
+    """One way of doing a task, as a node shows it: who, in letters, and how long. `looks` has one
+    entry for each who takes part.
+    """
 
     words: str
     looks: tuple[Look, ...]
 
 
 def chips(cell: Cell, task: str, t: Words) -> tuple[Chip, ...]:
-    """Every way of doing the task; when there are too many for a node, letters without times, then only how many."""
+    """Every way of doing the task; when there are too many for a node, letters without times, then
+    only how many.
+    """
     shown = looks(cell)
     modes = cell.modes(task)
-    timed = tuple(Chip(f"{'+'.join(shown[o].letters for o in m.operators)} {t.number(m.time)}", tuple(shown[o] for o in m.operators)) for m in modes)
+    timed = tuple(
+        Chip(
+            f"{'+'.join(shown[o].letters for o in m.operators)} {t.number(m.time)}",
+            tuple(shown[o] for o in m.operators),
+        )
+        for m in modes
+    )
     if len(timed) <= MOST_CHIPS:
         return timed
     first = timed[: MOST_CHIPS - 1]
@@ -46,9 +56,10 @@ def chips(cell: Cell, task: str, t: Words) -> tuple[Chip, ...]:
 def plot_graph(cell: Cell, ax: Axes | None = None, *, legend: bool = True) -> Axes:
     """Draws the precedence graph in layers from left to right and returns the axes.
 
-    Each task shows who can do it and in how many seconds: an operator's colour, hatch and letters. Arrows that follow from others are
-    left out. Bold outlines and arrows mark the longest chain in the quickest modes, which no schedule can beat. Tasks without
-    any precedence stand below the others.
+    Each task shows who can do it and in how many seconds: an operator's colour, hatch and letters.
+    Arrows that follow from others are left out. Bold outlines and arrows mark the longest chain in
+    the quickest modes, which no schedule can beat. Tasks without any precedence stand below the
+    others.
     """
     drawn = layers(cell)
     ax = axes_or_new(ax, graph_size(drawn))
@@ -60,16 +71,23 @@ def plot_graph(cell: Cell, ax: Axes | None = None, *, legend: bool = True) -> Ax
     for task in cell.tasks:
         _node(ax, cell, task, drawn.at[task], critical=task in drawn.critical)
     count = f"{len(cell.tasks)} {'task' if len(cell.tasks) == 1 else 'tasks'}"
-    ax.set_title(f"{count}; longest chain {seconds(drawn.critical_s)}", loc="left", fontsize=11, fontweight="bold")
+    ax.set_title(
+        f"{count}; longest chain {seconds(drawn.critical_s)}",
+        loc="left",
+        fontsize=11,
+        fontweight="bold",
+    )
     if legend:
         _legend(ax, cell)
     return ax
 
 
 def arrow_curve(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Control points of cubic curves from the right side of the first node to the left side of the last: start, then threes.
+    """Control points of cubic curves from the right side of the first node to the left side of the
+    last: start, then threes.
 
-    Where the arrow passes a column it runs level, so that it bends only between columns, where no node is in the way.
+    Where the arrow passes a column it runs level, so that it bends only between columns, where no
+    node is in the way.
     """
     path = [(points[0][0] + HALF_WIDTH, points[0][1])]
     for x, y in points[1:-1]:
@@ -91,9 +109,18 @@ def _arrows(ax: Axes, drawn: Layers) -> None:
         curve = arrow_curve(points)
         codes = [Path.MOVETO, *[Path.CURVE4] * (len(curve) - 1)]
         strong = pair in bold
-        style: dict[str, Any] = {"color": INK if strong else ARROW, "lw": 2.0 if strong else 1.0, "zorder": 2 if strong else 1}
+        style: dict[str, Any] = {
+            "color": INK if strong else ARROW,
+            "lw": 2.0 if strong else 1.0,
+            "zorder": 2 if strong else 1,
+        }
         arrow = FancyArrowPatch(
-            path=Path(curve, codes), arrowstyle="-|>,head_length=5,head_width=2.6", shrinkA=0, shrinkB=0, mutation_scale=1, **style
+            path=Path(curve, codes),
+            arrowstyle="-|>,head_length=5,head_width=2.6",
+            shrinkA=0,
+            shrinkB=0,
+            mutation_scale=1,
+            **style,
         )
         arrow.set_gid(f"arrow {pair[0]} {pair[1]}")
         ax.add_patch(arrow)
@@ -112,13 +139,26 @@ def _node(ax: Axes, cell: Cell, task: str, at: tuple[float, float], *, critical:
 
     left, top = at[0] - HALF_WIDTH, at[1] - HALF_HEIGHT
     width, height = 2 * HALF_WIDTH, 2 * HALF_HEIGHT
-    box = Rectangle((left, top), width, height, facecolor="white", edgecolor=INK if critical else "#5F6770", lw=2.2 if critical else 0.9, zorder=3)
+    box = Rectangle(
+        (left, top),
+        width,
+        height,
+        facecolor="white",
+        edgecolor=INK if critical else "#5F6770",
+        lw=2.2 if critical else 0.9,
+        zorder=3,
+    )
     box.set_gid(f"task {task}")
     ax.add_patch(box)
     label = task_label(cell, task)
     middle = top + 0.52 * height
     fitted_text(
-        ax, (left, top, left + width, middle), [f"{task}: {label}" if label != task else task, label, task], size=9.5, turn=False, fontweight="bold"
+        ax,
+        (left, top, left + width, middle),
+        [f"{task}: {label}" if label != task else task, label, task],
+        size=9.5,
+        turn=False,
+        fontweight="bold",
     )
     found = chips(cell, task, words())
     gap, inner = 0.03 * width, 0.94 * width
@@ -129,22 +169,46 @@ def _node(ax: Axes, cell: Cell, task: str, at: tuple[float, float], *, critical:
         for i, look in enumerate(chip.looks):
             with matplotlib.rc_context({"hatch.linewidth": 0.5}):
                 corner = (x + i * part, middle)
-                ax.add_patch(Rectangle(corner, part, 0.4 * height, facecolor=look.tint, edgecolor=look.colour, hatch=look.hatch, lw=0, zorder=3.2))
+                ax.add_patch(
+                    Rectangle(
+                        corner,
+                        part,
+                        0.4 * height,
+                        facecolor=look.tint,
+                        edgecolor=look.colour,
+                        hatch=look.hatch,
+                        lw=0,
+                        zorder=3.2,
+                    )
+                )
         backing = (
             {"boxstyle": "round,pad=0.08", "facecolor": "white", "edgecolor": "none", "alpha": 0.75}
             if any(look.hatch for look in chip.looks)
             else None
         )
-        fitted_text(ax, (x, middle, x + each, middle + 0.4 * height), [chip.words, chip.words.split()[0]], size=8.5, turn=False, bbox=backing)
+        fitted_text(
+            ax,
+            (x, middle, x + each, middle + 0.4 * height),
+            [chip.words, chip.words.split()[0]],
+            size=8.5,
+            turn=False,
+            bbox=backing,
+        )
 
 
 def _legend(ax: Axes, cell: Cell) -> None:
     from matplotlib.patches import Patch
 
     entries: list[tuple[Artist, str]] = [
-        (Patch(facecolor=look.tint, edgecolor=look.colour, hatch=look.hatch, lw=0), legend_words(look)) for look in looks(cell).values()
+        (
+            Patch(facecolor=look.tint, edgecolor=look.colour, hatch=look.hatch, lw=0),
+            legend_words(look),
+        )
+        for look in looks(cell).values()
     ]
-    legend_below(ax, [*entries, (Patch(fill=False, edgecolor=INK, lw=2.2), "longest chain")], inches=0.05)
+    legend_below(
+        ax, [*entries, (Patch(fill=False, edgecolor=INK, lw=2.2), "longest chain")], inches=0.05
+    )
 
 
 def legend_words(look: Look) -> str:
@@ -155,4 +219,9 @@ def legend_words(look: Look) -> str:
 
 def who_can(cell: Cell) -> Mapping[str, tuple[str, ...]]:
     """Task -> the operators that take part in any way of doing it, in the cell's order."""
-    return {task: tuple(o for o in cell.operators if any(o in mode.operators for mode in cell.modes(task))) for task in cell.tasks}
+    return {
+        task: tuple(
+            o for o in cell.operators if any(o in mode.operators for mode in cell.modes(task))
+        )
+        for task in cell.tasks
+    }

@@ -1,4 +1,6 @@
-"""What the judge found, as pictures: how times are distributed, regret by how far people deviate, and differences pair by pair."""
+"""What the judge found, as pictures: how times are distributed, regret by how far people deviate,
+and differences pair by pair.
+"""
 
 from __future__ import annotations
 
@@ -24,16 +26,27 @@ ROW = 0.42
 
 
 def judged_figure(documents: Sequence[Judged]) -> Figure:
-    """All that can be drawn of these documents of one cell: for one, distribution and differences; for several, regret by deviation as well."""
+    """All that can be drawn of these documents of one cell: for one, distribution and differences;
+    for several, regret by deviation as well.
+    """
     from matplotlib.figure import Figure
 
     first = documents[0]
     rows = max(2.4, 1.3 + ROW * len(first["policies"]))
     strips = [rows] * len(documents) if len(documents) <= 3 else [rows] * 3
-    shows_regret = len(documents) > 1 and any(document["optimum"] is not None for document in documents)
+    shows_regret = len(documents) > 1 and any(
+        document["optimum"] is not None for document in documents
+    )
     heights = [*([4.4] if shows_regret else []), *strips]
     figure = Figure(figsize=(11.0, sum(heights) + 0.4), layout="constrained")
-    figure.suptitle(shorten(first["cell"] or "cell", 100), x=0.01, ha="left", fontsize=13, fontweight="bold", parse_math=False)
+    figure.suptitle(
+        shorten(first["cell"] or "cell", 100),
+        x=0.01,
+        ha="left",
+        fontsize=13,
+        fontweight="bold",
+        parse_math=False,
+    )
     grid = figure.add_gridspec(len(heights), 2, height_ratios=heights)
     if shows_regret:
         plot_regret(documents, figure.add_subplot(grid[0, :]))
@@ -44,22 +57,39 @@ def judged_figure(documents: Sequence[Judged]) -> Figure:
 
 
 def plot_distribution(document: Judged, ax: Axes | None = None) -> Axes:
-    """Per policy the makespan: a line from 5 to 95 %, a box from 25 to 75 %, a stroke at the median, the mean as a dot. Returns the axes."""
+    """Per policy the makespan: a line from 5 to 95 %, a box from 25 to 75 %, a stroke at the
+    median, the mean as a dot. Returns the axes.
+    """
     rows = document["policies"]
     ax = axes_or_new(ax, (6.0, 1.3 + ROW * len(rows)))
     for place, row in enumerate(rows):
         time, colour = row["makespan"], COLOURS[place % len(COLOURS)]
         ax.plot([time["p5"], time["p95"]], [place, place], color=colour, lw=1.4)
-        ax.barh(place, time["p75"] - time["p25"], 0.5, time["p25"], color=colour, alpha=0.35, edgecolor=colour)
+        ax.barh(
+            place,
+            time["p75"] - time["p25"],
+            0.5,
+            time["p25"],
+            color=colour,
+            alpha=0.35,
+            edgecolor=colour,
+        )
         ax.plot([time["p50"]] * 2, [place - 0.25, place + 0.25], color=colour, lw=2)
         ax.plot(time["mean"], place, MARKERS[place % len(MARKERS)], color=INK, ms=4.5)
     if document["optimum"] is not None and document["weights"] == [1, 0]:
         ax.axvline(document["optimum"], color=FAINT_INK, lw=1, ls=(0, (6, 3)), zorder=0)
-    return _by_policy(ax, rows, "makespan, s (5 to 95 %, middle half, mean; dashed: exact optimum)", f"beside {shorten(document['people'], 40)}")
+    return _by_policy(
+        ax,
+        rows,
+        "makespan, s (5 to 95 %, middle half, mean; dashed: exact optimum)",
+        f"beside {shorten(document['people'], 40)}",
+    )
 
 
 def plot_differences(document: Judged, ax: Axes | None = None) -> Axes:
-    """Per policy, how much more it costs than the first one in the same episodes, with the 95 % interval. Returns the axes."""
+    """Per policy, how much more it costs than the first one in the same episodes, with the 95 %
+    interval. Returns the axes.
+    """
     rows = document["policies"]
     ax = axes_or_new(ax, (6.0, 1.3 + ROW * len(rows)))
     for place, row in enumerate(rows):
@@ -69,11 +99,17 @@ def plot_differences(document: Judged, ax: Axes | None = None) -> Axes:
         ax.plot([low, high], [place, place], color=colour, lw=2.4, solid_capstyle="butt")
         ax.plot(difference["mean"], place, MARKERS[place % len(MARKERS)], color=colour, ms=6)
     ax.axvline(0, color=INK, lw=0.8, zorder=0)
-    return _by_policy(ax, rows, f"cost above {document['compared_with']}, same episodes (mean, 95 %)", "pair by pair")
+    return _by_policy(
+        ax,
+        rows,
+        f"cost above {document['compared_with']}, same episodes (mean, 95 %)",
+        "pair by pair",
+    )
 
 
 def plot_regret(documents: Sequence[Judged], ax: Axes | None = None) -> Axes:
-    """Per policy, how far it is above the exact optimum beside each of the people, in %, with 95 % intervals. Returns the axes.
+    """Per policy, how far it is above the exact optimum beside each of the people, in %, with 95 %
+    intervals. Returns the axes.
 
     People who are the same kind with another number lie at their numbers; others side by side.
     """
@@ -91,7 +127,16 @@ def plot_regret(documents: Sequence[Judged], ax: Axes | None = None) -> Axes:
                 low.append(100 * row["regret_ci95"][0] / document["optimum"])
                 high.append(100 * row["regret_ci95"][1] / document["optimum"])
         colour, mark = COLOURS[number % len(COLOURS)], MARKERS[number % len(MARKERS)]
-        ax.plot(x, y, "-" if number < len(COLOURS) else "--", marker=mark, color=colour, lw=1.6, ms=5.5, label=name)
+        ax.plot(
+            x,
+            y,
+            "-" if number < len(COLOURS) else "--",
+            marker=mark,
+            color=colour,
+            lw=1.6,
+            ms=5.5,
+            label=name,
+        )
         ax.vlines(x, low, high, color=colour, lw=1.2)
     ax.set_xticks(
         places,
@@ -109,7 +154,9 @@ def plot_regret(documents: Sequence[Judged], ax: Axes | None = None) -> Axes:
 
 
 def _places(people: Sequence[str]) -> list[float]:
-    """Where each of the people stands on the axis: at its number when all are one kind with one number, else in order."""
+    """Where each of the people stands on the axis: at its number when all are one kind with one
+    number, else in order.
+    """
     parts = [re.fullmatch(r"(\w+):([\d.]+)", one) for one in people]
     if all(parts) and len({part[1] for part in parts if part}) == 1:
         numbers = [float(part[2]) for part in parts if part]

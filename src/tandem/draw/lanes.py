@@ -13,7 +13,9 @@ from tandem.schedule.model import Schedule
 
 @dataclass(frozen=True)
 class Bar:
-    """One task in one lane. `start`, `end` and `deadline` in seconds; `joint` when other lanes hold the same task too."""
+    """One task in one lane. `start`, `end` and `deadline` in seconds; `joint` when other lanes hold
+    the same task too.
+    """
 
     task: str
     label: str
@@ -26,7 +28,9 @@ class Bar:
 
 @dataclass(frozen=True)
 class Shaded:
-    """A time in which an operator works on no task: `why` names the tool taken up, or is "break"."""
+    """A time in which an operator works on no task: `why` names the tool taken up, or is
+    "break".
+    """
 
     start: float
     end: float
@@ -45,7 +49,9 @@ class Lane:
     utilisation: float
 
 
-def lanes(cell: Cell, schedule: Schedule, *, until: float, critical: bool = True) -> tuple[Lane, ...]:
+def lanes(
+    cell: Cell, schedule: Schedule, *, until: float, critical: bool = True
+) -> tuple[Lane, ...]:
     """Every operator's lane, in the cell's order, also of those who do nothing.
 
     Args:
@@ -53,14 +59,30 @@ def lanes(cell: Cell, schedule: Schedule, *, until: float, critical: bool = True
       critical: whether bars on the critical path are marked.
     """
     path = {link.assignment.task for link in critical_path(cell, schedule)} if critical else set()
-    changes, busy, used = changeovers(cell, schedule), working(cell, schedule), utilisation(cell, schedule)
+    changes, busy, used = (
+        changeovers(cell, schedule),
+        working(cell, schedule),
+        utilisation(cell, schedule),
+    )
     found = []
     for name, look in looks(cell).items():
         bars = tuple(
-            Bar(a.task, task_label(cell, a.task), a.start, a.end, len(a.operators) > 1, a.task in path, cell.tasks[a.task].deadline)
+            Bar(
+                a.task,
+                task_label(cell, a.task),
+                a.start,
+                a.end,
+                len(a.operators) > 1,
+                a.task in path,
+                cell.tasks[a.task].deadline,
+            )
             for a in schedule.of(name)
         )
-        breaks = tuple(Shaded(start, min(end, until), "break") for start, end in cell.operators[name].breaks if start < until)
+        breaks = tuple(
+            Shaded(start, min(end, until), "break")
+            for start, end in cell.operators[name].breaks
+            if start < until
+        )
         swaps = tuple(Shaded(c.start, c.end, c.tool) for c in changes if c.operator == name)
         found.append(Lane(look, bars, breaks, swaps, busy[name], used[name]))
     return tuple(found)

@@ -14,7 +14,9 @@ from tandem.errors import UsageError
 
 
 class Words:
-    """Sentences by key, with places for values: `words("plan.title", n=2)`. A count chooses between `key.one` and `key.other`."""
+    """Sentences by key, with places for values: `words("plan.title", n=2)`. A count chooses between
+    `key.one` and `key.other`.
+    """
 
     def __init__(self, language: str, sentences: dict[str, str]):
         self.language, self.sentences = language, sentences
@@ -44,7 +46,11 @@ def sentences(package: str, language: str) -> dict[str, str]:
     folder = resources.files(package)
     file = folder / f"words_{language}.json"
     if not language.isalpha() or not file.is_file():
-        known = sorted(f.name[6:-5] for f in folder.iterdir() if f.name.startswith("words_") and f.name.endswith(".json"))
+        known = sorted(
+            f.name[6:-5]
+            for f in folder.iterdir()
+            if f.name.startswith("words_") and f.name.endswith(".json")
+        )
         raise UsageError(f"language {language!r}: reports speak {', '.join(known)}.")
     found: dict[str, str] = json.loads(file.read_text("utf-8"))
     return found

@@ -1,8 +1,10 @@
-"""A precedence graph laid out in layers, as plain data: where each task stands and how its arrows run.
+"""A precedence graph laid out in layers, as plain data: where each task stands and how its arrows
+run.
 
-The four steps of Sugiyama, Tagawa and Toda (1981): layers by the longest chain of predecessors, placeholders where an arrow
-passes a layer, few crossings by repeated medians, then straight lanes. Only arrows that say something are drawn: one that
-follows from others is left out (transitive reduction).
+The four steps of Sugiyama, Tagawa and Toda (1981): layers by the longest chain of predecessors,
+placeholders where an arrow passes a layer, few crossings by repeated medians, then straight lanes.
+Only arrows that say something are drawn: one that follows from others is left out (transitive
+reduction).
 """
 
 from __future__ import annotations
@@ -44,7 +46,9 @@ def layers(cell: Cell) -> Layers:
     """The cell's precedence graph in layers. The same cell gives the same picture."""
     after = reduced(cell)
     critical, length = critical_chain(cell)
-    linked = {name for name, firsts in after.items() if firsts} | {first for firsts in after.values() for first in firsts}
+    linked = {name for name, firsts in after.items() if firsts} | {
+        first for firsts in after.values() for first in firsts
+    }
     free = [name for name in after if name not in linked]
     at, arrows = _linked_part({name: after[name] for name in after if name in linked})
     return Layers({**at, **_free_part(free, at)}, arrows, critical, length)
@@ -71,7 +75,11 @@ def topological(cell: Cell) -> list[str]:
             behind[first].append(name)
     ready = [name for name, count in waiting.items() if count == 0]
     for name in ready:
-        for later in sorted(behind[name], key=list(cell.tasks).index) if len(behind[name]) > 1 else behind[name]:
+        for later in (
+            sorted(behind[name], key=list(cell.tasks).index)
+            if len(behind[name]) > 1
+            else behind[name]
+        ):
             waiting[later] -= 1
             if waiting[later] == 0:
                 ready.append(later)
@@ -79,7 +87,9 @@ def topological(cell: Cell) -> list[str]:
 
 
 def critical_chain(cell: Cell) -> tuple[tuple[str, ...], float]:
-    """One longest chain of tasks, each in its quickest mode, and its seconds: no schedule can be shorter."""
+    """One longest chain of tasks, each in its quickest mode, and its seconds: no schedule can be
+    shorter.
+    """
     ends: dict[str, Decimal] = {}
     back: dict[str, str | None] = {}
     for name in topological(cell):
@@ -102,7 +112,9 @@ Node = tuple[str, str, int]
 Point = tuple[float, float]
 
 
-def _linked_part(after: Mapping[str, tuple[str, ...]]) -> tuple[dict[str, Point], dict[tuple[str, str], tuple[Point, ...]]]:
+def _linked_part(
+    after: Mapping[str, tuple[str, ...]],
+) -> tuple[dict[str, Point], dict[tuple[str, str], tuple[Point, ...]]]:
     column = _columns(after)
     rows: list[list[Node]] = [[] for _ in range(max(column.values(), default=-1) + 1)]
     for name in after:
@@ -127,7 +139,9 @@ def _linked_part(after: Mapping[str, tuple[str, ...]]) -> tuple[dict[str, Point]
 
 
 def _columns(after: Mapping[str, tuple[str, ...]]) -> dict[str, int]:
-    """Task -> number of tasks on the longest chain before it; what waits for nothing stands right before the first that waits for it."""
+    """Task -> number of tasks on the longest chain before it; what waits for nothing stands right
+    before the first that waits for it.
+    """
     column: dict[str, int] = {}
     waiting = list(after)
     while waiting:
@@ -138,12 +152,20 @@ def _columns(after: Mapping[str, tuple[str, ...]]) -> dict[str, int]:
         waiting = [name for name in rest if name not in column]
     for name, firsts in after.items():
         if not firsts:
-            column[name] = min(column[other] for other, others in after.items() if name in others) - 1
+            column[name] = (
+                min(column[other] for other, others in after.items() if name in others) - 1
+            )
     return column
 
 
-def _uncrossed(rows: list[list[Node]], left: Mapping[Node, Sequence[Node]], right: Mapping[Node, Sequence[Node]]) -> list[list[Node]]:
-    """The layers in an order with few crossings: each node moves to the middle of its neighbours, left to right and back."""
+def _uncrossed(
+    rows: list[list[Node]],
+    left: Mapping[Node, Sequence[Node]],
+    right: Mapping[Node, Sequence[Node]],
+) -> list[list[Node]]:
+    """The layers in an order with few crossings: each node moves to the middle of its neighbours,
+    left to right and back.
+    """
     best, fewest = [list(layer) for layer in rows], _crossings(rows, right)
     for sweep in range(SWEEPS):
         if fewest == 0:
@@ -154,7 +176,10 @@ def _uncrossed(rows: list[list[Node]], left: Mapping[Node, Sequence[Node]], righ
         for x in order:
             beside = {node: place for place, node in enumerate(rows[x - 1 if forward else x + 1])}
             old = {node: place for place, node in enumerate(rows[x])}
-            mean = {n: sum(beside[m] for m in near[n]) / len(near[n]) if near[n] else float(old[n]) for n in rows[x]}
+            mean = {
+                n: sum(beside[m] for m in near[n]) / len(near[n]) if near[n] else float(old[n])
+                for n in rows[x]
+            }
             rows[x].sort(key=lambda node, mean=mean, old=old: (mean[node], old[node]))  # type: ignore[misc]
         count = _crossings(rows, right)
         if count < fewest:
@@ -176,8 +201,14 @@ def _crossings(rows: Sequence[Sequence[Node]], right: Mapping[Node, Sequence[Nod
     return total
 
 
-def _straighten(rows: Sequence[Sequence[Node]], left: Mapping[Node, Sequence[Node]], right: Mapping[Node, Sequence[Node]]) -> dict[Node, float]:
-    """Row of each node: as near to its neighbours' as the order and one row of room for each task allow."""
+def _straighten(
+    rows: Sequence[Sequence[Node]],
+    left: Mapping[Node, Sequence[Node]],
+    right: Mapping[Node, Sequence[Node]],
+) -> dict[Node, float]:
+    """Row of each node: as near to its neighbours' as the order and one row of room for each task
+    allow.
+    """
     most = max((_room(layer) for layer in rows), default=0.0)
     height: dict[Node, float] = {}
     for layer in rows:
@@ -189,7 +220,10 @@ def _straighten(rows: Sequence[Sequence[Node]], left: Mapping[Node, Sequence[Nod
         forward = sweep % 2 == 0
         for layer in rows if forward else list(reversed(rows)):
             near = left if forward else right
-            wish = [sum(height[m] for m in near[n]) / len(near[n]) if near[n] else height[n] for n in layer]
+            wish = [
+                sum(height[m] for m in near[n]) / len(near[n]) if near[n] else height[n]
+                for n in layer
+            ]
             for node, y in zip(layer, _apart(layer, wish), strict=True):
                 height[node] = y
     low = min((y - _half(node) for node, y in height.items()), default=0.0)
@@ -206,7 +240,9 @@ def _room(layer: Sequence[Node]) -> float:
 
 
 def _apart(layer: Sequence[Node], wish: Sequence[float]) -> list[float]:
-    """The places nearest to the wishes (least squares) that keep the order and the room between neighbours."""
+    """The places nearest to the wishes (least squares) that keep the order and the room between
+    neighbours.
+    """
     offset, shifts = 0.0, []
     for place, node in enumerate(layer):
         offset += 0.0 if place == 0 else _half(layer[place - 1]) + _half(node)
@@ -221,10 +257,16 @@ def _apart(layer: Sequence[Node], wish: Sequence[float]) -> list[float]:
     return [y + shift for y, shift in zip(flat, shifts, strict=True)]
 
 
-def _free_part(free: Sequence[str], linked: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
+def _free_part(
+    free: Sequence[str], linked: Mapping[str, tuple[float, float]]
+) -> dict[str, tuple[float, float]]:
     """Tasks without any precedence stand in a block of their own under the others."""
     if not free:
         return {}
     below = max((y for _, y in linked.values()), default=-1.35) + 1.35
-    across = max(int(max((x for x, _ in linked.values()), default=-1) + 1), math.ceil(math.sqrt(len(free))))
-    return {name: (float(place % across), below + place // across) for place, name in enumerate(free)}
+    across = max(
+        int(max((x for x, _ in linked.values()), default=-1) + 1), math.ceil(math.sqrt(len(free)))
+    )
+    return {
+        name: (float(place % across), below + place // across) for place, name in enumerate(free)
+    }

@@ -1,4 +1,6 @@
-"""One picture of a front for a slide or a mail: the trade-off on top, the recommended plan below."""
+"""One picture of a front for a slide or a mail: the trade-off on top, the recommended plan
+below.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,12 @@ def overview(front: Front, *, language: str = "en") -> Figure:
     figure.get_layout_engine().set(h_pad=0.12, w_pad=0.1, hspace=0.06)  # type: ignore[union-attr, call-arg]
     if front.cell.name:
         figure.suptitle(
-            "\n".join(textwrap.wrap(front.cell.name, int(9 * width))), x=0.01, ha="left", fontsize=14, fontweight="bold", parse_math=False
+            "\n".join(textwrap.wrap(front.cell.name, int(9 * width))),
+            x=0.01,
+            ha="left",
+            fontsize=14,
+            fontweight="bold",
+            parse_math=False,
         )
     if not len(front):
         plot_front(front, figure.add_subplot(), language=language)

@@ -20,7 +20,8 @@ PICTURES = (".svg", ".png", ".pdf")
 def save(picture: Figure | Axes, path: str | os.PathLike[str], *, dpi: int = 150) -> Path:
     """Writes a figure, or the figure of an axes, as SVG, PNG or PDF and returns where.
 
-    The same picture gives the same bytes: no date, no random identifiers. The file is whole or not there at all.
+    The same picture gives the same bytes: no date, no random identifiers. The file is whole or not
+    there at all.
 
     Raises:
       UsageError: the name ends in none of .svg, .png, .pdf.
@@ -28,7 +29,10 @@ def save(picture: Figure | Axes, path: str | os.PathLike[str], *, dpi: int = 150
     """
     target = Path(path)
     if target.suffix.lower() not in PICTURES:
-        raise UsageError(f"{target}: a picture's name ends in {', '.join(PICTURES[:-1])} or {PICTURES[-1]}, not {target.suffix or 'nothing'!r}.")
+        raise UsageError(
+            f"{target}: a picture's name ends in {', '.join(PICTURES[:-1])} or {PICTURES[-1]}, not"
+            f" {target.suffix or 'nothing'!r}."
+        )
     store(target, picture_bytes(picture, target.suffix.lower()[1:], dpi=dpi))
     return target
 
@@ -45,6 +49,8 @@ def picture_bytes(picture: Figure | Axes, form: str, *, dpi: int = 150) -> bytes
         FigureCanvasAgg(figure)
     undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {}}[form]
     buffer = io.BytesIO()
-    with matplotlib.rc_context({"svg.hashsalt": "tandem", "svg.fonttype": "none", "pdf.fonttype": 42}):
+    with matplotlib.rc_context(
+        {"svg.hashsalt": "tandem", "svg.fonttype": "none", "pdf.fonttype": 42}
+    ):
         figure.savefig(buffer, format=form, dpi=dpi, metadata=undated, facecolor="white")
     return buffer.getvalue()

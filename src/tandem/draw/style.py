@@ -1,8 +1,9 @@
-"""One look for every picture: an operator keeps its colour, hatch and letters in charts, terminal and reports.
+"""One look for every picture: an operator keeps its colour, hatch and letters in charts, terminal
+and reports.
 
-The colours are those of Okabe and Ito (2008), which people with any common colour blindness can tell apart: warm ones for
-humans, cool ones for robots. Because colour alone is not enough, robots are hatched and humans plain, and every operator
-has letters of its own.
+The colours are those of Okabe and Ito (2008), which people with any common colour blindness can
+tell apart: warm ones for humans, cool ones for robots. Because colour alone is not enough, robots
+are hatched and humans plain, and every operator has letters of its own.
 """
 
 from __future__ import annotations
@@ -36,7 +37,8 @@ class Look:
     Attributes:
       operator: its name in the cell; `label` is what pictures call it.
       letters: one to three letters that are its own within the cell.
-      colour: full colour for edges, hatches and marks; `tint` is the light fill on which black text reads.
+      colour: full colour for edges, hatches and marks; `tint` is the light fill on which black text
+        reads.
       hatch: matplotlib's notation; empty for the first human, never empty for a robot.
     """
 
@@ -50,17 +52,28 @@ class Look:
 
 
 def looks(cell: Cell) -> dict[str, Look]:
-    """Per operator its look, in the cell's order. It depends on the cell's operators alone, never on a schedule."""
-    letters = _letters([(name, operator.label or name) for name, operator in cell.operators.items()])
+    """Per operator its look, in the cell's order. It depends on the cell's operators alone, never
+    on a schedule.
+    """
+    letters = _letters(
+        [(name, operator.label or name) for name, operator in cell.operators.items()]
+    )
     found, seen = {}, {"human": 0, "robot": 0}
     for name, operator in cell.operators.items():
         place = seen[operator.kind]
         seen[operator.kind] += 1
-        colours, hatches = (HUMAN_COLOURS, HUMAN_HATCHES) if operator.kind == "human" else (ROBOT_COLOURS, ROBOT_HATCHES)
+        colours, hatches = (
+            (HUMAN_COLOURS, HUMAN_HATCHES)
+            if operator.kind == "human"
+            else (ROBOT_COLOURS, ROBOT_HATCHES)
+        )
         colour = colours[place % len(colours)]
-        # When the colours are used up they begin again with the next hatch, so that a pair of both stays an operator's own.
+        # When the colours are used up they begin again with the next hatch, so that a pair of both
+        # stays an operator's own.
         hatch = hatches[(place + place // len(colours)) % len(hatches)]
-        found[name] = Look(name, operator.label or name, operator.kind, letters[name], colour, tint(colour), hatch)
+        found[name] = Look(
+            name, operator.label or name, operator.kind, letters[name], colour, tint(colour), hatch
+        )
     return found
 
 
@@ -73,7 +86,11 @@ def shorten(text: str, length: int, ellipsis: str = "…") -> str:
     """At most `length` characters; an ellipsis stands for what was cut."""
     if len(text) <= length:
         return text
-    return text[: max(length - len(ellipsis), 0)].rstrip() + ellipsis if length > len(ellipsis) else text[:length]
+    return (
+        text[: max(length - len(ellipsis), 0)].rstrip() + ellipsis
+        if length > len(ellipsis)
+        else text[:length]
+    )
 
 
 def tint(colour: str, strength: float = 0.45) -> str:
@@ -95,7 +112,9 @@ def _luminance(colour: str) -> float:
 
 
 def _letters(names: Iterable[tuple[str, str]]) -> dict[str, str]:
-    """Per operator the shortest letters that no other has: its initial, else the initial with the digits it ends in or a count."""
+    """Per operator the shortest letters that no other has: its initial, else the initial with the
+    digits it ends in or a count.
+    """
     names = list(names)
     initials = {name: next((c.upper() for c in label if c.isalnum()), "?") for name, label in names}
     found: dict[str, str] = {}
@@ -104,7 +123,11 @@ def _letters(names: Iterable[tuple[str, str]]) -> dict[str, str]:
         if list(initials.values()).count(initial) == 1:
             found[name] = initial
             continue
-        digits = "".join(c for c in label[::-1][: len(label) - len(label.rstrip("0123456789"))][::-1] if c.isdigit())
+        digits = "".join(
+            c
+            for c in label[::-1][: len(label) - len(label.rstrip("0123456789"))][::-1]
+            if c.isdigit()
+        )
         candidate = initial + digits if digits and initial + digits not in found.values() else ""
         count = 1
         while not candidate or candidate in found.values():

@@ -24,11 +24,19 @@ def tornado_size(rows: int) -> tuple[float, float]:
     return 8.0, 1.6 + ROW * min(max(rows, 1), MOST_BARS)
 
 
-def plot_tornado(rows: Sequence[tuple[str, Mapping[str, float]]], ax: Axes | None = None, *, xlabel: str = "", title: str = "") -> Axes:
-    """Draws one row for each label, with a bar from 0 for each of its changes, and returns the axes.
+def plot_tornado(
+    rows: Sequence[tuple[str, Mapping[str, float]]],
+    ax: Axes | None = None,
+    *,
+    xlabel: str = "",
+    title: str = "",
+) -> Axes:
+    """Draws one row for each label, with a bar from 0 for each of its changes, and returns the
+    axes.
 
     Args:
-      rows: label and the value of each change ("-10 %": -2.0), in the order in which they are drawn, the first on top; at most `MOST_BARS`.
+      rows: label and the value of each change ("-10 %": -2.0), in the order in which they are
+        drawn, the first on top; at most `MOST_BARS`.
     """
     ax = axes_or_new(ax, tornado_size(len(rows)))
     shown = list(rows[:MOST_BARS])
@@ -50,7 +58,12 @@ def plot_tornado(rows: Sequence[tuple[str, Mapping[str, float]]], ax: Axes | Non
         ax.spines[side].set_visible(False)
     ax.tick_params(axis="y", length=0)
     rest = len(rows) - len(shown)
-    ax.set_title(title + (f" (the first {len(shown)} of {len(rows)})" if rest else ""), loc="left", fontsize=11, fontweight="bold")
+    ax.set_title(
+        title + (f" (the first {len(shown)} of {len(rows)})" if rest else ""),
+        loc="left",
+        fontsize=11,
+        fontweight="bold",
+    )
     if len(changes) > 1:
         _legend(ax, changes)
     return ax
@@ -58,12 +71,25 @@ def plot_tornado(rows: Sequence[tuple[str, Mapping[str, float]]], ax: Axes | Non
 
 def _same_side(rows: Sequence[tuple[str, Mapping[str, float]]]) -> bool:
     """Two bars of a row point the same way, so that they must lie side by side."""
-    return any(sum(value > 0 for value in values.values()) > 1 or sum(value < 0 for value in values.values()) > 1 for _, values in rows)
+    return any(
+        sum(value > 0 for value in values.values()) > 1
+        or sum(value < 0 for value in values.values()) > 1
+        for _, values in rows
+    )
 
 
 def _bar(ax: Axes, y: float, value: float, height: float, which: int) -> None:
     colour, hatch = FILLS[which % len(FILLS)]
-    ax.barh(y, value, height, color=colour, hatch=hatch, edgecolor="white" if hatch else colour, lw=0.5, gid="effect")
+    ax.barh(
+        y,
+        value,
+        height,
+        color=colour,
+        hatch=hatch,
+        edgecolor="white" if hatch else colour,
+        lw=0.5,
+        gid="effect",
+    )
     if value:
         ax.annotate(
             number(value),
@@ -79,4 +105,10 @@ def _bar(ax: Axes, y: float, value: float, height: float, which: int) -> None:
 def _legend(ax: Axes, changes: Sequence[str]) -> None:
     from matplotlib.patches import Patch
 
-    legend_below(ax, [(Patch(facecolor=FILLS[i % 2][0], hatch=FILLS[i % 2][1], edgecolor="white"), change) for i, change in enumerate(changes)])
+    legend_below(
+        ax,
+        [
+            (Patch(facecolor=FILLS[i % 2][0], hatch=FILLS[i % 2][1], edgecolor="white"), change)
+            for i, change in enumerate(changes)
+        ],
+    )

@@ -1,7 +1,9 @@
-"""The one door to every face's `step`: is an episode under way, and is what was named an action at all.
+"""The one door to every face's `step`: is an episode under way, and is what was named an action at
+all.
 
-An action is a whole number. One beyond the space is illegal, like one that the mask rules out, in every world: it is flagged, costs what that world
-says an illegal action costs, and raises when strict. What is no whole number is a mistake in the calling code and always raises.
+An action is a whole number. One beyond the space is illegal, like one that the mask rules out, in
+every world: it is flagged, costs what that world says an illegal action costs, and raises when
+strict. What is no whole number is a mistake in the calling code and always raises.
 """
 
 from __future__ import annotations
@@ -27,10 +29,12 @@ class NoEpisodeError(UsageError, ResetNeeded):
 
 
 class Door:
-    """Stands before one face's `step`. It is shut until `reset` opens it, and shuts again when the episode ends.
+    """Stands before one face's `step`. It is shut until `reset` opens it, and shuts again when the
+    episode ends.
 
     Args:
-      sizes: agent -> how many actions it has, numbered from 0. A face with one controller has one entry.
+      sizes: agent -> how many actions it has, numbered from 0. A face with one controller has one
+        entry.
       strict: a number beyond the space raises instead of becoming `OUTSIDE`.
     """
 
@@ -43,7 +47,9 @@ class Door:
         self.is_open = self.has_opened = True
 
     def shut_if(self, over: bool) -> None:
-        """After an episode that is over nothing is taken, and nothing paid, until the next reset."""
+        """After an episode that is over nothing is taken, and nothing paid, until the next
+        reset.
+        """
         self.is_open = self.is_open and not over
 
     def number(self, action: Any, agent: str) -> int:
@@ -61,16 +67,30 @@ class Door:
 
         Raises:
           NoEpisodeError: no episode is under way.
-          UsageError: with everything that is missing, unknown, no whole number or, when strict, beyond its space.
+          UsageError: with everything that is missing, unknown, no whole number or, when strict,
+            beyond its space.
         """
         self._must_be_open()
         if not isinstance(actions, Mapping):
-            raise UsageError(f"actions={actions!r}: give a table from agent to action, for {', '.join(self.sizes)}.")
-        faults = [f"no action for {agent}: every agent names one." for agent in self.sizes if agent not in actions]
+            raise UsageError(
+                f"actions={actions!r}: give a table from agent to action, for"
+                f" {', '.join(self.sizes)}."
+            )
+        faults = [
+            f"no action for {agent}: every agent names one."
+            for agent in self.sizes
+            if agent not in actions
+        ]
         for agent in actions:
             if agent not in self.sizes:
-                meant = "".join(f" Did you mean {near!r}?" for near in get_close_matches(str(agent), self.sizes, 1))
-                faults.append(f"an action for {agent!r}, who is no agent here.{meant} There are: {', '.join(self.sizes)}.")
+                meant = "".join(
+                    f" Did you mean {near!r}?"
+                    for near in get_close_matches(str(agent), self.sizes, 1)
+                )
+                faults.append(
+                    f"an action for {agent!r}, who is no agent here.{meant} There are:"
+                    f" {', '.join(self.sizes)}."
+                )
         chosen = {}
         for agent in (agent for agent in self.sizes if agent in actions):
             try:
@@ -90,12 +110,18 @@ class Door:
         last = self.sizes[agent] - 1
         try:
             number = operator.index(action)
-        except (TypeError, ValueError, RuntimeError):  # arrays of any library say in their own way that they are no index
-            raise UsageError(f"{agent} named {_shown(action)}, no whole number: give one of 0 to {last}.") from None
+        except (TypeError, ValueError, RuntimeError):
+            # arrays of any library say in their own way that they are no index
+            raise UsageError(
+                f"{agent} named {_shown(action)}, no whole number: give one of 0 to {last}."
+            ) from None
         if 0 <= number <= last:
             return number
         if self.strict:
-            raise UsageError(f"illegal: {agent} named {_shown(number)}, and the actions are 0 to {last}. Take an action from action_masks().")
+            raise UsageError(
+                f"illegal: {agent} named {_shown(number)}, and the actions are 0 to {last}. Take an"
+                " action from action_masks()."
+            )
         return OUTSIDE
 
 

@@ -1,4 +1,6 @@
-"""One shift under way, with what the standard faces need of it: masks, observations, happenings, pictures. In NumPy; needs no JAX."""
+"""One shift under way, with what the standard faces need of it: masks, observations, happenings,
+pictures. In NumPy; needs no JAX.
+"""
 
 from __future__ import annotations
 
@@ -30,12 +32,14 @@ class Options:
     """What a face of the event world can be told.
 
     Attributes:
-      person: who the humans are, in words: "compliant", "random:0.5", "pace:2+forgetful:0.1", "population:FILE" (`docs/people.md`).
+      person: who the humans are, in words: "compliant", "random:0.5", "pace:2+forgetful:0.1",
+        "population:FILE" (`docs/people.md`).
       part: of a population file, "held_out" or "train".
       chance: what may happen besides.
       stress_factor: seconds that a unit of stress is worth in the reward.
       strict: an illegal action raises instead of counting as waiting.
-      limit: seconds after which an unfinished episode is cut off; twenty times all work done one after the other when absent.
+      limit: seconds after which an unfinished episode is cut off; twenty times all work done one
+        after the other when absent.
       per_second: ticks in a second; fine enough when absent.
       render_mode: None, "ansi" or "rgb_array".
     """
@@ -52,15 +56,23 @@ class Options:
     def __post_init__(self) -> None:
         for key, known in (("part", ("train", "held_out")), ("render_mode", (None, *RENDER_MODES))):
             if (value := getattr(self, key)) not in known:
-                meant = "".join(f" Did you mean {near!r}?" for near in get_close_matches(str(value), [x for x in known if x], 1))
-                raise UsageError(f"{key}={value!r} is unknown.{meant} Choose from {', '.join(repr(x) for x in known)}.")
+                meant = "".join(
+                    f" Did you mean {near!r}?"
+                    for near in get_close_matches(str(value), [x for x in known if x], 1)
+                )
+                raise UsageError(
+                    f"{key}={value!r} is unknown.{meant} Choose from"
+                    f" {', '.join(repr(x) for x in known)}."
+                )
         if self.limit is not None and not self.limit > 0:
             raise UsageError(f"limit={self.limit!r}: give seconds above 0.")
 
 
 @dataclass(frozen=True)
 class Happening:
-    """What passed between two decisions: seconds, stress that was taken on, and per operator the tasks begun and ended."""
+    """What passed between two decisions: seconds, stress that was taken on, and per operator the
+    tasks begun and ended.
+    """
 
     seconds: float
     stress: float
@@ -69,13 +81,19 @@ class Happening:
 
 
 class Game:
-    """A shift from its reset to its end. `free` leaves every choice to who plays: people then only have their pace, their fatigue and their slips."""
+    """A shift from its reset to its end. `free` leaves every choice to who plays: people then only
+    have their pace, their fatigue and their slips.
+    """
 
-    def __init__(self, cell: Cell | str | os.PathLike[str], options: Options, *, free: bool = False):
+    def __init__(
+        self, cell: Cell | str | os.PathLike[str], options: Options, *, free: bool = False
+    ):
         self.cell, self.options, self.free = as_cell(cell), options, free
         self.names = Names.of(self.cell, per_second=options.per_second)
         self.people = crowd(options.person, self.names, self.names.arrays(), part=options.part)
-        self.arrays = self.names.arrays(undo=options.chance.undo if self.people.makes_mistakes else None)
+        self.arrays = self.names.arrays(
+            undo=options.chance.undo if self.people.makes_mistakes else None
+        )
         self.draw = Draw.of(self.names, self.arrays, options.chance)
         longest = [max(mode.time for mode in self.cell.modes(task)) for task in self.cell.tasks]
         self._masked: Shift | None = None
@@ -88,7 +106,14 @@ class Game:
         person = Person(*(value[0] for value in self.people.draw(rng, 1)))
         if self.free:
             zero, one = np.float32(0), np.float32(1)
-            person = person._replace(random=zero, follows=one, obeys=one, taste=person.taste * zero, refuses=zero, postpones=zero)
+            person = person._replace(
+                random=zero,
+                follows=one,
+                obeys=one,
+                taste=person.taste * zero,
+                refuses=zero,
+                postpones=zero,
+            )
         self.crew = crew_of(self.arrays, person)
         self.fate = fate(self.draw, self.arrays, rng.random(self.draw.numbers, np.float32))
         self.shift: Shift = begin(self.arrays, self.crew)
@@ -96,11 +121,18 @@ class Game:
         self.to_a_turn()
 
     def decide(self, way: int) -> None:
-        """Whose turn it is is asked to begin the way, or to wait (-1). Time stands still. Assumes that it is somebody's turn."""
-        before, self.shift = self.shift, decide(self.arrays, self.fate, self.crew, self.shift, np.int32(way))
+        """Whose turn it is is asked to begin the way, or to wait (-1). Time stands still. Assumes
+        that it is somebody's turn.
+        """
+        before, self.shift = (
+            self.shift,
+            decide(self.arrays, self.fate, self.crew, self.shift, np.int32(way)),
+        )
         after = self.shift.state
         for task in np.flatnonzero((after.start_at != before.state.start_at) & (after.way >= 0)):
-            self.rows.append((int(after.way[task]), int(after.start_at[task]), int(after.end_at[task])))
+            self.rows.append(
+                (int(after.way[task]), int(after.start_at[task]), int(after.end_at[task]))
+            )
 
     def to_a_turn(self) -> None:
         """Time runs on until it is somebody's turn, the limit has come, or all is over."""
@@ -108,8 +140,12 @@ class Game:
             self.shift = run_on(self.arrays, self.fate, self.shift)
 
     def pass_a_second(self) -> None:
-        """Nobody began anything and nothing is to come: a second passes, and all are asked again."""
-        state = world.advance(self.arrays, self.shift.state, np.int32(self.clock + self.names.per_second))
+        """Nobody began anything and nothing is to come: a second passes, and all are asked
+        again.
+        """
+        state = world.advance(
+            self.arrays, self.shift.state, np.int32(self.clock + self.names.per_second)
+        )
         mask = world.legal(self.arrays, state)
         self.shift = self.shift._replace(state=state, mask=mask, turn=world.turn(self.arrays, mask))
 
@@ -139,19 +175,25 @@ class Game:
         return int(self.shift.turn)
 
     def mask(self, operator: int) -> NDArray[np.int8]:
-        """`[W + 1]`, 1 = the operator may choose it; 0 waits, i begins way i - 1. Who has nothing to choose waits."""
+        """`[W + 1]`, 1 = the operator may choose it; 0 waits, i begins way i - 1. Who has nothing
+        to choose waits.
+        """
         shift, arrays = self.shift, self.arrays
         if self._masked is not shift:
             self._masked, self._masks = shift, {}
         if operator not in self._masks:
             mine = world.legal_of(arrays, shift.mask, np.int32(operator))
-            waits = not mine.any() or bool(world.may_wait(arrays, shift.state, shift.mask, np.int32(operator)))
+            waits = not mine.any() or bool(
+                world.may_wait(arrays, shift.state, shift.mask, np.int32(operator))
+            )
             self._masks[operator] = np.concatenate([[waits], mine]).astype(np.int8)
         return self._masks[operator].copy()
 
     def observe(self, operator: int) -> NDArray[np.float32]:
         """`[D]`, see `observations.observe`."""
-        return np.asarray(observe(self.arrays, self.shift.state, self.shift.mask, np.int32(operator)))
+        return np.asarray(
+            observe(self.arrays, self.shift.state, self.shift.mask, np.int32(operator))
+        )
 
     def since(self, before: Shift) -> Happening:
         """What has passed since then."""
@@ -161,7 +203,9 @@ class Game:
         up, was_up = world.mounted(now), world.mounted(then)
         for task, name in enumerate(self.names.tasks):
             if now.start_at[task] != then.start_at[task] and now.way[task] >= 0:
-                started.update(dict.fromkeys(self.names.ways[int(now.way[task])][1].operators, name))
+                started.update(
+                    dict.fromkeys(self.names.ways[int(now.way[task])][1].operators, name)
+                )
             way = int(now.way[task] if now.way[task] >= 0 else then.way[task])
             if (up[task] and not was_up[task]) or (now.way[task] < 0 <= then.way[task]):
                 finished.update(dict.fromkeys(self.names.ways[way][1].operators, name))
@@ -176,7 +220,9 @@ class Game:
         """Minus the seconds that passed, minus what the stress is worth."""
         return -happening.seconds - self.options.stress_factor * happening.stress
 
-    def info(self, happening: Happening | None, operator: str | None, illegal: bool) -> dict[str, Any]:
+    def info(
+        self, happening: Happening | None, operator: str | None, illegal: bool
+    ) -> dict[str, Any]:
         """`info` of the faces, without the mask; `operator` None speaks of all."""
         state, now = self.shift.state, self.names.seconds(self.clock)
         stress, rows = self.stress_at(state), [end for _, _, end in self.rows if end <= self.clock]
@@ -197,8 +243,14 @@ class Game:
         }
 
     def schedule(self) -> Schedule:
-        """All work so far, what went wrong and was taken apart included; what is in hand ends now."""
-        rows = [(way, start, min(end, self.clock)) for way, start, end in self.rows if start < self.clock]
+        """All work so far, what went wrong and was taken apart included; what is in hand ends
+        now.
+        """
+        rows = [
+            (way, start, min(end, self.clock))
+            for way, start, end in self.rows
+            if start < self.clock
+        ]
         return Schedule(tuple(self.names.assignment(*row) for row in rows))
 
     def render(self) -> str | NDArray[np.uint8] | None:
@@ -209,20 +261,32 @@ class Game:
         if self.options.render_mode == "ansi":
             return pictures.text_gantt(self.cell, self.schedule(), now)
         if self.options.render_mode == "rgb_array":
-            return pictures.rgb_gantt(self.cell, self.schedule(), now, self.stress_at(self.shift.state))
+            return pictures.rgb_gantt(
+                self.cell, self.schedule(), now, self.stress_at(self.shift.state)
+            )
         return None
 
     def complaint(self, operator: int, action: int) -> str:
         """What a strict game says of an illegal action."""
-        legal = ", ".join(f"{place} ({self._named(place)})" for place in map(int, np.flatnonzero(self.mask(operator))))
+        legal = ", ".join(
+            f"{place} ({self._named(place)})"
+            for place in map(int, np.flatnonzero(self.mask(operator)))
+        )
         who, named = self.names.operators[operator], self._named(action)
-        return f"illegal at {self.names.seconds(self.clock):g} s: {who!r} was to {named}; legal are {legal}. Take an action from action_masks()."
+        return (
+            f"illegal at {self.names.seconds(self.clock):g} s: {who!r} was to {named}; legal are"
+            f" {legal}. Take an action from action_masks()."
+        )
 
     def _named(self, action: int) -> str:
         if action == 0:
             return "wait"
         task, mode = self.names.ways[action - 1]
-        return f"do {task!r} with {' and '.join(mode.operators)}" if len(mode.operators) > 1 else f"do {task!r} as {mode.operators[0]}"
+        return (
+            f"do {task!r} with {' and '.join(mode.operators)}"
+            if len(mode.operators) > 1
+            else f"do {task!r} as {mode.operators[0]}"
+        )
 
     def _idle(self, who: str, happening: Happening) -> float:
         """Seconds of the last stretch in which the operator had no work."""

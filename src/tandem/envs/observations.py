@@ -1,4 +1,6 @@
-"""What a decider at the faces of the event world sees: everything that can be seen, and nothing of what is still to come."""
+"""What a decider at the faces of the event world sees: everything that can be seen, and nothing of
+what is still to come.
+"""
 
 from __future__ import annotations
 
@@ -7,16 +9,21 @@ from tandem.world.episode import expected_ends
 from tandem.world.state import State, mounted, to_undo
 
 MOST = 100.0
-"""Times are cut off here, in units of the mean duration of a way, so that observations have bounds."""
+"""Times are cut off here, in units of the mean duration of a way, so that observations have
+bounds.
+"""
 
 
 def observe(arrays: Arrays, state: State, mask: Array, operator: Array) -> Array:
-    """`[8 T + 6 O + W + 1]` float32 in 0..`MOST`, as the operator (`[]` int) sees it whose choice it is.
+    """`[8 T + 6 O + W + 1]` float32 in 0..`MOST`, as the operator (`[]` int) sees it whose choice
+    it is.
 
-    Per task: open, in hand, done, to be taken apart, being taken apart, done by a human; the time since it began and the time that is left of it by
-    the stated durations, 0 unless it is in hand. Per operator: whose choice it is, at work, away, has let its turn pass, its stress so far by the
-    largest of a task, and what its work took so far by what it was to take (1 before anything was done). Per way: may begin now (`mask` `[W]`).
-    Last the clock. Times in units of the mean duration of a way.
+    Per task: open, in hand, done, to be taken apart, being taken apart, done by a human; the time
+    since it began and the time that is left of it by the stated durations, 0 unless it is in hand.
+    Per operator: whose choice it is, at work, away, has let its turn pass, its stress so far by the
+    largest of a task, and what its work took so far by what it was to take (1 before anything was
+    done). Per way: may begin now (`mask` `[W]`). Last the clock. Times in units of the mean
+    duration of a way.
     """
     xp = namespace(state.way)
     unit = xp.mean(arrays.way_ticks)
@@ -30,7 +37,9 @@ def observe(arrays: Arrays, state: State, mask: Array, operator: Array) -> Array
     left = xp.where(running, expected_ends(arrays, state) - state.clock, 0) / unit
     team = (in_use[:, :, None] & arrays.way_uses[:, None, :]).any(axis=0) & up[:, None]
     took = xp.where(team, xp.where(up, state.end_at - state.start_at, 0)[:, None], 0).sum(axis=0)
-    stated = xp.where(team, xp.where(in_use, arrays.way_ticks[:, None], 0).sum(axis=0)[:, None], 0).sum(axis=0)
+    stated = xp.where(
+        team, xp.where(in_use, arrays.way_ticks[:, None], 0).sum(axis=0)[:, None], 0
+    ).sum(axis=0)
     hardest = xp.maximum(1, arrays.way_load.max())
     parts = [
         ~begun,

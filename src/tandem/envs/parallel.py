@@ -23,37 +23,54 @@ Observation = dict[str, NDArray[Any]]
 
 
 class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
-    """`robot_0`, `robot_1`, ..., `human_0`, ... in the cell's order; action 0 waits, action i is the cell's i-th way (`game.names.ways[i - 1]`).
+    """`robot_0`, `robot_1`, ..., `human_0`, ... in the cell's order; action 0 waits, action i is
+    the cell's i-th way (`game.names.ways[i - 1]`).
 
-    A step is one moment at which somebody can begin something. The actions are taken in turn, humans first; what an earlier one has taken away
-    counts as waiting for the later one, and is not illegal. Who names a joint way begins it for all who take part. Then time runs on until somebody
+    A step is one moment at which somebody can begin something. The actions are taken in turn,
+    humans first; what an earlier one has taken away counts as waiting for the later one, and is not
+    illegal. Who names a joint way begins it for all who take part. Then time runs on until somebody
     can begin something again. When all wait although nothing else is to come, a second passes.
 
-    All agents are paid the same: minus the seconds that passed, less `stress_factor` for each unit of stress. Humans choose what they are told to
-    choose: of `person` only pace, habit, fatigue and slips count. Observations, masks and illegal actions as in the Gymnasium face.
+    All agents are paid the same: minus the seconds that passed, less `stress_factor` for each unit
+    of stress. Humans choose what they are told to choose: of `person` only pace, habit, fatigue and
+    slips count. Observations, masks and illegal actions as in the Gymnasium face.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"name": "events_v0", "render_modes": list(RENDER_MODES), "is_parallelizable": True, "render_fps": 4}
+    metadata: ClassVar[dict[str, Any]] = {
+        "name": "events_v0",
+        "render_modes": list(RENDER_MODES),
+        "is_parallelizable": True,
+        "render_fps": 4,
+    }
 
     def __init__(self, cell: Cell | str | os.PathLike[str], **options: Any):
         self.game = Game(cell, Options(**options), free=True)
         self.render_mode = self.game.options.render_mode
         names, of = self.game.names.operators, self.game.cell
         self.operators = {
-            f"{kind}_{place}": names.index(who) for kind, group in (("robot", of.robots), ("human", of.humans)) for place, who in enumerate(group)
+            f"{kind}_{place}": names.index(who)
+            for kind, group in (("robot", of.robots), ("human", of.humans))
+            for place, who in enumerate(group)
         }
         self.possible_agents = list(self.operators)
         self.agents: list[str] = []
         actions, size = len(self.game.names.ways) + 1, self.game.observe(0).size
         box = (np.zeros(size, np.float32), np.full(size, MOST, np.float32))
         self.observation_spaces = {
-            agent: spaces.Dict({"observation": spaces.Box(*box, dtype=np.float32), "action_mask": spaces.MultiBinary(actions)})
+            agent: spaces.Dict(
+                {
+                    "observation": spaces.Box(*box, dtype=np.float32),
+                    "action_mask": spaces.MultiBinary(actions),
+                }
+            )
             for agent in self.possible_agents
         }
         self.action_spaces = {agent: spaces.Discrete(actions) for agent in self.possible_agents}
         self.state_space = spaces.Box(*box, dtype=np.float32)
         self._rng = seeding.np_random(0)[0]
-        self._door = Door(dict.fromkeys(self.possible_agents, actions), strict=self.game.options.strict)
+        self._door = Door(
+            dict.fromkeys(self.possible_agents, actions), strict=self.game.options.strict
+        )
 
     def observation_space(self, agent: str) -> gymnasium.Space[Any]:
         """The same object at each call."""
@@ -63,22 +80,36 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         """The same object at each call."""
         return self.action_spaces[agent]
 
-    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
-        """The first observations; people and chance are drawn anew, from the seed when it is given."""
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
+        """The first observations; people and chance are drawn anew, from the seed when it is
+        given.
+        """
         if seed is not None:
             self._rng = seeding.np_random(seed)[0]
         self.game.reset(self._rng)
         self.agents = list(self.possible_agents)
         self._door.open()
         self._return, self._steps, self._since = 0.0, 0, time.monotonic()
-        return self._observations(), {agent: self._info(agent, self.game.info(None, self._name(agent), False)) for agent in self.agents}
+        return self._observations(), {
+            agent: self._info(agent, self.game.info(None, self._name(agent), False))
+            for agent in self.agents
+        }
 
     def step(
         self, actions: dict[str, int]
-    ) -> tuple[dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
+    ) -> tuple[
+        dict[str, Observation],
+        dict[str, float],
+        dict[str, bool],
+        dict[str, bool],
+        dict[str, dict[str, Any]],
+    ]:
         """All agents act.
 
-        Raises UsageError for an illegal action when strict, for what is no action, and after the end.
+        Raises UsageError for an illegal action when strict, for what is no action, and after the
+        end.
         """
         named, masks = self._door.numbers(actions), self.action_masks()
         game, before, agents = self.game, self.game.shift, self.agents
@@ -90,7 +121,10 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         happening = game.since(before)
         reward, ended, cut = game.reward(happening), game.done, game.truncated
         self._return, self._steps = self._return + reward, self._steps + 1
-        infos = {agent: self._info(agent, game.info(happening, self._name(agent), illegal[agent])) for agent in agents}
+        infos = {
+            agent: self._info(agent, game.info(happening, self._name(agent), illegal[agent]))
+            for agent in agents
+        }
         self._door.shut_if(ended or cut)
         if ended or cut:
             taken = round(time.monotonic() - self._since, 6)
@@ -139,7 +173,10 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         return self.game.names.operators[self.operators[agent]]
 
     def _observation(self, agent: str) -> Observation:
-        return {"observation": self.game.observe(self.operators[agent]), "action_mask": self.game.mask(self.operators[agent])}
+        return {
+            "observation": self.game.observe(self.operators[agent]),
+            "action_mask": self.game.mask(self.operators[agent]),
+        }
 
     def _observations(self) -> dict[str, Observation]:
         return {agent: self._observation(agent) for agent in self.agents}

@@ -13,7 +13,8 @@ WIDEST = 100
 
 
 def text_gantt(cell: Cell, schedule: Schedule, now: float) -> str:
-    """A lane per operator, a character per second (more seconds when it would be too wide): `1=======|` is task 1 done by a human.
+    """A lane per operator, a character per second (more seconds when it would be too wide):
+    `1=======|` is task 1 done by a human.
 
     Robots' bars are filled with `-`, humans' with `=`; the first line holds the seconds.
     """
@@ -41,7 +42,9 @@ def _axis(width: int, scale: float) -> str:
 
 
 def rgb_gantt(cell: Cell, schedule: Schedule, now: float, stress: float) -> NDArray[np.uint8]:
-    """`[height, width, 3]`, the Gantt chart of `tandem.draw` at 100 dots per inch. Needs matplotlib."""
+    """`[height, width, 3]`, the Gantt chart of `tandem.draw` at 100 dots per inch. Needs
+    matplotlib.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -50,6 +53,14 @@ def rgb_gantt(cell: Cell, schedule: Schedule, now: float, stress: float) -> NDAr
     figure = Figure(figsize=(8, 2.4), dpi=100, layout="constrained")
     canvas = FigureCanvasAgg(figure)
     total = sum(max(task.time.values(), default=0.0) for task in cell.tasks.values())
-    plot_gantt(cell, schedule, figure.subplots(), critical=False, until=max(now, total / 2), title=f"{now:g} s, stress {stress:g}", legend=False)
+    plot_gantt(
+        cell,
+        schedule,
+        figure.subplots(),
+        critical=False,
+        until=max(now, total / 2),
+        title=f"{now:g} s, stress {stress:g}",
+        legend=False,
+    )
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()

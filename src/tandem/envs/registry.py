@@ -21,13 +21,16 @@ SINGLE = {"tandem/RobotBesideHuman-v0": "tandem.envs.single:RobotBesideHuman", *
 
 
 def parallel_env(name: str, *arguments: Any, **options: Any) -> ParallelEnv[str, Any, Any]:
-    """The PettingZoo face of a world, made with its own arguments: `parallel_env("thesis", cell, stress_factor=5)`.
+    """The PettingZoo face of a world, made with its own arguments: `parallel_env("thesis", cell,
+    stress_factor=5)`.
 
     Raises UsageError for an unknown name, and what the world raises for arguments that do not fit.
     """
     if name not in PARALLEL:
         meant = "".join(f" Did you mean {near!r}?" for near in get_close_matches(name, PARALLEL, 1))
-        raise UsageError(f"environment {name!r}: there is none.{meant} There are: {', '.join(PARALLEL)}.")
+        raise UsageError(
+            f"environment {name!r}: there is none.{meant} There are: {', '.join(PARALLEL)}."
+        )
     made: ParallelEnv[str, Any, Any] = resolved(PARALLEL[name])(*arguments, **options)
     return made
 

@@ -1,4 +1,6 @@
-"""The event world as Gymnasium wants it: a controller of the robots beside people who are part of the world."""
+"""The event world as Gymnasium wants it: a controller of the robots beside people who are part of
+the world.
+"""
 
 from __future__ import annotations
 
@@ -20,14 +22,17 @@ Observation = dict[str, NDArray[Any]]
 
 
 class RobotBesideHuman(gymnasium.Env[Any, Any]):
-    """One decision at a time: what a robot begins or, at a person's turn, what it is asked to do. Action 0 waits, action i is the cell's i-th way.
+    """One decision at a time: what a robot begins or, at a person's turn, what it is asked to do.
+    Action 0 waits, action i is the cell's i-th way.
 
-    A way is one way of doing one task: `env.unwrapped.game.names.ways[i - 1]` names task and operators. Robots do as they are told, people as they
-    like (`person`). At one moment people come first. With `asks=False` nobody asks people anything: they are suggested the legal task with the
+    A way is one way of doing one task: `env.unwrapped.game.names.ways[i - 1]` names task and
+    operators. Robots do as they are told, people as they like (`person`). At one moment people come
+    first. With `asks=False` nobody asks people anything: they are suggested the legal task with the
     longest chain behind it, as an instruction sheet would, and only robots' turns come up.
 
-    The reward is minus the seconds that passed, less `stress_factor` for each unit of stress. An illegal action counts as waiting, or as the first
-    legal way when waiting is none; `strict=True` raises. The same seed gives the same people and the same chance, whatever is decided. The other
+    The reward is minus the seconds that passed, less `stress_factor` for each unit of stress. An
+    illegal action counts as waiting, or as the first legal way when waiting is none; `strict=True`
+    raises. The same seed gives the same people and the same chance, whatever is decided. The other
     options: see `Options`. `info["episode"]` is left to the wrappers that write it.
     """
 
@@ -40,14 +45,20 @@ class RobotBesideHuman(gymnasium.Env[Any, Any]):
         self.action_space = spaces.Discrete(actions)
         self.observation_space = spaces.Dict(
             {
-                "observation": spaces.Box(np.zeros(size, np.float32), np.full(size, MOST, np.float32), dtype=np.float32),
+                "observation": spaces.Box(
+                    np.zeros(size, np.float32), np.full(size, MOST, np.float32), dtype=np.float32
+                ),
                 "action_mask": spaces.MultiBinary(actions),
             }
         )
         self._door = Door({CONTROLLER: actions}, strict=self.game.options.strict)
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
-        """The first observation; people and chance are drawn anew, from the seed when it is given."""
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """The first observation; people and chance are drawn anew, from the seed when it is
+        given.
+        """
         super().reset(seed=seed)
         self.game.reset(self.np_random)
         self._door.open()
@@ -57,7 +68,8 @@ class RobotBesideHuman(gymnasium.Env[Any, Any]):
     def step(self, action: int) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """One decision.
 
-        Raises UsageError for an illegal action when strict, for what is no action, and after the end.
+        Raises UsageError for an illegal action when strict, for what is no action, and after the
+        end.
         """
         action, game, before = self._door.number(action, CONTROLLER), self.game, self.game.shift
         illegal = not is_legal(self.action_masks(), action)
@@ -68,7 +80,13 @@ class RobotBesideHuman(gymnasium.Env[Any, Any]):
             self._to_our_turn()
         happening = game.since(before)
         self._door.shut_if(game.done or game.truncated)
-        return self._observation(), game.reward(happening), game.done, game.truncated, self._info(happening, illegal)
+        return (
+            self._observation(),
+            game.reward(happening),
+            game.done,
+            game.truncated,
+            self._info(happening, illegal),
+        )
 
     def action_masks(self) -> NDArray[np.int8]:
         """`[W + 1]` int8, 1 = legal; never all 0."""
@@ -84,11 +102,16 @@ class RobotBesideHuman(gymnasium.Env[Any, Any]):
         game.to_a_turn()
         while not self.asks and game.turn >= 0 and game.arrays.human[game.turn]:
             mine = np.flatnonzero(game.mask(game.turn)[1:])
-            game.decide(int(max(mine, key=lambda way: (game.arrays.tail[game.arrays.way_task[way]], -way))))
+            game.decide(
+                int(max(mine, key=lambda way: (game.arrays.tail[game.arrays.way_task[way]], -way)))
+            )
             game.to_a_turn()
 
     def _observation(self) -> Observation:
-        return {"observation": self.game.observe(self.game.turn), "action_mask": self.action_masks()}
+        return {
+            "observation": self.game.observe(self.game.turn),
+            "action_mask": self.action_masks(),
+        }
 
     def _info(self, happening: Happening | None, illegal: bool) -> dict[str, Any]:
         turn = self.game.turn

@@ -41,7 +41,10 @@ class Cost:
     bound: float
 
     def to_dict(self) -> dict[str, Any]:
-        return {key: plain(getattr(self, key)) for key in ("makespan", "stress", "seconds", "more_stress", "proven", "bound")}
+        return {
+            key: plain(getattr(self, key))
+            for key in ("makespan", "stress", "seconds", "more_stress", "proven", "bound")
+        }
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,8 @@ class Alternative:
 
     Attributes:
       operators, time: who, and seconds.
-      at_same_stress: the quickest schedule with no more stress than the chosen point; None when there is none.
+      at_same_stress: the quickest schedule with no more stress than the chosen point; None when
+        there is none.
       in_same_time: the least stressful schedule that takes no longer; None when there is none.
       otherwise: the quickest schedule of all, when neither of the two exists.
       open: questions that time did not suffice to answer.
@@ -72,21 +76,49 @@ class Alternative:
     @property
     def costs_nothing(self) -> bool:
         """There is a schedule as good as the chosen one that does it this way."""
-        return any(cost is not None and cost.seconds <= 0 and cost.more_stress <= 0 for cost in (self.at_same_stress, self.in_same_time))
+        return any(
+            cost is not None and cost.seconds <= 0 and cost.more_stress <= 0
+            for cost in (self.at_same_stress, self.in_same_time)
+        )
 
     @property
     def better(self) -> Cost | None:
-        """A schedule that beats the chosen one and does it this way: there is none when the chosen point is proven."""
-        costs = [cost for cost in (self.at_same_stress, self.in_same_time) if cost is not None and cost.seconds <= 0 and cost.more_stress <= 0]
+        """A schedule that beats the chosen one and does it this way: there is none when the chosen
+        point is proven.
+        """
+        costs = [
+            cost
+            for cost in (self.at_same_stress, self.in_same_time)
+            if cost is not None and cost.seconds <= 0 and cost.more_stress <= 0
+        ]
         return next((cost for cost in costs if cost.seconds < 0 or cost.more_stress < 0), None)
 
     def to_dict(self) -> dict[str, Any]:
-        costs = {key: cost.to_dict() if (cost := getattr(self, key)) else None for key in ("at_same_stress", "in_same_time", "otherwise")}
-        return {"operators": list(self.operators), "time": plain(self.time), "possible": self.possible, **costs, "open": list(self.open)}
+        costs = {
+            key: cost.to_dict() if (cost := getattr(self, key)) else None
+            for key in ("at_same_stress", "in_same_time", "otherwise")
+        }
+        return {
+            "operators": list(self.operators),
+            "time": plain(self.time),
+            "possible": self.possible,
+            **costs,
+            "open": list(self.open),
+        }
 
 
-def alternative(cell: Cell, point: Result, task: str, mode: Mode, *, time_limit: float = 5.0, seed: int = 0, workers: int = 1) -> Alternative:
-    """What doing the task in this mode would cost, compared with the point; at most three questions of `time_limit` seconds each.
+def alternative(
+    cell: Cell,
+    point: Result,
+    task: str,
+    mode: Mode,
+    *,
+    time_limit: float = 5.0,
+    seed: int = 0,
+    workers: int = 1,
+) -> Alternative:
+    """What doing the task in this mode would cost, compared with the point; at most three questions
+    of `time_limit` seconds each.
 
     Every number is the answer of the exact planner to the cell without the task's other modes.
     """
@@ -99,33 +131,49 @@ def alternative(cell: Cell, point: Result, task: str, mode: Mode, *, time_limit:
 
     def ask(question: Question, words: str) -> Cost | None:
         try:
-            found = exact.solve(forced, question, time_limit=time_limit, seed=seed, workers=workers, hint=begin)[0]
+            found = exact.solve(
+                forced, question, time_limit=time_limit, seed=seed, workers=workers, hint=begin
+            )[0]
         except InfeasibleError:
             return None
         except NothingFoundError:
             open_questions.append(words)
             return None
         bound = _bound(found, point, question)
-        more = float(decimal(found.makespan) - decimal(point.makespan)), float(decimal(found.stress) - decimal(point.stress))
+        more = (
+            float(decimal(found.makespan) - decimal(point.makespan)),
+            float(decimal(found.stress) - decimal(point.stress)),
+        )
         return Cost(found.makespan, found.stress, *more, found.status is Status.OPTIMAL, bound)
 
     same_stress = ask(Question("makespan", max_stress=point.stress), TIME)
     free = same_stress is not None and same_stress.seconds <= 0
-    same_time = same_stress if free else ask(Question("stress", max_makespan=point.makespan), STRESS)
+    same_time = (
+        same_stress if free else ask(Question("stress", max_makespan=point.makespan), STRESS)
+    )
     otherwise = None if same_stress or same_time else ask(Question("makespan"), ANY)
-    return Alternative(task, mode.operators, mode.time, same_stress, same_time, otherwise, tuple(open_questions))
+    return Alternative(
+        task, mode.operators, mode.time, same_stress, same_time, otherwise, tuple(open_questions)
+    )
 
 
 def _bound(found: Result, point: Result, question: Question) -> float:
-    """What is excluded for the whole cell is excluded for each way of doing a task: the point's own bound counts too under its own limits."""
+    """What is excluded for the whole cell is excluded for each way of doing a task: the point's own
+    bound counts too under its own limits.
+    """
     if question.minimize == "stress":
         return max(found.bound.stress, point.bound.stress)
-    return max(found.bound.makespan, point.bound.makespan) if question.max_stress is not None else found.bound.makespan
+    return (
+        max(found.bound.makespan, point.bound.makespan)
+        if question.max_stress is not None
+        else found.bound.makespan
+    )
 
 
 def rearranged(cell: Cell, schedule: Schedule) -> Schedule | None:
-    """The schedule's tasks in the same order, as early as the cell allows, each in the way it was done where it still can be, else in its
-    quickest way: something to begin the search with. It may break a limit of the cell; None when it cannot be built.
+    """The schedule's tasks in the same order, as early as the cell allows, each in the way it was
+    done where it still can be, else in its quickest way: something to begin the search with. It may
+    break a limit of the cell; None when it cannot be built.
     """
     instance = Instance.of(cell)
     layout = Layout.of(instance)
@@ -133,7 +181,11 @@ def rearranged(cell: Cell, schedule: Schedule) -> Schedule | None:
     steps = []
     for task, name in enumerate(instance.tasks):
         who = next(a.operators for a in schedule if a.task == name)
-        same = [step for step in layout.steps[task] if {instance.operators[i] for i in step.operators} == set(who)]
+        same = [
+            step
+            for step in layout.steps[task]
+            if {instance.operators[i] for i in step.operators} == set(who)
+        ]
         options = same or sorted(layout.steps[task], key=lambda step: step.ticks)
         if not options:
             return None
@@ -151,18 +203,31 @@ def sentence(cell: Cell, found: Alternative) -> str:
         return f"{who} ({number(found.time)} s): not looked at, time was short."
     if better := found.better:
         size = f"{number(better.makespan)} s, stress {number(better.stress)}"
-        return f"{who} ({number(found.time)} s): a better schedule, found only now, does it so: {size}."
+        return (
+            f"{who} ({number(found.time)} s): a better schedule, found only now, does it so:"
+            f" {size}."
+        )
     if found.costs_nothing:
-        return f"{who} ({number(found.time)} s): costs nothing, another schedule of the same makespan and stress does it so."
+        return (
+            f"{who} ({number(found.time)} s): costs nothing, another schedule of the same makespan"
+            " and stress does it so."
+        )
     parts = []
     if found.at_same_stress:
-        parts.append(f"{_more(found.at_same_stress.seconds, ' s')} ({_size(found.at_same_stress, 'makespan')} s) at no more stress")
+        parts.append(
+            f"{_more(found.at_same_stress.seconds, ' s')}"
+            f" ({_size(found.at_same_stress, 'makespan')} s) at no more stress"
+        )
     if found.in_same_time:
-        parts.append(f"{_more(found.in_same_time.more_stress, ' stress')} ({_size(found.in_same_time, 'stress')}) in no more time")
+        parts.append(
+            f"{_more(found.in_same_time.more_stress, ' stress')}"
+            f" ({_size(found.in_same_time, 'stress')}) in no more time"
+        )
     if found.otherwise:
         cost = found.otherwise
         parts.append(
-            f"at best {number(cost.makespan)} s and stress {number(cost.stress)} ({_more(cost.seconds, ' s')}, {_more(cost.more_stress, ' stress')})"
+            f"at best {number(cost.makespan)} s and stress {number(cost.stress)}"
+            f" ({_more(cost.seconds, ' s')}, {_more(cost.more_stress, ' stress')})"
         )
     if not found.at_same_stress and TIME not in found.open and found.in_same_time:
         parts[-1] += "; no schedule keeps the stress"
@@ -174,7 +239,11 @@ def sentence(cell: Cell, found: Alternative) -> str:
 
 def _size(cost: Cost, what: str) -> str:
     value: float = getattr(cost, what)
-    return f"{number(value)}" if cost.proven or cost.bound >= value else f"{number(cost.bound)} to {number(value)}"
+    return (
+        f"{number(value)}"
+        if cost.proven or cost.bound >= value
+        else f"{number(cost.bound)} to {number(value)}"
+    )
 
 
 def _more(value: float, unit: str) -> str:

@@ -30,7 +30,12 @@ class Change:
         return _sentence(self)
 
     def to_dict(self) -> dict[str, Any]:
-        return {"path": list(self.path), "before": self.before, "after": self.after, "sentence": str(self)}
+        return {
+            "path": list(self.path),
+            "before": self.before,
+            "after": self.after,
+            "sentence": str(self),
+        }
 
 
 def compare_cells(before: Cell, after: Cell) -> tuple[Change, ...]:
@@ -51,7 +56,9 @@ def _sentence(change: Change) -> str:
     match path:
         case ("tasks" | "operators" | "tools" | "zones" as room, name):
             what = "new" if before is None else "gone" if after is None else "other"
-            return f"{room[:-1]} {name}: {what}" + (f" ({_ways(after)})" if room == "tasks" and after else "")
+            return f"{room[:-1]} {name}: {what}" + (
+                f" ({_ways(after)})" if room == "tasks" and after else ""
+            )
         case ("tasks", name, "time", who):
             if after is None:
                 return f"task {name}: {who} can no longer do it (took {number(before)} s)"
@@ -65,7 +72,9 @@ def _sentence(change: Change) -> str:
         case ("tasks", name, "together"):
             if not before or not after:
                 return (
-                    f"task {name}: {'can be done together now, by' if after else 'can no longer be done together, as by'} {_joint(after or before)}"
+                    f"task {name}:"
+                    f" {'can be done together now, by' if after else 'can no longer be done together, as by'}"
+                    f" {_joint(after or before)}"
                 )
             return f"task {name}: done together by {_joint(after)} instead of {_joint(before)}"
     where = (
@@ -78,7 +87,15 @@ def _sentence(change: Change) -> str:
 
 def _ways(task: Mapping[str, Any]) -> str:
     times = [f"{who} {number(seconds)} s" for who, seconds in task.get("time", {}).items()]
-    return ", ".join([*times, *(f"{' + '.join(map(str, way['operators']))} {number(way['time'])} s" for way in task.get("together", ()))])
+    return ", ".join(
+        [
+            *times,
+            *(
+                f"{' + '.join(map(str, way['operators']))} {number(way['time'])} s"
+                for way in task.get("together", ())
+            ),
+        ]
+    )
 
 
 def _list_change(verb: str, before: list[Any], after: list[Any]) -> str:
@@ -106,7 +123,7 @@ def _shown(value: Any) -> str:
     return "nothing" if value is None else flow(plain(value), name=True)
 
 
-# --- schedules ----------------------------------------------------------------------------------------------------------------
+# --- schedules ------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -120,30 +137,50 @@ class Move:
     @property
     def other_operators(self) -> bool:
         """Somebody else does it."""
-        return self.before is not None and self.after is not None and set(self.before.operators) != set(self.after.operators)
+        return (
+            self.before is not None
+            and self.after is not None
+            and set(self.before.operators) != set(self.after.operators)
+        )
 
     @property
     def later(self) -> float | None:
         """Seconds by which it starts later; negative for earlier."""
-        return None if self.before is None or self.after is None else float(exact(self.after.start) - exact(self.before.start))
+        return (
+            None
+            if self.before is None or self.after is None
+            else float(exact(self.after.start) - exact(self.before.start))
+        )
 
     @property
     def changed(self) -> bool:
         """Anything differs: who, start or end."""
         if self.before is None or self.after is None:
             return True
-        return self.other_operators or (self.before.start, self.before.end) != (self.after.start, self.after.end)
+        return self.other_operators or (self.before.start, self.before.end) != (
+            self.after.start,
+            self.after.end,
+        )
 
     def __str__(self) -> str:
         if self.before is None or self.after is None:
             row = self.before or self.after
             assert row is not None
             when = "only before" if self.after is None else "only after"
-            return f"task {self.task}: {when}, {' + '.join(row.operators)}, {number(row.start)} to {number(row.end)} s"
-        who = f"{' + '.join(self.before.operators)} -> {' + '.join(self.after.operators)}, " if self.other_operators else ""
+            return (
+                f"task {self.task}: {when}, {' + '.join(row.operators)}, {number(row.start)} to"
+                f" {number(row.end)} s"
+            )
+        who = (
+            f"{' + '.join(self.before.operators)} -> {' + '.join(self.after.operators)}, "
+            if self.other_operators
+            else ""
+        )
         return (
-            f"task {self.task}: {who or ' + '.join(self.after.operators) + ', '}"
-            f"{number(self.before.start)} to {number(self.before.end)} s -> {number(self.after.start)} to {number(self.after.end)} s"
+            f"task {self.task}:"
+            f" {who or ' + '.join(self.after.operators) + ', '}{number(self.before.start)} to"
+            f" {number(self.before.end)} s -> {number(self.after.start)} to"
+            f" {number(self.after.end)} s"
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -158,9 +195,13 @@ class Move:
 
 
 def compare_schedules(before: Schedule, after: Schedule) -> tuple[Move, ...]:
-    """Every task of the two, in order of its start before; tasks that are only in the second come last."""
+    """Every task of the two, in order of its start before; tasks that are only in the second come
+    last.
+    """
     first, second = ({a.task: a for a in schedule} for schedule in (before, after))
-    return tuple(Move(task, first.get(task), second.get(task)) for task in dict.fromkeys([*first, *second]))
+    return tuple(
+        Move(task, first.get(task), second.get(task)) for task in dict.fromkeys([*first, *second])
+    )
 
 
 def _row(a: Assignment | None) -> dict[str, Any] | None:

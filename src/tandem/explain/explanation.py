@@ -1,4 +1,6 @@
-"""`explain`: for each task why it stands where it stands and what every other way of doing it would cost; and why nothing is quicker."""
+"""`explain`: for each task why it stands where it stands and what every other way of doing it would
+cost; and why nothing is quicker.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,9 @@ from tandem.schedule.model import Assignment
 SHARE_FOR_FRONT = 0.3
 SHARE_FOR_FLOOR = 0.2
 SHARE_TO_END = 0.08
-"""Of the time limit; the last is for the questions that are open when no new ones are begun, the rest for the alternatives."""
+"""Of the time limit; the last is for the questions that are open when no new ones are begun, the
+rest for the alternatives.
+"""
 QUESTIONS_EACH = 3
 
 
@@ -47,14 +51,27 @@ class TaskAnswer:
         """Who and when, why then, and each alternative."""
         a = self.assignment
         label = self.cell.tasks[a.task].label
-        head = f"task {a.task}{f' ({label})' if label else ''}: {' + '.join(a.operators)}, {number(a.start)} to {number(a.end)} s; {self.waiting}"
+        head = (
+            f"task {a.task}{f' ({label})' if label else ''}: {' + '.join(a.operators)},"
+            f" {number(a.start)} to {number(a.end)} s; {self.waiting}"
+        )
         others = [f"  instead {sentence(self.cell, other)}" for other in self.alternatives]
         return [head, *(others or ["  nobody else can do it"])]
 
     def to_dict(self) -> dict[str, Any]:
         a = self.assignment
-        place = {"task": a.task, "operators": list(a.operators), "start": plain(a.start), "end": plain(a.end)}
-        return {**place, **self.waiting.to_dict(), "alternatives": [other.to_dict() for other in self.alternatives], "sentences": self.sentences()}
+        place = {
+            "task": a.task,
+            "operators": list(a.operators),
+            "start": plain(a.start),
+            "end": plain(a.end),
+        }
+        return {
+            **place,
+            **self.waiting.to_dict(),
+            "alternatives": [other.to_dict() for other in self.alternatives],
+            "sentences": self.sentences(),
+        }
 
 
 @dataclass(frozen=True)
@@ -106,12 +123,15 @@ def explain(
     workers: int | None = None,
     on_answer: Callable[[Front | Floor | TaskAnswer], None] | None = None,
 ) -> Explanation:
-    """Why the schedule of one point is as it is; every cost is that of a schedule found by planning anew, and says whether it is proven.
+    """Why the schedule of one point is as it is; every cost is that of a schedule found by planning
+    anew, and says whether it is proven.
 
     Args:
       task: only this one; without the floor.
-      point: of the front, counted from 1 in order of makespan; the recommended compromise when not given.
-      time_limit: seconds for everything. Costs that are not proven by then come with their bounds, or as not known.
+      point: of the front, counted from 1 in order of makespan; the recommended compromise when not
+        given.
+      time_limit: seconds for everything. Costs that are not proven by then come with their bounds,
+        or as not known.
       workers: threads that plan at the same time; one a core when not given.
       on_answer: called with the front, the floor and each task's answer as soon as it stands.
 
@@ -125,7 +145,13 @@ def explain(
     if task is not None and task not in cell.tasks:
         raise UsageError(f"there is no task {task!r}. {Known(cell.tasks).hint(task)}")
     threads = workers or os.cpu_count() or 1
-    front = plan(cell, Question(), time_limit=max(time_limit * SHARE_FOR_FRONT, 0.2), seed=seed, workers=workers)
+    front = plan(
+        cell,
+        Question(),
+        time_limit=max(time_limit * SHARE_FOR_FRONT, 0.2),
+        seed=seed,
+        workers=workers,
+    )
     place = chosen_point(front, point)
     tell = on_answer or (lambda answer: None)
     tell(front)
@@ -133,11 +159,20 @@ def explain(
     if task is None:
         cap = front[place - 1].stress if point is not None and place > 1 else None
         quickest = front[place - 1] if cap is not None else front[0]
-        held = floor(cell, quickest, max_stress=cap, time_limit=max(time_limit * SHARE_FOR_FLOOR, 0.2), seed=seed, workers=threads)
+        held = floor(
+            cell,
+            quickest,
+            max_stress=cap,
+            time_limit=max(time_limit * SHARE_FOR_FLOOR, 0.2),
+            seed=seed,
+            workers=threads,
+        )
         tell(held)
     until = began + time_limit * (1 - SHARE_TO_END)
     answers = []
-    for answer in _answers(front[place - 1], [task] if task is not None else None, until, seed, threads):
+    for answer in _answers(
+        front[place - 1], [task] if task is not None else None, until, seed, threads
+    ):
         tell(answer)
         answers.append(answer)
     return Explanation(front, place, tuple(answers), held, monotonic() - began)
@@ -152,12 +187,19 @@ def chosen_point(front: Front, point: int | None) -> int:
     if point is None:
         return front.results.index(front.knee) + 1
     if not 1 <= point <= len(front):
-        raise UsageError(f"point {point}: the front has {len(front)} point{'s' * (len(front) != 1)}, counted from 1 in order of makespan.")
+        raise UsageError(
+            f"point {point}: the front has {len(front)} point{'s' * (len(front) != 1)}, counted"
+            " from 1 in order of makespan."
+        )
     return point
 
 
-def _answers(result: Result, only: list[str] | None, until: float, seed: int, threads: int) -> Iterator[TaskAnswer]:
-    """In order of start; the alternatives of later tasks are planned while earlier answers are given."""
+def _answers(
+    result: Result, only: list[str] | None, until: float, seed: int, threads: int
+) -> Iterator[TaskAnswer]:
+    """In order of start; the alternatives of later tasks are planned while earlier answers are
+    given.
+    """
     cell = result.cell
     why = waiting(cell, result.schedule)
     rows = [a for a in result.schedule if only is None or a.task in only]
@@ -178,7 +220,9 @@ def _answers(result: Result, only: list[str] | None, until: float, seed: int, th
         for name, mode in questions:
             found[name].append(pool.submit(find, name, mode))
         for a in rows:
-            yield TaskAnswer(cell, a, why[a.task], tuple(future.result() for future in found[a.task]))
+            yield TaskAnswer(
+                cell, a, why[a.task], tuple(future.result() for future in found[a.task])
+            )
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
 
@@ -186,5 +230,12 @@ def _answers(result: Result, only: list[str] | None, until: float, seed: int, th
 def heading(front: Front, place: int) -> str:
     """One sentence about the point that is explained."""
     result = front[place - 1]
-    who = "; ".join(f"{name} does {listed([a.task for a in rows], '')}" for name in front.cell.operators if (rows := result.schedule.of(name)))
-    return f"point {place} of {len(front)}: makespan {number(result.makespan)} s, stress {number(result.stress)} ({result.status}). {who}."
+    who = "; ".join(
+        f"{name} does {listed([a.task for a in rows], '')}"
+        for name in front.cell.operators
+        if (rows := result.schedule.of(name))
+    )
+    return (
+        f"point {place} of {len(front)}: makespan {number(result.makespan)} s, stress"
+        f" {number(result.stress)} ({result.status}). {who}."
+    )

@@ -19,8 +19,10 @@ class PointChange:
 
     Attributes:
       makespan, stress: of the base's point, seconds and the cell's measure.
-      makespan_then: the least makespan of the other front at no more stress than here; None when none of its points has so little.
-      stress_then: the least stress of the other front in no more time than here; None when none of its points is so quick.
+      makespan_then: the least makespan of the other front at no more stress than here; None when
+        none of its points has so little.
+      stress_then: the least stress of the other front in no more time than here; None when none of
+        its points is so quick.
     """
 
     makespan: float
@@ -31,12 +33,20 @@ class PointChange:
     @property
     def seconds(self) -> float | None:
         """Seconds more (less when negative) for the same stress."""
-        return None if self.makespan_then is None else float(exact(self.makespan_then) - exact(self.makespan))
+        return (
+            None
+            if self.makespan_then is None
+            else float(exact(self.makespan_then) - exact(self.makespan))
+        )
 
     @property
     def more_stress(self) -> float | None:
         """Stress more (less when negative) in the same time."""
-        return None if self.stress_then is None else float(exact(self.stress_then) - exact(self.stress))
+        return (
+            None
+            if self.stress_then is None
+            else float(exact(self.stress_then) - exact(self.stress))
+        )
 
     def to_dict(self) -> dict[str, Any]:
         return {
@@ -50,7 +60,9 @@ class PointChange:
 
 
 def changes(base: Front, other: Front) -> tuple[PointChange, ...]:
-    """For each point of the base front, what the other front offers at the same stress and in the same time."""
+    """For each point of the base front, what the other front offers at the same stress and in the
+    same time.
+    """
     return tuple(_change(point, other.points) for point in base.points)
 
 
@@ -62,14 +74,17 @@ def _change(point: Point, others: Sequence[Point]) -> PointChange:
 
 
 def reference(points: Iterable[Point]) -> Point:
-    """The corner against which areas are taken: a tenth beyond the largest makespan and the largest stress, at least 1 beyond."""
+    """The corner against which areas are taken: a tenth beyond the largest makespan and the largest
+    stress, at least 1 beyond.
+    """
     times, loads = zip(*points, strict=True)
     return max(times) + max(1.0, max(times) / 10), max(loads) + max(1.0, max(loads) / 10)
 
 
 def area(points: Iterable[Point], corner: Point) -> float:
-    """The area that the points dominate up to the corner, seconds times stress: the larger, the better the front (the hypervolume of
-    Zitzler and Thiele 1999, IEEE Transactions on Evolutionary Computation 3(4), 257-271).
+    """The area that the points dominate up to the corner, seconds times stress: the larger, the
+    better the front (the hypervolume of Zitzler and Thiele 1999, IEEE Transactions on Evolutionary
+    Computation 3(4), 257-271).
     """
     total, level = 0.0, corner[1]
     for makespan, stress in sorted(points):

@@ -1,4 +1,6 @@
-"""Which task time, made shorter or longer, moves the front most: each variant planned anew, in parallel processes."""
+"""Which task time, made shorter or longer, moves the front most: each variant planned anew, in
+parallel processes.
+"""
 
 from __future__ import annotations
 
@@ -104,12 +106,15 @@ def sensitivity(
     workers: int | None = None,
     on_done: Callable[[int, int], None] | None = None,
 ) -> Sensitivity:
-    """Plans the cell once for each task and share, with that task's times changed, and ranks what that does.
+    """Plans the cell once for each task and share, with that task's times changed, and ranks what
+    that does.
 
     Args:
       shares: -0.1 makes a time a tenth shorter, 0.1 a tenth longer.
-      each: change the time of one operator or group at a time, instead of all times of the task together.
-      time_limit: seconds for everything. A front that is not complete by its share of it is marked so.
+      each: change the time of one operator or group at a time, instead of all times of the task
+        together.
+      time_limit: seconds for everything. A front that is not complete by its share of it is marked
+        so.
       workers: processes; one a core when not given.
       on_done: called with how many are done, and of how many.
 
@@ -129,7 +134,13 @@ def sensitivity(
     left = max(time_limit - (monotonic() - began), 1.0)
     seconds_each = max(left * many / max(len(jobs), 1), 0.2)
     effects, interrupted = _run(base, corner, jobs, seconds_each, seed, many, on_done)
-    effects.sort(key=lambda effect: (-abs(effect.gain or 0.0), -abs(effect.seconds or 0.0), list(cell.tasks).index(effect.task)))
+    effects.sort(
+        key=lambda effect: (
+            -abs(effect.gain or 0.0),
+            -abs(effect.seconds or 0.0),
+            list(cell.tasks).index(effect.task),
+        )
+    )
     return Sensitivity(base, corner, tuple(effects), monotonic() - began, interrupted)
 
 
@@ -140,10 +151,12 @@ def _times(cell: Cell, each: bool) -> list[tuple[str, tuple[str, ...]]]:
 
 
 def scaled(cell: Cell, task: str, share: float, operators: tuple[str, ...] = ()) -> Cell:
-    """The cell with the task's times longer by the share, to the millisecond; only the time of these operators when they are given.
+    """The cell with the task's times longer by the share, to the millisecond; only the time of
+    these operators when they are given.
 
     Raises:
-      CellError: the cell with these times is not sound, such as one with a deadline that can no longer be met.
+      CellError: the cell with these times is not sound, such as one with a deadline that can no
+        longer be met.
     """
 
     def new(seconds: float, who: tuple[str, ...]) -> float:
@@ -153,8 +166,12 @@ def scaled(cell: Cell, task: str, share: float, operators: tuple[str, ...] = ())
 
     old = cell.tasks[task]
     time = Table({who: new(seconds, (who,)) for who, seconds in old.time.items()})
-    together = tuple(way.model_copy(update={"time": new(way.time, way.operators)}) for way in old.together)
-    return cell.replace(tasks={**cell.tasks, task: old.model_copy(update={"time": time, "together": together})})
+    together = tuple(
+        way.model_copy(update={"time": new(way.time, way.operators)}) for way in old.together
+    )
+    return cell.replace(
+        tasks={**cell.tasks, task: old.model_copy(update={"time": time, "together": together})}
+    )
 
 
 def _run(
@@ -168,12 +185,16 @@ def _run(
 ) -> tuple[list[Effect], bool]:
     """Fresh processes, so that nothing of the caller's threads and libraries is inherited."""
     effects: list[Effect] = []
-    pool = ProcessPoolExecutor(max_workers=min(workers, max(len(jobs), 1)), mp_context=multiprocessing.get_context("spawn"))
+    pool = ProcessPoolExecutor(
+        max_workers=min(workers, max(len(jobs), 1)), mp_context=multiprocessing.get_context("spawn")
+    )
     try:
         futures: dict[Future[tuple[list[Point], bool]], tuple[str, tuple[str, ...], float]] = {}
         schedules = [result.schedule for result in base]
         for task, who, share in jobs:
-            futures[pool.submit(_front_of, base.cell, schedules, task, share, who, seconds, seed)] = (task, who, share)
+            futures[
+                pool.submit(_front_of, base.cell, schedules, task, share, who, seconds, seed)
+            ] = (task, who, share)
         for done, future in enumerate(as_completed(futures), 1):
             points, proven = future.result()
             effects.append(_effect(base, corner, *futures[future], points, proven))
@@ -187,12 +208,19 @@ def _run(
 
 
 def _front_of(
-    cell: Cell, known: Sequence[Schedule], task: str, share: float, who: tuple[str, ...], seconds: float, seed: int
+    cell: Cell,
+    known: Sequence[Schedule],
+    task: str,
+    share: float,
+    who: tuple[str, ...],
+    seconds: float,
+    seed: int,
 ) -> tuple[list[Point], bool]:
-    """The points of the variant's front, and whether it is complete; none when there is no schedule or none was found.
+    """The points of the variant's front, and whether it is complete; none when there is no schedule
+    or none was found.
 
-    A front that is not complete is joined with what the base's schedules give with the new times: else chance in the search, not the
-    times, would decide the order of the tasks.
+    A front that is not complete is joined with what the base's schedules give with the new times:
+    else chance in the search, not the times, would decide the order of the tasks.
     """
     try:
         changed = scaled(cell, task, share, who)
@@ -202,12 +230,22 @@ def _front_of(
     except NothingFoundError:
         points = carried_over(changed, known)
         return points, False
-    return (front.points, True) if front.complete else (nondominated([*front.points, *carried_over(changed, known)]), False)
+    return (
+        (front.points, True)
+        if front.complete
+        else (nondominated([*front.points, *carried_over(changed, known)]), False)
+    )
 
 
 def carried_over(cell: Cell, schedules: Sequence[Schedule]) -> list[Point]:
-    """The points of the schedules of another cell with the same tasks, put together anew in their order with this cell's times; of the sound ones."""
-    moved = [schedule for old in schedules if (schedule := rearranged(cell, old)) is not None and not faults(cell, schedule)]
+    """The points of the schedules of another cell with the same tasks, put together anew in their
+    order with this cell's times; of the sound ones.
+    """
+    moved = [
+        schedule
+        for old in schedules
+        if (schedule := rearranged(cell, old)) is not None and not faults(cell, schedule)
+    ]
     return nondominated([(makespan(schedule), stress(cell, schedule)) for schedule in moved])
 
 
@@ -220,10 +258,27 @@ def nondominated(points: Sequence[Point]) -> list[Point]:
     return kept
 
 
-def _effect(base: Front, corner: Point, task: str, who: tuple[str, ...], share: float, points: list[Point], proven: bool) -> Effect:
+def _effect(
+    base: Front,
+    corner: Point,
+    task: str,
+    who: tuple[str, ...],
+    share: float,
+    points: list[Point],
+    proven: bool,
+) -> Effect:
     if not points:
         return Effect(task, who, share, (), None, None, None, proven)
     quickest = points[0][0]
     before = area(base.points, corner)
     gain = (area(points, corner) - before) / before
-    return Effect(task, who, share, tuple(points), quickest, float(decimal(quickest) - decimal(base.points[0][0])), gain, proven)
+    return Effect(
+        task,
+        who,
+        share,
+        tuple(points),
+        quickest,
+        float(decimal(quickest) - decimal(base.points[0][0])),
+        gain,
+        proven,
+    )

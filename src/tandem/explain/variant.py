@@ -15,14 +15,19 @@ from tandem.files.yaml_writer import flow
 from tandem.schedule.measures import exact
 
 
-def variant(cell: Cell, sets: Iterable[str] = (), without: Iterable[str] = (), force: Iterable[str] = ()) -> Cell:
+def variant(
+    cell: Cell, sets: Iterable[str] = (), without: Iterable[str] = (), force: Iterable[str] = ()
+) -> Cell:
     """The cell as it would be.
 
     Args:
-      sets: `PATH=VALUE` with the keys of a cell file joined by dots, such as "tasks.6.time.robot=8". A value of "none" takes the key
-        out, "-10%" and "+10%" change the number that stands there. A key with dots is written in double quotes, or as it is when it exists.
+      sets: `PATH=VALUE` with the keys of a cell file joined by dots, such as
+        "tasks.6.time.robot=8". A value of "none" takes the key out, "-10%" and "+10%" change the
+        number that stands there. A key with dots is written in double quotes, or as it is when it
+        exists.
       without: operators that are not there.
-      force: `TASK=OPERATOR`, or `TASK=OPERATOR+OPERATOR` for a joint way: the task is done so and not otherwise.
+      force: `TASK=OPERATOR`, or `TASK=OPERATOR+OPERATOR` for a joint way: the task is done so and
+        not otherwise.
 
     Raises:
       UsageError: what was asked for cannot be done to this cell; with everything that is wrong.
@@ -34,7 +39,10 @@ def variant(cell: Cell, sets: Iterable[str] = (), without: Iterable[str] = (), f
         wrong += _set(data, text)
     for name in map(clean, without):
         if name not in data["operators"]:
-            wrong.append(f"--without {name}: there is no such operator. {Known(data['operators']).hint(name)}")
+            wrong.append(
+                f"--without {name}: there is no such operator."
+                f" {Known(data['operators']).hint(name)}"
+            )
         else:
             _leave_out(data, name)
     if without and not wrong:
@@ -55,10 +63,12 @@ def variant(cell: Cell, sets: Iterable[str] = (), without: Iterable[str] = (), f
 
 
 def force_modes(cell: Cell, choices: Mapping[str, Mode]) -> Cell:
-    """The cell in which each of these tasks has one way of being done, and tasks that need the same operators follow suit.
+    """The cell in which each of these tasks has one way of being done, and tasks that need the same
+    operators follow suit.
 
     Raises:
-      CellError: the variant is not sound, as when a task that needs the same operators cannot be done by them.
+      CellError: the variant is not sound, as when a task that needs the same operators cannot be
+        done by them.
     """
     tasks = dict(cell.tasks)
     for name, mode in choices.items():
@@ -73,7 +83,12 @@ def force_modes(cell: Cell, choices: Mapping[str, Mode]) -> Cell:
 def _only(task: Task, operators: tuple[str, ...]) -> Task:
     """The task with the ways of just these operators."""
     time = {who: seconds for who, seconds in task.time.items() if operators == (who,)}
-    return task.model_copy(update={"time": Table(time), "together": tuple(way for way in task.together if set(way.operators) == set(operators))})
+    return task.model_copy(
+        update={
+            "time": Table(time),
+            "together": tuple(way for way in task.together if set(way.operators) == set(operators)),
+        }
+    )
 
 
 def _bound_to(cell: Cell, name: str) -> set[str]:
@@ -89,11 +104,19 @@ def _possible_sets(cell: Cell, tasks: Mapping[str, Task]) -> dict[str, float] | 
     """The table of stress without the sets that name a task which no human can do any more."""
     if cell.stress_of_set is None:
         return None
-    human = {name for name, task in tasks.items() if {*task.time, *(who for way in task.together for who in way.operators)} & set(cell.humans)}
-    return {key: stress for key, stress in cell.stress_of_set.items() if set(filter(None, key.split(","))) <= human}
+    human = {
+        name
+        for name, task in tasks.items()
+        if {*task.time, *(who for way in task.together for who in way.operators)} & set(cell.humans)
+    }
+    return {
+        key: stress
+        for key, stress in cell.stress_of_set.items()
+        if set(filter(None, key.split(","))) <= human
+    }
 
 
-# --- set ----------------------------------------------------------------------------------------------------------------------
+# --- set ------------------------------------------------------------------------------------------
 
 
 def _set(data: dict[str, Any], text: str) -> list[str]:
@@ -117,16 +140,24 @@ def _set(data: dict[str, Any], text: str) -> list[str]:
 
 
 def _pieces(path: str) -> list[str]:
-    return [clean(quoted or plain_key) for quoted, plain_key in re.findall(r'"([^"]*)"|([^.]+)', path)]
+    return [
+        clean(quoted or plain_key) for quoted, plain_key in re.findall(r'"([^"]*)"|([^.]+)', path)
+    ]
 
 
 def _walk(data: Any, pieces: list[str]) -> tuple[Any, Any, str]:
-    """The table that holds the last key, the key, and what is wrong; a key with dots is found when it exists."""
+    """The table that holds the last key, the key, and what is wrong; a key with dots is found when
+    it exists.
+    """
     at, way = data, ""
     while True:
         if isinstance(at, list):
             if not pieces[0].isdecimal() or int(pieces[0]) >= len(at):
-                return None, None, f"{way} has {len(at)} entries, counted from 0; {pieces[0]!r} is none of them."
+                return (
+                    None,
+                    None,
+                    f"{way} has {len(at)} entries, counted from 0; {pieces[0]!r} is none of them.",
+                )
             key: Any = int(pieces[0])
             taken = 1
         elif isinstance(at, Mapping):
@@ -172,14 +203,16 @@ def _value(text: str, old: Any) -> tuple[Any, str]:
     return text.strip('"'), ""
 
 
-# --- without ------------------------------------------------------------------------------------------------------------------
+# --- without --------------------------------------------------------------------------------------
 
 
 def _leave_out(data: dict[str, Any], name: str) -> None:
     """Takes the operator out of everything that names it."""
     del data["operators"][name]
     for task in data["tasks"].values():
-        task["together"] = [way for way in task.get("together", ()) if name not in map(str, way["operators"])]
+        task["together"] = [
+            way for way in task.get("together", ()) if name not in map(str, way["operators"])
+        ]
         for holder in (task, *task["together"]):
             for key in ("time", "stress", "difficulty", "spread"):
                 if isinstance(holder.get(key), dict):
@@ -195,34 +228,70 @@ def _leave_out(data: dict[str, Any], name: str) -> None:
 
 def _leave_out_sets(data: dict[str, Any]) -> None:
     """Takes out the sets of tasks that humans can no longer do."""
-    humans = {name for name, operator in data["operators"].items() if operator.get("kind") == "human"}
+    humans = {
+        name for name, operator in data["operators"].items() if operator.get("kind") == "human"
+    }
     able = {
         name
         for name, task in data["tasks"].items()
-        if humans & {*task.get("time", {}), *(str(who) for way in task.get("together", ()) for who in way["operators"])}
+        if humans
+        & {
+            *task.get("time", {}),
+            *(str(who) for way in task.get("together", ()) for who in way["operators"]),
+        }
     }
     if data.get("stress_of_set"):
-        data["stress_of_set"] = {key: stress for key, stress in data["stress_of_set"].items() if set(filter(None, key.split(","))) <= able}
+        data["stress_of_set"] = {
+            key: stress
+            for key, stress in data["stress_of_set"].items()
+            if set(filter(None, key.split(","))) <= able
+        }
 
 
-# --- force --------------------------------------------------------------------------------------------------------------------
+# --- force ----------------------------------------------------------------------------------------
 
 
 def _forced(cell: Cell, text: str) -> tuple[str, Mode | None, str]:
     task, equals, who = text.rpartition("=")
     task = task.strip()
     if not equals or not task or not who.strip():
-        return task, None, f"--force {text}: write TASK=OPERATOR, such as 5=human, or 5=human+robot for a joint way."
+        return (
+            task,
+            None,
+            (
+                f"--force {text}: write TASK=OPERATOR, such as 5=human, or 5=human+robot for a"
+                " joint way."
+            ),
+        )
     if task not in cell.tasks:
-        return task, None, f"--force {text}: there is no task {task!r}. {Known(cell.tasks).hint(task)}"
-    names = [who.strip()] if who.strip() in cell.operators else [name.strip() for name in who.split("+")]
+        return (
+            task,
+            None,
+            f"--force {text}: there is no task {task!r}. {Known(cell.tasks).hint(task)}",
+        )
+    names = (
+        [who.strip()]
+        if who.strip() in cell.operators
+        else [name.strip() for name in who.split("+")]
+    )
     unknown = [name for name in names if name not in cell.operators]
     if unknown:
-        return task, None, f"--force {text}: there is no operator {unknown[0]!r}. {Known(cell.operators).hint(unknown[0])}"
+        return (
+            task,
+            None,
+            (
+                f"--force {text}: there is no operator {unknown[0]!r}."
+                f" {Known(cell.operators).hint(unknown[0])}"
+            ),
+        )
     mode = next((mode for mode in cell.modes(task) if set(mode.operators) == set(names)), None)
     if mode is None:
         ways = ", ".join(spelled(way) for way in cell.modes(task))
-        return task, None, f"--force {text}: {'+'.join(names)} cannot do task {task!r}. It can be done by {ways}."
+        return (
+            task,
+            None,
+            f"--force {text}: {'+'.join(names)} cannot do task {task!r}. It can be done by {ways}.",
+        )
     return task, mode, ""
 
 

@@ -27,12 +27,22 @@ class Waiting:
     critical: bool
 
     def __str__(self) -> str:
-        reasons = list(dict.fromkeys(_reason(link) for link in self.links)) or ["could start earlier"]
-        free = ", on the critical path" if self.critical else f", may slip by {number(self.slack)} s" if self.slack else ", cannot slip"
+        reasons = list(dict.fromkeys(_reason(link) for link in self.links)) or [
+            "could start earlier"
+        ]
+        free = (
+            ", on the critical path"
+            if self.critical
+            else f", may slip by {number(self.slack)} s"
+            if self.slack
+            else ", cannot slip"
+        )
         return " and ".join(reasons) + free
 
     def to_dict(self) -> dict[str, Any]:
-        waits = [{"reason": link.reason, "by": link.by, "task": link.waited_for} for link in self.links]
+        waits = [
+            {"reason": link.reason, "by": link.by, "task": link.waited_for} for link in self.links
+        ]
         return {"waits_for": waits, "slack": plain(self.slack), "critical": self.critical}
 
 

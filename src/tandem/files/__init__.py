@@ -1,1 +1,3 @@
-"""Every door for cells: YAML, JSON, public benchmark formats, planners' workbooks; what is wrong with them in words."""
+"""Every door for cells: YAML, JSON, public benchmark formats, planners' workbooks; what is wrong
+with them in words.
+"""

@@ -8,12 +8,15 @@ from pathlib import Path
 
 
 def store(path: str | os.PathLike[str], content: str | bytes) -> None:
-    """Writes the content under a temporary name in the same folder, brings it to the disk and renames it.
+    """Writes the content under a temporary name in the same folder, brings it to the disk and
+    renames it.
 
-    A device such as `/dev/stdout` is written directly. Permissions of a file that is replaced are kept; a link is followed.
+    A device such as `/dev/stdout` is written directly. Permissions of a file that is replaced are
+    kept; a link is followed.
 
     Raises:
-      OSError: it could not be written. No part of it is left behind, and an older file is as it was.
+      OSError: it could not be written. No part of it is left behind, and an older file is as it
+        was.
     """
     data = content.encode() if isinstance(content, str) else content
     target = Path(os.path.realpath(path))

@@ -13,12 +13,20 @@ from tandem.files.positions import DEPTH, MOST_VALUES, Document, Entry, Node, en
 BLANK = re.compile(r"[ \t\r\n]*")
 NUMBER = re.compile(r"-?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?(?:[eE][-+]?[0-9]+)?")
 STRING = re.compile(r'"(?:[^"\\\x00-\x1f]|\\(?:["\\/bfnrt]|u[0-9a-fA-F]{4}))*"')
-WORDS = {"true": True, "false": False, "null": None, "NaN": float("nan"), "Infinity": float("inf"), "-Infinity": float("-inf")}
+WORDS = {
+    "true": True,
+    "false": False,
+    "null": None,
+    "NaN": float("nan"),
+    "Infinity": float("inf"),
+    "-Infinity": float("-inf"),
+}
 WORD = re.compile(r"-?[A-Za-z_][A-Za-z_0-9]*")
 
 
 def read(text: str, source: str) -> Document:
-    """The text as a tree. NaN and Infinity are read, so that whoever needs a number can say where one is missing.
+    """The text as a tree. NaN and Infinity are read, so that whoever needs a number can say where
+    one is missing.
 
     Raises:
       CellError: it is not well-formed JSON, or nests too deep.
@@ -26,7 +34,9 @@ def read(text: str, source: str) -> Document:
     reader = _Reader(text, source)
     place = reader.skip(0)
     if place == len(text):
-        raise CellError([Fault("the file is empty. A cell file has `operators` and `tasks`.", (), source)])
+        raise CellError(
+            [Fault("the file is empty. A cell file has `operators` and `tasks`.", (), source)]
+        )
     root, place = reader.value(place, 0)
     if (place := reader.skip(place)) != len(text):
         raise reader.malformed(place, "something follows after the end of the document")
@@ -34,7 +44,9 @@ def read(text: str, source: str) -> Document:
 
 
 class _Reader:
-    """Reads values from a place in the text on; each method returns what it read and where that ended."""
+    """Reads values from a place in the text on; each method returns what it read and where that
+    ended.
+    """
 
     def __init__(self, text: str, source: str):
         self.text = text
@@ -49,7 +61,15 @@ class _Reader:
 
     def malformed(self, place: int, problem: str) -> CellError:
         line, column = self.where(place)
-        return CellError([Fault(f"this is not well-formed JSON: {problem}.", (), f"{self.source}:{line}:{column}")])
+        return CellError(
+            [
+                Fault(
+                    f"this is not well-formed JSON: {problem}.",
+                    (),
+                    f"{self.source}:{line}:{column}",
+                )
+            ]
+        )
 
     def skip(self, place: int) -> int:
         found = BLANK.match(self.text, place)
@@ -63,9 +83,19 @@ class _Reader:
         sign = self.text[place : place + 1]
         if sign in ("{", "["):
             if depth == DEPTH:
-                raise CellError([Fault(f"the file nests deeper than {DEPTH} levels. A cell needs six.", (), f"{self.source}:{line}:{column}")])
+                raise CellError(
+                    [
+                        Fault(
+                            f"the file nests deeper than {DEPTH} levels. A cell needs six.",
+                            (),
+                            f"{self.source}:{line}:{column}",
+                        )
+                    ]
+                )
             inside: Any
-            inside, end = self.table(place + 1, depth) if sign == "{" else self.items(place + 1, depth)
+            inside, end = (
+                self.table(place + 1, depth) if sign == "{" else self.items(place + 1, depth)
+            )
             return Node(line, column, inside), end
         if sign == '"':
             text, end = self.string(place)
@@ -99,7 +129,9 @@ class _Reader:
         while True:
             line, column = self.where(place)
             key, place = self.string(place)
-            place = self.skip(self.expect(":", self.skip(place), "a colon is missing after the key"))
+            place = self.skip(
+                self.expect(":", self.skip(place), "a colon is missing after the key")
+            )
             node, place = self.value(place, depth + 1)
             if fault := enter(table, key, Entry(line, column, node, key), self.source):
                 self.faults.append(fault)
@@ -111,11 +143,18 @@ class _Reader:
     def string(self, place: int) -> tuple[str, int]:
         found = STRING.match(self.text, place)
         if found is None:
-            raise self.malformed(place, 'a text in "quotes" is missing or not closed' if place < len(self.text) else "the text ends too early")
+            raise self.malformed(
+                place,
+                'a text in "quotes" is missing or not closed'
+                if place < len(self.text)
+                else "the text ends too early",
+            )
         written = found.group()
         return str(json.loads(written)) if "\\" in written else written[1:-1], found.end()
 
     def expect(self, sign: str, place: int, problem: str) -> int:
         if self.text[place : place + 1] != sign:
-            raise self.malformed(place, problem if place < len(self.text) else "the text ends too early")
+            raise self.malformed(
+                place, problem if place < len(self.text) else "the text ends too early"
+            )
         return place + 1

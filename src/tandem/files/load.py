@@ -1,4 +1,6 @@
-"""The doors for files: YAML, JSON and public formats in; YAML and JSON out. Spreadsheets have a door of their own."""
+"""The doors for files: YAML, JSON and public formats in; YAML and JSON out. Spreadsheets have a
+door of their own.
+"""
 
 from __future__ import annotations
 
@@ -24,31 +26,43 @@ from tandem.files.yaml_writer import escaped, to_yaml
 LARGEST = 20_000_000
 """Bytes that a cell file may have: a cell of 10,000 tasks has about one million."""
 SHEETS = (".xls", ".ods", ".csv", ".tsv")
-"""How the names of spreadsheets end or begin to end. Reading one takes assumptions that a person should see."""
+"""How the names of spreadsheets end or begin to end. Reading one takes assumptions that a person
+should see.
+"""
 CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff]")
 
 
 def load(path: str | os.PathLike[str] | Mapping[str, Any], format: str | None = None) -> Cell:
-    """The cell that a file holds, or that plain values keyed as in a cell file describe; `-` reads standard input.
+    """The cell that a file holds, or that plain values keyed as in a cell file describe; `-` reads
+    standard input.
 
     Args:
       path: the file, or the values.
-      format: a name from `FORMATS`, such as "yaml", "json" or "fjs"; told from the content, and the ending, when not given.
+      format: a name from `FORMATS`, such as "yaml", "json" or "fjs"; told from the content, and the
+        ending, when not given.
 
     Warns `NotReadWarning` of what stands in the file and has no place in a cell.
 
     Raises:
-      CellError: the file cannot be read, is not of its form, or describes no sound cell; with every fault at its line and column.
+      CellError: the file cannot be read, is not of its form, or describes no sound cell; with every
+        fault at its line and column.
       UsageError: there is no such format.
     """
     if isinstance(path, Mapping):
         return cell_of(path)
     if os.fspath(path) == "-":
-        return loads(_text(sys.stdin.buffer.read(LARGEST + 1), "standard input", format), format, source="standard input")
+        return loads(
+            _text(sys.stdin.buffer.read(LARGEST + 1), "standard input", format),
+            format,
+            source="standard input",
+        )
     source = os.fspath(path)
     data = _bytes(Path(path), source)
     if format is None and Path(path).suffix.lower().startswith(SHEETS):
-        remedy = f"Import it first, which shows how each column is read: `tandem import {source} -o cell.yaml`."
+        remedy = (
+            f"Import it first, which shows how each column is read: `tandem import {source} -o"
+            " cell.yaml`."
+        )
         raise CellError([Fault(f"this is a spreadsheet. {remedy}", (), source)])
     return loads(_text(data, source, format), format, source=source)
 
@@ -57,10 +71,13 @@ def loads(text: str, format: str | None = None, source: str = "text") -> Cell:
     """The cell that a text holds; `source` is what messages call it. Raises as `load` does."""
     if format is not None and format not in FORMATS:
         raise UsageError(f"there is no format {format!r}. {Known(FORMATS).hint(format)}")
-    text = text.removeprefix("\ufeff").rstrip("\x1a")  # the byte-order mark of Windows, the end mark of DOS
+    # the byte-order mark of Windows, the end mark of DOS
+    text = text.removeprefix("\ufeff").rstrip("\x1a")
     _refuse_control_characters(text, source)
     if not text.strip():
-        raise CellError([Fault("the file is empty. A cell file has `operators` and `tasks`.", (), source)])
+        raise CellError(
+            [Fault("the file is empty. A cell file has `operators` and `tasks`.", (), source)]
+        )
     with _uncollected():
         document = FORMATS[format or detected(text, source)].read(text, source)
         cell = cell_of(document.plain(), document.place, document.faults)
@@ -71,7 +88,9 @@ def loads(text: str, format: str | None = None, source: str = "text") -> Cell:
 
 @contextmanager
 def _uncollected() -> Iterator[None]:
-    """No search for circular rubbish meanwhile: a tree of a million values has none, and looking through it takes half of the time."""
+    """No search for circular rubbish meanwhile: a tree of a million values has none, and looking
+    through it takes half of the time.
+    """
     collects = gc.isenabled()
     gc.disable()
     try:
@@ -95,7 +114,9 @@ def dumps(cell: Cell, format: str = "yaml") -> str:
 
 
 def dump(cell: Cell, path: str | os.PathLike[str]) -> None:
-    """Writes the cell: JSON when the file's name ends so, else YAML. The file is whole or, after an OSError, as it was before."""
+    """Writes the cell: JSON when the file's name ends so, else YAML. The file is whole or, after an
+    OSError, as it was before.
+    """
     store(path, dumps(cell, "json" if Path(path).suffix.lower() == ".json" else "yaml"))
 
 
@@ -108,9 +129,25 @@ def _bytes(path: Path, source: str) -> bytes:
     except IsADirectoryError as error:
         raise CellError([Fault("this is a folder. Name a file in it.", (), source)]) from error
     except PermissionError as error:
-        raise CellError([Fault("there is no permission to read this file. Change its permissions, or copy it.", (), source)]) from error
+        raise CellError(
+            [
+                Fault(
+                    "there is no permission to read this file. Change its permissions, or copy it.",
+                    (),
+                    source,
+                )
+            ]
+        ) from error
     except (OSError, ValueError) as error:
-        raise CellError([Fault(f"this file cannot be read: {getattr(error, 'strerror', None) or error}.", (), source)]) from error
+        raise CellError(
+            [
+                Fault(
+                    f"this file cannot be read: {getattr(error, 'strerror', None) or error}.",
+                    (),
+                    source,
+                )
+            ]
+        ) from error
 
 
 def _not_there(path: Path) -> str:
@@ -126,13 +163,40 @@ def _not_there(path: Path) -> str:
 
 def _text(data: bytes, source: str, format: str | None) -> str:
     if len(data) > LARGEST:
-        raise CellError([Fault(f"the file has more than {LARGEST // 1_000_000} MB. A cell of 10,000 tasks has about one.", (), source)])
+        raise CellError(
+            [
+                Fault(
+                    f"the file has more than {LARGEST // 1_000_000} MB. A cell of 10,000 tasks has"
+                    " about one.",
+                    (),
+                    source,
+                )
+            ]
+        )
     if data.startswith(b"PK\x03\x04"):
-        raise CellError([Fault("this is a workbook or an archive, not a text. Import a workbook under its own name (.xlsx, .ods).", (), source)])
+        raise CellError(
+            [
+                Fault(
+                    "this is a workbook or an archive, not a text. Import a workbook under its own"
+                    " name (.xlsx, .ods).",
+                    (),
+                    source,
+                )
+            ]
+        )
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise CellError([Fault("the text is encoded as UTF-16. Save it as UTF-8.", (), source)])
     if b"\x00" in data:
-        raise CellError([Fault("this is a binary file. A cell file is text: YAML, JSON or one of the public formats.", (), source)])
+        raise CellError(
+            [
+                Fault(
+                    "this is a binary file. A cell file is text: YAML, JSON or one of the public"
+                    " formats.",
+                    (),
+                    source,
+                )
+            ]
+        )
     try:
         return data.decode()
     except UnicodeDecodeError as error:
@@ -141,12 +205,23 @@ def _text(data: bytes, source: str, format: str | None) -> str:
             return text
         before = data[: error.start]
         place = f"{source}:{before.count(10) + 1}:{error.start - before.rfind(10)}"
-        raise CellError([Fault(f"the byte 0x{data[error.start]:02x} is not UTF-8. Save the file as UTF-8.", (), place)]) from error
+        raise CellError(
+            [
+                Fault(
+                    f"the byte 0x{data[error.start]:02x} is not UTF-8. Save the file as UTF-8.",
+                    (),
+                    place,
+                )
+            ]
+        ) from error
 
 
 def _refuse_control_characters(text: str, source: str) -> None:
     if found := CONTROL.search(text):
         place = found.start()
         line, column = text.count("\n", 0, place) + 1, place - text.rfind("\n", 0, place)
-        message = f"the control character 0x{ord(found.group()):02x} stands here; this is no text, or a damaged one. Take it out."
+        message = (
+            f"the control character 0x{ord(found.group()):02x} stands here; this is no text, or a"
+            " damaged one. Take it out."
+        )
         raise CellError([Fault(message, (), f"{source}:{line}:{column}")])

@@ -18,11 +18,15 @@ from tandem.errors import Fault
 Path = tuple[str | int, ...]
 
 LARGEST_SHOWN, LONGEST_SHOWN = 10**16, 60
-"""Numbers above the one are too long to be read; of a text a message shows so many characters at most."""
+"""Numbers above the one are too long to be read; of a text a message shows so many characters at
+most.
+"""
 MEANT = {
-    "predecessors": "after", "depends_on": "after", "needs": "after", "requires": "after", "before": "after",
+    "predecessors": "after", "depends_on": "after", "needs": "after", "requires": "after",
+    "before": "after",
     "duration": "time", "durations": "time", "seconds": "time", "joint": "together", "type": "kind",
-    "ergonomics": "stress", "strain": "stress", "due": "deadline", "machines": "operators", "agents": "operators",
+    "ergonomics": "stress", "strain": "stress", "due": "deadline", "machines": "operators",
+    "agents": "operators",
 }  # fmt: skip
 """Words of neighbouring fields for our keys, where spelling alone would not lead there."""
 
@@ -51,16 +55,31 @@ def flaws(error: ValidationError, most: int | None = None) -> list[Flaw]:
         kind = "key" if item["loc"][-1:] == ("[key]",) else item["type"]
         if kind == "too_short" and path in (("operators",), ("tasks",)) and item["input"]:
             continue  # it only became empty because none of its names is one
-        if kind in ("extra_forbidden", "float_type") and item["input"] is None and isinstance(path[-1], str) and path[-1].isdigit():
+        if (
+            kind in ("extra_forbidden", "float_type")
+            and item["input"] is None
+            and isinstance(path[-1], str)
+            and path[-1].isdigit()
+        ):
             kind = "comma"  # `{human: 1,5}` is read as a time of 1 and an empty key 5
         meant = _meant(path) if kind == "extra_forbidden" else None
         sentence = _SENTENCES.get(kind, _other)(path, item)
-        found.setdefault(path, Flaw(kind, path, Fault(f"{_subject(path)}: {sentence}" if _subject(path) else sentence, path), meant))
+        found.setdefault(
+            path,
+            Flaw(
+                kind,
+                path,
+                Fault(f"{_subject(path)}: {sentence}" if _subject(path) else sentence, path),
+                meant,
+            ),
+        )
     return list(found.values())
 
 
 def _path(loc: Path) -> Path:
-    """Keys of the document alone: without pydantic's signs for a key and for which form of `stress` or `spread` it tried."""
+    """Keys of the document alone: without pydantic's signs for a key and for which form of `stress`
+    or `spread` it tried.
+    """
     path: list[str | int] = []
     skip = False
     for place, step in enumerate(loc):
@@ -102,7 +121,9 @@ def _subject(path: Path) -> str:
 def _what(path: Path) -> str:
     """What a value is called: "time of 'robot'", "after", "the 2nd break"."""
     match path:
-        case (*_, "time" | "stress" | "difficulty" | "spread" | "changeover" as key, str(who)) if len(path) > 3:
+        case (*_, "time" | "stress" | "difficulty" | "spread" | "changeover" as key, str(who)) if (
+            len(path) > 3
+        ):
             return f"{key} of {shown(who)}"
         case ("stress_of_set", name):
             return f"stress_of_set of {shown(name)}"
@@ -129,12 +150,16 @@ def shown(value: object) -> str:
             return "empty"
         case bool():
             return str(value).lower()
-        case int() | float() if abs(value) < LARGEST_SHOWN or (isinstance(value, float) and not math.isfinite(value)):
+        case int() | float() if abs(value) < LARGEST_SHOWN or (
+            isinstance(value, float) and not math.isfinite(value)
+        ):
             return number(value) if isinstance(value, float) else str(value)
         case int() | float():
             return "a number of more than 16 digits"
         case str():
-            return repr(value if len(value) <= LONGEST_SHOWN else f"{value[: LONGEST_SHOWN - 3]}...")
+            return repr(
+                value if len(value) <= LONGEST_SHOWN else f"{value[: LONGEST_SHOWN - 3]}..."
+            )
         case Mapping():
             return "a mapping"
         case list() | tuple():
@@ -149,7 +174,9 @@ def _short(text: str) -> str:
 def _unknown_key(path: Path, _: Any) -> str:
     key, keys = str(path[-1]), _model(path)[0].model_fields
     meant = _meant(path)
-    return f"{shown(key)} is no key that is known here. " + (f"Did you mean {meant!r}?" if meant else f"Known: {', '.join(keys)}.")
+    return f"{shown(key)} is no key that is known here. " + (
+        f"Did you mean {meant!r}?" if meant else f"Known: {', '.join(keys)}."
+    )
 
 
 def _comma(path: Path, _: Any) -> str:
@@ -160,14 +187,21 @@ def _comma(path: Path, _: Any) -> str:
 def _missing(path: Path, item: Any) -> str:
     match path:
         case ("operators" | "tasks",):
-            example = "{robot: {kind: robot}, human: {kind: human}}" if path[0] == "operators" else "{1: {time: {robot: 9, human: 10}}}"
+            example = (
+                "{robot: {kind: robot}, human: {kind: human}}"
+                if path[0] == "operators"
+                else "{1: {time: {robot: 9, human: 10}}}"
+            )
             return f"`{path[0]}` is missing. Write `{path[0]}: {example}`, for example."
         case ("operators", _, "kind"):
             return "`kind` is missing. Write `kind: human` or `kind: robot`."
         case ("operators", _, "breaks", _, _):
             return "a break needs two numbers, `[from, to]` in seconds."
         case ("same_operator", _, _):
-            return "same_operator holds pairs of tasks, such as `[[1, 2]]`; here the second is missing."
+            return (
+                "same_operator holds pairs of tasks, such as `[[1, 2]]`; here the second is"
+                " missing."
+            )
     return f"`{path[-1]}` is missing. Write it, as in `{{operators: [robot, human], time: 12}}`."
 
 
@@ -175,25 +209,40 @@ def _too_small(path: Path, item: Any) -> str:
     value = f"{_what(path)} is {shown(item['input'])}"
     match path:
         case ("tasks", _, "time", who):
-            return f"{value}, but a time is more than 0 s. Leave {shown(who)} out of `time` if they cannot do it."
+            return (
+                f"{value}, but a time is more than 0 s. Leave {shown(who)} out of `time` if they"
+                " cannot do it."
+            )
         case ("tasks", _, "together", _, "time"):
             return f"{value}, but a time is more than 0 s. Leave the group out if it cannot do it."
         case ("tasks", _, "deadline"):
             return f"{value}, but a deadline is later than 0 s. Leave it out if there is none."
     limit = item["ctx"].get("gt", item["ctx"].get("ge"))
-    return f"{value}, but must be {'more than ' if 'gt' in item['ctx'] else ''}{shown(limit)}{'' if 'gt' in item['ctx'] else ' or more'}."
+    return (
+        f"{value}, but must be"
+        f" {'more than ' if 'gt' in item['ctx'] else ''}{shown(limit)}{'' if 'gt' in item['ctx'] else ' or more'}."
+    )
 
 
 def _too_large(path: Path, item: Any) -> str:
-    return f"{_what(path)} is {shown(item['input'])}, but at most {shown(item['ctx']['le'])} can be planned."
+    return (
+        f"{_what(path)} is {shown(item['input'])}, but at most {shown(item['ctx']['le'])} can be"
+        " planned."
+    )
 
 
 def _too_large_to_count(path: Path, item: Any) -> str:
-    return f"{_what(path)} is {shown(item['input'])}, more than can be counted. Write a smaller number."
+    return (
+        f"{_what(path)} is {shown(item['input'])}, more than can be counted. Write a smaller"
+        " number."
+    )
 
 
 def _not_finite(path: Path, item: Any) -> str:
-    return f"{_what(path)} is {item['input']}, but must be a number. Write the number, or leave it out if there is none."
+    return (
+        f"{_what(path)} is {item['input']}, but must be a number. Write the number, or leave it out"
+        " if there is none."
+    )
 
 
 def _no_number(path: Path, item: Any) -> str:
@@ -206,7 +255,10 @@ def _no_number(path: Path, item: Any) -> str:
         if _is_number(unquoted):
             remedy = f"Write {_short(unquoted)}{'' if unquoted != value else ' without quotes'}."
             return f"{_what(path)} is {shown(value)}, which is text, but {needed}. {remedy}"
-    return f"{_what(path)} is {shown(value)}, but {needed}. Write it in digits, such as {3 if whole else 2.5}."
+    return (
+        f"{_what(path)} is {shown(value)}, but {needed}. Write it in digits, such as"
+        f" {3 if whole else 2.5}."
+    )
 
 
 def _is_number(text: str) -> bool:
@@ -219,23 +271,35 @@ def _is_number(text: str) -> bool:
 def _no_choice(path: Path, item: Any) -> str:
     value = item["input"]
     if path == ("format",):
-        return f"format is {shown(value)}, but this version of Tandem reads format 1. A newer version may read it."
+        return (
+            f"format is {shown(value)}, but this version of Tandem reads format 1. A newer version"
+            " may read it."
+        )
     near = Known(("human", "robot")).nearest(value) if isinstance(value, str) else None
-    return f"{_what(path)} is {shown(value)}, but must be human or robot." + (f" Did you mean {near!r}?" if near else "")
+    return f"{_what(path)} is {shown(value)}, but must be human or robot." + (
+        f" Did you mean {near!r}?" if near else ""
+    )
 
 
 def _no_mapping(path: Path, item: Any) -> str:
     examples = {
-        "operators": "{robot: {kind: robot}}", "tasks": "{1: {time: {robot: 9}}}", "time": "{robot: 9, human: 10}",
+        "operators": "{robot: {kind: robot}}", "tasks": "{1: {time: {robot: 9}}}",
+        "time": "{robot: 9, human: 10}",
         "tools": "{driver: {capacity: 1}}",
-        "zones": "{press: {capacity: 1}}", "stress_of_set": '{"": 0, "1": 2.5}', "difficulty": "{human: 2}", "changeover": "{human: 3}",
+        "zones": "{press: {capacity: 1}}", "stress_of_set": '{"": 0, "1": 2.5}',
+        "difficulty": "{human: 2}", "changeover": "{human: 3}",
     }  # fmt: skip
     if not path:
         held = "nothing" if item["input"] is None else _of(item["input"])
-        return f"the file holds {held}. A cell file is a mapping with the keys `operators` and `tasks`."
+        return (
+            f"the file holds {held}. A cell file is a mapping with the keys `operators` and"
+            " `tasks`."
+        )
     key = str(path[-1])
     if len(path) == 2:
-        example = {"operators": "{kind: human}", "tasks": "{time: {human: 10}}"}.get(str(path[0]), "{capacity: 1}")
+        example = {"operators": "{kind: human}", "tasks": "{time: {human: 10}}"}.get(
+            str(path[0]), "{capacity: 1}"
+        )
     else:
         example = examples.get(key, "{operators: [robot, human], time: 12}")
     return f"{_what(path)} is {_of(item['input'])}, but a mapping is needed, such as `{example}`."
@@ -254,7 +318,9 @@ def _no_list(path: Path, item: Any) -> str:
     remedy = f"`{key}: {examples.get(key, '[]')}`"
     if key == "after" and isinstance(value, str | int) and not isinstance(value, bool):
         remedy = f"`after: [{_short(str(value))}]`"
-    return f"{_what(path)} is {_of(value)}, but a list is needed, such as {remedy}" + (", or leave the key out." if value is None else ".")
+    return f"{_what(path)} is {_of(value)}, but a list is needed, such as {remedy}" + (
+        ", or leave the key out." if value is None else "."
+    )
 
 
 def _of(value: object) -> str:
@@ -270,36 +336,57 @@ def _too_few(path: Path, item: Any) -> str:
         case ("operators",) | ("tasks",):
             return f"`{path[0]}` is empty. A cell needs one at least."
         case ("tasks", _, "together", _, "operators"):
-            return "a group in `together` needs two operators at least. What one operator does alone belongs in `time`."
+            return (
+                "a group in `together` needs two operators at least. What one operator does alone"
+                " belongs in `time`."
+            )
     return f"{_what(path)} is empty, but a name is needed."
 
 
 def _too_many(path: Path, item: Any) -> str:
     most = item["ctx"]["max_length"]
     if path[-1] == "breaks":
-        return f"{_what(path)} holds {item['ctx'].get('actual_length') or 'more'}, at most {most:,} can be planned. Keep those of one shift."
+        return (
+            f"{_what(path)} holds {item['ctx'].get('actual_length') or 'more'}, at most {most:,}"
+            " can be planned. Keep those of one shift."
+        )
     if isinstance(item["input"], str):
-        return f"{_what(path)} has {len(item['input'])} characters, at most {most} are kept. Shorten it."
-    return f"{_what(path)} holds {item['ctx'].get('actual_length') or 'more'} values, but {most} are needed."
+        return (
+            f"{_what(path)} has {len(item['input'])} characters, at most {most} are kept."
+            " Shorten it."
+        )
+    return (
+        f"{_what(path)} holds {item['ctx'].get('actual_length') or 'more'} values, but {most} are"
+        " needed."
+    )
 
 
 def _harmful(path: Path, item: Any) -> str:
-    return f"{_what(path)} is {shown(item['input'])} and holds {harm_in(clean(item['input']))}, which no name may have. Take it out."
+    return (
+        f"{_what(path)} is {shown(item['input'])} and holds {harm_in(clean(item['input']))}, which"
+        " no name may have. Take it out."
+    )
 
 
 def _twins(path: Path, item: Any) -> str:
     found = item["ctx"]
-    return f"{_what(path)} states {found['name']!r} twice, as {found['first']} and as {found['again']}. Keep one of them, or rename one."
+    return (
+        f"{_what(path)} states {found['name']!r} twice, as {found['first']} and as"
+        f" {found['again']}. Keep one of them, or rename one."
+    )
 
 
 def _bad_key(path: Path, item: Any) -> str:
     key = item["input"]
-    if item["type"] == "invalid_key" or not isinstance(key, str):  # from Python alone: keys of files are text
+    # from Python alone: keys of files are text
+    if item["type"] == "invalid_key" or not isinstance(key, str):
         return f"the key {str(path[-1]).lower()} is no name. Write it as text."
     if (harm := harm_in(clean(key))) is not None:
         return f"the name {shown(key)} holds {harm}, which no name may have. Take it out."
     if len(key) > 60:
-        return f"the name {key[:57]!r}... has {len(key)} characters, at most 200 are kept. Shorten it."
+        return (
+            f"the name {key[:57]!r}... has {len(key)} characters, at most 200 are kept. Shorten it."
+        )
     return f"{key!r} is no name. A name has at least one visible sign."
 
 

@@ -18,7 +18,9 @@ MOST_VALUES = 500_000
 
 
 class Place(NamedTuple):
-    """Where something stands: line and column to sort by, counted from 1, and what a person reads."""
+    """Where something stands: line and column to sort by, counted from 1, and what a person
+    reads.
+    """
 
     line: int
     column: int
@@ -56,7 +58,8 @@ class Document:
 
     Attributes:
       source: what the file is called in messages.
-      faults: what is wrong with the text itself though it could be read, such as a key that is stated twice.
+      faults: what is wrong with the text itself though it could be read, such as a key that is
+        stated twice.
       notes: what has no place in a cell though it is no fault; a cell file has none.
     """
 
@@ -66,11 +69,15 @@ class Document:
     notes: list[Fault] = field(default_factory=list)
 
     def plain(self) -> Any:
-        """The values alone. Where a name belongs, a number is taken as it was written: task 1.10 is not task 1.1."""
+        """The values alone. Where a name belongs, a number is taken as it was written: task 1.10 is
+        not task 1.1.
+        """
         return _plain(self.root, ())
 
     def place(self, path: Path) -> Place:
-        """Where the value at the path stands: a mapping's entry at its key. A path that leads nowhere stops at its last known step."""
+        """Where the value at the path stands: a mapping's entry at its key. A path that leads
+        nowhere stops at its last known step.
+        """
         line, column, node = self.root.line, self.root.column, self.root
         for step in path:
             if isinstance(node.value, dict) and str(step) in node.value:
@@ -90,17 +97,29 @@ def entries(node: Node) -> Iterator[tuple[str, Node]]:
 
 def too_many(source: str, line: int, column: int) -> CellError:
     """The fault of a file that goes on and on."""
-    message = f"more than {MOST_VALUES:,} keys and values have been read up to here, the most that a cell file may have. Split the cell."
+    message = (
+        f"more than {MOST_VALUES:,} keys and values have been read up to here, the most that a cell"
+        " file may have. Split the cell."
+    )
     return CellError([Fault(message, (), f"{source}:{line}:{column}")])
 
 
 def enter(table: dict[str, Entry], key: str, entry: Entry, source: str) -> Fault | None:
-    """Puts the entry under its key in the one spelling of names; the fault of a key that stands in the mapping already."""
+    """Puts the entry under its key in the one spelling of names; the fault of a key that stands in
+    the mapping already.
+    """
     name = clean(key)
     if (first := table.setdefault(name, entry)) is entry:
         return None
-    remedy = "Keep one of them." if first.written == key else "The two are written differently but look alike. Rename or remove one of them."
-    message = f"{name!r} is stated twice, first in line {first.line} and again here in line {entry.line}. {remedy}"
+    remedy = (
+        "Keep one of them."
+        if first.written == key
+        else "The two are written differently but look alike. Rename or remove one of them."
+    )
+    message = (
+        f"{name!r} is stated twice, first in line {first.line} and again here in line {entry.line}."
+        f" {remedy}"
+    )
     return Fault(message, (), f"{source}:{entry.line}:{entry.column}")
 
 
@@ -117,8 +136,16 @@ def _plain(node: Node, path: Path) -> Any:
 def _is_name(path: Path, null: bool) -> bool:
     """Whether a scalar there is a name or a title. A null stays one where a name may be absent."""
     match path:
-        case ("tasks", _, "after", _) | ("tasks", _, "together", _, "operators", _) | ("same_operator", _, _):
+        case (
+            ("tasks", _, "after", _)
+            | ("tasks", _, "together", _, "operators", _)
+            | ("same_operator", _, _)
+        ):
             return True
-        case ("name",) | ("operators", _, "label" | "tool") | ("tasks", _, "label" | "part" | "tool" | "zone"):
+        case (
+            ("name",)
+            | ("operators", _, "label" | "tool")
+            | ("tasks", _, "label" | "part" | "tool" | "zone")
+        ):
             return not null
     return False

@@ -1,7 +1,8 @@
 """A stand-in for what is not well formed, so that all else can be judged in the same breath.
 
-Nobody ever sees the repaired cell. Each stand-in is the most harmless value there is: a time of one second, room for
-everyone, no deadline. So whatever is then found wrong with the fit of the parts is wrong with what the user wrote.
+Nobody ever sees the repaired cell. Each stand-in is the most harmless value there is: a time of one
+second, room for everyone, no deadline. So whatever is then found wrong with the fit of the parts is
+wrong with what the user wrote.
 """
 
 from __future__ import annotations
@@ -36,12 +37,18 @@ class Repaired:
         back: list[str | int] = []
         for step in path:
             kept = self.moved.get(tuple(back))
-            back.append(kept[step] if kept is not None and isinstance(step, int) and step < len(kept) else step)
+            back.append(
+                kept[step]
+                if kept is not None and isinstance(step, int) and step < len(kept)
+                else step
+            )
         return tuple(back)
 
 
 def repaired(data: Mapping[str, Any], flaws: list[Flaw]) -> Repaired | None:
-    """The data with a harmless value in place of each flaw; None when too little is left to judge."""
+    """The data with a harmless value in place of each flaw; None when too little is left to
+    judge.
+    """
     copy = _copy(data)
     if not isinstance(copy, dict) or not isinstance(copy.get("tasks"), dict) or not copy["tasks"]:
         return None
@@ -51,7 +58,9 @@ def repaired(data: Mapping[str, Any], flaws: list[Flaw]) -> Repaired | None:
         path, value = _stand_in(flaw)
         if path[:1] == ("tasks",) and len(path) >= 2 and _may_be_a_way(flaw):
             open_tasks.add(str(path[1]))
-        roomless |= path in (("zones",), ("tools",)) or (flaw.kind == "extra_forbidden" and len(path) == 1)
+        roomless |= path in (("zones",), ("tools",)) or (
+            flaw.kind == "extra_forbidden" and len(path) == 1
+        )
         _put(copy, path, value)
     moved: dict[Path, list[int]] = {}
     _sweep(copy, (), moved)
@@ -104,7 +113,12 @@ def _may_be_a_way(flaw: Flaw) -> bool:
     match flaw.path:
         case (_, _):
             return flaw.kind != "key"
-        case (_, _, "time") | (_, _, "together") | (_, _, "together", _) | (_, _, "together", _, "operators", *_):
+        case (
+            (_, _, "time")
+            | (_, _, "together")
+            | (_, _, "together", _)
+            | (_, _, "together", _, "operators", *_)
+        ):
             return True
         case (_, _, "time", _):
             return flaw.kind == "key"
@@ -135,7 +149,9 @@ def _put(data: Any, path: Path, value: Any) -> None:
 
 
 def _sweep(value: Any, path: Path, moved: dict[Path, list[int]]) -> None:
-    """Takes out what is gone; lists remember which entries are left. Paths are those of the user's data."""
+    """Takes out what is gone; lists remember which entries are left. Paths are those of the user's
+    data.
+    """
     if isinstance(value, dict):
         for key in [key for key, item in value.items() if item is _GONE]:
             del value[key]

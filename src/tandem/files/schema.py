@@ -14,9 +14,15 @@ SHIPPED = files("tandem.files") / "cell.schema.json"
 
 
 def schema() -> dict[str, Any]:
-    """The schema, draft 2020-12. It says what each value must look like; what values must be to each other, only loading can tell."""
+    """The schema, draft 2020-12. It says what each value must look like; what values must be to
+    each other, only loading can tell.
+    """
     made = _tidy(Cell.model_json_schema())
-    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": ID, "title": "Tandem cell"}
+    head = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$id": ID,
+        "title": "Tandem cell",
+    }
     return {
         **head,
         "description": "One workstation: its operators and the tasks of one product.",
@@ -30,12 +36,18 @@ def schema_text() -> str:
 
 
 def _tidy(value: Any) -> Any:
-    """Without the titles that pydantic makes of field names, and with the rule for names said once for all keys of a mapping."""
+    """Without the titles that pydantic makes of field names, and with the rule for names said once
+    for all keys of a mapping.
+    """
     if isinstance(value, list):
         return [_tidy(item) for item in value]
     if not isinstance(value, dict):
         return value
-    tidy = {key: _tidy(item) for key, item in value.items() if not (key == "title" and isinstance(item, str))}
+    tidy = {
+        key: _tidy(item)
+        for key, item in value.items()
+        if not (key == "title" and isinstance(item, str))
+    }
     patterns = tidy.pop("patternProperties", None)
     if isinstance(patterns, dict) and len(patterns) == 1:
         [(pattern, item)] = patterns.items()

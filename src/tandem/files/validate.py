@@ -17,19 +17,25 @@ from tandem.files.repair import repaired
 MOST = 50
 """Faults told of one by one; nobody reads more before mending some."""
 MOST_FLAWS = 2_000
-"""Values that are not well formed which are put into words; of a file that holds more, the rest is only counted."""
+"""Values that are not well formed which are put into words; of a file that holds more, the rest is
+only counted.
+"""
 
 
-def cell_of(data: Any, place: Callable[[Path], Place] | None = None, faults: Iterable[Fault] = ()) -> Cell:
+def cell_of(
+    data: Any, place: Callable[[Path], Place] | None = None, faults: Iterable[Fault] = ()
+) -> Cell:
     """The cell that plain values describe.
 
     Args:
       data: mappings, lists and scalars, keyed as in a cell file.
-      place: where the value at a path stands; its `text` goes into the message, line and column sort the faults.
+      place: where the value at a path stands; its `text` goes into the message, line and column
+        sort the faults.
       faults: what was already found wrong, placed; it is reported together with the rest.
 
     Raises:
-      CellError: with every fault, of form and of fit, in the order of their places; at most `MOST` and how many more there are.
+      CellError: with every fault, of form and of fit, in the order of their places; at most `MOST`
+        and how many more there are.
     """
     found = [(_written_place(fault), fault) for fault in faults]
     uncounted = 0
@@ -40,7 +46,9 @@ def cell_of(data: Any, place: Callable[[Path], Place] | None = None, faults: Ite
     except ValidationError as error:
         known = flaws(error, MOST_FLAWS)
         uncounted = max(0, error.error_count() - MOST_FLAWS)
-        found += _placed([flaw.fault for flaw in known] + ([] if uncounted else _misfits(data, known)), place)
+        found += _placed(
+            [flaw.fault for flaw in known] + ([] if uncounted else _misfits(data, known)), place
+        )
     else:
         if not found:
             return cell
@@ -50,7 +58,8 @@ def cell_of(data: Any, place: Callable[[Path], Place] | None = None, faults: Ite
 
 def _misfits(data: Any, known: list[Flaw]) -> list[Fault]:
     """What does not fit together although, or because, other values are not well formed."""
-    for _ in range(3):  # mending one flaw can lay open another, in a group that was unreadable for example
+    # mending one flaw can lay open another, in a group that was unreadable for example
+    for _ in range(3):
         mended = repaired(data, known) if isinstance(data, Mapping) else None
         if mended is None:
             return []
@@ -60,16 +69,25 @@ def _misfits(data: Any, known: list[Flaw]) -> list[Fault]:
             return [
                 Fault(fault.message, mended.original(fault.path))
                 for fault in error.faults
-                if not (mended.roomless and fault.path[:1] == ("tasks",) and fault.path[2:] in (("zone",), ("tool",)))
+                if not (
+                    mended.roomless
+                    and fault.path[:1] == ("tasks",)
+                    and fault.path[2:] in (("zone",), ("tool",))
+                )
             ]
         except ValidationError as error:
-            known = known + [Flaw(flaw.kind, mended.original(flaw.path), flaw.fault, flaw.meant) for flaw in flaws(error)]
+            known = known + [
+                Flaw(flaw.kind, mended.original(flaw.path), flaw.fault, flaw.meant)
+                for flaw in flaws(error)
+            ]
         else:
             return []
     return []
 
 
-def _placed(faults: Iterable[Fault], place: Callable[[Path], Place] | None) -> list[tuple[tuple[int, int], Fault]]:
+def _placed(
+    faults: Iterable[Fault], place: Callable[[Path], Place] | None
+) -> list[tuple[tuple[int, int], Fault]]:
     """Each fault with line and column to sort by; without places they keep their order."""
     if place is None:
         return [((0, 0), fault) for fault in faults]
@@ -90,7 +108,9 @@ def _cut(faults: list[Fault], uncounted: int) -> list[Fault]:
 
 
 def _named(data: Any) -> Any:
-    """Keys become names, so that `{1: ...}` in Python means what it means in a file. Two that would become one are left for the model to refuse."""
+    """Keys become names, so that `{1: ...}` in Python means what it means in a file. Two that would
+    become one are left for the model to refuse.
+    """
     if isinstance(data, Mapping):
         names = {key: clean(str(key)) if type(key) in (int, str) else key for key in data}
         kept = names if len(set(names.values())) == len(names) else {key: key for key in data}

@@ -1,7 +1,8 @@
 """YAML as people write it by hand, read strictly.
 
-Scalars follow YAML 1.2: only `true` and `false` are truth values, `010` is ten, `1:30` and `1_000` are text. Keys are
-text, in the one spelling of names. Tags, anchors and aliases are refused: they can run code or grow without end, and a cell needs none.
+Scalars follow YAML 1.2: only `true` and `false` are truth values, `010` is ten, `1:30` and `1_000`
+are text. Keys are text, in the one spelling of names. Tags, anchors and aliases are refused: they
+can run code or grow without end, and a cell needs none.
 """
 
 from __future__ import annotations
@@ -16,19 +17,29 @@ from tandem.files.positions import DEPTH, MOST_VALUES, Document, Entry, Node, en
 
 INTEGER = re.compile(r"[-+]?[0-9]+")
 FLOAT = re.compile(r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?")
-SPECIAL = {"": None, "~": None, "null": None, "Null": None, "NULL": None, "true": True, "false": False}
+SPECIAL = {
+    "": None,
+    "~": None,
+    "null": None,
+    "Null": None,
+    "NULL": None,
+    "true": True,
+    "false": False,
+}
 INFINITE = re.compile(r"[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)")
 MOST = 20
 """Refused signs told of at once."""
 
-_Parser = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml is ten times faster; PyYAML can be built without it
+# libyaml is ten times faster; PyYAML can be built without it
+_Parser = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 def read(text: str, source: str) -> Document:
     """The text as a tree.
 
     Raises:
-      CellError: it is not well-formed YAML, holds several documents, nests too deep, or uses tags, anchors or aliases.
+      CellError: it is not well-formed YAML, holds several documents, nests too deep, or uses tags,
+        anchors or aliases.
     """
     try:
         reader = _Reader(text, source)
@@ -55,7 +66,15 @@ class _Reader:
     def document(self) -> Document:
         self.parser.get_event()  # the stream begins
         if isinstance(event := self.parser.get_event(), yaml.StreamEndEvent):
-            raise CellError([Fault("the file is empty. A cell file has `operators` and `tasks`.", (), self.source)])
+            raise CellError(
+                [
+                    Fault(
+                        "the file is empty. A cell file has `operators` and `tasks`.",
+                        (),
+                        self.source,
+                    )
+                ]
+            )
         root = self.node(self.parser.get_event(), 0)
         self.parser.get_event()  # the document ends
         if not isinstance(event := self.parser.get_event(), yaml.StreamEndEvent):
@@ -68,16 +87,41 @@ class _Reader:
         if self.values > MOST_VALUES:
             raise too_many(self.source, line, column)
         if isinstance(event, yaml.AliasEvent):
-            self.refuse(event, f"*{event.anchor} repeats an anchored value. Cell files know no anchors; write the value out.")
+            self.refuse(
+                event,
+                f"*{event.anchor} repeats an anchored value. Cell files know no anchors; write the"
+                " value out.",
+            )
             return Node(line, column, None)
         if event.anchor is not None:
-            self.refuse(event, f"&{event.anchor} is an anchor. Cell files know no anchors; write the value out wherever it is needed.")
+            self.refuse(
+                event,
+                f"&{event.anchor} is an anchor. Cell files know no anchors; write the value out"
+                " wherever it is needed.",
+            )
         if event.tag is not None:
-            self.refuse(event, f"{_tag(event.tag)} is a tag. Cell files know no tags, because they can run code; take it out.")
+            self.refuse(
+                event,
+                f"{_tag(event.tag)} is a tag. Cell files know no tags, because they can run code;"
+                " take it out.",
+            )
         if isinstance(event, yaml.ScalarEvent):
-            return Node(line, column, event.value if event.style else scalar(event.value), event.value if event.value or event.style else None)
+            return Node(
+                line,
+                column,
+                event.value if event.style else scalar(event.value),
+                event.value if event.value or event.style else None,
+            )
         if depth == DEPTH:
-            raise CellError([Fault(f"the file nests deeper than {DEPTH} levels. A cell needs six.", (), f"{self.source}:{line}:{column}")])
+            raise CellError(
+                [
+                    Fault(
+                        f"the file nests deeper than {DEPTH} levels. A cell needs six.",
+                        (),
+                        f"{self.source}:{line}:{column}",
+                    )
+                ]
+            )
         if isinstance(event, yaml.SequenceStartEvent):
             items = []
             while not isinstance(event := self.parser.get_event(), yaml.SequenceEndEvent):
@@ -100,7 +144,13 @@ class _Reader:
         return table
 
     def refuse(self, event: Any, message: str) -> None:
-        self.refused.append(Fault(message, (), f"{self.source}:{event.start_mark.line + 1}:{event.start_mark.column + 1}"))
+        self.refused.append(
+            Fault(
+                message,
+                (),
+                f"{self.source}:{event.start_mark.line + 1}:{event.start_mark.column + 1}",
+            )
+        )
         if len(self.refused) >= MOST:
             raise CellError(self.refused)
 
@@ -129,5 +179,9 @@ def _malformed(error: yaml.MarkedYAMLError, text: str, source: str) -> Fault:
     rest = lines[mark.line][: mark.column + 1] if mark.line < len(lines) else ""
     if "\t" in rest:
         return Fault("a tab stands here. YAML indents with blanks; replace the tab.", (), place)
-    began = f" ({error.context}, which began in line {error.context_mark.line + 1})" if error.context and error.context_mark else ""
+    began = (
+        f" ({error.context}, which began in line {error.context_mark.line + 1})"
+        if error.context and error.context_mark
+        else ""
+    )
     return Fault(f"this is not well-formed YAML: {error.problem}{began}.", (), place)

@@ -39,13 +39,19 @@ def _lines(data: dict[str, Any]) -> Iterator[str]:
                 yield line
                 continue
             yield f"  {_name(name)}:"
-            yield from (f"    {_name(inner)}: {flow(item, inner in NAMES)}" for inner, item in entry.items())
+            yield from (
+                f"    {_name(inner)}: {flow(item, inner in NAMES)}" for inner, item in entry.items()
+            )
 
 
 def flow(value: Any, name: bool = False) -> str:
     """A value on one line, as a cell file has it; `name` for text where names belong."""
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{_name(key)}: {flow(item, key in NAMES)}" for key, item in value.items()) + "}"
+        return (
+            "{"
+            + ", ".join(f"{_name(key)}: {flow(item, key in NAMES)}" for key, item in value.items())
+            + "}"
+        )
     if isinstance(value, list):
         return "[" + ", ".join(flow(item, name) for item in value) + "]"
     if isinstance(value, str):
@@ -69,7 +75,9 @@ def _text(text: str) -> str:
 
 
 def quoted(text: str) -> str:
-    """Text in double quotes, for YAML and JSON alike; signs that cannot be seen are written as their number."""
+    """Text in double quotes, for YAML and JSON alike; signs that cannot be seen are written as
+    their number.
+    """
     return escaped(json.dumps(text, ensure_ascii=False))
 
 

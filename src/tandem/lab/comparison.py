@@ -1,4 +1,6 @@
-"""All published systems on one page: what each can do, found by letting it try, and each system's table and figures with the exact values beside."""
+"""All published systems on one page: what each can do, found by letting it try, and each system's
+table and figures with the exact values beside.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +53,12 @@ class Shown:
 
 def cells_to_try() -> dict[str, Cell]:
     """Cells that every system is shown; none of them is the own cell of all."""
-    return {"three tasks": base(), "the thesis's cell": thesis_cell(), "two flanges, joint tasks": own_cell(), "a cell with tools": tooled(5.0)}
+    return {
+        "three tasks": base(),
+        "the thesis's cell": thesis_cell(),
+        "two flanges, joint tasks": own_cell(),
+        "a cell with tools": tooled(5.0),
+    }
 
 
 def compare(
@@ -63,9 +70,11 @@ def compare(
     systems: Mapping[str, System] | None = None,
     tell: Callable[[str], None] = lambda _: None,
 ) -> tuple[Path, dict[str, Any]]:
-    """Runs every published system (or takes its stored result), lets each try every feature, and writes `folder/comparison.html`.
+    """Runs every published system (or takes its stored result), lets each try every feature, and
+    writes `folder/comparison.html`.
 
-    Returns the page, and the results and the matrix as plain data. A stored result that is missing is said on the page.
+    Returns the page, and the results and the matrix as plain data. A stored result that is missing
+    is said on the page.
     """
     shown, cells = [], cells_to_try()
     for name, system in (SYSTEMS if systems is None else systems).items():
@@ -74,22 +83,45 @@ def compare(
         make_room()
         experiment, document, missing = system.load(), None, ""
         try:
-            document = experiment.stored() if stored else experiment.reproduce(folder / name, quick=quick, seeds=seeds, tell=tell)
+            document = (
+                experiment.stored()
+                if stored
+                else experiment.reproduce(folder / name, quick=quick, seeds=seeds, tell=tell)
+            )
         except CellError as error:
             missing = error.faults[0].message
         tell(f"{name}: what it can do")
         figures = experiment.draw_figures(document, folder / name) if document is not None else []
         words = experiment.table(document) if document is not None else ""
         found = features(experiment, document)
-        shown.append(Shown(name, system.title, document, missing, words, figures, found, other_cells(experiment, cells)))
+        shown.append(
+            Shown(
+                name,
+                system.title,
+                document,
+                missing,
+                words,
+                figures,
+                found,
+                other_cells(experiment, cells),
+            )
+        )
     page = folder / FILE
     folder.mkdir(parents=True, exist_ok=True)
-    store(page, html(shown, command="tandem reproduce --all" + " --quick" * quick + " --stored" * stored))
+    store(
+        page,
+        html(shown, command="tandem reproduce --all" + " --quick" * quick + " --stored" * stored),
+    )
     return page, {
         "schema_version": 1,
         "systems": {one.name: one.document for one in shown},
-        "features": {one.name: {feature: entry._asdict() for feature, entry in one.entries.items()} for one in shown},
-        "other_cells": {one.name: {cell: entry._asdict() for cell, entry in one.others.items()} for one in shown},
+        "features": {
+            one.name: {feature: entry._asdict() for feature, entry in one.entries.items()}
+            for one in shown
+        },
+        "other_cells": {
+            one.name: {cell: entry._asdict() for cell, entry in one.others.items()} for one in shown
+        },
         "versions": versions(),
     }
 
@@ -99,12 +131,26 @@ def html(shown: Sequence[Shown], *, command: str) -> str:
     made = versions()
     body = tag(
         "body",
-        tag("header", tag("h1", "Published systems, run here"), *(tag("p", sentence, class_="lead") for sentence in _lead(shown))),
-        tag("main", _matrix(shown), _findings(shown), _others(shown), *(_section(one) for one in shown)),
+        tag(
+            "header",
+            tag("h1", "Published systems, run here"),
+            *(tag("p", sentence, class_="lead") for sentence in _lead(shown)),
+        ),
+        tag(
+            "main",
+            _matrix(shown),
+            _findings(shown),
+            _others(shown),
+            *(_section(one) for one in shown),
+        ),
         tag(
             "footer",
             tag(
-                "p", "Made with: ", tag("code", command), f", tandem {made['tandem']}, JAX {made['jax']}, Python {made['python']}, {made['machine']}."
+                "p",
+                "Made with: ",
+                tag("code", command),
+                f", tandem {made['tandem']}, JAX {made['jax']}, Python {made['python']},"
+                f" {made['machine']}.",
             ),
             class_="note",
         ),
@@ -116,7 +162,10 @@ def html(shown: Sequence[Shown], *, command: str) -> str:
         Markup('<meta name="viewport" content="width=device-width, initial-scale=1">'),
         Markup('<link rel="icon" href="data:,">'),
         tag("title", "Published systems compared"),
-        tag("style", Markup((resources.files("tandem.report") / "page.css").read_text("utf-8") + STYLE)),
+        tag(
+            "style",
+            Markup((resources.files("tandem.report") / "page.css").read_text("utf-8") + STYLE),
+        ),
     )
     return "<!DOCTYPE html>\n" + tag("html", head, body, lang="en") + "\n"
 
@@ -139,28 +188,54 @@ STYLE = """
 
 def _lead(shown: Sequence[Shown]) -> Iterator[str]:
     yield (
-        f"{len(shown)} systems that learn to share assembly work between people and robots, each re-implemented from what is publicly known. "
-        "Where a paper does not give its numbers they are ours; each system's page in the manual says which."
+        f"{len(shown)} systems that learn to share assembly work between people and robots, each"
+        " re-implemented from what is publicly known. Where a paper does not give its numbers they"
+        " are ours; each system's page in the manual says which."
     )
-    yield "The first table is not written by hand: every entry is what happened when the system was given a small cell to try."
+    yield (
+        "The first table is not written by hand: every entry is what happened when the system was"
+        " given a small cell to try."
+    )
 
 
 def _matrix(shown: Sequence[Shown]) -> Markup:
     heads = [("", ""), *((one.title.partition(":")[0], "") for one in shown)]
     rows = [
-        tag("tr", tag("th", feature, scope="row"), *(tag("td", one.entries[feature].value, title=one.entries[feature].how) for one in shown))
+        tag(
+            "tr",
+            tag("th", feature, scope="row"),
+            *(
+                tag("td", one.entries[feature].value, title=one.entries[feature].how)
+                for one in shown
+            ),
+        )
         for feature in PROBES
     ]
-    return tag("section", tag("h2", "What each can do", id="features"), tag("div", table(heads, rows, "What each can do"), class_="matrix"))
+    return tag(
+        "section",
+        tag("h2", "What each can do", id="features"),
+        tag("div", table(heads, rows, "What each can do"), class_="matrix"),
+    )
 
 
 def _findings(shown: Sequence[Shown]) -> Markup:
     heads = [("", ""), *((one.title.partition(":")[0], "") for one in shown)]
-    rows = [tag("tr", tag("th", feature, scope="row"), *(tag("td", one.entries[feature].how) for one in shown)) for feature in PROBES]
+    rows = [
+        tag(
+            "tr",
+            tag("th", feature, scope="row"),
+            *(tag("td", one.entries[feature].how) for one in shown),
+        )
+        for feature in PROBES
+    ]
     return tag(
         "section",
         tag("h2", "How that was found", id="findings"),
-        tag("p", "Costs are in each system's own units: only whether they move says something.", class_="note"),
+        tag(
+            "p",
+            "Costs are in each system's own units: only whether they move says something.",
+            class_="note",
+        ),
         tag("div", table(heads, rows, "How that was found"), class_="matrix"),
         class_="page",
     )
@@ -169,11 +244,22 @@ def _findings(shown: Sequence[Shown]) -> Markup:
 def _others(shown: Sequence[Shown]) -> Markup:
     heads = [("", ""), *((one.title.partition(":")[0], "") for one in shown)]
     names = list(shown[0].others) if shown else []
-    rows = [tag("tr", tag("th", cell, scope="row"), *(tag("td", _words(one.others[cell])) for one in shown)) for cell in names]
+    rows = [
+        tag(
+            "tr",
+            tag("th", cell, scope="row"),
+            *(tag("td", _words(one.others[cell])) for one in shown),
+        )
+        for cell in names
+    ]
     return tag(
         "section",
         tag("h2", "The same cells for all", id="others"),
-        tag("p", "Whether a system can express a cell; if not, what of it it cannot, in its own words.", class_="note"),
+        tag(
+            "p",
+            "Whether a system can express a cell; if not, what of it it cannot, in its own words.",
+            class_="note",
+        ),
         tag("div", table(heads, rows, "The same cells for all"), class_="matrix"),
     )
 
@@ -184,13 +270,26 @@ def _words(entry: Entry) -> str:
 
 def _section(one: Shown) -> Markup:
     exact = one.entries["exact optimum known"]
-    words = html_of(one.table, one.title) if one.document is not None else html_of(one.missing, one.title)
+    words = (
+        html_of(one.table, one.title)
+        if one.document is not None
+        else html_of(one.missing, one.title)
+    )
     return tag(
         "section",
         tag("h2", one.title, id=one.name),
-        tag("p", f"Proven beside it: {exact.how}. Run it: ", tag("code", f"tandem reproduce {one.name}"), class_="note"),
+        tag(
+            "p",
+            f"Proven beside it: {exact.how}. Run it: ",
+            tag("code", f"tandem reproduce {one.name}"),
+            class_="note",
+        ),
         words,
-        tag("div", *(tag("figure", _picture(file)) for file in _one_of_each(one.figures)), class_="figures"),
+        tag(
+            "div",
+            *(tag("figure", _picture(file)) for file in _one_of_each(one.figures)),
+            class_="figures",
+        ),
         class_="page" if one.document is not None else None,
     )
 
@@ -207,4 +306,8 @@ def _one_of_each(files: Sequence[Path]) -> list[Path]:
 
 def _picture(file: Path) -> Markup:
     kind = {".svg": "image/svg+xml", ".png": "image/png"}[file.suffix]
-    return tag("img", src=f"data:{kind};base64,{base64.b64encode(file.read_bytes()).decode()}", alt=file.stem.replace("-", " "))
+    return tag(
+        "img",
+        src=f"data:{kind};base64,{base64.b64encode(file.read_bytes()).decode()}",
+        alt=file.stem.replace("-", " "),
+    )

@@ -1,7 +1,9 @@
-"""What each published system can do, found out by letting it try: small cells, each with one feature, and what happened with them.
+"""What each published system can do, found out by letting it try: small cells, each with one
+feature, and what happened with them.
 
-An entry of the matrix is a value and how it was found. The probes know a system by its handles only (`systems.Features`); that a system
-cannot do a thing shows as a refusal in its own words, as a cost that does not move, or as an episode in which the thing did not happen.
+An entry of the matrix is a value and how it was found. The probes know a system by its handles only
+(`systems.Features`); that a system cannot do a thing shows as a refusal in its own words, as a cost
+that does not move, or as an episode in which the thing did not happen.
 """
 
 from __future__ import annotations
@@ -30,7 +32,9 @@ Probe = Callable[[Experiment, Document | None], Entry]
 
 
 def base(**changes: Any) -> Cell:
-    """Two tasks that both operators can share, and one on top of them; every time is the same for both, so that any system can hold it."""
+    """Two tasks that both operators can share, and one on top of them; every time is the same for
+    both, so that any system can hold it.
+    """
     tasks: dict[str, Any] = {
         "left": {"time": {"robot": 4}},
         "right": {"time": {"human": 4}},
@@ -38,13 +42,23 @@ def base(**changes: Any) -> Cell:
     }
     for name, more in changes.items():
         tasks[name] = {**tasks[name], **more}
-    return cell_of({"operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}}, "tasks": tasks})
+    return cell_of(
+        {"operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}}, "tasks": tasks}
+    )
 
 
 def tooled(changeover: float) -> Cell:
     """The base, one task of it with a tool that the robot must take up first."""
     data = base(left={"tool": "gripper"}, top={"tool": "driver", "time": {"robot": 3}}).to_dict()
-    return cell_of({**data, "tools": {"driver": {"changeover": {"robot": changeover}}, "gripper": {"changeover": {"robot": changeover}}}})
+    return cell_of(
+        {
+            **data,
+            "tools": {
+                "driver": {"changeover": {"robot": changeover}},
+                "gripper": {"changeover": {"robot": changeover}},
+            },
+        }
+    )
 
 
 def joint() -> Cell:
@@ -54,13 +68,22 @@ def joint() -> Cell:
 
 def other() -> Cell:
     """The base with other times: a cell that the policy has not seen."""
-    return base(left={"time": {"robot": 7}}, right={"time": {"human": 2}}, top={"time": {"robot": 5, "human": 5}})
+    return base(
+        left={"time": {"robot": 7}},
+        right={"time": {"human": 2}},
+        top={"time": {"robot": 5, "human": 5}},
+    )
 
 
 def larger() -> Cell:
     """The base and one more task on top: a cell of another size."""
     data = base().to_dict()
-    return cell_of({**data, "tasks": {**data["tasks"], "lid": {"time": {"robot": 2, "human": 2}, "after": ["top"]}}})
+    return cell_of(
+        {
+            **data,
+            "tasks": {**data["tasks"], "lid": {"time": {"robot": 2, "human": 2}, "after": ["top"]}},
+        }
+    )
 
 
 def in_a_row() -> Cell:
@@ -81,8 +104,13 @@ def objectives(system: Experiment, document: Document | None) -> Entry:
     plain = cost(base())
     costly = {
         "time": base(left={"time": {"robot": 9}}),
-        "stress": base(right={"stress": 8}),  # on what only the human can do: nobody can be spared it
-        "difficulty": base(left={"difficulty": {"robot": 8}}, right={"difficulty": {"human": 8}}, top={"difficulty": {"robot": 8, "human": 8}}),
+        # on what only the human can do: nobody can be spared it
+        "stress": base(right={"stress": 8}),
+        "difficulty": base(
+            left={"difficulty": {"robot": 8}},
+            right={"difficulty": {"human": 8}},
+            top={"difficulty": {"robot": 8, "human": 8}},
+        ),
     }
     moved, seen = [], [f"a cell costs {plain:.4g}"]
     for name, cell in costly.items():
@@ -106,7 +134,9 @@ def algorithm(system: Experiment, document: Document | None) -> Entry:
     """The module of the function that trains."""
     trains = system.FEATURES.trains()
     module = trains.__module__.removeprefix("tandem.learn.").partition(".")[0]
-    return Entry(ALGORITHMS.get(module, module), f"trained by {trains.__module__}.{trains.__qualname__}")
+    return Entry(
+        ALGORITHMS.get(module, module), f"trained by {trains.__module__}.{trains.__qualname__}"
+    )
 
 
 ALGORITHMS = {
@@ -121,9 +151,11 @@ ALGORITHMS = {
 
 
 def together(system: Experiment, document: Document | None) -> Entry:
-    """Cooperation: two tasks end sooner side by side than in a row. Collaboration: a task that both do at once is taken.
+    """Cooperation: two tasks end sooner side by side than in a row. Collaboration: a task that both
+    do at once is taken.
 
-    A system that counts on nobody may still work side by side: where the cost says nothing, an episode is timed.
+    A system that counts on nobody may still work side by side: where the cost says nothing, an
+    episode is timed.
     """
     cost, kinds, seen = system.FEATURES.cost, [], []
     apart, row = cost(base()), cost(in_a_row())
@@ -132,7 +164,11 @@ def together(system: Experiment, document: Document | None) -> Entry:
         kinds.append("cooperation")
     else:
         took = system.FEATURES.play(base(), SEED).makespan
-        seen.append("an episode was not finished" if took is None else f"an episode of {IN_A_ROW:g} s of work took {took:.4g}")
+        seen.append(
+            "an episode was not finished"
+            if took is None
+            else f"an episode of {IN_A_ROW:g} s of work took {took:.4g}"
+        )
         kinds += ["cooperation"] * (took is not None and took < IN_A_ROW)
     try:
         seen.append(f"a joint task is taken ({cost(joint()):.4g})")
@@ -145,7 +181,10 @@ def together(system: Experiment, document: Document | None) -> Entry:
 def disassembly(system: Experiment, document: Document | None) -> Entry:
     """A human mounts something wrongly: is it taken apart again, and the product finished?"""
     return _episode(
-        system.FEATURES.mistake, lambda played: played.undone, "finished; times that something was taken apart: {n}", "nothing was taken apart"
+        system.FEATURES.mistake,
+        lambda played: played.undone,
+        "finished; times that something was taken apart: {n}",
+        "nothing was taken apart",
     )
 
 
@@ -163,7 +202,10 @@ def tools(system: Experiment, document: Document | None) -> Entry:
 def deviation(system: Experiment, document: Document | None) -> Entry:
     """A human does not do what is expected: is the product finished all the same?"""
     return _episode(
-        system.FEATURES.deviate, lambda played: played.deviations, "finished; times that the human deviated: {n}", "the human did not deviate"
+        system.FEATURES.deviate,
+        lambda played: played.deviations,
+        "finished; times that the human deviated: {n}",
+        "the human did not deviate",
     )
 
 
@@ -173,11 +215,16 @@ def real_time(system: Experiment, document: Document | None) -> Entry:
     if not times:
         return Entry(NO, "no decision was timed")
     median, longest = statistics.median(times), max(times)
-    return Entry(f"{'yes' if median < 1000 else 'no'}: {median:.2g} ms", f"{len(times)} decisions, the longest {longest:.3g} ms")
+    return Entry(
+        f"{'yes' if median < 1000 else 'no'}: {median:.2g} ms",
+        f"{len(times)} decisions, the longest {longest:.3g} ms",
+    )
 
 
 def generalises(system: Experiment, document: Document | None) -> Entry:
-    """Cells that the policy was not trained on, one of the same size and one larger: does it finish them?"""
+    """Cells that the policy was not trained on, one of the same size and one larger: does it finish
+    them?
+    """
     carry = system.FEATURES.carry
     if carry is None:
         return Entry(NO, "what it learns is bound to the cell that it learned on")
@@ -185,7 +232,10 @@ def generalises(system: Experiment, document: Document | None) -> Entry:
     for size, cell in (("of the same size", other()), ("larger", larger())):
         try:
             took = carry(base(), cell, SEED).makespan
-            seen.append(f"a cell {size} is " + ("not finished" if took is None else f"finished in {took:.4g}"))
+            seen.append(
+                f"a cell {size} is "
+                + ("not finished" if took is None else f"finished in {took:.4g}")
+            )
             finished += [size] * (took is not None)
         except CellError as error:
             seen.append(f"a cell {size} is refused: {first(error)}")
@@ -224,14 +274,18 @@ def features(system: Experiment, document: Document | None) -> dict[str, Entry]:
 
 
 def other_cells(system: Experiment, cells: Mapping[str, Cell]) -> dict[str, Entry]:
-    """Whether the system can express cells that are not its own: taken, or refused with the features that it cannot."""
+    """Whether the system can express cells that are not its own: taken, or refused with the
+    features that it cannot.
+    """
     found = {}
     for name, cell in cells.items():
         try:
             system.runs_on(cell)
             found[name] = Entry("yes", "")
         except CellError as error:
-            found[name] = Entry(NO, _told(list(dict.fromkeys(fault.message for fault in error.faults))))
+            found[name] = Entry(
+                NO, _told(list(dict.fromkeys(fault.message for fault in error.faults)))
+            )
     return found
 
 
@@ -249,7 +303,12 @@ def first(error: CellError) -> str:
     return error.faults[0].message.rstrip(".")
 
 
-def _episode(handle: Callable[[Cell, int], Played] | None, count: Callable[[Played], int], happened: str, did_not: str) -> Entry:
+def _episode(
+    handle: Callable[[Cell, int], Played] | None,
+    count: Callable[[Played], int],
+    happened: str,
+    did_not: str,
+) -> Entry:
     if handle is None:
         return Entry(NO, "it has no such person or event")
     try:

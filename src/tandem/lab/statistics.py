@@ -1,4 +1,6 @@
-"""Whether one list of results is really larger than another: an exact permutation test, and intervals."""
+"""Whether one list of results is really larger than another: an exact permutation test, and
+intervals.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +16,11 @@ MOST_SPLITS = 200_000
 def larger(first: Sequence[float], second: Sequence[float], *, seed: int = 0) -> float:
     """The one-sided p-value of "the mean of `first` is larger".
 
-    It is the share of all ways to split the pooled results in two such lists in which the first would have at least so large a mean. Exact up to
-    200,000 splits (10 against 10 have 184,756); beyond, that many are drawn with the seed, and the given split counts as one of them.
-    Source: Fisher's permutation test; Phipson and Smyth (2010), doi 10.2202/1544-6115.1585, for drawn splits.
+    It is the share of all ways to split the pooled results in two such lists in which the first
+    would have at least so large a mean. Exact up to 200,000 splits (10 against 10 have 184,756);
+    beyond, that many are drawn with the seed, and the given split counts as one of them.
+    Source: Fisher's permutation test; Phipson and Smyth (2010), doi 10.2202/1544-6115.1585, for
+    drawn splits.
     """
     pooled, size = [*first, *second], len(first)
     reached = math.fsum(first) - 1e-12
@@ -29,13 +33,16 @@ def larger(first: Sequence[float], second: Sequence[float], *, seed: int = 0) ->
 
 
 def rank_sum(first: Sequence[float], second: Sequence[float]) -> float:
-    """U of Mann and Whitney (1947) as a share: how often a result of `first` is larger than one of `second`, ties counting half."""
+    """U of Mann and Whitney (1947) as a share: how often a result of `first` is larger than one of
+    `second`, ties counting half.
+    """
     wins = sum((a > b) + 0.5 * (a == b) for a in first for b in second)
     return wins / (len(first) * len(second))
 
 
 def interval(values: Sequence[float], *, seed: int = 0, draws: int = 10_000) -> tuple[float, float]:
-    """95 % interval of the mean, by drawing the results again with the seed (percentile bootstrap; Efron 1979).
+    """95 % interval of the mean, by drawing the results again with the seed (percentile bootstrap;
+    Efron 1979).
 
     Shares near 0 or 1 have no normal interval.
     """

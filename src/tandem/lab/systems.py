@@ -1,4 +1,6 @@
-"""The published systems that run here, and what each experiment module must offer. A new system is a module and one line in `SYSTEMS`."""
+"""The published systems that run here, and what each experiment module must offer. A new system is
+a module and one line in `SYSTEMS`.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,8 @@ class Played:
     """How one episode on a cell went.
 
     Attributes:
-      makespan: seconds, on the cell's own clock (or steps, where the system knows no seconds); None when the episode did not reach the goal.
+      makespan: seconds, on the cell's own clock (or steps, where the system knows no seconds); None
+        when the episode did not reach the goal.
       decisions_ms: how long each decision of the robot's side took, milliseconds.
       deviations: how often the human did something else than it was told or expected to.
       undone: how often something that stood wrongly was taken apart again.
@@ -35,18 +38,23 @@ class Played:
 
 @dataclass(frozen=True)
 class Features:
-    """Handles by which the laboratory finds out what a system can do. It calls them on small cells of its own: no entry of the matrix is prose.
+    """Handles by which the laboratory finds out what a system can do. It calls them on small cells
+    of its own: no entry of the matrix is prose.
 
-    Each may raise CellError for a cell that the system cannot express; the matrix then says so, with the words of the error. None where
-    the system has no such thing. All must be quick (a second or two, compiling included): short trainings, small budgets.
+    Each may raise CellError for a cell that the system cannot express; the matrix then says so,
+    with the words of the error. None where the system has no such thing. All must be quick (a
+    second or two, compiling included): short trainings, small budgets.
 
     Attributes:
-      trains: gives the function that trains it (so that it is imported only then); its module under `learn` names the algorithm.
+      trains: gives the function that trains it (so that it is imported only then); its module under
+        `learn` names the algorithm.
       agents: who decides, by name, read off the world or policy that is trained.
-      cost: what the system itself says that a cell costs: the least cost by its own objective, or that of one fixed policy. A number
-        that moves with the cell's times, stress or difficulty exactly when the system minds them; other units are welcome.
+      cost: what the system itself says that a cell costs: the least cost by its own objective, or
+        that of one fixed policy. A number that moves with the cell's times, stress or difficulty
+        exactly when the system minds them; other units are welcome.
       play: (cell, seed): one episode by a policy that may be trained on this very cell first.
-      carry: (trained_on, played_on, seed): one episode on a cell that the policy was not trained on.
+      carry: (trained_on, played_on, seed): one episode on a cell that the policy was not trained
+        on.
       deviate: (cell, seed): one episode with a human who does not do what is expected.
       mistake: (cell, seed): one episode with a human who mounts something wrongly at least once.
       exact: document -> the exact (proven) values that it holds; empty when it holds none.
@@ -68,24 +76,37 @@ class Experiment(Protocol):
     FEATURES: Features
 
     def reproduce(
-        self, folder: Path, *, quick: bool = False, seeds: int | None = None, tell: Callable[[str], None] = lambda _: None
+        self,
+        folder: Path,
+        *,
+        quick: bool = False,
+        seeds: int | None = None,
+        tell: Callable[[str], None] = lambda _: None,
     ) -> dict[str, Any]:
-        """Runs the system and returns the document, which is also written to `folder/NAME.json`. A run that was stopped goes on where it was.
+        """Runs the system and returns the document, which is also written to `folder/NAME.json`. A
+        run that was stopped goes on where it was.
 
-        The document has at least "schema_version", "command", "quick", "seeds" or "records", and "versions".
+        The document has at least "schema_version", "command", "quick", "seeds" or "records", and
+        "versions".
         """
 
     def stored(self) -> dict[str, Any]:
-        """The document of the long run that ships with the package. Raises CellError when this copy has none."""
+        """The document of the long run that ships with the package. Raises CellError when this copy
+        has none.
+        """
 
     def table(self, document: Document) -> str:
-        """Published, as described, our recipe and exact, side by side: Markdown, with a first line or two on how it was made."""
+        """Published, as described, our recipe and exact, side by side: Markdown, with a first line
+        or two on how it was made.
+        """
 
     def draw_figures(self, document: Document, folder: Path) -> list[Path]:
         """Draws the figures as SVG and PNG into the folder and returns the files."""
 
     def runs_on(self, cell: Cell) -> Any:
-        """The cell as the system holds it. Raises CellError that names every feature that it cannot express."""
+        """The cell as the system holds it. Raises CellError that names every feature that it cannot
+        express.
+        """
 
 
 @dataclass(frozen=True)
@@ -111,12 +132,31 @@ class System:
 
 SYSTEMS: dict[str, System] = {
     "thesis": System("Kinat 2023: two independent PPO agents", "tandem.lab.kinat2023.experiment"),
-    "yu2020": System("Yu, Huang, Chang 2020: the chessboard and AlphaGo-Zero-style search", "tandem.lab.yu2020.experiment"),
-    "yu2021": System("Yu, Huang, Chang 2021: a deep Q-network for each agent, more than two agents", "tandem.lab.yu2021.experiment"),
-    "antonelli2021": System("Antonelli et al. 2021: Q-learning with disassembly", "tandem.lab.antonelli2021.experiment"),
-    "alessio2022": System("Alessio et al. 2022: PPO against an adversary on a grid", "tandem.lab.alessio2022.experiment"),
-    "zhang2022": System("Zhang et al. 2022: two actors that share a critic, cooperation and collaboration", "tandem.lab.zhang2022.experiment"),
-    "cells": System("our recipe on cells that are not the thesis's", "tandem.lab.other_cells", published=False, takes_cases=True),
+    "yu2020": System(
+        "Yu, Huang, Chang 2020: the chessboard and AlphaGo-Zero-style search",
+        "tandem.lab.yu2020.experiment",
+    ),
+    "yu2021": System(
+        "Yu, Huang, Chang 2021: a deep Q-network for each agent, more than two agents",
+        "tandem.lab.yu2021.experiment",
+    ),
+    "antonelli2021": System(
+        "Antonelli et al. 2021: Q-learning with disassembly", "tandem.lab.antonelli2021.experiment"
+    ),
+    "alessio2022": System(
+        "Alessio et al. 2022: PPO against an adversary on a grid",
+        "tandem.lab.alessio2022.experiment",
+    ),
+    "zhang2022": System(
+        "Zhang et al. 2022: two actors that share a critic, cooperation and collaboration",
+        "tandem.lab.zhang2022.experiment",
+    ),
+    "cells": System(
+        "our recipe on cells that are not the thesis's",
+        "tandem.lab.other_cells",
+        published=False,
+        takes_cases=True,
+    ),
 }
 
 

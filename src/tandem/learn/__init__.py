@@ -1,4 +1,6 @@
-"""Policies from experience: PPO, deep Q-learning, self-play with a search, best responses to people; their recipes, runs and players without JAX."""
+"""Policies from experience: PPO, deep Q-learning, self-play with a search, best responses to
+people; their recipes, runs and players without JAX.
+"""
 
 from tandem.learn.policy import Policy
 from tandem.learn.ppo.recipes import Recipe

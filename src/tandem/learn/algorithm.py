@@ -1,4 +1,6 @@
-"""The contract between the trainer and the algorithms: what is ordered, and what an algorithm must offer."""
+"""The contract between the trainer and the algorithms: what is ordered, and what an algorithm must
+offer.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,9 @@ from tandem.files.messages import shown
 from tandem.learn.results import Reached
 
 Learners = Any
-"""All that a training needs to go on: a tree of arrays whose leading axis are the seeds; a checkpoint holds it whole."""
+"""All that a training needs to go on: a tree of arrays whose leading axis are the seeds; a
+checkpoint holds it whole.
+"""
 
 Row = dict[str, Any]
 
@@ -43,7 +47,8 @@ class Order:
       recipe: and `name`, what it is called.
       seeds: one training each, side by side.
       stress_factor: how much a unit of stress counts in the rewards.
-      front_limit: seconds that the planner has for the exact front, against which everything is held.
+      front_limit: seconds that the planner has for the exact front, against which everything is
+        held.
     """
 
     cell: Cell
@@ -55,13 +60,19 @@ class Order:
 
     def __post_init__(self) -> None:
         if not self.seeds or len(set(self.seeds)) < len(self.seeds):
-            raise UsageError(f"seeds {', '.join(map(str, self.seeds)) or 'empty'}: give one or more, each once.")
+            raise UsageError(
+                f"seeds {', '.join(map(str, self.seeds)) or 'empty'}: give one or more, each once."
+            )
         if not all(0 <= seed < 2**32 for seed in self.seeds):
-            raise UsageError(f"seeds {shown(self.seeds[0])} ...: each is a whole number from 0 to {2**32 - 1}.")
+            raise UsageError(
+                f"seeds {shown(self.seeds[0])} ...: each is a whole number from 0 to {2**32 - 1}."
+            )
         if not (np.isfinite(self.stress_factor) and self.stress_factor >= 0):
             raise UsageError(f"stress factor {self.stress_factor}: must be a number, 0 or more.")
         if not (np.isfinite(self.front_limit) and self.front_limit > 0):
-            raise UsageError(f"front limit {self.front_limit}: must be a number of seconds above 0.")
+            raise UsageError(
+                f"front limit {self.front_limit}: must be a number of seconds above 0."
+            )
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""
@@ -77,16 +88,22 @@ class Order:
 
 
 class Algorithm(Protocol):
-    """One algorithm on one order, all its seeds side by side. It keeps nothing that changes: what does is in `Learners`."""
+    """One algorithm on one order, all its seeds side by side. It keeps nothing that changes: what
+    does is in `Learners`.
+    """
 
     def __init__(self, order: Order) -> None:
         """Raises CellError when it cannot hold the order's cell."""
 
     @staticmethod
-    def players(path: Path, cell: Cell, order: Order, *, seed: int, episodes: int) -> dict[str, list[Reached]]:
-        """How the policy in a file plays a cell: player -> episodes; "greedy" (of each agent the action it thinks best) is one of them.
+    def players(
+        path: Path, cell: Cell, order: Order, *, seed: int, episodes: int
+    ) -> dict[str, list[Reached]]:
+        """How the policy in a file plays a cell: player -> episodes; "greedy" (of each agent the
+        action it thinks best) is one of them.
 
-        Raises CellError when the file is no policy of this algorithm, UsageError when it does not fit the cell.
+        Raises CellError when the file is no policy of this algorithm, UsageError when it does not
+        fit the cell.
         """
 
     @staticmethod
@@ -95,25 +112,31 @@ class Algorithm(Protocol):
 
     @property
     def paid(self) -> dict[str, Any]:
-        """What time and stress cost, as `results.cost` takes it: `step`, `per_second`, `stress_factor`."""
+        """What time and stress cost, as `results.cost` takes it: `step`, `per_second`,
+        `stress_factor`.
+        """
 
     def begin(self) -> Learners:
         """Learners that know nothing yet."""
 
     def advance(self, learners: Learners) -> tuple[Learners, Any]:
-        """One interval more, and a report on it; its `finite` (`[S]` or `[S, ...]` bool) says whether every number still is."""
+        """One interval more, and a report on it; its `finite` (`[S]` or `[S, ...]` bool) says
+        whether every number still is.
+        """
 
     def share(self, learners: Learners) -> float:
         """How much of the budget the slowest seed has behind it; 1 when all have ended."""
 
     def rows(self, learners: Learners, report: Any) -> Sequence[Row]:
-        """Each seed's figures after an interval: `steps`, `episodes`, `greedy_makespan`, `greedy_stress`, `greedy_illegal` and the algorithm's own.
+        """Each seed's figures after an interval: `steps`, `episodes`, `greedy_makespan`,
+        `greedy_stress`, `greedy_illegal` and the algorithm's own.
 
         Makespan and stress are None when the assembly was not finished.
         """
 
     def play(self, learners: Learners) -> Sequence[Row]:
-        """Each seed's result: `steps`, and how what was learned plays: `greedy`, `best_of_n` (with `n`) and the algorithm's own.
+        """Each seed's result: `steps`, and how what was learned plays: `greedy`, `best_of_n` (with
+        `n`) and the algorithm's own.
 
         Each is `{"makespan": seconds or None, "stress": ..., "illegal": ...}`.
         """

@@ -1,4 +1,6 @@
-"""Any cell (`tandem.world`) as a game for a search: a move begins a task in one of its ways, or lets the turn pass."""
+"""Any cell (`tandem.world`) as a game for a search: a move begins a task in one of its ways, or
+lets the turn pass.
+"""
 
 from __future__ import annotations
 
@@ -21,13 +23,16 @@ from tandem.world.state import State
 Array = Any
 
 STUCK = 2.0
-"""What each unit of work costs, twice its time, that is left when limits were spent so that nothing can go on."""
+"""What each unit of work costs, twice its time, that is left when limits were spent so that nothing
+can go on.
+"""
 
 
 class Asked(NamedTuple):
     """An assembly in which somebody is asked, or which is over.
 
-    world: how it stands. mask: `[W]` bool, the ways that are legal for anybody. turn: `[]` int32, whose turn it is, -1 for nobody's.
+    world: how it stands. mask: `[W]` bool, the ways that are legal for anybody. turn: `[]` int32,
+    whose turn it is, -1 for nobody's.
     """
 
     world: State
@@ -37,14 +42,24 @@ class Asked(NamedTuple):
 
 @partial(
     jax.tree_util.register_dataclass,
-    data_fields=["arrays", "ahead", "unit", "per_second", "per_stress", "time_weight", "stress_weight"],
+    data_fields=[
+        "arrays",
+        "ahead",
+        "unit",
+        "per_second",
+        "per_stress",
+        "time_weight",
+        "stress_weight",
+    ],
     meta_fields=["agents", "waiting"],
 )
 @dataclass(frozen=True)
 class CellGame:
-    """One cell, any number of operators. At one moment the humans choose first. Moves are the world's ways; with `waiting` one more, the last.
+    """One cell, any number of operators. At one moment the humans choose first. Moves are the
+    world's ways; with `waiting` one more, the last.
 
-    The cost is `time_weight` x seconds + `stress_weight` x stress. An operator that lets its turn pass is asked again at the next event.
+    The cost is `time_weight` x seconds + `stress_weight` x stress. An operator that lets its turn
+    pass is asked again at the next event.
 
     Attributes:
       arrays: the cell as the world has it.
@@ -64,25 +79,55 @@ class CellGame:
     waiting: bool = field(default=True)
 
     @classmethod
-    def of(cls, cell: Cell, *, time_weight: float = 1.0, stress_weight: float = 0.0, waiting: bool = True) -> Self:
+    def of(
+        cls,
+        cell: Cell,
+        *,
+        time_weight: float = 1.0,
+        stress_weight: float = 0.0,
+        waiting: bool = True,
+    ) -> Self:
         """The cell's game.
 
         Raises:
           UsageError: a weight is below 0, or time weighs nothing.
           CellError: times or stresses are too large to be counted.
         """
-        if not (np.isfinite([time_weight, stress_weight]).all() and time_weight > 0 and stress_weight >= 0):
-            raise UsageError(f"weights of time {time_weight} and stress {stress_weight}: time must weigh more than 0, stress 0 or more.")
+        if not (
+            np.isfinite([time_weight, stress_weight]).all()
+            and time_weight > 0
+            and stress_weight >= 0
+        ):
+            raise UsageError(
+                f"weights of time {time_weight} and stress {stress_weight}: time must weigh more"
+                " than 0, stress 0 or more."
+            )
         names = Names.of(cell)
         arrays = names.arrays()
         seconds = arrays.way_ticks / names.per_second
         mean = np.mean([seconds[arrays.way_task == task].min() for task in range(len(names.tasks))])
         unit = mean * time_weight
         stress = (arrays.way_load * arrays.human).sum(1) / names.per_stress * stress_weight / unit
-        told = ahead(arrays.way_task, arrays.way_uses, seconds / mean, stress, arrays.needs, arrays.human)
-        unit, per_second, per_stress = np.float32(unit), np.float32(names.per_second), np.float32(names.per_stress)
+        told = ahead(
+            arrays.way_task, arrays.way_uses, seconds / mean, stress, arrays.needs, arrays.human
+        )
+        unit, per_second, per_stress = (
+            np.float32(unit),
+            np.float32(names.per_second),
+            np.float32(names.per_stress),
+        )
         weights = np.float32(time_weight), np.float32(stress_weight)
-        return cls(arrays, told, unit, per_second, per_stress, weights[0], weights[1], names.operators, waiting)
+        return cls(
+            arrays,
+            told,
+            unit,
+            per_second,
+            per_stress,
+            weights[0],
+            weights[1],
+            names.operators,
+            waiting,
+        )
 
     @property
     def moves(self) -> int:
@@ -102,7 +147,10 @@ class CellGame:
         mine = world.legal_of(self.arrays, state.mask, state.turn)
         if not self.waiting:
             return mine
-        return jnp.append(mine, (state.turn >= 0) & world.may_wait(self.arrays, state.world, state.mask, state.turn))
+        return jnp.append(
+            mine,
+            (state.turn >= 0) & world.may_wait(self.arrays, state.world, state.mask, state.turn),
+        )
 
     def to_play(self, state: Asked) -> Array:
         return state.turn
@@ -113,7 +161,11 @@ class CellGame:
         begun = world.assign(self.arrays, before, jnp.where(waits | over, -1, move))
         after = self._until_asked(world.wait(begun, jnp.where(waits, state.turn, -1)))
         cost = self.time_weight * (after.world.clock - before.clock) / self.per_second
-        cost += self.stress_weight * (world.stress(self.arrays, after.world) - world.stress(self.arrays, before)) / self.per_stress
+        cost += (
+            self.stress_weight
+            * (world.stress(self.arrays, after.world) - world.stress(self.arrays, before))
+            / self.per_stress
+        )
         left = jnp.sum(jnp.where(after.world.way < 0, self.ahead.least, 0.0)) * self.unit * STUCK
         return after, cost + jnp.where(~over & self.is_over(after), left, 0.0)
 
@@ -127,7 +179,11 @@ class CellGame:
         there = self.arrays.way_open & waits_for_none[self.arrays.way_task]
         way, waits = jnp.arange(ways), jnp.zeros(ways, bool)
         if self.waiting:
-            way, waits, there = jnp.append(way, 0), jnp.append(waits, True), jnp.append(there, legal[-1])
+            way, waits, there = (
+                jnp.append(way, 0),
+                jnp.append(waits, True),
+                jnp.append(there, legal[-1]),
+            )
         return look(self.ahead, now, state.turn, way, there, legal, waits)
 
     def least(self, state: Asked) -> Array:
@@ -148,15 +204,32 @@ class CellGame:
             return Asked(state, mask, world.turn(self.arrays, mask))
 
         def goes_on(now: Asked) -> Array:
-            return (now.turn < 0) & ~world.is_done(now.world) & (world.next_event(self.arrays, now.world) < NEVER)
+            return (
+                (now.turn < 0)
+                & ~world.is_done(now.world)
+                & (world.next_event(self.arrays, now.world) < NEVER)
+            )
 
-        return jax.lax.while_loop(goes_on, lambda now: asked(world.advance(self.arrays, now.world)), asked(state))
+        return jax.lax.while_loop(
+            goes_on, lambda now: asked(world.advance(self.arrays, now.world)), asked(state)
+        )
 
 
 def reached(cell: Cell, played: Any) -> Reached:
-    """What one game of the cell reached, from its `cost` and last `state`, in the cell's seconds and stress; NumPy arrays."""
+    """What one game of the cell reached, from its `cost` and last `state`, in the cell's seconds
+    and stress; NumPy arrays.
+    """
     names, state = Names.of(cell), played.state.world
     if not world.is_done(state):
         return Reached(None, None, 0, float(played.cost), None)
-    makespan, stress = names.seconds(world.makespan(state)), names.stress(world.stress(names.arrays(), state))
-    return Reached(plain(makespan), plain(stress), 0, float(played.cost), names.schedule(state.way, state.start_at, state.end_at))
+    makespan, stress = (
+        names.seconds(world.makespan(state)),
+        names.stress(world.stress(names.arrays(), state)),
+    )
+    return Reached(
+        plain(makespan),
+        plain(stress),
+        0,
+        float(played.cost),
+        names.schedule(state.way, state.start_at, state.end_at),
+    )

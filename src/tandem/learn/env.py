@@ -1,8 +1,10 @@
-"""What a search asks of a game: agents that take turns and share one cost. Pure functions; a game is data, `vmap` adds the batch.
+"""What a search asks of a game: agents that take turns and share one cost. Pure functions; a game
+is data, `vmap` adds the batch.
 
-A game is a JAX pytree (`jax.tree_util.register_dataclass`): the instance. Its state is another: the progress. So one compiled search serves
-every game of the same shape, and many games are played side by side, each with its own instance. Nothing here is drawn: a game with chance
-holds what was drawn for the episode in its data.
+A game is a JAX pytree (`jax.tree_util.register_dataclass`): the instance. Its state is another: the
+progress. So one compiled search serves every game of the same shape, and many games are played side
+by side, each with its own instance. Nothing here is drawn: a game with chance holds what was drawn
+for the episode in its data.
 
 All agents pay the same cost, so a value never changes its sign on the way up a tree, whoever moves.
 """
@@ -20,10 +22,11 @@ State = Any
 
 
 class Look(NamedTuple):
-    """What a network that knows no sizes is shown. `K` moves, `F` and `G` features; see `tandem.learn.observation`.
+    """What a network that knows no sizes is shown. `K` moves, `F` and `G` features; see
+    `tandem.learn.observation`.
 
-    moves: `[K, F]` float32, a row for each move. there: `[K]` bool, the rows that mean something now (also what only others may do).
-    whole: `[G]` float32, of the state.
+    moves: `[K, F]` float32, a row for each move. there: `[K]` bool, the rows that mean something
+    now (also what only others may do). whole: `[G]` float32, of the state.
     """
 
     moves: Array
@@ -54,29 +57,37 @@ class Game(Protocol):
         """The first state in which someone has to choose."""
 
     def legal(self, state: State) -> Array:
-        """`[K]` bool, what the agent whose turn it is may do; all False once the game is over, else at least one True."""
+        """`[K]` bool, what the agent whose turn it is may do; all False once the game is over, else
+        at least one True.
+        """
 
     def to_play(self, state: State) -> Array:
         """`[]` int32, whose turn it is; -1 once the game is over."""
 
     def step(self, state: State, move: Array) -> tuple[State, Array]:
-        """The next state in which someone has to choose (or the last one), and what it cost to get there, `[]` float32.
+        """The next state in which someone has to choose (or the last one), and what it cost to get
+        there, `[]` float32.
 
-        Assumes `legal(state)[move]`. The last step also pays for what is still under way. After the end nothing changes and nothing is paid.
+        Assumes `legal(state)[move]`. The last step also pays for what is still under way. After the
+        end nothing changes and nothing is paid.
         """
 
     def is_over(self, state: State) -> Array:
         """`[]` bool."""
 
     def observe(self, state: State) -> Any:
-        """What the network is shown, seen by the agent whose turn it is: a `Look`, or whatever a game's own network takes."""
+        """What the network is shown, seen by the agent whose turn it is: a `Look`, or whatever a
+        game's own network takes.
+        """
 
     def least(self, state: State) -> Array:
         """`[]` float32, a cost that is certainly still to come; 0 where nothing is known."""
 
 
 def stacked(games: list[Any]) -> Any:
-    """Several games of the same shape as one, with a leading axis. Raises ValueError when they have different shapes."""
+    """Several games of the same shape as one, with a leading axis. Raises ValueError when they have
+    different shapes.
+    """
     shapes = {tuple(np.shape(leaf) for leaf in jax.tree.leaves(game)) for game in games}
     if len(shapes) != 1 or len({jax.tree.structure(game) for game in games}) != 1:
         raise ValueError("the games have different shapes and cannot be played side by side.")
@@ -85,4 +96,6 @@ def stacked(games: list[Any]) -> Any:
 
 def many(game: Any, number: int) -> Any:
     """The same game so many times, with a leading axis."""
-    return jax.tree.map(lambda leaf: jnp.broadcast_to(jnp.asarray(leaf), (number, *np.shape(leaf))), game)
+    return jax.tree.map(
+        lambda leaf: jnp.broadcast_to(jnp.asarray(leaf), (number, *np.shape(leaf))), game
+    )

@@ -1,4 +1,6 @@
-"""What files and settings of trainings must look like, held against frozen forms: every fault in words, at its place in the data."""
+"""What files and settings of trainings must look like, held against frozen forms: every fault in
+words, at its place in the data.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,9 @@ class Form(BaseModel):
 
 
 def key_of(table: Iterable[str]) -> AfterValidator:
-    """A text that the table has; `Annotated[str, key_of(TABLE)]`. A new line of the table is known by itself."""
+    """A text that the table has; `Annotated[str, key_of(TABLE)]`. A new line of the table is known
+    by itself.
+    """
 
     def check(value: str) -> str:
         if value not in (names := tuple(table)):
@@ -41,11 +45,16 @@ Made = TypeVar("Made", bound=Form)
 
 
 class SettingsError(UsageError, ValueError):
-    """Settings that do not hold. Each of `faults` begins with the setting's name; pydantic collects them because they are values, too."""
+    """Settings that do not hold. Each of `faults` begins with the setting's name; pydantic collects
+    them because they are values, too.
+    """
 
     def __init__(self, faults: Iterable[str]):
         self.faults = tuple(faults)
-        super().__init__("The training's settings do not hold:\n" + "\n".join(f"- {fault}" for fault in self.faults))
+        super().__init__(
+            "The training's settings do not hold:\n"
+            + "\n".join(f"- {fault}" for fault in self.faults)
+        )
 
 
 def read_document(path: Path, form: type[Made]) -> Made:
@@ -58,17 +67,23 @@ def read_document(path: Path, form: type[Made]) -> Made:
     with open(path, "rb") as file:
         data = file.read(MOST_BYTES + 1)
     if len(data) > MOST_BYTES:
-        raise unreadable(path, [f"has more than {MOST_BYTES:,} bytes, which no file of a training has."])
+        raise unreadable(
+            path, [f"has more than {MOST_BYTES:,} bytes, which no file of a training has."]
+        )
     return parsed(path, data, form)
 
 
 def parsed(path: Path, text: str | bytes, form: type[Made], within: str = "") -> Made:
-    """The JSON document in the text, which stands in that file, `within` a part of it. Raises CellError as `read_document` does."""
+    """The JSON document in the text, which stands in that file, `within` a part of it. Raises
+    CellError as `read_document` does.
+    """
     try:
         return form.model_validate_json(text)
     except ValidationError as error:
         faults = dict.fromkeys(complaints(form, error))
-        raise unreadable(path, [f"{within}: {fault}" if within else fault for fault in faults]) from None
+        raise unreadable(
+            path, [f"{within}: {fault}" if within else fault for fault in faults]
+        ) from None
 
 
 def unreadable(path: str | Path, faults: Iterable[str]) -> CellError:
@@ -77,7 +92,9 @@ def unreadable(path: str | Path, faults: Iterable[str]) -> CellError:
 
 
 def complaints(form: Any, error: ValidationError) -> Iterator[str]:
-    """Everything that pydantic found wrong with data of a form, each value named by the way to it: `config.stages.0.entropy`."""
+    """Everything that pydantic found wrong with data of a form, each value named by the way to it:
+    `config.stages.0.entropy`.
+    """
     for item in error.errors(include_url=False):
         place = ".".join(map(str, item["loc"]))
         cause = item.get("ctx", {}).get("error")

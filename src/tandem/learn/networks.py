@@ -1,7 +1,9 @@
-"""Networks as pure functions over an array namespace: trained under JAX, and the same lines decide in NumPy.
+"""Networks as pure functions over an array namespace: trained under JAX, and the same lines decide
+in NumPy.
 
-A network is a nested dictionary of arrays, `{"0": {"weight": [in, out], "bias": [out]}, "1": ...}`, layer by layer; a policy holds
-several. Nothing in it executes code, so it can be kept in a safetensors file and read by anyone.
+A network is a nested dictionary of arrays, `{"0": {"weight": [in, out], "bias": [out]}, "1": ...}`,
+layer by layer; a policy holds several. Nothing in it executes code, so it can be kept in a
+safetensors file and read by anyone.
 """
 
 from __future__ import annotations
@@ -18,11 +20,14 @@ Network = dict[str, dict[str, Array]]
 ACTIVATIONS: tuple[str, ...] = ("relu", "tanh")
 
 
-def init(draw: Callable[[tuple[int, ...]], Array], sizes: Sequence[int], last: float = 1.0) -> Network:
-    """A network with `sizes[0]` inputs, `sizes[-1]` outputs and the hidden layers between; biases 0.
+def init(
+    draw: Callable[[tuple[int, ...]], Array], sizes: Sequence[int], last: float = 1.0
+) -> Network:
+    """A network with `sizes[0]` inputs, `sizes[-1]` outputs and the hidden layers between; biases
+    0.
 
-    Weights are uniform within +-sqrt(6 / (in + out)) (Glorot and Bengio 2010, equation 16); those of the last layer times `last`: a small
-    number makes a first policy that prefers nothing.
+    Weights are uniform within +-sqrt(6 / (in + out)) (Glorot and Bengio 2010, equation 16); those
+    of the last layer times `last`: a small number makes a first policy that prefers nothing.
 
     Args:
       draw: shape -> an array of that shape, uniform in [-1, 1), of the wanted namespace and type.
@@ -36,7 +41,8 @@ def init(draw: Callable[[tuple[int, ...]], Array], sizes: Sequence[int], last: f
 
 
 def forward(xp: ModuleType, network: Network, inputs: Array, activation: str) -> Array:
-    """`[..., out]` from `inputs` `[..., in]`; the activation (`ACTIVATIONS`) stands between the layers, not after the last.
+    """`[..., out]` from `inputs` `[..., in]`; the activation (`ACTIVATIONS`) stands between the
+    layers, not after the last.
 
     Args:
       xp: the namespace of the arrays, `numpy` or `jax.numpy`.
@@ -52,7 +58,8 @@ def forward(xp: ModuleType, network: Network, inputs: Array, activation: str) ->
 
 
 def masked_log_softmax(xp: ModuleType, logits: Array, legal: Array) -> Array:
-    """`[..., K]` log-probabilities over the legal actions; a very low number (about -1e9), never infinity, for the others.
+    """`[..., K]` log-probabilities over the legal actions; a very low number (about -1e9), never
+    infinity, for the others.
 
     With infinity an illegal action's 0 x -inf would turn the entropy and every gradient into nan.
     """
@@ -65,10 +72,12 @@ ILLEGAL = -1e9
 
 
 def sample(xp: ModuleType, log_probability: Array, uniform: Array) -> Array:
-    """`[...]` the action drawn from `log_probability` `[..., K]` with one number `uniform` `[...]` in [0, 1) each.
+    """`[...]` the action drawn from `log_probability` `[..., K]` with one number `uniform` `[...]`
+    in [0, 1) each.
 
-    Inverse of the cumulative distribution: one random number a decision instead of one an action. An action of probability 0 is never
-    drawn: it adds nothing to the running sum, and the draw is scaled by the sum that was really reached.
+    Inverse of the cumulative distribution: one random number a decision instead of one an action.
+    An action of probability 0 is never drawn: it adds nothing to the running sum, and the draw is
+    scaled by the sum that was really reached.
     """
     reached = xp.cumsum(xp.exp(log_probability), -1)
     return (reached <= uniform[..., None] * reached[..., -1:]).sum(-1)

@@ -1,8 +1,10 @@
-"""What a network that knows no sizes sees of an assembly: a row of numbers for each move, and a row for the whole.
+"""What a network that knows no sizes sees of an assembly: a row of numbers for each move, and a row
+for the whole.
 
-Everything is a ratio (to the mean time of a task, or to the least time that is still to come), and operators are "mine" and "the others'",
-so that the same network reads cells of any size and with any number of operators. What lies behind a task never begins before it, so the
-sums over what is behind a task that can begin now do not change during a game: they are made once, in NumPy.
+Everything is a ratio (to the mean time of a task, or to the least time that is still to come), and
+operators are "mine" and "the others'", so that the same network reads cells of any size and with
+any number of operators. What lies behind a task never begins before it, so the sums over what is
+behind a task that can begin now do not change during a game: they are made once, in NumPy.
 
 Axes: `T` tasks, `W` ways to do them, `O` operators, `K` moves.
 """
@@ -22,14 +24,16 @@ MOVE_FEATURES, WHOLE_FEATURES = 22, 14
 
 
 class Ahead(NamedTuple):
-    """What is known of an assembly before it begins. Times in units (mean least time of a task), stress in units of its weight in the cost.
+    """What is known of an assembly before it begins. Times in units (mean least time of a task),
+    stress in units of its weight in the cost.
 
-    uses: `[W, O]` float32, 1 where the way occupies the operator. time, stress: `[W]`. task: `[W]` int32.
-    needs: `[T, T]` float32, 1 where task i cannot start before task j has ended.
-    least, least_stress: `[T]`, of the task's quickest and of its easiest way. tail: `[T]`, the longest chain from the task's start to the end.
-    only: `[T, O]`, the task's least time where every way of doing it occupies the operator, else 0. open: `[T]`, what of it is nobody's.
-    behind_only, behind_open: `[T, O]`, `[T]`, the sums of these over all tasks that need the task.
-    human: `[O]` float32.
+    uses: `[W, O]` float32, 1 where the way occupies the operator. time, stress: `[W]`. task: `[W]`
+    int32. needs: `[T, T]` float32, 1 where task i cannot start before task j has ended. least,
+    least_stress: `[T]`, of the task's quickest and of its easiest way. tail: `[T]`, the longest
+    chain from the task's start to the end. only: `[T, O]`, the task's least time where every way of
+    doing it occupies the operator, else 0. open: `[T]`, what of it is nobody's. behind_only,
+    behind_open: `[T, O]`, `[T]`, the sums of these over all tasks that need the task. human: `[O]`
+    float32.
     """
 
     task: Array
@@ -48,7 +52,9 @@ class Ahead(NamedTuple):
 
 
 class Standing(NamedTuple):
-    """How far it is. begun, ended: `[T]` bool. left: `[T]`, time until a running task ends, else 0. busy: `[O]`, until the operator is free."""
+    """How far it is. begun, ended: `[T]` bool. left: `[T]`, time until a running task ends, else 0.
+    busy: `[O]`, until the operator is free.
+    """
 
     begun: Array
     ended: Array
@@ -56,8 +62,12 @@ class Standing(NamedTuple):
     busy: Array
 
 
-def ahead(task: Array, uses: Array, time: Array, stress: Array, needs: Array, human: Array) -> Ahead:
-    """From plain NumPy arrays: `task` `[W]`, `uses` `[W, O]` bool, `time` and `stress` `[W]` in units, `needs` `[T, T]` bool, `human` `[O]`."""
+def ahead(
+    task: Array, uses: Array, time: Array, stress: Array, needs: Array, human: Array
+) -> Ahead:
+    """From plain NumPy arrays: `task` `[W]`, `uses` `[W, O]` bool, `time` and `stress` `[W]` in
+    units, `needs` `[T, T]` bool, `human` `[O]`.
+    """
     tasks = needs.shape[0]
     behind = needs.T.copy()  # [i, j]: j comes after i
     for middle in range(tasks):
@@ -84,13 +94,22 @@ def ahead(task: Array, uses: Array, time: Array, stress: Array, needs: Array, hu
         "behind_open": behind @ nobodys,
         "human": human,
     }
-    return Ahead(np.asarray(task, np.int32), **{name: np.asarray(part, np.float32) for name, part in parts.items()})
+    return Ahead(
+        np.asarray(task, np.int32),
+        **{name: np.asarray(part, np.float32) for name, part in parts.items()},
+    )
 
 
 def time_to_come(ahead: Ahead, now: Standing) -> Array:
-    """`[]` a time that is certainly still to come: the longest chain, the fullest operator, or all work shared out evenly."""
+    """`[]` a time that is certainly still to come: the longest chain, the fullest operator, or all
+    work shared out evenly.
+    """
     waiting = 1.0 - now.begun
-    chain = jnp.max(jnp.where(now.begun, jnp.where(now.ended, 0.0, now.left + ahead.tail - ahead.least), ahead.tail))
+    chain = jnp.max(
+        jnp.where(
+            now.begun, jnp.where(now.ended, 0.0, now.left + ahead.tail - ahead.least), ahead.tail
+        )
+    )
     load = now.busy + waiting @ ahead.only
     shared = (jnp.sum(now.busy) + waiting @ ahead.least) / now.busy.shape[0]
     return jnp.maximum(jnp.maximum(chain, jnp.max(load)), shared)
@@ -101,13 +120,16 @@ def missing(ahead: Ahead, ended: Array) -> Array:
     return ahead.needs @ (1.0 - ended)
 
 
-def look(ahead: Ahead, now: Standing, me: Array, way: Array, there: Array, mine: Array, waits: Array) -> Look:
+def look(
+    ahead: Ahead, now: Standing, me: Array, way: Array, there: Array, mine: Array, waits: Array
+) -> Look:
     """What the agent `me` sees.
 
     Args:
       me: `[]` int32, the operator whose turn it is; any when nobody's.
       way: `[K]` int32, the way that each move begins; any where `there` is False.
-      there: `[K]` bool, the moves that someone could make now or when he is free: the task waits for no other.
+      there: `[K]` bool, the moves that someone could make now or when he is free: the task waits
+        for no other.
       mine: `[K]` bool, legal for `me`.
       waits: `[K]` bool, the moves that begin nothing.
     """
@@ -117,8 +139,11 @@ def look(ahead: Ahead, now: Standing, me: Array, way: Array, there: Array, mine:
     real = (there & ~waits).astype(jnp.float32)
     to_come = jnp.maximum(time_to_come(ahead, now), 1e-3)
     waiting = 1.0 - now.begun
-    kinds = jnp.stack([ahead.only @ my, ahead.only @ others, ahead.open], 1)  # [T, 3]: mine alone, others' alone, open
-    behind = jnp.stack([ahead.behind_only[task] @ my, ahead.behind_only[task] @ others, ahead.behind_open[task]], 1)
+    # [T, 3]: mine alone, others' alone, open
+    kinds = jnp.stack([ahead.only @ my, ahead.only @ others, ahead.open], 1)
+    behind = jnp.stack(
+        [ahead.behind_only[task] @ my, ahead.behind_only[task] @ others, ahead.behind_open[task]], 1
+    )
     after = ahead.needs[:, task].T  # [K, T]
     unlocks = after * (missing(ahead, now.ended) == 1)[None] @ kinds
     running = now.begun & ~now.ended
@@ -134,16 +159,26 @@ def look(ahead: Ahead, now: Standing, me: Array, way: Array, there: Array, mine:
         *(behind.T / to_come),
         *unlocks.T,
         *helps.T,
-        *(starts - ahead.least[task], able, jnp.sum(uses, 1) - 1.0, jnp.minimum(uses @ others, 1.0), ahead.open[task] > 0),
+        *(
+            starts - ahead.least[task],
+            able,
+            jnp.sum(uses, 1) - 1.0,
+            jnp.minimum(uses @ others, 1.0),
+            ahead.open[task] > 0,
+        ),
         *(mine, now.busy @ uses.T),
     ]
     rows = jnp.stack([jnp.asarray(part, jnp.float32) for part in parts], 1) * real[:, None]
     rows = jnp.concatenate([rows, waits.astype(jnp.float32)[:, None]], 1)
     busy_others = jnp.where(my > 0, 0.0, now.busy)
-    soonest = jnp.min(jnp.where(my > 0, jnp.inf, now.busy)) if ahead.uses.shape[1] > 1 else jnp.zeros(())
+    soonest = (
+        jnp.min(jnp.where(my > 0, jnp.inf, now.busy)) if ahead.uses.shape[1] > 1 else jnp.zeros(())
+    )
     ready_mine, ready_others = jnp.sum(real * able * starts), jnp.sum(real * (1 - able) * starts)
     whole = jnp.stack([
-        to_come / 10, *(loads / to_come), longest / to_come, jnp.max(busy_others), soonest, ready_mine / 4, ready_others / 4,
-        jnp.sum(real) / 10, jnp.sum(mine) / 10, ahead.human @ my, jnp.max(now.left), jnp.mean(waiting),
+        to_come / 10, *(loads / to_come), longest / to_come, jnp.max(busy_others), soonest,
+        ready_mine / 4, ready_others / 4,
+        jnp.sum(real) / 10, jnp.sum(mine) / 10, ahead.human @ my, jnp.max(now.left),
+        jnp.mean(waiting),
     ])  # fmt: skip
     return Look(rows, there, whole.astype(jnp.float32))

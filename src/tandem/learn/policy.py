@@ -20,7 +20,9 @@ Array = np.ndarray[Any, Any]
 
 
 class Notes(Form):
-    """Where a policy comes from, as far as it says so; whoever needs more than a default asks for it."""
+    """Where a policy comes from, as far as it says so; whoever needs more than a default asks for
+    it.
+    """
 
     model_config = ConfigDict(frozen=True, strict=True, extra="allow", allow_inf_nan=False)
 
@@ -84,10 +86,23 @@ class Policy:
         """
         seen = np.asarray(observation, np.float32)
         rows = range(len(self.agents)) if agent is None else [self._row(agent)]
-        wanted = (len(self.agents), self.observation_size) if agent is None else (self.observation_size,)
+        wanted = (
+            (len(self.agents), self.observation_size) if agent is None else (self.observation_size,)
+        )
         if seen.shape != wanted:
-            raise UsageError(f"observation of shape {seen.shape}: this policy wants {wanted}, agents {', '.join(self.agents)}.")
-        outputs = [forward(np, self._network(row), self._input(seen[row] if agent is None else seen, row), self.activation) for row in rows]
+            raise UsageError(
+                f"observation of shape {seen.shape}: this policy wants {wanted}, agents"
+                f" {', '.join(self.agents)}."
+            )
+        outputs = [
+            forward(
+                np,
+                self._network(row),
+                self._input(seen[row] if agent is None else seen, row),
+                self.activation,
+            )
+            for row in rows
+        ]
         return np.stack(outputs) if agent is None else outputs[0]
 
     def predict(
@@ -99,21 +114,34 @@ class Policy:
         agent: str | None = None,
         generator: np.random.Generator | None = None,
     ) -> tuple[Any, None]:
-        """What the agents do: `[A]` actions for `[A, D]` observations; one number for one `agent`'s `[D]`. Second is always None, as SB3 has it.
+        """What the agents do: `[A]` actions for `[A, D]` observations; one number for one `agent`'s
+        `[D]`. Second is always None, as SB3 has it.
 
         Args:
-          action_masks: `[A, K]` or `[K]`, true where the action is legal. Needed by a policy that was trained with masks.
-          deterministic: the most probable action; else one drawn with `generator` (a fresh one when absent).
+          action_masks: `[A, K]` or `[K]`, true where the action is legal. Needed by a policy that
+            was trained with masks.
+          deterministic: the most probable action; else one drawn with `generator` (a fresh one when
+            absent).
 
         Raises:
           UsageError: a size does not fit, the masks are missing, or a mask allows nothing.
         """
         logits = self.logits(observation, agent)
         if action_masks is None and self.masked:
-            raise UsageError("action_masks: this policy was trained with illegal actions ruled out; say which are legal.")
-        legal = np.ones(logits.shape, bool) if action_masks is None else np.asarray(action_masks).astype(bool)
+            raise UsageError(
+                "action_masks: this policy was trained with illegal actions ruled out; say which"
+                " are legal."
+            )
+        legal = (
+            np.ones(logits.shape, bool)
+            if action_masks is None
+            else np.asarray(action_masks).astype(bool)
+        )
         if legal.shape != logits.shape or not legal.any(-1).all():
-            raise UsageError(f"action_masks of shape {legal.shape}: must be {logits.shape}, with at least one legal action each.")
+            raise UsageError(
+                f"action_masks of shape {legal.shape}: must be {logits.shape}, with at least one"
+                " legal action each."
+            )
         if deterministic:
             action = np.where(legal, logits, -np.inf).argmax(-1)
         else:
@@ -131,7 +159,11 @@ class Policy:
             "shared": self.shared,
             "notes": dict(self.notes),
         }
-        arrays = {f"{layer}/{part}": array for layer, parts in self.actor.items() for part, array in parts.items()}
+        arrays = {
+            f"{layer}/{part}": array
+            for layer, parts in self.actor.items()
+            for part, array in parts.items()
+        }
         write_tensors(path, arrays, about)
         return Path(path)
 
@@ -140,10 +172,13 @@ class Policy:
         """What `save` wrote.
 
         Raises:
-          CellError: the file cannot be read, is no policy, or holds no network; with everything that is wrong.
+          CellError: the file cannot be read, is no policy, or holds no network; with everything
+            that is wrong.
         """
         arrays, about = read_tensors(path, _About, "policy")
-        notes = parsed(Path(path), json.dumps(about.notes), Notes, "is no policy: notes").model_dump(exclude_unset=True)
+        notes = parsed(
+            Path(path), json.dumps(about.notes), Notes, "is no policy: notes"
+        ).model_dump(exclude_unset=True)
         if faults := list(_faults(arrays, len(about.agents), about.shared)):
             raise unreadable(path, [f"is no policy: {fault}" for fault in faults])
         actor: Network = {}
@@ -158,18 +193,34 @@ class Policy:
         return self.agents.index(agent)
 
     def _network(self, row: int) -> Network:
-        return self.actor if self.shared else {layer: {part: array[row] for part, array in parts.items()} for layer, parts in self.actor.items()}
+        return (
+            self.actor
+            if self.shared
+            else {
+                layer: {part: array[row] for part, array in parts.items()}
+                for layer, parts in self.actor.items()
+            }
+        )
 
     def _input(self, seen: Array, row: int) -> Array:
-        return np.concatenate([seen, np.eye(len(self.agents), dtype=np.float32)[row]]) if self.shared else seen
+        return (
+            np.concatenate([seen, np.eye(len(self.agents), dtype=np.float32)[row]])
+            if self.shared
+            else seen
+        )
 
 
 def _faults(arrays: Mapping[str, Array], agents: int, shared: bool) -> Iterator[str]:
-    """What keeps arrays from being the layers of an actor, one behind the other, with a leading axis of agents unless they share it."""
+    """What keeps arrays from being the layers of an actor, one behind the other, with a leading
+    axis of agents unless they share it.
+    """
     layers = len(arrays) // 2
     wanted = {f"{layer}/{part}" for layer in range(layers) for part in ("weight", "bias")}
     if not layers or set(arrays) != wanted:
-        yield f"its arrays are {', '.join(sorted(arrays)[:6]) or 'none'}; a network has weight and bias of layers 0, 1, ... and nothing else."
+        yield (
+            f"its arrays are {', '.join(sorted(arrays)[:6]) or 'none'}; a network has weight and"
+            " bias of layers 0, 1, ... and nothing else."
+        )
         return
     lead = () if shared else (agents,)
     for name, array in arrays.items():
@@ -183,7 +234,10 @@ def _faults(arrays: Mapping[str, Array], agents: int, shared: bool) -> Iterator[
         fits = len(weight) == len(lead) + 2 and weight[: len(lead)] == lead and min(weight) > 0
         if not fits or inputs not in (None, weight[-2]):
             before = f" behind a layer of {inputs}" if inputs else ""
-            yield f"{layer}/weight has the shape {list(weight)}, which is no layer of {agents} agents{' that share it' * shared}{before}."
+            yield (
+                f"{layer}/weight has the shape {list(weight)}, which is no layer of {agents}"
+                f" agents{' that share it' * shared}{before}."
+            )
             return
         if bias != (*lead, weight[-1]):
             yield f"{layer}/bias has the shape {list(bias)} instead of {[*lead, weight[-1]]}."

@@ -1,4 +1,6 @@
-"""What a player reached in an episode, what that costs, and how far it is above the exact optimum."""
+"""What a player reached in an episode, what that costs, and how far it is above the exact
+optimum.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,9 @@ from tandem.plan.result import Front
 from tandem.schedule.model import Schedule
 
 SECOND = 10.0
-"""What a second costs beside a unit of stress times the stress factor, as in the thesis's rewards."""
+"""What a second costs beside a unit of stress times the stress factor, as in the thesis's
+rewards.
+"""
 
 
 @dataclass(frozen=True)
@@ -19,7 +23,8 @@ class Reached:
     Attributes:
       makespan, stress: seconds and stress; None when the assembly was not finished.
       illegal: rules broken.
-      cost: what all agents together were paid, negated: of several finished episodes the best has the least.
+      cost: what all agents together were paid, negated: of several finished episodes the best has
+        the least.
       schedule: what was done, when it was finished.
     """
 
@@ -40,15 +45,23 @@ def paid(stress_factor: float) -> dict[str, Any]:
     return {"step": -SECOND, "per_second": 1, "stress_factor": stress_factor}
 
 
-def cost(makespan: float, stress: float, *, step: float, per_second: int, stress_factor: float) -> float:
-    """What an agent loses by time and stress: |step reward| x ticks + factor x stress. The robot's loss differs by a constant."""
+def cost(
+    makespan: float, stress: float, *, step: float, per_second: int, stress_factor: float
+) -> float:
+    """What an agent loses by time and stress: |step reward| x ticks + factor x stress. The robot's
+    loss differs by a constant.
+    """
     return abs(step) * per_second * makespan + stress_factor * stress
 
 
-def relative_gap(front: Front | None, makespan: float | None, stress: float | None, **paid: Any) -> float | None:
-    """How far the cost is above the least on the front, as a share of that; None without a front or an end.
+def relative_gap(
+    front: Front | None, makespan: float | None, stress: float | None, **paid: Any
+) -> float | None:
+    """How far the cost is above the least on the front, as a share of that; None without a front or
+    an end.
 
-    Every least cost with weights of 0 or more lies on the complete front, so the gap of a complete front is exact.
+    Every least cost with weights of 0 or more lies on the complete front, so the gap of a complete
+    front is exact.
     """
     if front is None or makespan is None or stress is None:
         return None

@@ -1,4 +1,6 @@
-"""What the learners of a cell's game (`cell_games`) have in common: what is paid, and how what was learned plays the cell."""
+"""What the learners of a cell's game (`cell_games`) have in common: what is paid, and how what was
+learned plays the cell.
+"""
 
 from __future__ import annotations
 
@@ -22,17 +24,38 @@ def game_of(cell: Cell, stress_factor: float, *, waiting: bool) -> CellGame:
     return CellGame.of(cell, time_weight=SECOND, stress_weight=stress_factor, waiting=waiting)
 
 
-def play(cell: Cell, game: CellGame, trained: Trained, looking: Looking | None = None, *, games: int = 1, seed: int = 0) -> list[Reached]:
+def play(
+    cell: Cell,
+    game: CellGame,
+    trained: Trained,
+    looking: Looking | None = None,
+    *,
+    games: int = 1,
+    seed: int = 0,
+) -> list[Reached]:
     """So many games on the cell: by the network alone, or under a search."""
-    found = jax.device_get(_play(jax.random.key(seed), trained.judge, trained.parameters, many(game, games), looking))
-    return [reached(cell, jax.tree.map(lambda leaf, place=place: leaf[place], found)) for place in range(games)]
+    found = jax.device_get(
+        _play(jax.random.key(seed), trained.judge, trained.parameters, many(game, games), looking)
+    )
+    return [
+        reached(cell, jax.tree.map(lambda leaf, place=place: leaf[place], found))
+        for place in range(games)
+    ]
 
 
 def alone(cell: Cell, game: CellGame, judge: Judge, parameters: Any) -> list[tuple[Reached, float]]:
-    """What the network of each seed (the leading axis of `parameters`) reaches alone, and what it expects at the start, in the game's cost."""
+    """What the network of each seed (the leading axis of `parameters`) reaches alone, and what it
+    expects at the start, in the game's cost.
+    """
     found, expected = jax.device_get(_alone(judge, parameters, many(game, 1)))
     seeds = range(len(expected))
-    return [(reached(cell, jax.tree.map(lambda leaf, place=place: leaf[place, 0], found)), float(expected[place])) for place in seeds]
+    return [
+        (
+            reached(cell, jax.tree.map(lambda leaf, place=place: leaf[place, 0], found)),
+            float(expected[place]),
+        )
+        for place in seeds
+    ]
 
 
 def told(result: Reached) -> Row:
@@ -41,7 +64,9 @@ def told(result: Reached) -> Row:
 
 
 @partial(jax.jit, static_argnames=("judge", "looking"))
-def _play(key: jax.Array, judge: Judge, parameters: Any, games: Game, looking: Looking | None) -> Played:
+def _play(
+    key: jax.Array, judge: Judge, parameters: Any, games: Game, looking: Looking | None
+) -> Played:
     found = played(key, judge, parameters, games, looking)
     return found._replace(moves=found.moves.T)
 
@@ -52,6 +77,8 @@ def _alone(judge: Judge, parameters: Any, games: Game) -> tuple[Played, jax.Arra
 
     def one(own: Any) -> tuple[Played, jax.Array]:
         found = played(jax.random.key(0), judge, own, games)
-        return found._replace(moves=found.moves.T), opinion(judge, own, first, first.reset()).to_come * first.unit
+        return found._replace(moves=found.moves.T), opinion(
+            judge, own, first, first.reset()
+        ).to_come * first.unit
 
     return jax.lax.map(one, parameters)

@@ -1,4 +1,6 @@
-"""Settings of a training: frozen dataclasses that check themselves, read from plain data with every fault told at once."""
+"""Settings of a training: frozen dataclasses that check themselves, read from plain data with every
+fault told at once.
+"""
 
 from __future__ import annotations
 
@@ -25,11 +27,16 @@ def must_hold(faults: Iterable[str]) -> None:
 
 
 def counts(of: Any, names: Iterable[str], *, least: int = 1, most: int = LARGEST) -> Iterator[str]:
-    """A fault for each whole number of these names that is out of range; None passes where the class allows it."""
+    """A fault for each whole number of these names that is out of range; None passes where the
+    class allows it.
+    """
     for name in names:
         value = getattr(of, name)
         if value is not None and not least <= value <= most:
-            yield f"{name} {shown(value)}: must be {least} or more{f', at most {most:,}' if value > most else ''}."
+            yield (
+                f"{name} {shown(value)}: must be {least} or"
+                f" more{f', at most {most:,}' if value > most else ''}."
+            )
 
 
 def one_of(of: Any, name: str, known: Iterable[str]) -> Iterator[str]:
@@ -44,7 +51,8 @@ def one_of(of: Any, name: str, known: Iterable[str]) -> Iterator[str]:
 def read(form: type[Settings], data: Any) -> Settings:
     """Settings of that form from plain values, as JSON holds them.
 
-    Raises SettingsError with everything that does not fit, each setting named by the way to it: `config.stages.0.entropy`.
+    Raises SettingsError with everything that does not fit, each setting named by the way to it:
+    `config.stages.0.entropy`.
     """
     try:
         return TypeAdapter(form).validate_json(json.dumps(data), strict=True)

@@ -1,4 +1,6 @@
-"""The one door for safetensors files: arrays, and what stands beside them as a document of one form. Nothing in such a file is code."""
+"""The one door for safetensors files: arrays, and what stands beside them as a document of one
+form. Nothing in such a file is code.
+"""
 
 from __future__ import annotations
 
@@ -27,13 +29,16 @@ def write_tensors(path: str | Path, arrays: Mapping[str, Array], beside: Mapping
     store(path, save(whole, metadata={KEY: json.dumps(dict(beside))}))
 
 
-def read_tensors(path: str | Path, form: type[Beside], what: str) -> tuple[dict[str, Array], Beside]:
+def read_tensors(
+    path: str | Path, form: type[Beside], what: str
+) -> tuple[dict[str, Array], Beside]:
     """The arrays by name, and the document.
 
     Args:
       what: the file should be, as a message calls it.
 
-    Raises CellError when the file cannot be read, is cut off, or is no such file; with everything that is wrong with its document.
+    Raises CellError when the file cannot be read, is cut off, or is no such file; with everything
+    that is wrong with its document.
     """
     from safetensors import SafetensorError, safe_open
 
@@ -42,8 +47,11 @@ def read_tensors(path: str | Path, form: type[Beside], what: str) -> tuple[dict[
             text = (file.metadata() or {}).get(KEY)
             arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 (not a dictionary)
     except OSError as error:
-        raise unreadable(path, [f"is no {what} that can be read ({error.strerror or error})."]) from error
-    except (SafetensorError, ValueError, KeyError, TypeError, AttributeError) as error:  # each is met by some damaged header
+        raise unreadable(
+            path, [f"is no {what} that can be read ({error.strerror or error})."]
+        ) from error
+    except (SafetensorError, ValueError, KeyError, TypeError, AttributeError) as error:
+        # each is met by some damaged header
         raise unreadable(path, [f"is no {what} that can be read ({_said(error)})."]) from error
     if text is None:
         raise unreadable(path, [f"is no {what}: it says nothing of what it holds."])
@@ -67,7 +75,9 @@ def misfits(arrays: Mapping[str, Array], wanted: Mapping[str, Any]) -> str:
 
 def _misfits(arrays: Mapping[str, Array], wanted: Mapping[str, Any]) -> Iterator[str]:
     yield from (f"has no {name}" for name in wanted if name not in arrays)
-    yield from (f"has {name!r}, which does not belong there" for name in arrays if name not in wanted)
+    yield from (
+        f"has {name!r}, which does not belong there" for name in arrays if name not in wanted
+    )
     for name in (name for name in wanted if name in arrays):
         array, like = arrays[name], wanted[name]
         if array.shape != tuple(like.shape):

@@ -1,7 +1,8 @@
-"""What a learner asks of a world: pure functions with the agents as a leading axis. Any number of agents, any rules.
+"""What a learner asks of a world: pure functions with the agents as a leading axis. Any number of
+agents, any rules.
 
-A world is data as well (a JAX pytree: `jax.tree_util.register_dataclass`), so that one compiled training loop serves every
-world of the same shape, and a batch of worlds can be mapped over.
+A world is data as well (a JAX pytree: `jax.tree_util.register_dataclass`), so that one compiled
+training loop serves every world of the same shape, and a batch of worlds can be mapped over.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ class Outcome(NamedTuple):
     """What a step brought. `A` agents.
 
     reward: `[A]` float32.
-    terminated: `[]` bool, the episode came to its end. A limit on its length is the learner's business, not the world's.
-    illegal: `[A]` int32, how many rules the agent's action broke.
+    terminated: `[]` bool, the episode came to its end. A limit on its length is the learner's
+    business, not the world's. illegal: `[A]` int32, how many rules the agent's action broke.
     """
 
     reward: Array
@@ -52,9 +53,11 @@ class World(Protocol):
         """`[A, K]` bool, True where the action is allowed; at least one a row."""
 
     def narrow(self, state: State, legal: Array, action: Array) -> Array:
-        """`legal` once `action` `[A]` is known: rows of agents that choose later may lose actions that others have just taken.
+        """`legal` once `action` `[A]` is known: rows of agents that choose later may lose actions
+        that others have just taken.
 
-        The rows of agents that choose first stay as they are. Where all choose at the same time this is `legal` itself.
+        The rows of agents that choose first stay as they are. Where all choose at the same time
+        this is `legal` itself.
         """
 
     def step(self, state: State, action: Array) -> tuple[State, Outcome]:

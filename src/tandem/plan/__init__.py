@@ -1,6 +1,7 @@
 """Offline planning: a cell in, a front out.
 
-`tandem.plan` is a room and a verb: `tandem.plan.methods` is a module, and `tandem.plan(cell)` plans, as `tandem.plan.methods.plan` does.
+`tandem.plan` is a room and a verb: `tandem.plan.methods` is a module, and `tandem.plan(cell)`
+plans, as `tandem.plan.methods.plan` does.
 """
 
 from __future__ import annotations

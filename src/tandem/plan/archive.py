@@ -1,4 +1,6 @@
-"""What is known about a cell's front while it is searched: the schedules that none beats, and the facts that bound all others."""
+"""What is known about a cell's front while it is searched: the schedules that none beats, and the
+facts that bound all others.
+"""
 
 from __future__ import annotations
 
@@ -21,8 +23,10 @@ class Gap(NamedTuple):
     """What lies open between two neighbouring points of a front, or beyond its ends.
 
     Attributes:
-      cap: units; a new point in the gap has at most this stress, one less than the quicker neighbour.
-      end: ticks; and it ends before the gentler neighbour. Infinite beyond the gentle end, unless a limit is asked.
+      cap: units; a new point in the gap has at most this stress, one less than the quicker
+        neighbour.
+      end: ticks; and it ends before the gentler neighbour. Infinite beyond the gentle end, unless a
+        limit is asked.
       low: units; the stress of the gentler neighbour, or the least there is.
     """
 
@@ -34,15 +38,19 @@ class Gap(NamedTuple):
 class Archive:
     """Schedules that the checker has accepted, and facts.
 
-    A fact `(stress, makespan)` says: every schedule (within the question's limits) of at most this stress takes at least this makespan.
-    All bounds and proofs of a front follow from facts: a point is optimal when they leave no room on either side of it.
+    A fact `(stress, makespan)` says: every schedule (within the question's limits) of at most this
+    stress takes at least this makespan. All bounds and proofs of a front follow from facts: a point
+    is optimal when they leave no room on either side of it.
     """
 
     def __init__(self, cell: Cell, layout: Layout, limits: Goal) -> None:
         self.cell, self.layout, self.limits = cell, layout, limits
         self.found: dict[Point, Admitted] = {}
         self.least_stress = least_stress(layout) or 0
-        self.facts: list[tuple[float, float]] = [(inf, max(chain_bound(layout), one_operator_bound(layout))), (self.least_stress - 1, inf)]
+        self.facts: list[tuple[float, float]] = [
+            (inf, max(chain_bound(layout), one_operator_bound(layout))),
+            (self.least_stress - 1, inf),
+        ]
 
     @property
     def instance(self) -> Instance:
@@ -53,7 +61,9 @@ class Archive:
         point = schedule.point
         if any(m <= point[0] and s <= point[1] for m, s in self.found):
             return False
-        self.found = {(m, s): kept for (m, s), kept in self.found.items() if m < point[0] or s < point[1]}
+        self.found = {
+            (m, s): kept for (m, s), kept in self.found.items() if m < point[0] or s < point[1]
+        }
         self.found[point] = schedule
         return True
 
@@ -73,7 +83,9 @@ class Archive:
         return max(makespan for cap, makespan in self.facts if cap >= stress)
 
     def least_stress_within(self, makespan: float) -> float:
-        """Units that every schedule of at most this makespan has at least; infinite when there is none."""
+        """Units that every schedule of at most this makespan has at least; infinite when there is
+        none.
+        """
         return max(cap + 1 for cap, least in self.facts if least > makespan or least == inf)
 
     @property
@@ -88,7 +100,11 @@ class Archive:
         caps = [inf if cap is None else cap, *(stress - 1 for _, stress in self.points)]
         ends = [*(makespan for makespan, _ in self.points), inf if latest is None else latest + 1]
         lows = [*(stress for _, stress in self.points), self.least_stress]
-        return [Gap(*gap) for gap in zip(caps, ends, lows, strict=True) if self.least_makespan(gap[0]) < gap[1]]
+        return [
+            Gap(*gap)
+            for gap in zip(caps, ends, lows, strict=True)
+            if self.least_makespan(gap[0]) < gap[1]
+        ]
 
     @property
     def complete(self) -> bool:
@@ -108,4 +124,9 @@ class Archive:
         if optimal:
             makespan, stress = point
         bound = Bound(instance.seconds(int(makespan)), instance.stress(int(stress)))
-        return Result(self.cell, self.found[point].schedule, Status.OPTIMAL if optimal else Status.FEASIBLE, bound)
+        return Result(
+            self.cell,
+            self.found[point].schedule,
+            Status.OPTIMAL if optimal else Status.FEASIBLE,
+            bound,
+        )

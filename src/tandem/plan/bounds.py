@@ -1,4 +1,6 @@
-"""Bounds that need no search: no schedule of the cell can be quicker, or put less stress on humans."""
+"""Bounds that need no search: no schedule of the cell can be quicker, or put less stress on
+humans.
+"""
 
 from __future__ import annotations
 
@@ -9,18 +11,33 @@ from tandem.plan.list_scheduling import Layout
 
 
 def least_makespan(layout: Layout) -> int:
-    """Ticks: the longest chain, each operator's own work between heads and tails, and the work of all shared out at its best."""
+    """Ticks: the longest chain, each operator's own work between heads and tails, and the work of
+    all shared out at its best.
+    """
     return max(chain_bound(layout), one_operator_bound(layout), load_bound(layout))
 
 
 def least_stress(layout: Layout) -> int | None:
-    """Units of stress that no schedule falls below; None when `stress_of_set` lists no set that the operators' skills allow."""
+    """Units of stress that no schedule falls below; None when `stress_of_set` lists no set that the
+    operators' skills allow.
+    """
     table = layout.instance.stress_of_set
     if table is None:
         return sum(min((step.stress for step in row), default=0) for row in layout.steps)
-    always = {task for task, row in enumerate(layout.steps) if row and all(_has_human(layout, step.operators) for step in row)}
-    never = {task for task, row in enumerate(layout.steps) if row and not any(_has_human(layout, step.operators) for step in row)}
-    return min((value for tasks, value in table.items() if always <= tasks and not never & tasks), default=None)
+    always = {
+        task
+        for task, row in enumerate(layout.steps)
+        if row and all(_has_human(layout, step.operators) for step in row)
+    }
+    never = {
+        task
+        for task, row in enumerate(layout.steps)
+        if row and not any(_has_human(layout, step.operators) for step in row)
+    }
+    return min(
+        (value for tasks, value in table.items() if always <= tasks and not never & tasks),
+        default=None,
+    )
 
 
 def chain_bound(layout: Layout) -> int:
@@ -29,16 +46,25 @@ def chain_bound(layout: Layout) -> int:
 
 
 def heads(layout: Layout) -> list[int]:
-    """Per task, ticks before which it cannot start because of releases and predecessors in their quickest steps."""
+    """Per task, ticks before which it cannot start because of releases and predecessors in their
+    quickest steps.
+    """
     instance, head = layout.instance, [0] * len(layout.steps)
     quickest = [min((step.ticks for step in row), default=0) for row in layout.steps]
     for task in instance.order:
-        head[task] = max([instance.release[task], *(head[first] + quickest[first] for first in instance.before[task])])
+        head[task] = max(
+            [
+                instance.release[task],
+                *(head[first] + quickest[first] for first in instance.before[task]),
+            ]
+        )
     return head
 
 
 def one_operator_bound(layout: Layout) -> int:
-    """Ticks: for each operator, the tasks that only they can do or take part in, one at a time, between their heads and tails."""
+    """Ticks: for each operator, the tasks that only they can do or take part in, one at a time,
+    between their heads and tails.
+    """
     head, best = heads(layout), 0
     for operator in range(len(layout.instance.operators)):
         jobs = []
@@ -51,7 +77,8 @@ def one_operator_bound(layout: Layout) -> int:
 
 
 def preemptive(jobs: Sequence[tuple[int, int, int]]) -> int:
-    """Ticks: the best makespan of one operator who may interrupt tasks; a task is (head, ticks, tail).
+    """Ticks: the best makespan of one operator who may interrupt tasks; a task is (head, ticks,
+    tail).
 
     Jackson's rule, of those that have arrived always the one with the longest tail, is optimal then
     (Carlier 1982, European Journal of Operational Research 11, section 2). 0 without tasks.
@@ -83,34 +110,45 @@ def load_bound(layout: Layout) -> int:
 
 
 def load_prices(layout: Layout) -> tuple[int, list[float]]:
-    """The load bound in ticks, and the price of each operator's time that gives it; prices sum up to the number of operators.
+    """The load bound in ticks, and the price of each operator's time that gives it; prices sum up
+    to the number of operators.
 
-    For any prices, no makespan is below the sum over tasks of the cheapest step's price, divided by the sum of the prices (every operator's
-    work is at most the makespan). Prices are searched as whole numbers, so nothing is rounded the wrong way.
+    For any prices, no makespan is below the sum over tasks of the cheapest step's price, divided by
+    the sum of the prices (every operator's work is at most the makespan). Prices are searched as
+    whole numbers, so nothing is rounded the wrong way.
     """
     operators = len(layout.instance.operators)
     rows = [[(step.operators, step.ticks) for step in row] for row in layout.steps if row]
     prices = _two_operators(rows) if operators == 2 else _many_operators(rows, operators)
-    return -(-_weighted(rows, prices)[0] // sum(prices)), [operators * price / sum(prices) for price in prices]
+    return -(-_weighted(rows, prices)[0] // sum(prices)), [
+        operators * price / sum(prices) for price in prices
+    ]
 
 
 _SCALE = 1 << 10
 
 
 def _many_operators(rows: list[list[tuple[tuple[int, ...], int]]], operators: int) -> list[int]:
-    """Prices by thirty rounds in which whoever has more work than the mean becomes dearer, by less each round."""
+    """Prices by thirty rounds in which whoever has more work than the mean becomes dearer, by less
+    each round.
+    """
     prices, best, bound = [_SCALE] * operators, [_SCALE] * operators, 0.0
     for turn in range(1, 31):
         total, loads = _weighted(rows, prices)
         if total / sum(prices) > bound:
             best, bound = prices, total / sum(prices)
         mean = max(sum(loads) / operators, 1e-9)
-        prices = [max(1, min(100 * _SCALE, round(price * max(load / mean, 0.1) ** (1 / turn)))) for price, load in zip(prices, loads, strict=True)]
+        prices = [
+            max(1, min(100 * _SCALE, round(price * max(load / mean, 0.1) ** (1 / turn))))
+            for price, load in zip(prices, loads, strict=True)
+        ]
     return best
 
 
 def _two_operators(rows: list[list[tuple[tuple[int, ...], int]]]) -> list[int]:
-    """The bound is concave in the first operator's price: its top is where the first stops having more work than the second."""
+    """The bound is concave in the first operator's price: its top is where the first stops having
+    more work than the second.
+    """
     low, high, best, bound = 0, _SCALE, [_SCALE // 2, _SCALE // 2], -1
     while low <= high:
         prices = [(low + high) // 2, _SCALE - (low + high) // 2]
@@ -124,11 +162,16 @@ def _two_operators(rows: list[list[tuple[tuple[int, ...], int]]]) -> list[int]:
     return best
 
 
-def _weighted(rows: list[list[tuple[tuple[int, ...], int]]], weights: Sequence[int]) -> tuple[int, list[int]]:
+def _weighted(
+    rows: list[list[tuple[tuple[int, ...], int]]], weights: Sequence[int]
+) -> tuple[int, list[int]]:
     """The least weighted work in all, and each operator's ticks in it."""
     total, loads = 0, [0] * len(weights)
     for row in rows:
-        value, operators, ticks = min((sum(weights[o] for o in operators) * ticks, operators, ticks) for operators, ticks in row)
+        value, operators, ticks = min(
+            (sum(weights[o] for o in operators) * ticks, operators, ticks)
+            for operators, ticks in row
+        )
         total += value
         for operator in operators:
             loads[operator] += ticks

@@ -1,16 +1,20 @@
-"""Partial schedules along the clock, for exhaustive search: what can be appended next, and which of two is no worse.
+"""Partial schedules along the clock, for exhaustive search: what can be appended next, and which of
+two is no worse.
 
-Schedules are built in the order of their starts: the next task, in one of its steps, starts as early as it can but not before the one
-appended last.
+Schedules are built in the order of their starts: the next task, in one of its steps, starts as
+early as it can but not before the one appended last.
 
-Why nothing is lost. Take any sound schedule, its tasks in order of start. Suppose its first k tasks are appended and no number of the
-node (last start, end of each operator's work, ends that others wait for, places of tools and zones, stress) is above what the schedule
-itself has. Task k+1 can start where the schedule starts it, for that is possible and not before the last start; so its earliest start
-is no later, and again no number is above. After the last task neither makespan nor stress is above the schedule's.
+Why nothing is lost. Take any sound schedule, its tasks in order of start. Suppose its first k tasks
+are appended and no number of the node (last start, end of each operator's work, ends that others
+wait for, places of tools and zones, stress) is above what the schedule itself has. Task k+1 can
+start where the schedule starts it, for that is possible and not before the last start; so its
+earliest start is no later, and again no number is above. After the last task neither makespan nor
+stress is above the schedule's.
 
-Why nodes can be merged. Two nodes in which the same tasks are appended, the same tools are in hand, the same tasks are with humans (where
-a table of sets counts stress) and the same operators are bound to teams differ in their numbers alone; whatever completes one completes,
-at the same times, another that has no larger number.
+Why nodes can be merged. Two nodes in which the same tasks are appended, the same tools are in hand,
+the same tasks are with humans (where a table of sets counts stress) and the same operators are
+bound to teams differ in their numbers alone; whatever completes one completes, at the same times,
+another that has no larger number.
 """
 
 from __future__ import annotations
@@ -29,9 +33,11 @@ class Node(NamedTuple):
     Attributes:
       mask: bits of the tasks appended.
       last: start of the task appended last.
-      free: per operator, the end of their last task. `hand`: the tool in hand, -1 while the first one costs nothing.
+      free: per operator, the end of their last task. `hand`: the tool in hand, -1 while the first
+        one costs nothing.
       ends: per task appended, its end; of others 0.
-      tools, zones: per tool or zone, the moments at which its places are free, sorted; empty where the capacity never binds.
+      tools, zones: per tool or zone, the moments at which its places are free, sorted; empty where
+        the capacity never binds.
       loads: stress per operator. `stress`: their sum.
       humans: bits of the tasks in which humans take part.
       teams: `(team, operators)` of the teams that have begun, sorted.
@@ -57,7 +63,8 @@ class Moves:
     """The moves of one layout.
 
     Args:
-      latest_end: per task, ticks by which it must have ended; a move that would miss it, or leave no time for it, is not made.
+      latest_end: per task, ticks by which it must have ended; a move that would miss it, or leave
+        no time for it, is not made.
     """
 
     def __init__(self, layout: Layout, latest_end: list[int]) -> None:
@@ -68,12 +75,22 @@ class Moves:
         self.full = (1 << len(instance.tasks)) - 1
         self.needs = [sum(1 << first for first in before) for before in instance.before]
         self.latest_end = latest_end
-        self.latest_start = [end - min((step.ticks for step in row), default=0) for end, row in zip(latest_end, layout.steps, strict=True)]
+        self.latest_start = [
+            end - min((step.ticks for step in row), default=0)
+            for end, row in zip(latest_end, layout.steps, strict=True)
+        ]
         self.swaps = any(row is not None for row in layout.changeover)
-        self.longest_swap = [max((row[o] for row in layout.changeover if row is not None), default=0) for o in self.operators]
+        self.longest_swap = [
+            max((row[o] for row in layout.changeover if row is not None), default=0)
+            for o in self.operators
+        ]
         self.limited = [o for o in self.operators if instance.stress_limit[o] is not None]
-        self.human = [[any(instance.human[o] for o in step.operators) for step in row] for row in layout.steps]
-        self.harmless = [[self._is_harmless(task, step) for step in row] for task, row in enumerate(layout.steps)]
+        self.human = [
+            [any(instance.human[o] for o in step.operators) for step in row] for row in layout.steps
+        ]
+        self.harmless = [
+            [self._is_harmless(task, step) for step in row] for task, row in enumerate(layout.steps)
+        ]
         self._waited_for: dict[int, tuple[int, ...]] = {}
         self._candidates: dict[int, tuple[int, ...]] = {}
 
@@ -97,14 +114,22 @@ class Moves:
         )
 
     def children(self, node: Node, horizon: int) -> Iterator[Node]:
-        """Every node with one task more that can still end by `horizon`, but for those that a shift to the left makes needless.
+        """Every node with one task more that can still end by `horizon`, but for those that a shift
+        to the left makes needless.
 
-        A task that starts when another one could already have ended can be left for later, if that other one costs nothing to take first: it
-        is in its step of least stress, belongs to no team, and no tool has to change hands.
+        A task that starts when another one could already have ended can be left for later, if that
+        other one costs nothing to take first: it is in its step of least stress, belongs to no
+        team, and no tool has to change hands.
         """
         moves, cutoff = [], horizon + 1
         for task in self.candidates(node.mask):
-            ready = max([node.last, self.instance.release[task], *(node.ends[first] for first in self.instance.before[task])])
+            ready = max(
+                [
+                    node.last,
+                    self.instance.release[task],
+                    *(node.ends[first] for first in self.instance.before[task]),
+                ]
+            )
             soonest = None
             for place, step in enumerate(self.layout.steps[task]):
                 start = self._start(node, task, step, ready)
@@ -116,7 +141,9 @@ class Moves:
                     moves.append((task, place, step, start))
                     if end < cutoff and self.harmless[task][place]:
                         cutoff = end
-            if soonest is None or soonest > min(self.latest_start[task], horizon - self.layout.tail[task]):
+            if soonest is None or soonest > min(
+                self.latest_start[task], horizon - self.layout.tail[task]
+            ):
                 return
         for task, place, step, start in moves:
             if start < cutoff:
@@ -126,7 +153,11 @@ class Moves:
         """Tasks not yet appended whose predecessors are."""
         known = self._candidates.get(mask)
         if known is None:
-            known = tuple(task for task in self.tasks if not mask >> task & 1 and self.needs[task] & mask == self.needs[task])
+            known = tuple(
+                task
+                for task in self.tasks
+                if not mask >> task & 1 and self.needs[task] & mask == self.needs[task]
+            )
             self._candidates[mask] = known
         return known
 
@@ -147,11 +178,14 @@ class Moves:
     def numbers(self, node: Node) -> tuple[int, ...]:
         """What decides between two nodes of one key: the one with no larger number is no worse.
 
-        A time before the last start counts as the last start, since no later task can notice the difference; with changeovers, which may lie
-        before the last start, an operator's time counts that much further back. Without them the operators' times imply the last start.
+        A time before the last start counts as the last start, since no later task can notice the
+        difference; with changeovers, which may lie before the last start, an operator's time counts
+        that much further back. Without them the operators' times imply the last start.
         """
         last = node.last
-        numbers = [max(free, last - swap) for free, swap in zip(node.free, self.longest_swap, strict=True)]
+        numbers = [
+            max(free, last - swap) for free, swap in zip(node.free, self.longest_swap, strict=True)
+        ]
         if self.swaps:
             numbers.append(last)
         numbers += [max(node.ends[task], last) for task in self.waited_for(node.mask)]
@@ -168,7 +202,12 @@ class Moves:
         """Tasks appended that others, not yet appended, come after."""
         known = self._waited_for.get(mask)
         if known is None:
-            known = tuple(task for task in self.tasks if mask >> task & 1 and any(not mask >> after & 1 for after in self.instance.behind[task]))
+            known = tuple(
+                task
+                for task in self.tasks
+                if mask >> task & 1
+                and any(not mask >> after & 1 for after in self.instance.behind[task])
+            )
             self._waited_for[mask] = known
         return known
 
@@ -185,7 +224,9 @@ class Moves:
     def _start(self, node: Node, task: int, step: Step, ready: int) -> int | None:
         """The earliest start at or after `ready`; None when the step is not allowed here."""
         team = self.layout.team[task]
-        if team >= 0 and any(other == team and operators != step.operators for other, operators in node.teams):
+        if team >= 0 and any(
+            other == team and operators != step.operators for other, operators in node.teams
+        ):
             return None
         for operator, load in zip(step.operators, step.load, strict=True):
             limit = self.instance.stress_limit[operator]
@@ -213,7 +254,13 @@ class Moves:
         return 0 if row is None or node.hand[operator] in (-1, tool) else row[operator]
 
     def _appended(self, node: Node, task: int, place: int, step: Step, start: int) -> Node:
-        end, who, tool, zone, team = start + step.ticks, step.operators, self.layout.tool[task], self.layout.zone[task], self.layout.team[task]
+        end, who, tool, zone, team = (
+            start + step.ticks,
+            step.operators,
+            self.layout.tool[task],
+            self.layout.zone[task],
+            self.layout.team[task],
+        )
         free, loads, ends, hand = list(node.free), list(node.loads), list(node.ends), node.hand
         for operator, load in zip(who, step.load, strict=True):
             free[operator] = end
@@ -243,16 +290,26 @@ class Moves:
     def _is_harmless(self, task: int, step: Step) -> bool:
         others = self.layout.steps[task]
         least = all(_is_no_harder(step, other) for other in others)
-        return least and not self.swaps and self.layout.team[task] < 0 and (self.instance.stress_of_set is None or len(others) == 1)
+        return (
+            least
+            and not self.swaps
+            and self.layout.team[task] < 0
+            and (self.instance.stress_of_set is None or len(others) == 1)
+        )
 
 
 def _is_no_harder(step: Step, other: Step) -> bool:
     """Whether no operator has more stress in the first than in the second."""
     loads = dict(zip(other.operators, other.load, strict=True))
-    return all(load <= loads.get(operator, 0) for operator, load in zip(step.operators, step.load, strict=True))
+    return all(
+        load <= loads.get(operator, 0)
+        for operator, load in zip(step.operators, step.load, strict=True)
+    )
 
 
-def _taken(places: tuple[tuple[int, ...], ...], which: int, count: int, end: int) -> tuple[tuple[int, ...], ...]:
+def _taken(
+    places: tuple[tuple[int, ...], ...], which: int, count: int, end: int
+) -> tuple[tuple[int, ...], ...]:
     """The places after `count` of those that are free first are taken until `end`."""
     if which < 0 or not places[which]:
         return places

@@ -1,9 +1,11 @@
 """The cell as a CP-SAT model: the decisions, and one function for each rule of the cell.
 
-The engine's types stay behind this door; `exact.py` and `neighbourhoods.py` ask questions of the model.
+The engine's types stay behind this door; `exact.py` and `neighbourhoods.py` ask questions of the
+model.
 
-Alternatives share one start and one end per task, every alternative has an interval of fixed size. OR-Tools is pinned to 9.14
-because 9.15.6755 answers such models wrongly; `tests/plan/test_ortools_pin.py` tells the story.
+Alternatives share one start and one end per task, every alternative has an interval of fixed size.
+OR-Tools is pinned to 9.14 because 9.15.6755 answers such models wrongly;
+`tests/plan/test_ortools_pin.py` tells the story.
 """
 
 from __future__ import annotations
@@ -46,11 +48,18 @@ class Decisions:
 
     def does(self, task: int, operator: int) -> list[cp_model.IntVar]:
         """The literals under which the operator takes part in the task; at most one is true."""
-        return [x for x, way in zip(self.chosen[task], self.instance.ways[task], strict=True) if operator in way.operators]
+        return [
+            x
+            for x, way in zip(self.chosen[task], self.instance.ways[task], strict=True)
+            if operator in way.operators
+        ]
 
     def read(self, value: Callable[[cp_model.IntVar], int]) -> Starts:
         """The schedule that the values describe."""
-        return tuple((next(w for w, x in enumerate(self.chosen[t]) if value(x)), value(self.start[t])) for t in range(len(self.start)))
+        return tuple(
+            (next(w for w, x in enumerate(self.chosen[t]) if value(x)), value(self.start[t]))
+            for t in range(len(self.start))
+        )
 
     def hint(self, starts: Starts) -> None:
         """Tells the solver a schedule to begin with."""
@@ -63,7 +72,9 @@ class Decisions:
 
 
 def formulate(instance: Instance, upper: int, rules: Iterable[Rule] | None = None) -> Decisions:
-    """The model of the cell for schedules that end by `upper` ticks: its decisions, and every rule in `rules` (default: all)."""
+    """The model of the cell for schedules that end by `upper` ticks: its decisions, and every rule
+    in `rules` (default: all).
+    """
     model = cp_model.CpModel()
     plan = Decisions(model, instance, upper)
     model_is_trivially_false = False
@@ -72,7 +83,11 @@ def formulate(instance: Instance, upper: int, rules: Iterable[Rule] | None = Non
         if latest < instance.head[task]:
             model_is_trivially_false, latest = True, instance.head[task]
         start = model.new_int_var(instance.head[task], latest, f"start {task}")
-        chosen = [model.new_bool_var(f"way {task} {w}") for w in range(len(ways))] if len(ways) > 1 else [model.new_constant(1)]
+        chosen = (
+            [model.new_bool_var(f"way {task} {w}") for w in range(len(ways))]
+            if len(ways) > 1
+            else [model.new_constant(1)]
+        )
         if len(ways) > 1:
             model.add_exactly_one(chosen)
         intervals = []
@@ -88,7 +103,14 @@ def formulate(instance: Instance, upper: int, rules: Iterable[Rule] | None = Non
         plan.start.append(start)
         plan.chosen.append(chosen)
         plan.intervals.append(intervals)
-        plan.end.append(start + (sum(way.ticks * x for way, x in zip(ways, chosen, strict=True)) if len(ways) > 1 else ways[0].ticks))
+        plan.end.append(
+            start
+            + (
+                sum(way.ticks * x for way, x in zip(ways, chosen, strict=True))
+                if len(ways) > 1
+                else ways[0].ticks
+            )
+        )
     plan.makespan = model.new_int_var(0, upper, "makespan")
     for task in range(len(instance.tasks)):
         if not instance.behind[task]:
@@ -101,7 +123,9 @@ def formulate(instance: Instance, upper: int, rules: Iterable[Rule] | None = Non
 
 
 def _latest_start(instance: Instance, task: int, upper: int) -> int:
-    """Ticks; the task cannot start later in any way. In a slow way it may have to start sooner: `deadlines_are_kept` says that."""
+    """Ticks; the task cannot start later in any way. In a slow way it may have to start sooner:
+    `deadlines_are_kept` says that.
+    """
     quickest = min(way.ticks for way in instance.ways[task])
     deadline = instance.deadline[task]
     latest = upper - instance.tail[task]
@@ -112,7 +136,9 @@ Rule = Callable[[Decisions], None]
 
 
 def deadlines_are_kept(plan: Decisions) -> None:
-    """A task ends by its deadline in whatever way it is done; in the quickest the bounds of its start see to it."""
+    """A task ends by its deadline in whatever way it is done; in the quickest the bounds of its
+    start see to it.
+    """
     for task, deadline in enumerate(plan.instance.deadline):
         if deadline is not None and len({way.ticks for way in plan.instance.ways[task]}) > 1:
             plan.model.add(plan.end[task] <= deadline)
@@ -129,15 +155,22 @@ def an_operator_does_one_thing_at_a_time(plan: Decisions) -> None:
     """Tasks, breaks and changeovers of an operator do not overlap."""
     for operator in range(len(plan.instance.operators)):
         busy = [*plan.at[operator], *_changeovers(plan, operator)]
-        busy += [plan.model.new_fixed_size_interval_var(begin, end - begin, "") for begin, end in plan.instance.breaks[operator]]
+        busy += [
+            plan.model.new_fixed_size_interval_var(begin, end - begin, "")
+            for begin, end in plan.instance.breaks[operator]
+        ]
         if len(busy) > 1:
             plan.model.add_no_overlap(busy)
 
 
 def _changeovers(plan: Decisions, operator: int) -> list[cp_model.IntervalVar]:
-    """The intervals in which the operator takes up another tool, directly before the task that needs it."""
+    """The intervals in which the operator takes up another tool, directly before the task that
+    needs it.
+    """
     instance, model = plan.instance, plan.model
-    tasks = [t for t, tool in enumerate(instance.tool) if tool is not None and plan.does(t, operator)]
+    tasks = [
+        t for t, tool in enumerate(instance.tool) if tool is not None and plan.does(t, operator)
+    ]
     cost = {t: instance.changeover[instance.tool[t]][operator] for t in tasks}  # type: ignore[index]
     in_hand = instance.in_hand[operator]
     kinds = {instance.tool[t] for t in tasks} | ({in_hand} if in_hand is not None else set())
@@ -168,7 +201,11 @@ def _changeovers(plan: Decisions, operator: int) -> list[cp_model.IntervalVar]:
         if causes and cost[task]:
             swap = _any_of(plan, causes)
             model.add(plan.start[task] >= cost[task]).only_enforce_if(swap)
-            swaps.append(model.new_optional_fixed_size_interval_var(plan.start[task] - cost[task], cost[task], swap, ""))
+            swaps.append(
+                model.new_optional_fixed_size_interval_var(
+                    plan.start[task] - cost[task], cost[task], swap, ""
+                )
+            )
     return swaps
 
 
@@ -196,7 +233,17 @@ def _share(plan: Decisions, needs: tuple[int | None, ...], places: tuple[int, ..
         users = [t for t, need in enumerate(needs) if need == thing]
         intervals = [interval for t in users for interval in plan.intervals[t]]
         demands = [len(way.operators) for t in users for way in plan.instance.ways[t]]
-        if len({operator for t in users for way in plan.instance.ways[t] for operator in way.operators}) <= capacity:
+        if (
+            len(
+                {
+                    operator
+                    for t in users
+                    for way in plan.instance.ways[t]
+                    for operator in way.operators
+                }
+            )
+            <= capacity
+        ):
             continue
         if capacity == 1 and max(demands) == 1:
             plan.model.add_no_overlap(intervals)
@@ -224,7 +271,9 @@ def _loads_of(plan: Decisions, operator: int) -> list[tuple[int, cp_model.IntVar
 def some_tasks_have_the_same_operators(plan: Decisions) -> None:
     """Tasks of a `same_operator` pair are done by the very same operators."""
     for one, two in plan.instance.same_operator:
-        groups: dict[tuple[int, ...], tuple[list[cp_model.IntVar], list[cp_model.IntVar]]] = defaultdict(lambda: ([], []))
+        groups: dict[tuple[int, ...], tuple[list[cp_model.IntVar], list[cp_model.IntVar]]] = (
+            defaultdict(lambda: ([], []))
+        )
         for side, task in enumerate((one, two)):
             for x, way in zip(plan.chosen[task], plan.instance.ways[task], strict=True):
                 groups[way.operators][side].append(x)
@@ -233,7 +282,9 @@ def some_tasks_have_the_same_operators(plan: Decisions) -> None:
 
 
 def stress_is_counted(plan: Decisions) -> None:
-    """Stress is the sum over the tasks done by humans, or the value of that set of tasks in the cell's table."""
+    """Stress is the sum over the tasks done by humans, or the value of that set of tasks in the
+    cell's table.
+    """
     instance, model = plan.instance, plan.model
     table = instance.stress_of_set
     if table is None:
@@ -242,22 +293,36 @@ def stress_is_counted(plan: Decisions) -> None:
         plan.stress = model.new_int_var(low, high, "stress")
         model.add(
             plan.stress
-            == sum(way.stress * x for ways, xs in zip(instance.ways, plan.chosen, strict=True) for way, x in zip(ways, xs, strict=True) if way.stress)
+            == sum(
+                way.stress * x
+                for ways, xs in zip(instance.ways, plan.chosen, strict=True)
+                for way, x in zip(ways, xs, strict=True)
+                if way.stress
+            )
         )
         return
     by_human = []
     for ways, chosen in zip(instance.ways, plan.chosen, strict=True):
-        human = [x for x, way in zip(chosen, ways, strict=True) if any(instance.human[o] for o in way.operators)]
+        human = [
+            x
+            for x, way in zip(chosen, ways, strict=True)
+            if any(instance.human[o] for o in way.operators)
+        ]
         literal = model.new_bool_var("")
         model.add(sum(human) == literal)
         by_human.append(literal)
     plan.stress = model.new_int_var(min(table.values()), max(table.values()), "stress")
-    rows = [[*(int(t in tasks) for t in range(len(instance.tasks))), value] for tasks, value in table.items()]
+    rows = [
+        [*(int(t in tasks) for t in range(len(instance.tasks))), value]
+        for tasks, value in table.items()
+    ]
     model.add_allowed_assignments([*by_human, plan.stress], rows)
 
 
 def the_work_of_an_operator_fits_before_the_end(plan: Decisions) -> None:
-    """Implied by the others, but it is what proves optimality: all that an operator does lies between the first head and the last tail."""
+    """Implied by the others, but it is what proves optimality: all that an operator does lies
+    between the first head and the last tail.
+    """
     instance = plan.instance
     for operator in range(len(instance.operators)):
         work = _work_of(plan, operator, range(len(instance.tasks)))
@@ -269,9 +334,14 @@ def the_work_of_an_operator_fits_before_the_end(plan: Decisions) -> None:
 
 
 def work_before_and_behind_a_task_fits(plan: Decisions) -> None:
-    """Implied too: what an operator does before a task fits before its start, what it does behind the task fits behind its end."""
+    """Implied too: what an operator does before a task fits before its start, what it does behind
+    the task fits behind its end.
+    """
     instance = plan.instance
-    ancestors, descendants = closure(instance.before, instance.order), closure(instance.behind, instance.order[::-1])
+    ancestors, descendants = (
+        closure(instance.before, instance.order),
+        closure(instance.behind, instance.order[::-1]),
+    )
     if sum(map(len, ancestors)) > MOST_CLOSURE_TERMS:
         return
     for task in range(len(instance.tasks)):
@@ -279,19 +349,32 @@ def work_before_and_behind_a_task_fits(plan: Decisions) -> None:
             if len(work := _work_of(plan, operator, sorted(ancestors[task]))) > 1:
                 plan.model.add(sum(ticks * x for ticks, x in work) <= plan.start[task])
             if len(work := _work_of(plan, operator, sorted(descendants[task]))) > 1:
-                plan.model.add(sum((ticks * x for ticks, x in work), plan.end[task]) <= plan.makespan)
+                plan.model.add(
+                    sum((ticks * x for ticks, x in work), plan.end[task]) <= plan.makespan
+                )
 
 
 MOST_CLOSURE_TERMS = 4_000
-"""Above so many pairs of a task and one that comes before it, the rows cost more time than they save."""
+"""Above so many pairs of a task and one that comes before it, the rows cost more time than they
+save.
+"""
 
 
-def _work_of(plan: Decisions, operator: int, tasks: Iterable[int]) -> list[tuple[int, cp_model.IntVar]]:
-    return [(way.ticks, x) for task in tasks for x, way in zip(plan.chosen[task], plan.instance.ways[task], strict=True) if operator in way.operators]
+def _work_of(
+    plan: Decisions, operator: int, tasks: Iterable[int]
+) -> list[tuple[int, cp_model.IntVar]]:
+    return [
+        (way.ticks, x)
+        for task in tasks
+        for x, way in zip(plan.chosen[task], plan.instance.ways[task], strict=True)
+        if operator in way.operators
+    ]
 
 
 def closure(direct: tuple[tuple[int, ...], ...], order: Iterable[int]) -> list[set[int]]:
-    """Per task, all that is reached by following `direct`, given an order in which what is followed comes first."""
+    """Per task, all that is reached by following `direct`, given an order in which what is followed
+    comes first.
+    """
     reached: list[set[int]] = [set() for _ in direct]
     for task in order:
         for other in direct[task]:
@@ -318,4 +401,6 @@ ALLOCATION: tuple[Rule, ...] = (
     stress_is_counted,
     the_work_of_an_operator_fits_before_the_end,
 )
-"""The rules that do not ask for an order: what is left when operators may do several things at once."""
+"""The rules that do not ask for an order: what is left when operators may do several things at
+once.
+"""

@@ -1,4 +1,5 @@
-"""The one door by which schedules come into a search: nothing counts that the checker has not accepted.
+"""The one door by which schedules come into a search: nothing counts that the checker has not
+accepted.
 
 Values come before proofs. What a search calls its best so far, what it cuts off at and what it
 calls proven is the value of a schedule that came in here, measured as the checker sees it. A model
@@ -19,7 +20,9 @@ from tandem.schedule.model import Schedule
 
 
 class RefusedScheduleWarning(RuntimeWarning):
-    """A search took a schedule for sound that breaks its cell: the search is wrong, and proves nothing."""
+    """A search took a schedule for sound that breaks its cell: the search is wrong, and proves
+    nothing.
+    """
 
 
 class Admitted(NamedTuple):
@@ -73,19 +76,24 @@ class Door:
         self.refused = self.refused or tuple(wrong)
 
     def hinted(self, schedule: Schedule) -> Admitted | None:
-        """A schedule from outside, its starts cut down to whole ticks; None when it breaks the cell or the limits."""
+        """A schedule from outside, its starts cut down to whole ticks; None when it breaks the cell
+        or the limits.
+        """
         return None if self._faults(schedule) else self.admit(self.instance.starts(schedule))
 
     def apology(self) -> str:
         """What the user is told about what was refused. Assumes that something was."""
         return (
-            f"the checker refused a schedule that the search took for sound: {self.refused[0]} It counts for nothing, and nothing is "
-            "proven. This is a bug in Tandem, not in your input: please report it with the command and the cell file."
+            f"the checker refused a schedule that the search took for sound: {self.refused[0]} It"
+            " counts for nothing, and nothing is proven. This is a bug in Tandem, not in your"
+            " input: please report it with the command and the cell file."
         )
 
     def _faults(self, schedule: Schedule) -> list[str]:
         limits = self.question
-        return faults(self.cell, schedule, max_makespan=limits.max_makespan, max_stress=limits.max_stress)
+        return faults(
+            self.cell, schedule, max_makespan=limits.max_makespan, max_stress=limits.max_stress
+        )
 
     def _admitted(self, starts: tuple[tuple[int, int], ...], schedule: Schedule) -> Admitted:
         ticks = exact(makespan(schedule)) * self.instance.per_second

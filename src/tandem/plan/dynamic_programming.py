@@ -1,7 +1,9 @@
-"""Exact fronts of small cells by dynamic programming. Shares nothing with the constraint solver, so that each can judge the other.
+"""Exact fronts of small cells by dynamic programming. Shares nothing with the constraint solver, so
+that each can judge the other.
 
-Partial schedules grow task by task along the clock (`along_clock.py` says why nothing is lost). Of those with the same tasks only the
-ones are kept that no other equals or beats in every number, and none is kept that bounds show to end no better than what is known.
+Partial schedules grow task by task along the clock (`along_clock.py` says why nothing is lost). Of
+those with the same tasks only the ones are kept that no other equals or beats in every number, and
+none is kept that bounds show to end no better than what is known.
 """
 
 from __future__ import annotations
@@ -46,9 +48,11 @@ def solve(
     hint: Schedule | None = None,
     on_solution: Callable[[Progress], None] | None = None,
 ) -> Front:
-    """The exact front, or one best schedule, of a small cell (a dozen tasks or so); see `plan.question.Method`.
+    """The exact front, or one best schedule, of a small cell (a dozen tasks or so); see
+    `plan.question.Method`.
 
-    When time or memory runs out, what was found is given with bounds and `complete` is False. `workers` plays no part.
+    When time or memory runs out, what was found is given with bounds and `complete` is False.
+    `workers` plays no part.
 
     Raises:
       InfeasibleError: no schedule answers the question; all have been ruled out.
@@ -63,13 +67,31 @@ def solve(
         interrupted = True
     if search.door.refused:
         if not search.best.found:
-            raise NothingFoundError(f"no schedule that keeps {limits(question)} was found: {search.door.apology()}")
+            raise NothingFoundError(
+                f"no schedule that keeps {limits(question)} was found: {search.door.apology()}"
+            )
         warnings.warn(search.door.apology(), RefusedScheduleWarning, stacklevel=2)
     if not search.best.found and search.done:
-        raise InfeasibleError(f"no schedule keeps {limits(question)}: every order and every allocation has been ruled out.")
+        raise InfeasibleError(
+            f"no schedule keeps {limits(question)}: every order and every allocation has been ruled"
+            " out."
+        )
     if not search.best.found:
-        raise NothingFoundError(f"no schedule that keeps {limits(question)} was found within the limit; it is open whether there is one.")
-    return Front(cell, search.results(), search.done, "exhaustive", f"tandem {version('tandem')}", seed, search.wall_s(), interrupted, question)
+        raise NothingFoundError(
+            f"no schedule that keeps {limits(question)} was found within the limit; it is open"
+            " whether there is one."
+        )
+    return Front(
+        cell,
+        search.results(),
+        search.done,
+        "exhaustive",
+        f"tandem {version('tandem')}",
+        seed,
+        search.wall_s(),
+        interrupted,
+        question,
+    )
 
 
 def limits(question: Question) -> str:
@@ -84,7 +106,9 @@ def limits(question: Question) -> str:
 
 @dataclass(frozen=True)
 class Best:
-    """The schedules known that answer a question and that no other one beats, by (makespan, stress) in ticks and units."""
+    """The schedules known that answer a question and that no other one beats, by (makespan, stress)
+    in ticks and units.
+    """
 
     rank: Callable[[int, int], tuple[int, ...]] | None
     found: dict[tuple[int, int], Admitted]
@@ -107,7 +131,13 @@ class Best:
 class Search:
     """One search: what is known, and the nodes that are still open."""
 
-    def __init__(self, cell: Cell, question: Question, time_limit: float | None, on_solution: Callable[[Progress], None] | None) -> None:
+    def __init__(
+        self,
+        cell: Cell,
+        question: Question,
+        time_limit: float | None,
+        on_solution: Callable[[Progress], None] | None,
+    ) -> None:
         self.began = perf_counter()
         self.cell, self.question, self.on_solution = cell, question, on_solution
         self.until = None if time_limit is None else self.began + time_limit
@@ -115,7 +145,9 @@ class Search:
         self.instance = self.layout.instance
         self.door = Door(cell, self.instance, question)
         self.best = Best(_rank(question, self.instance), {})
-        self.most_ticks = _most(question.max_makespan, self.instance.per_second, self.instance.horizon)
+        self.most_ticks = _most(
+            question.max_makespan, self.instance.per_second, self.instance.horizon
+        )
         self.most_units = _most(question.max_stress, self.instance.per_stress, UNREACHABLE - 1)
         self.limits = Limits(self.layout, self.most_ticks)
         self.moves = Moves(self.layout, self.limits.latest_end)
@@ -124,11 +156,18 @@ class Search:
         self.done = False
 
     def begin(self, seed: int, hint: Schedule | None) -> None:
-        """Takes the hint and a few dozen schedules by rules as a start, if they answer the question."""
+        """Takes the hint and a few dozen schedules by rules as a start, if they answer the
+        question.
+        """
         if hint is not None:
             self._take(self.door.hinted(hint))
         specs = ("balanced", "weighted")
-        states = chain.from_iterable(attempts(self.layout, SPECS[name], Random(seed), self.question, lambda: bool(self.best.found)) for name in specs)
+        states = chain.from_iterable(
+            attempts(
+                self.layout, SPECS[name], Random(seed), self.question, lambda: bool(self.best.found)
+            )
+            for name in specs
+        )
         for state in states:
             if state is not None:
                 self._take(self.door.admit(state.starts()))
@@ -147,7 +186,9 @@ class Search:
         self.level, self.done = [], not self.door.refused
 
     def _grow(self) -> bool:
-        """Takes every node of the level one task further, into what is kept; false when time or room is up. A node leaves when it is done with."""
+        """Takes every node of the level one task further, into what is kept; false when time or
+        room is up. A node leaves when it is done with.
+        """
         count = 0
         while self.level:
             if count > MOST_NODES or self._is_late():
@@ -161,9 +202,13 @@ class Search:
         return True
 
     def results(self) -> tuple[Result, ...]:
-        """What is known, by makespan, with the bounds that the open nodes leave; where a node was wrong, none but the root counts."""
+        """What is known, by makespan, with the bounds that the open nodes leave; where a node was
+        wrong, none but the root counts.
+        """
         open_ = [*self.level, *(node for row in self.kept.values() for _, node in row)]
-        return self._results([self.limits.of(node) for node in ([self.moves.root()] if self.door.refused else open_)])
+        return self._results(
+            [self.limits.of(node) for node in ([self.moves.root()] if self.door.refused else open_)]
+        )
 
     def _results(self, floors: list[tuple[int, int]]) -> tuple[Result, ...]:
         results = []
@@ -171,7 +216,14 @@ class Search:
             time = min([ticks, *(time for time, load in floors if load <= units)])
             load = min([units, *(load for time, load in floors if time <= ticks)])
             status = Status.OPTIMAL if (time, load) == (ticks, units) else Status.FEASIBLE
-            results.append(Result(self.cell, kept.schedule, status, Bound(self.instance.seconds(time), self.instance.stress(load))))
+            results.append(
+                Result(
+                    self.cell,
+                    kept.schedule,
+                    status,
+                    Bound(self.instance.seconds(time), self.instance.stress(load)),
+                )
+            )
         return tuple(results)
 
     def wall_s(self) -> float:
@@ -183,7 +235,11 @@ class Search:
 
     def _is_promising(self, node: Node) -> bool:
         ticks, units = self.limits.of(node)
-        return ticks <= self.most_ticks and units <= self.most_units and not self.best.beats(ticks, units)
+        return (
+            ticks <= self.most_ticks
+            and units <= self.most_units
+            and not self.best.beats(ticks, units)
+        )
 
     def _keep(self, node: Node) -> int:
         """Merges the node into those of its key; gives by how many they have grown."""
@@ -200,7 +256,12 @@ class Search:
     def _finish(self, node: Node) -> None:
         units = self.limits.stress_of(node)
         ticks = max(node.free)
-        if units is None or ticks > self.most_ticks or units > self.most_units or self.best.beats(ticks, units):
+        if (
+            units is None
+            or ticks > self.most_ticks
+            or units > self.most_units
+            or self.best.beats(ticks, units)
+        ):
             return
         schedule = self.door.vouched(self.moves.starts(node))
         if schedule is not None and schedule.point != (ticks, units):
@@ -214,7 +275,11 @@ class Search:
         if self.on_solution is not None:
             floor = self.limits.of(self.moves.root())
             least = max(floor[0], self.limits.least_ticks)
-            self.on_solution(Progress(self._results([(least, floor[1])]), self.instance.seconds(least), self.wall_s()))
+            self.on_solution(
+                Progress(
+                    self._results([(least, floor[1])]), self.instance.seconds(least), self.wall_s()
+                )
+            )
 
 
 class Limits:
@@ -227,21 +292,48 @@ class Limits:
         self.head = heads(layout)
         _, prices = load_prices(layout)
         self.prices = [round(1024 * price) for price in prices]
-        self.table = None if self.instance.stress_of_set is None else [(_bits(tasks), units) for tasks, units in self.instance.stress_of_set.items()]
-        self.behind = [tail - min((s.ticks for s in row), default=0) for tail, row in zip(layout.tail, layout.steps, strict=True)]
+        self.table = (
+            None
+            if self.instance.stress_of_set is None
+            else [(_bits(tasks), units) for tasks, units in self.instance.stress_of_set.items()]
+        )
+        self.behind = [
+            tail - min((s.ticks for s in row), default=0)
+            for tail, row in zip(layout.tail, layout.steps, strict=True)
+        ]
         self._of_mask: dict[int, tuple[int, list[tuple[int, int, int]], int]] = {}
         self._of_table: dict[tuple[int, int], int | None] = {}
 
     def of(self, node: Node) -> tuple[int, int]:
-        """Ticks and units that no completion of the node falls below; units beyond any limit when no listed set can be reached."""
+        """Ticks and units that no completion of the node falls below; units beyond any limit when
+        no listed set can be reached.
+        """
         work, own, load = self._rest(node.mask)
         ticks = max(node.free)
         if node.step is not None:
             ticks = max(ticks, node.ends[node.step[0]] + self.behind[node.step[0]])
         if work:
             begin = [max(free, node.last) for free in node.free]
-            ticks = max(ticks, -(-(work + sum(price * free for price, free in zip(self.prices, begin, strict=True))) // sum(self.prices)))
-            ticks = max([ticks, *(max(begin[operator], head) + ticks_ + tail for operator, (head, ticks_, tail) in enumerate(own) if ticks_)])
+            ticks = max(
+                ticks,
+                -(
+                    -(
+                        work
+                        + sum(price * free for price, free in zip(self.prices, begin, strict=True))
+                    )
+                    // sum(self.prices)
+                ),
+            )
+            ticks = max(
+                [
+                    ticks,
+                    *(
+                        max(begin[operator], head) + ticks_ + tail
+                        for operator, (head, ticks_, tail) in enumerate(own)
+                        if ticks_
+                    ),
+                ]
+            )
         if self.table is None:
             return ticks, node.stress + load
         least = self._least_listed(node.mask, node.humans)
@@ -253,29 +345,53 @@ class Limits:
         self._of_table.clear()
 
     def stress_of(self, node: Node) -> int | None:
-        """The stress of a node in which every task is appended; None when its set of tasks with humans is not listed."""
+        """The stress of a node in which every task is appended; None when its set of tasks with
+        humans is not listed.
+        """
         return node.stress if self.table is None else self._least_listed(node.mask, node.humans)
 
     def _rest(self, mask: int) -> tuple[int, list[tuple[int, int, int]], int]:
-        """Of the tasks outside the mask: their cheapest work at the prices, per operator `(least head, ticks, least tail)` of what only they
-        can do, and their least stress."""
+        """Of the tasks outside the mask: their cheapest work at the prices, per operator `(least
+        head, ticks, least tail)` of what only they can do, and their least stress.
+        """
         known = self._of_mask.get(mask)
         if known is None:
             tasks = [task for task in range(len(self.behind)) if not mask >> task & 1]
             rows = [self.layout.steps[task] for task in tasks]
-            work = sum(min(step.ticks * sum(self.prices[o] for o in step.operators) for step in row) for row in rows)
+            work = sum(
+                min(step.ticks * sum(self.prices[o] for o in step.operators) for step in row)
+                for row in rows
+            )
             own = []
             for operator in range(len(self.prices)):
-                mine = [task for task, row in zip(tasks, rows, strict=True) if all(operator in step.operators for step in row)]
+                mine = [
+                    task
+                    for task, row in zip(tasks, rows, strict=True)
+                    if all(operator in step.operators for step in row)
+                ]
                 ticks = sum(min(step.ticks for step in self.layout.steps[task]) for task in mine)
-                own.append((min((self.head[task] for task in mine), default=0), ticks, min((self.behind[task] for task in mine), default=0)))
-            known = self._of_mask[mask] = (work, own, sum(min(step.stress for step in row) for row in rows))
+                own.append(
+                    (
+                        min((self.head[task] for task in mine), default=0),
+                        ticks,
+                        min((self.behind[task] for task in mine), default=0),
+                    )
+                )
+            known = self._of_mask[mask] = (
+                work,
+                own,
+                sum(min(step.stress for step in row) for row in rows),
+            )
         return known
 
     def _least_listed(self, mask: int, humans: int) -> int | None:
-        """The least stress of a listed set that holds, of the tasks in the mask, exactly those with humans."""
+        """The least stress of a listed set that holds, of the tasks in the mask, exactly those with
+        humans.
+        """
         if (mask, humans) not in self._of_table:
-            self._of_table[mask, humans] = min((units for tasks, units in self.table or () if tasks & mask == humans), default=None)
+            self._of_table[mask, humans] = min(
+                (units for tasks, units in self.table or () if tasks & mask == humans), default=None
+            )
         return self._of_table[mask, humans]
 
 
@@ -284,11 +400,16 @@ UNREACHABLE = 1 << 200
 
 
 def _latest_ends(layout: Layout, most_ticks: int) -> list[int]:
-    """Per task, ticks by which it must have ended because of deadlines, its own and those of what comes behind it, and the longest makespan."""
+    """Per task, ticks by which it must have ended because of deadlines, its own and those of what
+    comes behind it, and the longest makespan.
+    """
     instance, latest = layout.instance, [most_ticks] * len(layout.steps)
     for task in reversed(instance.order):
         deadline = instance.deadline[task]
-        afters = (latest[after] - min((step.ticks for step in layout.steps[after]), default=0) for after in instance.behind[task])
+        afters = (
+            latest[after] - min((step.ticks for step in layout.steps[after]), default=0)
+            for after in instance.behind[task]
+        )
         latest[task] = min([most_ticks, *([] if deadline is None else [deadline]), *afters])
     return latest
 

@@ -1,7 +1,8 @@
 """Exact planning with CP-SAT: the complete front, or the one best schedule, with proof.
 
-The dispatch rules give the first schedules. `sweep` works through a front; a question for one schedule is a race or two, each with all workers.
-When time runs out, every point carries the bounds that were proven for it.
+The dispatch rules give the first schedules. `sweep` works through a front; a question for one
+schedule is a race or two, each with all workers. When time runs out, every point carries the bounds
+that were proven for it.
 """
 
 from __future__ import annotations
@@ -37,7 +38,9 @@ from tandem.schedule.model import Schedule
 
 SOLVER = f"cp-sat {version('ortools')}"
 SAMPLING = ("longest-tail", "balanced", "random", "best-of-n", "weighted")
-"""Rules that are not tried once more at the beginning: two have been, the others draw many schedules."""
+"""Rules that are not tried once more at the beginning: two have been, the others draw many
+schedules.
+"""
 
 
 def solve(
@@ -50,7 +53,8 @@ def solve(
     hint: Schedule | None = None,
     on_solution: Callable[[Progress], None] | None = None,
 ) -> Front:
-    """The front or the one best schedule that the question asks for, proven as far as time allows; see `plan.question.Method`.
+    """The front or the one best schedule that the question asks for, proven as far as time allows;
+    see `plan.question.Method`.
 
     Raises:
       InfeasibleError: it is proven that no schedule answers the question.
@@ -78,7 +82,13 @@ class _Search:
     ) -> None:
         self.began = monotonic()
         self.until = None if time_limit is None else self.began + time_limit
-        self.cell, self.question, self.seed, self.workers, self.on_solution = cell, question, seed, workers, on_solution
+        self.cell, self.question, self.seed, self.workers, self.on_solution = (
+            cell,
+            question,
+            seed,
+            workers,
+            on_solution,
+        )
         self.asked = question
         self.instance = Instance.of(cell)
         self.layout = Layout.of(self.instance)
@@ -94,7 +104,9 @@ class _Search:
         self.optimal = False
 
     def begin(self, hint: Schedule | None) -> None:
-        """The first schedules: the hint, and what the dispatch rules give; what costs more than a moment comes after the first."""
+        """The first schedules: the hint, and what the dispatch rules give; what costs more than a
+        moment comes after the first.
+        """
         if self.layout.impossible():
             return
         if hint is not None:
@@ -106,7 +118,16 @@ class _Search:
             self._note(inf, bound)
             for name in ("balanced", *(name for name in SPECS if name not in SAMPLING)):
                 self._by_rule(name, random, prices)
-        few = islice(attempts(self.layout, SPECS["weighted"], random, self.question, lambda: bool(self.archive.found)), 40)
+        few = islice(
+            attempts(
+                self.layout,
+                SPECS["weighted"],
+                random,
+                self.question,
+                lambda: bool(self.archive.found),
+            ),
+            40,
+        )
         if len(self.instance.tasks) < 100 or not self.archive.found:
             for attempt in few:
                 if attempt is not None:
@@ -130,18 +151,32 @@ class _Search:
         wall = monotonic() - self.began
         if not self.archive.found:
             if self.door.refused:
-                raise NothingFoundError(f"no schedule that keeps {_limits(self.question)} was found in {wall:.1f} s: {self.door.apology()}")
+                raise NothingFoundError(
+                    f"no schedule that keeps {_limits(self.question)} was found in {wall:.1f} s:"
+                    f" {self.door.apology()}"
+                )
             if self.infeasible:
-                raise InfeasibleError(f"no schedule keeps {_limits(self.question)}; this is proven.")
+                raise InfeasibleError(
+                    f"no schedule keeps {_limits(self.question)}; this is proven."
+                )
             if interrupted:
                 raise KeyboardInterrupt
-            raise NothingFoundError(f"no schedule that keeps {_limits(self.question)} was found in {wall:.1f} s; whether there is one is open.")
+            raise NothingFoundError(
+                f"no schedule that keeps {_limits(self.question)} was found in {wall:.1f} s;"
+                " whether there is one is open."
+            )
         results = self._results()
-        complete = self.archive.complete if self.question.minimize == "front" else results[0].status == Status.OPTIMAL
+        complete = (
+            self.archive.complete
+            if self.question.minimize == "front"
+            else results[0].status == Status.OPTIMAL
+        )
         if self.door.refused:
             complete = False
             warnings.warn(self.door.apology(), RefusedScheduleWarning, stacklevel=3)
-        return Front(self.cell, results, complete, "exact", SOLVER, self.seed, wall, interrupted, self.asked)
+        return Front(
+            self.cell, results, complete, "exact", SOLVER, self.seed, wall, interrupted, self.asked
+        )
 
     def _results(self) -> tuple[Result, ...]:
         if self.question.minimize == "front":
@@ -149,7 +184,10 @@ class _Search:
         best = min(self.archive.points, key=self._rank)
         result = self.archive.result(best, proven=True if self.optimal else None)
         if self.question.minimize == "weighted" and not self.optimal:
-            low = Bound(self.instance.seconds(int(self.archive.least_makespan(inf))), self.instance.stress(self.archive.least_stress))
+            low = Bound(
+                self.instance.seconds(int(self.archive.least_makespan(inf))),
+                self.instance.stress(self.archive.least_stress),
+            )
             result = Result(self.cell, result.schedule, Status.FEASIBLE, low)
         return (result,)
 
@@ -160,12 +198,16 @@ class _Search:
 
     def _front(self) -> None:
         """Gap by gap."""
-        effort = Effort(self.until, self.seed, self.workers, lambda schedule, bound: self._offer(schedule))
+        effort = Effort(
+            self.until, self.seed, self.workers, lambda schedule, bound: self._offer(schedule)
+        )
         Sweep(self.archive, self.door, effort).run()
         self.infeasible = not self.archive.found and not self.archive.gaps
 
     def _quickest(self, cap: int | None) -> Answer:
-        """The least makespan under the cap on stress and, at that makespan, the least stress; facts are learned on the way."""
+        """The least makespan under the cap on stress and, at that makespan, the least stress; facts
+        are learned on the way.
+        """
         limits = self.limits
         top = inf if cap is None else cap
         factor = self._most_stress() + 1
@@ -207,10 +249,17 @@ class _Search:
         self.infeasible = best.starts is None and best.proven
 
     def _weighted(self) -> None:
-        """The least weighted sum; where no weights of the same order are small enough to be counted, it is looked for along the front."""
+        """The least weighted sum; where no weights of the same order are small enough to be
+        counted, it is looked for along the front.
+        """
         time, stress = whole(self.question, self.instance)
         if not time or not stress:
-            self.question = Question("makespan" if time else "stress", self.question.weights, self.question.max_makespan, self.question.max_stress)
+            self.question = Question(
+                "makespan" if time else "stress",
+                self.question.weights,
+                self.question.max_makespan,
+                self.question.max_stress,
+            )
             return self._lexicographic()
         if not self._can_count(Goal(time, stress)):
             time, stress = simplest(time, stress, self._most_ticks(), self._most_stress())
@@ -228,7 +277,9 @@ class _Search:
         return goal.value(self._most_ticks(), self._most_stress()) <= MOST_COUNTED
 
     def _most_ticks(self) -> int:
-        """No schedule that is met ends later: from here on tasks are put as early as they can; what is known already may be a late hint."""
+        """No schedule that is met ends later: from here on tasks are put as early as they can; what
+        is known already may be a late hint.
+        """
         return max([self.instance.horizon, *(makespan for makespan, _ in self.archive.points)])
 
     def _race(self, goal: Goal) -> Answer:
@@ -237,9 +288,15 @@ class _Search:
         floor = self.archive.least_makespan(top)
         if floor == inf or (goal.max_makespan is not None and floor > goal.max_makespan):
             return Answer(None, 0, True)
-        stress = self.archive.least_stress if goal.max_makespan is None else self.archive.least_stress_within(goal.max_makespan)
+        stress = (
+            self.archive.least_stress
+            if goal.max_makespan is None
+            else self.archive.least_stress_within(goal.max_makespan)
+        )
         known = goal.time * int(floor) + goal.stress * max(int(stress), 0)
-        effort = Effort(self.until, self.seed, self.workers, lambda schedule, bound: self._offer(schedule))
+        effort = Effort(
+            self.until, self.seed, self.workers, lambda schedule, bound: self._offer(schedule)
+        )
         race = Race(self.door, self.layout, goal, effort, self.archive.best(goal), known)
         try:
             return race.run()
@@ -260,11 +317,17 @@ class _Search:
 
     def _most_stress(self) -> int:
         table = self.instance.stress_of_set
-        return sum(max(way.stress for way in ways) for ways in self.instance.ways) if table is None else max(table.values())
+        return (
+            sum(max(way.stress for way in ways) for ways in self.instance.ways)
+            if table is None
+            else max(table.values())
+        )
 
 
 def _limit(limit: float | None, scale: int, most: int) -> int | None:
-    """The limit in whole numbers, cut down; None when nothing comes near it, so that no solver has to count so far."""
+    """The limit in whole numbers, cut down; None when nothing comes near it, so that no solver has
+    to count so far.
+    """
     if limit is None:
         return None
     whole_ones = int((exact(limit) * scale).to_integral_value(ROUND_FLOOR))

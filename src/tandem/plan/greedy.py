@@ -1,4 +1,6 @@
-"""Three ways of building a schedule in one go, task by task, from a priority per task and a score per way of doing it."""
+"""Three ways of building a schedule in one go, task by task, from a priority per task and a score
+per way of doing it.
+"""
 
 from __future__ import annotations
 
@@ -8,17 +10,23 @@ from heapq import heapify, heappop, heappush
 from tandem.plan.list_scheduling import Layout, State, Step
 
 Score = Callable[[int, Step], float]
-"""`(end in ticks, step) -> how unwelcome it is`: of a task's steps the one with the least is taken."""
+"""`(end in ticks, step) -> how unwelcome it is`: of a task's steps the one with the least is
+taken.
+"""
 
 LOOKAHEAD = 24
-"""So many waiting tasks are looked at per moment; it bounds the time per task, whatever the size of the cell."""
+"""So many waiting tasks are looked at per moment; it bounds the time per task, whatever the size of
+the cell.
+"""
 
 
 def clockwise(layout: Layout, priority: Sequence[float], score: Score) -> State | None:
-    """Along the clock: whenever an operator is free, the tasks that are ready are looked at by priority (least first).
+    """Along the clock: whenever an operator is free, the tasks that are ready are looked at by
+    priority (least first).
 
-    A task that would rather wait for an operator who is busy waits, and its work is reckoned to that operator for the tasks looked at after
-    it. None when a task is left without a step: limits or teams stand in the way.
+    A task that would rather wait for an operator who is busy waits, and its work is reckoned to
+    that operator for the tasks looked at after it. None when a task is left without a step: limits
+    or teams stand in the way.
     """
     state = State(layout)
     future = [(state.ready[task], task) for task, count in enumerate(state.waiting) if not count]
@@ -45,9 +53,15 @@ def clockwise(layout: Layout, priority: Sequence[float], score: Score) -> State 
 
 
 def _scan(
-    state: State, now: list[tuple[float, int]], future: list[tuple[int, int]], clock: int, score: Score
+    state: State,
+    now: list[tuple[float, int]],
+    future: list[tuple[int, int]],
+    clock: int,
+    score: Score,
 ) -> tuple[int | None, list[tuple[float, int]], int | None]:
-    """Places what starts now. Gives the number placed (None: a task has no step), the tasks looked at in vain, and when one of them can start."""
+    """Places what starts now. Gives the number placed (None: a task has no step), the tasks looked
+    at in vain, and when one of them can start.
+    """
     reckoned = list(state.free)
     deferred: list[tuple[float, int]] = []
     placed, moment = 0, None
@@ -74,7 +88,9 @@ def _scan(
 
 
 def by_rank(layout: Layout, priority: Sequence[float], score: Score) -> State | None:
-    """Down the list: of the tasks whose predecessors are placed always the one of least priority, at whatever time. None as `clockwise`."""
+    """Down the list: of the tasks whose predecessors are placed always the one of least priority,
+    at whatever time. None as `clockwise`.
+    """
     state = State(layout)
     ready = [(priority[task], task) for task, count in enumerate(state.waiting) if not count]
     heapify(ready)
@@ -89,12 +105,16 @@ def by_rank(layout: Layout, priority: Sequence[float], score: Score) -> State | 
 
 
 def by_score(layout: Layout, priority: Sequence[float], score: Score) -> State | None:
-    """Always the task whose best step has the least score now; equal ones by priority. None as `clockwise`.
+    """Always the task whose best step has the least score now; equal ones by priority. None as
+    `clockwise`.
 
-    Scores grow as operators fill up, so one that was right when it was pushed is looked at again only when it comes to the top.
+    Scores grow as operators fill up, so one that was right when it was pushed is looked at again
+    only when it comes to the top.
     """
     state = State(layout)
-    ready: list[tuple[float, float, int]] = [(0.0, priority[task], task) for task, count in enumerate(state.waiting) if not count]
+    ready: list[tuple[float, float, int]] = [
+        (0.0, priority[task], task) for task, count in enumerate(state.waiting) if not count
+    ]
     heapify(ready)
     while ready:
         known, _, task = ready[0]
@@ -111,8 +131,12 @@ def by_score(layout: Layout, priority: Sequence[float], score: Score) -> State |
     return state
 
 
-def _best(state: State, task: int, score: Score, reckoned: Sequence[int]) -> tuple[Step, int] | None:
-    """The step of least score, and its start; operators are not free before they are reckoned to be."""
+def _best(
+    state: State, task: int, score: Score, reckoned: Sequence[int]
+) -> tuple[Step, int] | None:
+    """The step of least score, and its start; operators are not free before they are reckoned to
+    be.
+    """
     best, least = None, 0.0
     for step in state.steps(task):
         start = state.earliest(task, step)

@@ -1,8 +1,9 @@
-"""Why no schedule exists, in the cell's own words: the smallest group of limits that cannot be kept together, each confirmed by planning anew.
+"""Why no schedule exists, in the cell's own words: the smallest group of limits that cannot be kept
+together, each confirmed by planning anew.
 
-Limits are lifted one after the other as a user would: by leaving a key out of the cell or an option out of the call. What is found is
-therefore something the user can do, and not a statement about a model (a deletion filter: Chinneck and Dravnieks 1991, ORSA Journal on
-Computing 3(2), 157-168).
+Limits are lifted one after the other as a user would: by leaving a key out of the cell or an option
+out of the call. What is found is therefore something the user can do, and not a statement about a
+model (a deletion filter: Chinneck and Dravnieks 1991, ORSA Journal on Computing 3(2), 157-168).
 """
 
 from __future__ import annotations
@@ -37,7 +38,8 @@ class Limit:
 
 
 def reasons(cell: Cell, question: Question, *, seconds: float = 30.0) -> list[str]:
-    """Sentences: the limits that cannot be kept together, and what lifting each one of them would give. Empty when there is no limit to lift.
+    """Sentences: the limits that cannot be kept together, and what lifting each one of them would
+    give. Empty when there is no limit to lift.
 
     Every sentence that says "without it there is a schedule" was found by planning without it.
     """
@@ -46,36 +48,61 @@ def reasons(cell: Cell, question: Question, *, seconds: float = 30.0) -> list[st
     if not group:
         return []
     names = [limit.words for limit in group]
-    together = f"{names[0]} cannot be kept" if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]} cannot be kept together"
+    together = (
+        f"{names[0]} cannot be kept"
+        if len(names) == 1
+        else f"{', '.join(names[:-1])} and {names[-1]} cannot be kept together"
+    )
     return [f"{together}.", *(_without(cell, question, limit) for limit in group)]
 
 
 def limits(cell: Cell, question: Question) -> Iterator[Limit]:
     """Everything that could be lifted: the question's limits first, then the cell's."""
     if question.max_makespan is not None:
-        yield Limit(f"the limit on the makespan ({number(question.max_makespan)} s)", ("question", "max_makespan"))
+        yield Limit(
+            f"the limit on the makespan ({number(question.max_makespan)} s)",
+            ("question", "max_makespan"),
+        )
     if question.max_stress is not None:
-        yield Limit(f"the limit on stress ({number(question.max_stress)})", ("question", "max_stress"))
+        yield Limit(
+            f"the limit on stress ({number(question.max_stress)})", ("question", "max_stress")
+        )
     for name, operator in cell.operators.items():
         if operator.stress_limit is not None:
-            yield Limit(f"the stress limit of {name} ({number(operator.stress_limit)})", ("operators", name, "stress_limit"))
+            yield Limit(
+                f"the stress limit of {name} ({number(operator.stress_limit)})",
+                ("operators", name, "stress_limit"),
+            )
     for name, task in cell.tasks.items():
         if task.deadline is not None:
-            yield Limit(f"the deadline of task {name} ({number(task.deadline)} s)", ("tasks", name, "deadline"))
+            yield Limit(
+                f"the deadline of task {name} ({number(task.deadline)} s)",
+                ("tasks", name, "deadline"),
+            )
     if cell.stress_of_set is not None:
         yield Limit("the list of allowed sets of human tasks (stress_of_set)", ("stress_of_set",))
     for one, two in cell.same_operator:
-        yield Limit(f"that tasks {one} and {two} need the same operators", ("same_operator", one, two))
+        yield Limit(
+            f"that tasks {one} and {two} need the same operators", ("same_operator", one, two)
+        )
     for name, operator in cell.operators.items():
         if operator.breaks:
             yield Limit(f"the breaks of {name}", ("operators", name, "breaks"))
     for name, task in cell.tasks.items():
         if task.release > 0:
-            yield Limit(f"the release of task {name} ({number(task.release)} s)", ("tasks", name, "release"))
-    for kind, used in (("zones", {t.zone for t in cell.tasks.values()}), ("tools", {t.tool for t in cell.tasks.values()})):
+            yield Limit(
+                f"the release of task {name} ({number(task.release)} s)", ("tasks", name, "release")
+            )
+    for kind, used in (
+        ("zones", {t.zone for t in cell.tasks.values()}),
+        ("tools", {t.tool for t in cell.tasks.values()}),
+    ):
         for name in sorted(x for x in used if x):
             shared = getattr(cell, kind).get(name)
-            yield Limit(f"the {kind[:-1]} {name}, of which there is {shared.capacity if shared else 1}", (kind, name))
+            yield Limit(
+                f"the {kind[:-1]} {name}, of which there is {shared.capacity if shared else 1}",
+                (kind, name),
+            )
 
 
 def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell, Question]:
@@ -89,9 +116,13 @@ def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell,
         if room == "question":
             question = replace(question, **{names[0]: None})  # type: ignore[arg-type]
         elif room == "operators":
-            operators[names[0]] = operators[names[0]].model_copy(update={names[1]: () if names[1] == "breaks" else None})
+            operators[names[0]] = operators[names[0]].model_copy(
+                update={names[1]: () if names[1] == "breaks" else None}
+            )
         elif room == "tasks":
-            tasks[names[0]] = tasks[names[0]].model_copy(update={names[1]: 0.0 if names[1] == "release" else None})
+            tasks[names[0]] = tasks[names[0]].model_copy(
+                update={names[1]: 0.0 if names[1] == "release" else None}
+            )
         elif room == "same_operator":
             same.remove((names[0], names[1]))
         elif room == "zones":
@@ -100,11 +131,23 @@ def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell,
             tools[names[0]] = Tool(capacity=max(len(operators), 1))
         else:
             changes[room] = None
-    return cell.replace(operators=operators, tasks=tasks, same_operator=tuple(same), tools=tools, zones=zones, **changes), question
+    return (
+        cell.replace(
+            operators=operators,
+            tasks=tasks,
+            same_operator=tuple(same),
+            tools=tools,
+            zones=zones,
+            **changes,
+        ),
+        question,
+    )
 
 
 def _minimal(cell: Cell, question: Question, group: list[Limit], until: float) -> list[Limit]:
-    """A group of limits that is infeasible on its own and would not be without any one of its members, as far as time allows."""
+    """A group of limits that is infeasible on its own and would not be without any one of its
+    members, as far as time allows.
+    """
     everything = list(group)
     kept = list(everything)
     for limit in everything:
@@ -138,4 +181,7 @@ def _without(cell: Cell, question: Question, limit: Limit) -> str:
         result = exact.solve(variant, replace(asked, minimize="makespan"), time_limit=EACH_S)[0]
     except (InfeasibleError, NothingFoundError, CellError):
         return f"Lifting {limit.words} alone does not help."
-    return f"Without {limit.words} it works: {number(result.makespan)} s with a stress of {number(result.stress)}."
+    return (
+        f"Without {limit.words} it works: {number(result.makespan)} s with a stress of"
+        f" {number(result.stress)}."
+    )

@@ -16,7 +16,9 @@ from tandem.schedule.model import Assignment, Schedule
 
 @dataclass(frozen=True)
 class Way:
-    """One mode of one task. `operators` are indices, `ticks` the duration, `load` the stress per operator (0 for robots)."""
+    """One mode of one task. `operators` are indices, `ticks` the duration, `load` the stress per
+    operator (0 for robots).
+    """
 
     operators: tuple[int, ...]
     ticks: int
@@ -81,9 +83,17 @@ class Instance:
         o = {name: i for i, name in enumerate(operators)}
         t = {name: i for i, name in enumerate(tasks)}
         tools = tuple(
-            dict.fromkeys([*(x.tool for x in cell.tasks.values() if x.tool), *cell.tools, *(x.tool for x in cell.operators.values() if x.tool)])
+            dict.fromkeys(
+                [
+                    *(x.tool for x in cell.tasks.values() if x.tool),
+                    *cell.tools,
+                    *(x.tool for x in cell.operators.values() if x.tool),
+                ]
+            )
         )
-        zones = tuple(dict.fromkeys([*(x.zone for x in cell.tasks.values() if x.zone), *cell.zones]))
+        zones = tuple(
+            dict.fromkeys([*(x.zone for x in cell.tasks.values() if x.zone), *cell.zones])
+        )
 
         def ticks(seconds: float) -> int:
             return _whole(seconds, per_second)
@@ -93,12 +103,18 @@ class Instance:
 
         ways = tuple(
             tuple(
-                Way(tuple(o[name] for name in mode.operators), ticks(mode.time), tuple(units(mode.stress.get(name, 0.0)) for name in mode.operators))
+                Way(
+                    tuple(o[name] for name in mode.operators),
+                    ticks(mode.time),
+                    tuple(units(mode.stress.get(name, 0.0)) for name in mode.operators),
+                )
                 for mode in cell.modes(name)
             )
             for name in tasks
         )
-        before = tuple(tuple(dict.fromkeys(t[a] for a in task.after)) for task in cell.tasks.values())
+        before = tuple(
+            tuple(dict.fromkeys(t[a] for a in task.after)) for task in cell.tasks.values()
+        )
         behind: list[list[int]] = [[] for _ in tasks]
         for task, firsts in enumerate(before):
             for first in firsts:
@@ -117,43 +133,84 @@ class Instance:
             behind=tuple(map(tuple, behind)),
             order=_topological(before, behind),
             release=tuple(ticks(x.release) for x in cell.tasks.values()),
-            deadline=tuple(None if x.deadline is None else ticks(x.deadline) for x in cell.tasks.values()),
-            tool=tuple(None if x.tool is None else tools.index(x.tool) for x in cell.tasks.values()),
-            zone=tuple(None if x.zone is None else zones.index(x.zone) for x in cell.tasks.values()),
+            deadline=tuple(
+                None if x.deadline is None else ticks(x.deadline) for x in cell.tasks.values()
+            ),
+            tool=tuple(
+                None if x.tool is None else tools.index(x.tool) for x in cell.tasks.values()
+            ),
+            zone=tuple(
+                None if x.zone is None else zones.index(x.zone) for x in cell.tasks.values()
+            ),
             tool_places=tuple(cell.tools[x].capacity if x in cell.tools else 1 for x in tools),
             zone_places=tuple(cell.zones[x].capacity if x in cell.zones else 1 for x in zones),
-            changeover=tuple(tuple(ticks(cell.tools[x].changeover.get(who, 0.0)) if x in cell.tools else 0 for who in operators) for x in tools),
-            in_hand=tuple(None if x.tool is None else tools.index(x.tool) for x in cell.operators.values()),
-            breaks=tuple(tuple(sorted((ticks(a), ticks(b)) for a, b in x.breaks)) for x in cell.operators.values()),
-            stress_limit=tuple(None if x.stress_limit is None else units(x.stress_limit) for x in cell.operators.values()),
+            changeover=tuple(
+                tuple(
+                    ticks(cell.tools[x].changeover.get(who, 0.0)) if x in cell.tools else 0
+                    for who in operators
+                )
+                for x in tools
+            ),
+            in_hand=tuple(
+                None if x.tool is None else tools.index(x.tool) for x in cell.operators.values()
+            ),
+            breaks=tuple(
+                tuple(sorted((ticks(a), ticks(b)) for a, b in x.breaks))
+                for x in cell.operators.values()
+            ),
+            stress_limit=tuple(
+                None if x.stress_limit is None else units(x.stress_limit)
+                for x in cell.operators.values()
+            ),
             same_operator=tuple((t[a], t[b]) for a, b in cell.same_operator),
             stress_of_set=None
             if cell.stress_of_set is None
-            else {frozenset(t[name] for name in key.split(",") if name): units(value) for key, value in cell.stress_of_set.items()},
+            else {
+                frozenset(t[name] for name in key.split(",") if name): units(value)
+                for key, value in cell.stress_of_set.items()
+            },
         )
 
     @cached_property
     def horizon(self) -> int:
-        """Ticks by which everything can end, if it can end at all: all tasks one after the other, behind every release and break."""
+        """Ticks by which everything can end, if it can end at all: all tasks one after the other,
+        behind every release and break.
+        """
         work = sum(max(way.ticks for way in ways) for ways in self.ways)
         swaps = max((max(row) for row in self.changeover), default=0) * len(self.tasks)
-        waits = max(self.release, default=0) + sum(end for breaks in self.breaks for _, end in breaks)
+        waits = max(self.release, default=0) + sum(
+            end for breaks in self.breaks for _, end in breaks
+        )
         return work + swaps + waits
 
     @cached_property
     def tail(self) -> tuple[int, ...]:
-        """Per task, ticks on the longest chain that starts with it, every task in its quickest mode."""
+        """Per task, ticks on the longest chain that starts with it, every task in its quickest
+        mode.
+        """
         tail = [0] * len(self.tasks)
         for task in reversed(self.order):
-            tail[task] = min(way.ticks for way in self.ways[task]) + max((tail[after] for after in self.behind[task]), default=0)
+            tail[task] = min(way.ticks for way in self.ways[task]) + max(
+                (tail[after] for after in self.behind[task]), default=0
+            )
         return tuple(tail)
 
     @cached_property
     def head(self) -> tuple[int, ...]:
-        """Per task, ticks before which it cannot start because of releases and predecessors in their quickest modes."""
+        """Per task, ticks before which it cannot start because of releases and predecessors in
+        their quickest modes.
+        """
         head = [0] * len(self.tasks)
         for task in self.order:
-            head[task] = max([self.release[task], *(head[first] + min(way.ticks for way in self.ways[first]) for first in self.before[task])])
+            head[task] = max(
+                [
+                    self.release[task],
+                    *(
+                        head[first] + min(way.ticks for way in self.ways[first])
+                        for first in self.before[task]
+                    ),
+                ]
+            )
         return tuple(head)
 
     def seconds(self, ticks: int) -> float:
@@ -171,20 +228,36 @@ class Instance:
             chosen = self.ways[task][way]
             rows.append(
                 Assignment(
-                    self.seconds(start), self.seconds(start + chosen.ticks), self.tasks[task], tuple(self.operators[i] for i in chosen.operators)
+                    self.seconds(start),
+                    self.seconds(start + chosen.ticks),
+                    self.tasks[task],
+                    tuple(self.operators[i] for i in chosen.operators),
                 )
             )
         return Schedule(tuple(rows))
 
     def starts(self, schedule: Schedule) -> tuple[tuple[int, int], ...]:
-        """Per task `(way, start in ticks)` of a sound schedule; starts between two ticks are cut down to the earlier one."""
+        """Per task `(way, start in ticks)` of a sound schedule; starts between two ticks are cut
+        down to the earlier one.
+        """
         by_task = {a.task: a for a in schedule}
         starts = []
         for task, ways in enumerate(self.ways):
             row = by_task[self.tasks[task]]
-            start, end = (int(Decimal(repr(moment)) * self.per_second) for moment in (row.start, row.end))
+            start, end = (
+                int(Decimal(repr(moment)) * self.per_second) for moment in (row.start, row.end)
+            )
             team = tuple(sorted(self.operators.index(name) for name in row.operators))
-            starts.append((next(w for w, way in enumerate(ways) if way.operators == team and way.ticks == end - start), start))
+            starts.append(
+                (
+                    next(
+                        w
+                        for w, way in enumerate(ways)
+                        if way.operators == team and way.ticks == end - start
+                    ),
+                    start,
+                )
+            )
         return tuple(starts)
 
 
@@ -206,8 +279,14 @@ def _whole(number: float, scale: int) -> int:
 
 def _scale(numbers: Iterable[float]) -> int:
     """The smallest power of ten that makes every number whole."""
-    exponents = (Decimal(repr(number)).normalize().as_tuple().exponent for number in numbers if not float(number).is_integer())
-    scale: int = 10 ** max((-int(exponent) for exponent in exponents if int(exponent) < 0), default=0)
+    exponents = (
+        Decimal(repr(number)).normalize().as_tuple().exponent
+        for number in numbers
+        if not float(number).is_integer()
+    )
+    scale: int = 10 ** max(
+        (-int(exponent) for exponent in exponents if int(exponent) < 0), default=0
+    )
     return scale
 
 
@@ -229,5 +308,9 @@ def _stresses_in(cell: Cell) -> Iterable[float]:
     for name in cell.tasks:
         for mode in cell.modes(name):
             yield from mode.stress.values()
-    yield from (operator.stress_limit for operator in cell.operators.values() if operator.stress_limit is not None)
+    yield from (
+        operator.stress_limit
+        for operator in cell.operators.values()
+        if operator.stress_limit is not None
+    )
     yield from (cell.stress_of_set or {}).values()

@@ -1,8 +1,10 @@
 """From an order and a choice of ways to times: list scheduling with every feature of a cell.
 
-Each task is appended: it starts as early as it can behind what its operators have been given before, when its predecessors have ended,
-its tool and its place in the zone are given back, and no break is in the way. Appending the tasks of any schedule in the order of their
-starts, in the same ways, gives a schedule in which no task ends later; so some order leads to an optimum of makespan and stress.
+Each task is appended: it starts as early as it can behind what its operators have been given
+before, when its predecessors have ended, its tool and its place in the zone are given back, and no
+break is in the way. Appending the tasks of any schedule in the order of their starts, in the same
+ways, gives a schedule in which no task ends later; so some order leads to an optimum of makespan
+and stress.
 """
 
 from __future__ import annotations
@@ -35,13 +37,17 @@ class Layout:
     """An instance laid out for quick appending.
 
     Attributes:
-      steps: per task, its ways without those that need more of a tool or a zone than there is, without those that a partner in
-        `same_operator` lacks, and without those that differ from another one in more stress alone.
-      team: per task, the number of its group of tasks that the same operators must do; -1 when it is in none.
+      steps: per task, its ways without those that need more of a tool or a zone than there is,
+        without those that a partner in `same_operator` lacks, and without those that differ from
+        another one in more stress alone.
+      team: per task, the number of its group of tasks that the same operators must do; -1 when it
+        is in none.
       tool: per task, the index of its tool when that matters for time, else -1. `zone` likewise.
       changeover: per tool, ticks per operator; None when none costs any.
-      tool_places, zone_places: capacity, or 0 when there are as many as operators, so that it never binds.
-      must: per task and operator, the least stress that the task puts on the operator in any of its steps.
+      tool_places, zone_places: capacity, or 0 when there are as many as operators, so that it never
+        binds.
+      must: per task and operator, the least stress that the task puts on the operator in any of its
+        steps.
     """
 
     instance: Instance
@@ -65,13 +71,20 @@ class Layout:
         changeover = tuple(row if any(row) else None for row in instance.changeover)
         swaps = any(changeover)
         team = _teams(instance)
-        steps = _shared_by_teams(team, [_steps(instance, task) for task in range(len(instance.tasks))])
+        steps = _shared_by_teams(
+            team, [_steps(instance, task) for task in range(len(instance.tasks))]
+        )
         return cls(
             instance=instance,
             steps=tuple(map(tuple, steps)),
             team=team,
-            tool=tuple(-1 if tool is None or not (swaps or tool_places[tool]) else tool for tool in instance.tool),
-            zone=tuple(-1 if zone is None or not zone_places[zone] else zone for zone in instance.zone),
+            tool=tuple(
+                -1 if tool is None or not (swaps or tool_places[tool]) else tool
+                for tool in instance.tool
+            ),
+            zone=tuple(
+                -1 if zone is None or not zone_places[zone] else zone for zone in instance.zone
+            ),
             changeover=changeover,
             tool_places=tool_places,
             zone_places=zone_places,
@@ -83,22 +96,34 @@ class Layout:
     @cached_property
     def plain(self) -> bool:
         """Tools, zones and breaks play no part in times."""
-        return not self.has_breaks and all(tool < 0 for tool in self.tool) and all(zone < 0 for zone in self.zone)
+        return (
+            not self.has_breaks
+            and all(tool < 0 for tool in self.tool)
+            and all(zone < 0 for zone in self.zone)
+        )
 
     @cached_property
     def tail(self) -> tuple[int, ...]:
-        """Per task, ticks on the longest chain that starts with it, every task in its quickest step."""
+        """Per task, ticks on the longest chain that starts with it, every task in its quickest
+        step.
+        """
         quickest = [min((step.ticks for step in row), default=0) for row in self.steps]
         tail = [0] * len(quickest)
         for task in reversed(self.instance.order):
-            tail[task] = quickest[task] + max((tail[after] for after in self.instance.behind[task]), default=0)
+            tail[task] = quickest[task] + max(
+                (tail[after] for after in self.instance.behind[task]), default=0
+            )
         return tuple(tail)
 
     def with_humans_at(self, tasks: Collection[int]) -> Layout:
         """The layout in which humans take part in these tasks and in no other."""
         human = self.instance.human
         steps = tuple(
-            tuple(step for step in row if any(human[operator] for operator in step.operators) == (task in tasks))
+            tuple(
+                step
+                for step in row
+                if any(human[operator] for operator in step.operators) == (task in tasks)
+            )
             for task, row in enumerate(self.steps)
         )
         return replace(self, steps=steps, must=_must(steps, len(human)))
@@ -115,7 +140,8 @@ class State:
       start, end: ticks per task, -1 while it is not placed; `way` its way in `Instance.ways`.
       free: per operator, the end of the last task.
       hand: per operator, the tool in hand, -1 while the first one costs nothing.
-      ready: per task, the latest of its release and the ends of its placed predecessors; `waiting` counts the others.
+      ready: per task, the latest of its release and the ends of its placed predecessors; `waiting`
+        counts the others.
       load: stress per operator so far; `stress` their sum.
       need: per operator, stress that the tasks not yet placed put on them at least.
     """
@@ -151,13 +177,22 @@ class State:
         self.operators_of: dict[int, tuple[int, ...]] = {}
         self.load = [0] * operators
         self.stress = 0
-        self.need = [sum(row[o] for row in layout.must) for o in range(operators)] if layout.has_limits else [0] * operators
+        self.need = (
+            [sum(row[o] for row in layout.must) for o in range(operators)]
+            if layout.has_limits
+            else [0] * operators
+        )
 
     def steps(self, task: int) -> Sequence[Step]:
-        """The task's steps that keep stress limits and stay with the operators of its team. May be empty."""
+        """The task's steps that keep stress limits and stay with the operators of its team. May be
+        empty.
+        """
         layout = self.layout
         steps: Sequence[Step] = layout.steps[task]
-        if layout.team[task] >= 0 and (operators := self.operators_of.get(layout.team[task])) is not None:
+        if (
+            layout.team[task] >= 0
+            and (operators := self.operators_of.get(layout.team[task])) is not None
+        ):
             steps = [step for step in steps if step.operators == operators]
         if layout.has_limits:
             steps = [step for step in steps if self._within_limits(task, step)]
@@ -186,7 +221,9 @@ class State:
         return self._behind_breaks(tool, row, step, start) if layout.has_breaks else start
 
     def put(self, task: int, step: Step, start: int) -> list[int]:
-        """Places the task; returns the tasks that have become ready, all their predecessors being placed. Assumes `earliest(task, step) <= start`."""
+        """Places the task; returns the tasks that have become ready, all their predecessors being
+        placed. Assumes `earliest(task, step) <= start`.
+        """
         layout, end = self.layout, start + step.ticks
         self.start[task], self.end[task], self.way[task] = start, end, step.way
         tool, zone = layout.tool[task], layout.zone[task]
@@ -203,7 +240,9 @@ class State:
         if layout.team[task] >= 0:
             self.operators_of[layout.team[task]] = step.operators
         if layout.has_limits:
-            self.need = [need - must for need, must in zip(self.need, layout.must[task], strict=True)]
+            self.need = [
+                need - must for need, must in zip(self.need, layout.must[task], strict=True)
+            ]
         released = []
         for after in layout.instance.behind[task]:
             if self.ready[after] < end:
@@ -219,14 +258,19 @@ class State:
         return max(self.end)
 
     def starts(self) -> list[tuple[int, int]]:
-        """Per task `(way, start)`, as `Instance.schedule` takes them. Assumes that every task is placed."""
+        """Per task `(way, start)`, as `Instance.schedule` takes them. Assumes that every task is
+        placed.
+        """
         return list(zip(self.way, self.start, strict=True))
 
     def _within_limits(self, task: int, step: Step) -> bool:
         must, limits = self.layout.must[task], self.layout.instance.stress_limit
         for operator, load in zip(step.operators, step.load, strict=True):
             limit = limits[operator]
-            if limit is not None and self.load[operator] + load + self.need[operator] - must[operator] > limit:
+            if (
+                limit is not None
+                and self.load[operator] + load + self.need[operator] - must[operator] > limit
+            ):
                 return False
         return True
 
@@ -235,7 +279,11 @@ class State:
         while moved:
             moved = False
             for operator in step.operators:
-                change = row[operator] if row is not None and self.hand[operator] != tool and self.hand[operator] >= 0 else 0
+                change = (
+                    row[operator]
+                    if row is not None and self.hand[operator] != tool and self.hand[operator] >= 0
+                    else 0
+                )
                 for off, back in breaks[operator]:
                     if off < start + step.ticks and start - change < back:
                         start, moved = back + change, True
@@ -243,7 +291,9 @@ class State:
 
 
 def append_in_order(layout: Layout, order: Sequence[int], steps: Sequence[Step]) -> State:
-    """The tasks appended in this order, task `t` as `steps[t]`. Assumes that predecessors come first; stress limits and teams are not looked at."""
+    """The tasks appended in this order, task `t` as `steps[t]`. Assumes that predecessors come
+    first; stress limits and teams are not looked at.
+    """
     state = State(layout)
     earliest, put = state.earliest, state.put
     for task in order:
@@ -290,11 +340,17 @@ def _shared_by_teams(team: Sequence[int], steps: list[list[Step]]) -> list[list[
         if team[task] >= 0:
             mine = {step.operators for step in row}
             shared[team[task]] = shared.get(team[task], mine) & mine
-    return [row if team[task] < 0 else [step for step in row if step.operators in shared[team[task]]] for task, row in enumerate(steps)]
+    return [
+        row if team[task] < 0 else [step for step in row if step.operators in shared[team[task]]]
+        for task, row in enumerate(steps)
+    ]
 
 
 def _must(steps: Sequence[Sequence[Step]], operators: int) -> tuple[tuple[int, ...], ...]:
-    return tuple(tuple(min((_load(step, o) for step in row), default=0) for o in range(operators)) for row in steps)
+    return tuple(
+        tuple(min((_load(step, o) for step in row), default=0) for o in range(operators))
+        for row in steps
+    )
 
 
 def _load(step: Step, operator: int) -> int:

@@ -1,7 +1,9 @@
-"""Large-neighbourhood search: a stretch of the schedule is taken out and planned anew, exactly, by CP-SAT; the rest keeps its order.
+"""Large-neighbourhood search: a stretch of the schedule is taken out and planned anew, exactly, by
+CP-SAT; the rest keeps its order.
 
-Source: Shaw (1998), "Using constraint programming and local search methods to solve vehicle routing problems", for the idea; the
-stretches, and the tails that stand for what comes behind them, are ours.
+Source: Shaw (1998), "Using constraint programming and local search methods to solve vehicle routing
+problems", for the idea; the stretches, and the tails that stand for what comes behind them, are
+ours.
 """
 
 from __future__ import annotations
@@ -18,7 +20,8 @@ from tandem.plan.starts import Starts
 
 @dataclass(frozen=True)
 class Stretch:
-    """Tasks that follow each other in order of start, what is fixed before them and what keeps its order behind them.
+    """Tasks that follow each other in order of start, what is fixed before them and what keeps its
+    order behind them.
 
     Attributes:
       tasks: indices into the whole instance; task `i` of `instance` is `tasks[i]`.
@@ -35,10 +38,18 @@ class Stretch:
     floor: int
 
 
-def take_out(instance: Instance, starts: Starts, order: Sequence[int], first: int, count: int, movers: frozenset[int]) -> Stretch:
+def take_out(
+    instance: Instance,
+    starts: Starts,
+    order: Sequence[int],
+    first: int,
+    count: int,
+    movers: frozenset[int],
+) -> Stretch:
     """The stretch of `count` tasks from place `first` of `order`, which sorts the tasks by start.
 
-    Only tasks that now belong to operators in `movers` are planned anew, among them; the others keep their operators and their order.
+    Only tasks that now belong to operators in `movers` are planned anew, among them; the others
+    keep their operators and their order.
     """
     before, free, behind = order[:first], order[first : first + count], order[first + count :]
     place = {task: i for i, task in enumerate(free)}
@@ -60,7 +71,11 @@ def take_out(instance: Instance, starts: Starts, order: Sequence[int], first: in
     ]
     tails = tuple(
         tuple(
-            max([tail[b] for b in instance.behind[t] if b not in place] + [first_of.get(o, 0) for o in instance.ways[t][w].operators], default=0)
+            max(
+                [tail[b] for b in instance.behind[t] if b not in place]
+                + [first_of.get(o, 0) for o in instance.ways[t][w].operators],
+                default=0,
+            )
             for w in ways[i]
         )
         for i, t in enumerate(free)
@@ -69,7 +84,10 @@ def take_out(instance: Instance, starts: Starts, order: Sequence[int], first: in
         instance,
         tasks=tuple(instance.tasks[t] for t in free),
         ways=tuple(tuple(instance.ways[t][w] for w in ways[i]) for i, t in enumerate(free)),
-        before=tuple(tuple(place[p] for p in {*instance.before[t], *chain.get(t, ())} if p in place) for t in free),
+        before=tuple(
+            tuple(place[p] for p in {*instance.before[t], *chain.get(t, ())} if p in place)
+            for t in free
+        ),
         behind=tuple(tuple(place[b] for b in instance.behind[t] if b in place) for t in free),
         order=tuple(place[t] for t in instance.order if t in place),
         release=tuple(release),
@@ -79,7 +97,9 @@ def take_out(instance: Instance, starts: Starts, order: Sequence[int], first: in
         in_hand=fixed.in_hand,
         breaks=fixed.breaks(instance),
         stress_limit=_limits_left(instance, starts, place),
-        same_operator=tuple((place[a], place[b]) for a, b in instance.same_operator if a in place and b in place),
+        same_operator=tuple(
+            (place[a], place[b]) for a, b in instance.same_operator if a in place and b in place
+        ),
         stress_of_set=None,
     )
     return Stretch(tuple(free), inside, ways, tails, floor)
@@ -87,7 +107,9 @@ def take_out(instance: Instance, starts: Starts, order: Sequence[int], first: in
 
 @dataclass(frozen=True)
 class _Fixed:
-    """What the tasks before a stretch leave behind: when operators, tools and zones are free, and the tools in hand."""
+    """What the tasks before a stretch leave behind: when operators, tools and zones are free, and
+    the tools in hand.
+    """
 
     free: tuple[int, ...]
     in_hand: tuple[int | None, ...]
@@ -95,7 +117,9 @@ class _Fixed:
     zones: dict[int, int]
 
     @classmethod
-    def of(cls, instance: Instance, starts: Starts, before: Sequence[int], end: dict[int, int]) -> _Fixed:
+    def of(
+        cls, instance: Instance, starts: Starts, before: Sequence[int], end: dict[int, int]
+    ) -> _Fixed:
         free, hand = [0] * len(instance.operators), list(instance.in_hand)
         tools: dict[int, int] = {}
         zones: dict[int, int] = {}
@@ -119,7 +143,10 @@ class _Fixed:
     def breaks(self, instance: Instance) -> tuple[tuple[tuple[int, int], ...], ...]:
         """The operators' breaks, with the time before they are free as one more."""
         return tuple(
-            tuple([(0, free)] * (free > 0) + [(max(off, free), back) for off, back in breaks if back > free])
+            tuple(
+                [(0, free)] * (free > 0)
+                + [(max(off, free), back) for off, back in breaks if back > free]
+            )
             for free, breaks in zip(self.free, instance.breaks, strict=True)
         )
 
@@ -127,33 +154,55 @@ class _Fixed:
 def _tails_behind(
     instance: Instance, starts: Starts, behind: Sequence[int], end: dict[int, int], fixed: _Fixed
 ) -> tuple[dict[int, int], dict[int, int], int]:
-    """Per task behind the stretch the longest chain from its start on, order kept; the same per operator; and what `before` makes of it."""
+    """Per task behind the stretch the longest chain from its start on, order kept; the same per
+    operator; and what `before` makes of it.
+    """
     tail: dict[int, int] = {}
     first_of: dict[int, int] = {}
     floor = max(end.values(), default=0)
     for task in reversed(behind):
         way = instance.ways[task][starts[task][0]]
-        rest = [tail[b] for b in instance.behind[task]] + [first_of.get(o, 0) for o in way.operators]
+        rest = [tail[b] for b in instance.behind[task]] + [
+            first_of.get(o, 0) for o in way.operators
+        ]
         tail[task] = way.ticks + max(rest, default=0)
         for operator in way.operators:
             first_of[operator] = tail[task]
-        early = max([instance.release[task], *(end[p] for p in instance.before[task] if p in end), *(fixed.free[o] for o in way.operators)])
+        early = max(
+            [
+                instance.release[task],
+                *(end[p] for p in instance.before[task] if p in end),
+                *(fixed.free[o] for o in way.operators),
+            ]
+        )
         floor = max(floor, early + tail[task])
     return tail, first_of, floor
 
 
-def _still_open(instance: Instance, starts: Starts, task: int, place: dict[int, int], movers: frozenset[int]) -> tuple[int, ...]:
-    """The ways in which the task may be done: those among the movers that agree with its `same_operator` partners outside the stretch."""
+def _still_open(
+    instance: Instance, starts: Starts, task: int, place: dict[int, int], movers: frozenset[int]
+) -> tuple[int, ...]:
+    """The ways in which the task may be done: those among the movers that agree with its
+    `same_operator` partners outside the stretch.
+    """
     now = starts[task][0]
     if not movers.issuperset(instance.ways[task][now].operators):
         return (now,)
     partners = [b if a == task else a for a, b in instance.same_operator if task in (a, b)]
     teams = [instance.ways[p][starts[p][0]].operators for p in partners if p not in place]
-    return tuple(w for w, way in enumerate(instance.ways[task]) if movers.issuperset(way.operators) and all(way.operators == team for team in teams))
+    return tuple(
+        w
+        for w, way in enumerate(instance.ways[task])
+        if movers.issuperset(way.operators) and all(way.operators == team for team in teams)
+    )
 
 
-def _chains(instance: Instance, starts: Starts, free: Sequence[int], movers: frozenset[int]) -> dict[int, list[int]]:
-    """Per task, those that come before it because an operator who is not among the movers keeps his order."""
+def _chains(
+    instance: Instance, starts: Starts, free: Sequence[int], movers: frozenset[int]
+) -> dict[int, list[int]]:
+    """Per task, those that come before it because an operator who is not among the movers keeps his
+    order.
+    """
     last: dict[int, int] = {}
     chain: dict[int, list[int]] = {}
     for task in free:
@@ -165,26 +214,42 @@ def _chains(instance: Instance, starts: Starts, free: Sequence[int], movers: fro
     return chain
 
 
-def _limits_left(instance: Instance, starts: Starts, place: dict[int, int]) -> tuple[int | None, ...]:
+def _limits_left(
+    instance: Instance, starts: Starts, place: dict[int, int]
+) -> tuple[int | None, ...]:
     if not any(limit is not None for limit in instance.stress_limit):
         return instance.stress_limit
     used = [0] * len(instance.operators)
     for task, (way, _) in enumerate(starts):
         if task not in place:
-            for operator, load in zip(instance.ways[task][way].operators, instance.ways[task][way].load, strict=True):
+            for operator, load in zip(
+                instance.ways[task][way].operators, instance.ways[task][way].load, strict=True
+            ):
                 used[operator] += load
-    return tuple(None if limit is None else limit - used[operator] for operator, limit in enumerate(instance.stress_limit))
+    return tuple(
+        None if limit is None else limit - used[operator]
+        for operator, limit in enumerate(instance.stress_limit)
+    )
 
 
-def plan_anew(stretch: Stretch, upper: int, *, most_stress: int | None, weights: tuple[int, int], seed: int) -> tuple[Starts | None, bool]:
-    """The stretch's best starts for `weights[0] * makespan + weights[1] * stress` such that the whole ends by `upper` ticks.
+def plan_anew(
+    stretch: Stretch, upper: int, *, most_stress: int | None, weights: tuple[int, int], seed: int
+) -> tuple[Starts | None, bool]:
+    """The stretch's best starts for `weights[0] * makespan + weights[1] * stress` such that the
+    whole ends by `upper` ticks.
 
-    `most_stress` limits the stress of the stretch. The starts are None when none were found within the work allowed; the flag says whether less
-    than half of it was needed, so that a longer stretch may be tried. Work is counted, not timed, so that a run repeats.
+    `most_stress` limits the stress of the stretch. The starts are None when none were found within
+    the work allowed; the flag says whether less than half of it was needed, so that a longer
+    stretch may be tried. Work is counted, not timed, so that a run repeats.
     """
     plan = formulate(stretch.instance, upper)
     for task, tails in enumerate(stretch.tails):
-        plan.model.add(sum((tail * x for tail, x in zip(tails, plan.chosen[task], strict=True)), plan.end[task]) <= plan.makespan)
+        plan.model.add(
+            sum(
+                (tail * x for tail, x in zip(tails, plan.chosen[task], strict=True)), plan.end[task]
+            )
+            <= plan.makespan
+        )
     plan.model.add(plan.makespan >= stretch.floor)
     if most_stress is not None:
         plan.model.add(plan.stress <= most_stress)
@@ -197,7 +262,10 @@ def plan_anew(stretch: Stretch, upper: int, *, most_stress: int | None, weights:
     solver.parameters.symmetry_level = 0
     status = solver.solve(plan.model)
     easy = solver.response_proto.deterministic_time < 0.5 * WORK
-    return plan.read(solver.value) if status in (cp_model.OPTIMAL, cp_model.FEASIBLE) else None, easy  # type: ignore[comparison-overlap]
+    return plan.read(solver.value) if status in (
+        cp_model.OPTIMAL,
+        cp_model.FEASIBLE,
+    ) else None, easy  # type: ignore[comparison-overlap]
 
 
 WORK = 0.1

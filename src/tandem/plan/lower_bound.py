@@ -1,12 +1,14 @@
-"""Proofs that no schedule is quicker, for cells with few operators, by search over partial schedules along the clock.
+"""Proofs that no schedule is quicker, for cells with few operators, by search over partial
+schedules along the clock.
 
-To refute "the makespan is at most u", partial schedules are grown task by task in order of start (see `along_clock`), all of one size at a
-time. A partial schedule is dropped when bounds show that it cannot end by u, or when another one with the same tasks is as early in every
-respect that later tasks can notice. When none is left, u is refuted; when one is complete, it is a quicker schedule.
+To refute "the makespan is at most u", partial schedules are grown task by task in order of start
+(see `along_clock`), all of one size at a time. A partial schedule is dropped when bounds show that
+it cannot end by u, or when another one with the same tasks is as early in every respect that later
+tasks can notice. When none is left, u is refuted; when one is complete, it is a quicker schedule.
 
-What is kept of a cell: operators, ways, precedence, releases, deadlines, and a limit on the sum of stress. Tools, zones, breaks, teams,
-limits per human and tables of stress are left out. So what is refuted here is refuted for the cell, and what is found may break it:
-the checker decides.
+What is kept of a cell: operators, ways, precedence, releases, deadlines, and a limit on the sum of
+stress. Tools, zones, breaks, teams, limits per human and tables of stress are left out. So what is
+refuted here is refuted for the cell, and what is found may break it: the checker decides.
 """
 
 from __future__ import annotations
@@ -31,9 +33,11 @@ class Proof:
     """How far it went.
 
     Attributes:
-      bound: ticks; no schedule is quicker. Equal to `upper` when that is proven to be the least makespan.
+      bound: ticks; no schedule is quicker. Equal to `upper` when that is proven to be the least
+        makespan.
       upper: ticks; the makespan asked about, or of the better schedule that was found.
-      starts: that better schedule, per task `(way, start)`; None when none was found. It may break rules of the cell that are left out here.
+      starts: that better schedule, per task `(way, start)`; None when none was found. It may break
+        rules of the cell that are left out here.
       nodes: partial schedules that were kept, in all.
       wall_s: time spent.
     """
@@ -46,14 +50,22 @@ class Proof:
 
 
 def prove_makespan(
-    instance: Instance, upper: int, deadline_s: float, *, most_units: int | None = None, width: int = 40, stop: Callable[[], bool] = lambda: False
+    instance: Instance,
+    upper: int,
+    deadline_s: float,
+    *,
+    most_units: int | None = None,
+    width: int = 40,
+    stop: Callable[[], bool] = lambda: False,
 ) -> Proof:
-    """Proves that no schedule is quicker than `upper` ticks, or finds one that is and goes on from there.
+    """Proves that no schedule is quicker than `upper` ticks, or finds one that is and goes on from
+    there.
 
     Args:
       deadline_s: seconds that it may take.
       most_units: of schedules with at most this sum of stress; all when None.
-      width: before the proof, a search that keeps only so many of the best partial schedules of each size looks for something quicker.
+      width: before the proof, a search that keeps only so many of the best partial schedules of
+        each size looks for something quicker.
       stop: asked now and then; true ends the search as if its time were up.
     """
     began = perf_counter()
@@ -71,7 +83,13 @@ def prove_makespan(
             if found is not None or growth.cut_short:
                 break
         if found is not None:
-            best, upper = found, max(start + layout.instance.ways[task][way].ticks for task, (way, start) in enumerate(found))
+            best, upper = (
+                found,
+                max(
+                    start + layout.instance.ways[task][way].ticks
+                    for task, (way, start) in enumerate(found)
+                ),
+            )
         elif growth.cut_short:
             break
         else:
@@ -80,7 +98,9 @@ def prove_makespan(
 
 
 class Node(NamedTuple):
-    """A partial schedule: tasks appended as bits, start of the last one, operators' and tasks' ends, stress, and what it grew from."""
+    """A partial schedule: tasks appended as bits, start of the last one, operators' and tasks'
+    ends, stress, and what it grew from.
+    """
 
     mask: int
     last: int
@@ -107,11 +127,15 @@ class Ground:
 
     Attributes:
       kinds: the different sets of operator groups that tasks can be done by; `kind` is each task's.
-      needs: per task, bits of its predecessors, and of the twin before it: of tasks that nothing tells apart the first goes first.
-      quickest: ticks; `behind`: of the chain behind the task; `latest_start`: so that deadlines and `most` are kept.
+      needs: per task, bits of its predecessors, and of the twin before it: of tasks that nothing
+        tells apart the first goes first.
+      quickest: ticks; `behind`: of the chain behind the task; `latest_start`: so that deadlines and
+        `most` are kept.
       easiest: units.
-      prices: per operator, whole numbers, so that the tasks' cheapest work at these prices bounds the makespan best; `work`: that of each task.
-      own: per operator, tasks that all ways need them for. `can`: tasks that some way needs them for.
+      prices: per operator, whole numbers, so that the tasks' cheapest work at these prices bounds
+        the makespan best; `work`: that of each task.
+      own: per operator, tasks that all ways need them for. `can`: tasks that some way needs them
+        for.
     """
 
     most: int
@@ -140,14 +164,28 @@ class Ground:
         tasks, operators = range(len(layout.steps)), range(len(instance.operators))
         easiest = [min((step.stress for step in row), default=0) for row in layout.steps]
         moves = [
-            [Move(step.way, step.operators, step.ticks, step.stress, most_units is None or step.stress == easiest[task]) for step in row]
+            [
+                Move(
+                    step.way,
+                    step.operators,
+                    step.ticks,
+                    step.stress,
+                    most_units is None or step.stress == easiest[task],
+                )
+                for step in row
+            ]
             for task, row in enumerate(layout.steps)
         ]
         quickest = [min((move.ticks for move in row), default=0) for row in moves]
         latest = [most] * len(moves)
         for task in reversed(instance.order):
             deadline = instance.deadline[task]
-            end = min([most if deadline is None else min(deadline, most), *(latest[after] for after in instance.behind[task])])
+            end = min(
+                [
+                    most if deadline is None else min(deadline, most),
+                    *(latest[after] for after in instance.behind[task]),
+                ]
+            )
             latest[task] = end - quickest[task]
         prices = [round(1024 * price) for price in load_prices(layout)[1]]
         groups = [tuple(sorted({move.operators for move in row})) for row in moves]
@@ -162,15 +200,33 @@ class Ground:
             after=instance.behind,
             order=instance.order,
             release=instance.release,
-            needs=[sum(1 << first for first in (*before, *twin)) for before, twin in zip(instance.before, _twins(instance), strict=True)],
+            needs=[
+                sum(1 << first for first in (*before, *twin))
+                for before, twin in zip(instance.before, _twins(instance), strict=True)
+            ],
             quickest=quickest,
             behind=[tail - least for tail, least in zip(layout.tail, quickest, strict=True)],
             latest_start=latest,
             easiest=easiest,
             prices=prices,
-            work=[min((move.ticks * sum(prices[o] for o in move.operators) for move in row), default=0) for row in moves],
-            own=[[task for task in tasks if moves[task] and all(o in move.operators for move in moves[task])] for o in operators],
-            can=[[task for task in tasks if any(o in move.operators for move in moves[task])] for o in operators],
+            work=[
+                min(
+                    (move.ticks * sum(prices[o] for o in move.operators) for move in row), default=0
+                )
+                for row in moves
+            ],
+            own=[
+                [
+                    task
+                    for task in tasks
+                    if moves[task] and all(o in move.operators for move in moves[task])
+                ]
+                for o in operators
+            ],
+            can=[
+                [task for task in tasks if any(o in move.operators for move in moves[task])]
+                for o in operators
+            ],
         )
 
     def root(self) -> Node:
@@ -178,7 +234,9 @@ class Ground:
         return Node(0, 0, (0,) * len(self.own), (0,) * len(self.moves), 0, None, None)
 
     def children(self, node: Node) -> Iterator[Node]:
-        """Every node with one task more, but for those in which a task starts when another could already have ended, at no cost."""
+        """Every node with one task more, but for those in which a task starts when another could
+        already have ended, at no cost.
+        """
         mask, last, free, ends, units, _, _ = node
         moves: list[tuple[int, int, Move]] = []
         cutoff = self.most + 1
@@ -206,12 +264,22 @@ class Ground:
                 for operator in move.operators:
                     fresh[operator] = end
                 grown = (*ends[:task], end, *ends[task + 1 :])
-                yield Node(mask | 1 << task, start, tuple(fresh), grown, units + move.units, (task, move.way, start), node)
+                yield Node(
+                    mask | 1 << task,
+                    start,
+                    tuple(fresh),
+                    grown,
+                    units + move.units,
+                    (task, move.way, start),
+                    node,
+                )
 
 
 class _Rest(NamedTuple):
-    """Of one set of appended tasks: the other tasks in order, per operator those that only they and that they can do, the tasks waited for,
-    and of what is to come the cheapest work and the least stress."""
+    """Of one set of appended tasks: the other tasks in order, per operator those that only they and
+    that they can do, the tasks waited for, and of what is to come the cheapest work and the least
+    stress.
+    """
 
     tasks: tuple[int, ...]
     own: list[list[int]]
@@ -222,7 +290,9 @@ class _Rest(NamedTuple):
 
 
 class _Growth:
-    """One search on one ground. `width` bounds how many nodes of each size are grown further; None keeps all, and proves."""
+    """One search on one ground. `width` bounds how many nodes of each size are grown further; None
+    keeps all, and proves.
+    """
 
     def __init__(self, ground: Ground, width: int | None, is_over: Callable[[], bool]) -> None:
         self.ground, self.width, self.is_over = ground, width, is_over
@@ -233,7 +303,9 @@ class _Growth:
         self._rests: dict[int, _Rest] = {}
 
     def run(self) -> list[tuple[int, int]] | None:
-        """A schedule, per task `(way, start)`; None when there is none, or none among what was kept, or when it was cut short."""
+        """A schedule, per task `(way, start)`; None when there is none, or none among what was
+        kept, or when it was cut short.
+        """
         level = [self.ground.root()]
         while level:
             kept: dict[int, list[tuple[tuple[int, ...], int, Node]]] = {}
@@ -257,7 +329,9 @@ class _Growth:
         return None
 
     def _keep(self, kept: dict[int, list[tuple[tuple[int, ...], int, Node]]], node: Node) -> int:
-        """Merges the node into those with the same tasks unless it is hopeless; gives by how many they have grown."""
+        """Merges the node into those with the same tasks unless it is hopeless; gives by how many
+        they have grown.
+        """
         rest = self._rest(node.mask)
         most_units = self.ground.most_units
         if most_units is not None and node.units + rest.units > most_units:
@@ -276,8 +350,17 @@ class _Growth:
         bound = max(*node.free, -(-work // self.total_price))
         for operator, tasks in enumerate(rest.own):
             if tasks:
-                free, quickest, behind = node.free[operator], self.ground.quickest, self.ground.behind
-                jobs = sorted([(head[task] if head[task] > free else free, -behind[task], quickest[task]) for task in tasks])
+                free, quickest, behind = (
+                    node.free[operator],
+                    self.ground.quickest,
+                    self.ground.behind,
+                )
+                jobs = sorted(
+                    [
+                        (head[task] if head[task] > free else free, -behind[task], quickest[task])
+                        for task in tasks
+                    ]
+                )
                 bound = max(bound, _interrupted(jobs))
                 if bound > self.ground.most:
                     return 0
@@ -287,9 +370,14 @@ class _Growth:
         return len(row) - before
 
     def _heads(self, node: Node, rest: _Rest) -> list[int] | None:
-        """Per task to come, ticks before which it cannot start; None when one of them is too late."""
+        """Per task to come, ticks before which it cannot start; None when one of them is too
+        late.
+        """
         ground, last, free = self.ground, node.last, node.free
-        base = [max(last, min([max([free[o] for o in group]) for group in kind], default=last)) for kind in ground.kinds]
+        base = [
+            max(last, min([max([free[o] for o in group]) for group in kind], default=last))
+            for kind in ground.kinds
+        ]
         head, ends = [0] * len(ground.kind), list(node.ends)
         for task in rest.tasks:
             start = base[ground.kind[task]]
@@ -305,16 +393,24 @@ class _Growth:
         return head
 
     def _numbers(self, node: Node, rest: _Rest, head: list[int]) -> tuple[int, ...]:
-        """What later tasks can notice: when each operator can be used again, and when what they wait for has ended.
+        """What later tasks can notice: when each operator can be used again, and when what they
+        wait for has ended.
 
-        An operator is of no use before some task can start that they can do; the end of a task plays no part before an operator is free for
-        what comes after it. Raised so far, the numbers of equal futures become equal.
+        An operator is of no use before some task can start that they can do; the end of a task
+        plays no part before an operator is free for what comes after it. Raised so far, the numbers
+        of equal futures become equal.
         """
         ground, ends = self.ground, node.ends
         free = [
-            max(node.free[operator], min([head[task] for task in tasks])) if tasks else node.free[operator] for operator, tasks in enumerate(rest.can)
+            max(node.free[operator], min([head[task] for task in tasks]))
+            if tasks
+            else node.free[operator]
+            for operator, tasks in enumerate(rest.can)
         ]
-        base = [min([max([free[o] for o in group]) for group in kind], default=0) for kind in ground.kinds]
+        base = [
+            min([max([free[o] for o in group]) for group in kind], default=0)
+            for kind in ground.kinds
+        ]
         numbers = free
         for task, kinds in rest.waited_for:
             floor = min([base[kind] for kind in kinds])
@@ -329,7 +425,11 @@ class _Growth:
             ground = self.ground
             waited_for = []
             for task in ground.order:
-                if mask >> task & 1 and (kinds := [ground.kind[after] for after in ground.after[task] if not mask >> after & 1]):
+                if mask >> task & 1 and (
+                    kinds := [
+                        ground.kind[after] for after in ground.after[task] if not mask >> after & 1
+                    ]
+                ):
                     waited_for.append((task, kinds))
             tasks = tuple(task for task in ground.order if not mask >> task & 1)
             known = self._rests[mask] = _Rest(
@@ -353,7 +453,9 @@ class _Growth:
 
 
 def _interrupted(jobs: Sequence[tuple[int, int, int]]) -> int:
-    """As `bounds.preemptive`, for tasks `(head, -tail, ticks)` sorted by head: one operator who may interrupt, ticks."""
+    """As `bounds.preemptive`, for tasks `(head, -tail, ticks)` sorted by head: one operator who may
+    interrupt, ticks.
+    """
     open_: list[tuple[int, int]] = []
     clock = best = 0
     for head, tail, ticks in jobs:
@@ -379,7 +481,9 @@ def _interrupted(jobs: Sequence[tuple[int, int, int]]) -> int:
 
 
 def _twins(instance: Instance) -> list[tuple[int, ...]]:
-    """Per task, the task before it that nothing tells apart from it: same ways, release, deadline, predecessors and successors; or none."""
+    """Per task, the task before it that nothing tells apart from it: same ways, release, deadline,
+    predecessors and successors; or none.
+    """
     latest: dict[tuple[object, ...], int] = {}
     twins: list[tuple[int, ...]] = []
     for task, ways in enumerate(instance.ways):

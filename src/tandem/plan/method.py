@@ -1,4 +1,6 @@
-"""What every method of planning is: a cell and a question in, a front out, and what it tells while it works."""
+"""What every method of planning is: a cell and a question in, a front out, and what it tells while
+it works.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,8 @@ class Progress:
 
     Attributes:
       found: the results so far that nothing found beats, sorted by makespan.
-      bound: no schedule that answers the question now being worked on can be below this makespan, seconds.
+      bound: no schedule that answers the question now being worked on can be below this makespan,
+        seconds.
       wall_s: since the method began.
     """
 
@@ -30,9 +33,10 @@ class Progress:
 class Method(Protocol):
     """Every method of planning: a cell and a question in, a front out.
 
-    `time_limit` in seconds (None: until done), `workers` threads or processes (None: as many as there are cores; 1 repeats exactly for a seed),
-    `hint` a schedule to begin with, `on_solution` is called with each improvement and may raise `KeyboardInterrupt` to stop: the
-    front found so far is then returned with `interrupted` set.
+    `time_limit` in seconds (None: until done), `workers` threads or processes (None: as many as
+    there are cores; 1 repeats exactly for a seed), `hint` a schedule to begin with, `on_solution`
+    is called with each improvement and may raise `KeyboardInterrupt` to stop: the front found so
+    far is then returned with `interrupted` set.
 
     Raises:
       InfeasibleError: it is proven that no schedule answers the question.

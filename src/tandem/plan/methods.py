@@ -20,7 +20,9 @@ from tandem.schedule.model import Schedule
 
 @dataclass(frozen=True)
 class Entry:
-    """A line of the table: what the method does, in a line, and the method; it is called like the method itself."""
+    """A line of the table: what the method does, in a line, and the method; it is called like the
+    method itself.
+    """
 
     what: str
     solve: Method
@@ -30,8 +32,13 @@ class Entry:
 
 
 METHODS: dict[str, Entry] = {
-    "exact": Entry("CP-SAT beside large-neighbourhood search: the complete front with proof", exact.solve),
-    "exhaustive": Entry("dynamic programming, no constraint solver: the complete front of small cells with proof", dynamic_programming.solve),
+    "exact": Entry(
+        "CP-SAT beside large-neighbourhood search: the complete front with proof", exact.solve
+    ),
+    "exhaustive": Entry(
+        "dynamic programming, no constraint solver: the complete front of small cells with proof",
+        dynamic_programming.solve,
+    ),
     **{name: Entry(SPECS[name].what, solve) for name, solve in RULES.items()},
 }
 """Name -> method. A new one is a file and a line here."""
@@ -61,36 +68,59 @@ def plan(
     hint: Schedule | None = None,
     on_solution: Callable[[Progress], None] | None = None,
 ) -> Front:
-    """The complete trade-off between makespan (seconds) and stress, each point with a schedule and what is proven about it.
+    """The complete trade-off between makespan (seconds) and stress, each point with a schedule and
+    what is proven about it.
 
     Args:
       cell: what is to be assembled, and who is there.
-      question: instead of `minimize`, `weights`, `max_makespan` and `max_stress`, which are its parts.
+      question: instead of `minimize`, `weights`, `max_makespan` and `max_stress`, which are its
+        parts.
       method: a name in `METHODS`.
       time_limit: seconds; None to go on until everything is proven.
-      workers: threads; None for one a core. One worker and a run that ends before its limit repeats exactly for a seed and version.
+      workers: threads; None for one a core. One worker and a run that ends before its limit repeats
+        exactly for a seed and version.
       hint: a schedule to begin with.
-      on_solution: called with each improvement; raising KeyboardInterrupt in it ends the search with what was found.
+      on_solution: called with each improvement; raising KeyboardInterrupt in it ends the search
+        with what was found.
 
     Raises:
       UsageError: an unknown method, or an option out of range.
       CellError: the cell has more than `MOST_TASKS` tasks.
-      InfeasibleError: it is proven that no schedule answers the question; its `reasons` say, in the cell's words, what stands in the way.
+      InfeasibleError: it is proven that no schedule answers the question; its `reasons` say, in the
+        cell's words, what stands in the way.
       NothingFoundError: none was found within the limit.
     """
     if method not in METHODS:
         near = get_close_matches(method, METHODS, 1, 0.5)
         hint_text = f"Did you mean {near[0]!r}? " if near else ""
-        raise UsageError(f"there is no method {method!r}. {hint_text}There are {', '.join(METHODS)}.")
+        raise UsageError(
+            f"there is no method {method!r}. {hint_text}There are {', '.join(METHODS)}."
+        )
     if time_limit is not None and not time_limit > 0:
         raise UsageError(f"time limit {time_limit}: must be more than 0 seconds.")
     if workers is not None and workers < 1:
         raise UsageError(f"workers {workers}: must be 1 or more.")
     if len(cell.tasks) > MOST_TASKS:
-        raise CellError([Fault(f"the cell has {len(cell.tasks):,} tasks, and at most {MOST_TASKS:,} can be planned. Split it.", ("tasks",))])
+        raise CellError(
+            [
+                Fault(
+                    f"the cell has {len(cell.tasks):,} tasks, and at most {MOST_TASKS:,} can be"
+                    " planned. Split it.",
+                    ("tasks",),
+                )
+            ]
+        )
     if question is None:
         question = Question(minimize, weights, max_makespan, max_stress)  # type: ignore[arg-type]
     try:
-        return METHODS[method](cell, question, time_limit=time_limit, seed=seed, workers=workers, hint=hint, on_solution=on_solution)
+        return METHODS[method](
+            cell,
+            question,
+            time_limit=time_limit,
+            seed=seed,
+            workers=workers,
+            hint=hint,
+            on_solution=on_solution,
+        )
     except InfeasibleError as error:
         raise InfeasibleError(str(error), reasons(cell, question)) from error

@@ -1,7 +1,9 @@
-"""One question to one cell, worked on from two sides at once: one prover raises the bound, improvers lower the incumbent, all share both.
+"""One question to one cell, worked on from two sides at once: one prover raises the bound,
+improvers lower the incumbent, all share both.
 
-The incumbent is what the dispatch rules gave, from the first moment on; nothing that comes later may be worse. It is always a schedule that
-the checker has accepted (`door.py`), and so are the values that bounds are held against.
+The incumbent is what the dispatch rules gave, from the first moment on; nothing that comes later
+may be worse. It is always a schedule that the checker has accepted (`door.py`), and so are the
+values that bounds are held against.
 """
 
 from __future__ import annotations
@@ -43,7 +45,9 @@ class Goal:
 
     def allows(self, makespan: int, stress: int) -> bool:
         """Whether the limits are kept."""
-        return (self.max_makespan is None or makespan <= self.max_makespan) and (self.max_stress is None or stress <= self.max_stress)
+        return (self.max_makespan is None or makespan <= self.max_makespan) and (
+            self.max_stress is None or stress <= self.max_stress
+        )
 
 
 @dataclass(frozen=True)
@@ -52,7 +56,8 @@ class Answer:
 
     Attributes:
       starts: the best schedule found, None when none was.
-      bound: no schedule within the limits has a lower value; meaningless when the goal is proven infeasible.
+      bound: no schedule within the limits has a lower value; meaningless when the goal is proven
+        infeasible.
       proven: the schedule is optimal or, when there is none, no schedule keeps the limits.
     """
 
@@ -68,9 +73,12 @@ class Effort:
     Attributes:
       until: `monotonic()` seconds at which to stop; None for never.
       seed, workers: of the search; one worker repeats exactly.
-      offer: called in the calling thread with each schedule let in and the bound, may raise KeyboardInterrupt.
-      work: CP-SAT's deterministic seconds after which a lone worker gives up; None to go on until it is proven.
-      from_below: CP-SAT first tries whether the bound can be reached, which proves sooner and finds later than its own order of search.
+      offer: called in the calling thread with each schedule let in and the bound, may raise
+        KeyboardInterrupt.
+      work: CP-SAT's deterministic seconds after which a lone worker gives up; None to go on until
+        it is proven.
+      from_below: CP-SAT first tries whether the bound can be reached, which proves sooner and finds
+        later than its own order of search.
       refutes: a lone worker may also spend processor time on `refute`, which does not repeat.
     """
 
@@ -92,29 +100,41 @@ SMALL = 30
 MANY_TICKS = 10_000
 """With more ticks than these, a search that moves a bound tick by tick takes too long."""
 LARGE = 150
-"""From so many tasks on CP-SAT no longer proves anything whole; a relaxation gives the bound and all cores improve."""
+"""From so many tasks on CP-SAT no longer proves anything whole; a relaxation gives the bound and
+all cores improve.
+"""
 REFUTABLE = 80
 """Up to so many tasks a state-space search is tried beside the others."""
 REFUTE_NEAR = 0.9
-"""It begins when the bound has come so near to the incumbent: far from it there is too much to refute."""
+"""It begins when the bound has come so near to the incumbent: far from it there is too much to
+refute.
+"""
 REFUTE_S = 4.0
 """Processor seconds for it: it works fast or not at all."""
 PATIENCE = 60
 """With one worker: so many stretches in a row without an improvement before CP-SAT has its turn."""
 STRETCHES_PER_WORK = 20
-"""With bounded work: so many stretches per deterministic second of CP-SAT, so that both take about as long."""
+"""With bounded work: so many stretches per deterministic second of CP-SAT, so that both take about
+as long.
+"""
 LEAST_WORK = 1.0
-"""Deterministic seconds below which CP-SAT does not come to search a large cell, so it is not asked."""
+"""Deterministic seconds below which CP-SAT does not come to search a large cell, so it is not
+asked.
+"""
 RELAX_WORK = 2.0
 """Deterministic seconds for the question who does what."""
 
 
 Inbox = SimpleQueue[tuple["Race", Admitted | BaseException | None]]
-"""What the workers of one or several races send: a schedule, what they stumbled over, or None when one of them is done."""
+"""What the workers of one or several races send: a schedule, what they stumbled over, or None when
+one of them is done.
+"""
 
 
 def hear(inbox: Inbox, seconds: float) -> None:
-    """Passes on what workers found, in the calling thread, waiting so long for the first of it; re-raises what they stumbled over."""
+    """Passes on what workers found, in the calling thread, waiting so long for the first of it;
+    re-raises what they stumbled over.
+    """
     try:
         while True:
             race, news = inbox.get(timeout=seconds) if seconds else inbox.get_nowait()
@@ -132,7 +152,8 @@ def hear(inbox: Inbox, seconds: float) -> None:
 class Race:
     """The state that the workers of one question share.
 
-    Several races can go on at once: they are started with a common inbox, which their caller hears, and halted by it.
+    Several races can go on at once: they are started with a common inbox, which their caller hears,
+    and halted by it.
     """
 
     def __init__(
@@ -145,7 +166,13 @@ class Race:
         bound: int,
         inbox: Inbox | None = None,
     ) -> None:
-        self.door, self.instance, self.layout, self.goal, self.effort = door, door.instance, layout, goal, effort
+        self.door, self.instance, self.layout, self.goal, self.effort = (
+            door,
+            door.instance,
+            layout,
+            goal,
+            effort,
+        )
         self.lock = threading.Lock()
         self.best = incumbent
         self.value = None if incumbent is None else goal.value(*incumbent.point)
@@ -159,23 +186,34 @@ class Race:
 
     @property
     def over(self) -> bool:
-        """Nothing is left to do. A model that was wrong proves nothing any more: without a limit the others would go on for ever."""
+        """Nothing is left to do. A model that was wrong proves nothing any more: without a limit
+        the others would go on for ever.
+        """
         if self.door.refused and self.effort.until is None:
             return True
-        return self.stopped or self.infeasible or (self.value is not None and self.bound >= self.value) or self.effort.left() <= 0
+        return (
+            self.stopped
+            or self.infeasible
+            or (self.value is not None and self.bound >= self.value)
+            or self.effort.left() <= 0
+        )
 
     def found(self, starts: Starts) -> bool:
         """Takes a schedule from a worker; says whether it is sound and the best so far."""
         makespan, stress = measures(self.instance, starts)
-        if not self.goal.allows(makespan, stress) or (self.value is not None and self.goal.value(makespan, stress) >= self.value):
+        if not self.goal.allows(makespan, stress) or (
+            self.value is not None and self.goal.value(makespan, stress) >= self.value
+        ):
             return False  # before the checker, which takes longer
         schedule = self.door.admit(starts)
         return schedule is not None and self.take_in(schedule)
 
     def proposed(self, starts: Starts, at_most: int) -> int | None:
-        """Takes a schedule that the prover's model holds for sound and no dearer than `at_most`; its value, or None when it is not so.
+        """Takes a schedule that the prover's model holds for sound and no dearer than `at_most`;
+        its value, or None when it is not so.
 
-        Then the model is wrong, which the door remembers, and nothing that is concluded from it counts.
+        Then the model is wrong, which the door remembers, and nothing that is concluded from it
+        counts.
         """
         schedule = self.door.vouched(starts)
         if schedule is None:
@@ -191,7 +229,9 @@ class Race:
         """Takes a schedule that was let in; says whether it is the best so far."""
         value = self.goal.value(*schedule.point)
         with self.lock:
-            if not self.goal.allows(*schedule.point) or (self.value is not None and value >= self.value):
+            if not self.goal.allows(*schedule.point) or (
+                self.value is not None and value >= self.value
+            ):
                 return False
             self.best, self.value = schedule, value
         self.inbox.put((self, schedule))
@@ -220,12 +260,18 @@ class Race:
         starts = None if self.best is None else self.best.starts
         if self.door.refused:
             return Answer(starts, self.known, False)
-        return Answer(starts, self.bound, self.infeasible or (self.value is not None and self.bound >= self.value))
+        return Answer(
+            starts,
+            self.bound,
+            self.infeasible or (self.value is not None and self.bound >= self.value),
+        )
 
     def start(self) -> None:
         """Sets the workers to work; `at_work` of them have not yet been heard to be done."""
         jobs = self._alone() if self.effort.workers == 1 else self._together()
-        self.threads = [threading.Thread(target=self._guarded, args=(job,), daemon=True) for job in jobs]
+        self.threads = [
+            threading.Thread(target=self._guarded, args=(job,), daemon=True) for job in jobs
+        ]
         self.at_work = len(self.threads)
         for thread in self.threads:
             thread.start()
@@ -267,9 +313,12 @@ class Race:
         tasks, workers, seed = len(self.instance.tasks), self.effort.workers, self.effort.seed
         if self._is_small:
             return [partial(self.prove, workers, seed)]
-        jobs: list[Callable[[], None]] = [partial(self.improve, Random(f"{seed} {i}")) for i in range(max(1, workers // 2))]
+        jobs: list[Callable[[], None]] = [
+            partial(self.improve, Random(f"{seed} {i}")) for i in range(max(1, workers // 2))
+        ]
         if tasks < LARGE:
-            return [*jobs, partial(self.prove, workers + 1, seed), self.refute]  # one search more than cores: unlike ones help each other
+            # one search more than cores: unlike ones help each other
+            return [*jobs, partial(self.prove, workers + 1, seed), self.refute]
 
         def bound_then_improve() -> None:
             self.relax(seed)
@@ -279,7 +328,9 @@ class Race:
 
     def _alone(self) -> list[Callable[[], None]]:
         """Turn by turn in one thread, by counts and not by clocks, so that a run repeats."""
-        return [self._turns if self.effort.work is None else partial(self._one_turn, self.effort.work)]
+        return [
+            self._turns if self.effort.work is None else partial(self._one_turn, self.effort.work)
+        ]
 
     def _turns(self) -> None:
         seed, random, slice_ = self.effort.seed, Random(str(self.effort.seed)), 4.0
@@ -295,8 +346,8 @@ class Race:
         return None
 
     def _one_turn(self, work: float) -> None:
-        """Who does what, since it costs next to nothing; a proof, since most questions fall to one; then
-        better schedules, and a search through all states if they are near the bound.
+        """Who does what, since it costs next to nothing; a proof, since most questions fall to one;
+        then better schedules, and a search through all states if they are near the bound.
         """
         seed = self.effort.seed
         if not self._is_small:
@@ -306,12 +357,16 @@ class Race:
         if self.best is None or self._is_small:
             return
         self.improve(Random(str(seed)), stretches=ceil(STRETCHES_PER_WORK * work))
-        refutable = self.effort.refutes and not self.goal.stress and len(self.instance.tasks) <= REFUTABLE
+        refutable = (
+            self.effort.refutes and not self.goal.stress and len(self.instance.tasks) <= REFUTABLE
+        )
         if refutable and not self.over and self.bound >= REFUTE_NEAR * (self.value or 0):
             self._refute_for(min(REFUTE_S, work))
 
     def relax(self, seed: int) -> None:
-        """Who does what, the order left out: a bound, and work shared out so that a list schedule is a good beginning."""
+        """Who does what, the order left out: a bound, and work shared out so that a list schedule
+        is a good beginning.
+        """
         plan = self._model(cpsat.ALLOCATION)
         solver = self._solver(1, seed, None)
         solver.parameters.max_deterministic_time = RELAX_WORK
@@ -326,7 +381,9 @@ class Race:
         return None
 
     def prove(self, workers: int, seed: int, work: float | None = None) -> None:
-        """CP-SAT on the whole cell, begun again whenever the incumbent has moved away from under it. `work` in deterministic seconds."""
+        """CP-SAT on the whole cell, begun again whenever the incumbent has moved away from under
+        it. `work` in deterministic seconds.
+        """
         patience = 1.0
         while not self.over:
             cut = self.value
@@ -348,7 +405,9 @@ class Race:
         return None
 
     def refute(self) -> None:
-        """State-space search for anything quicker than the incumbent; where operators have little choice it proves in a second what CP-SAT cannot."""
+        """State-space search for anything quicker than the incumbent; where operators have little
+        choice it proves in a second what CP-SAT cannot.
+        """
         if self.goal.stress or len(self.instance.tasks) > REFUTABLE or not self._await_incumbent():
             return
         while not self.over and self.bound < REFUTE_NEAR * (self.value or 0):
@@ -365,32 +424,58 @@ class Race:
                 return
 
     def _refuted(self, value: int, spent: float) -> Proof:
-        """How far the search for anything below this value came before the incumbent changed or its time was spent."""
+        """How far the search for anything below this value came before the incumbent changed or its
+        time was spent.
+        """
 
         def stop() -> bool:
             return self.over or self.value != value or thread_time() > spent
 
-        return prove_makespan(self.instance, value // self.goal.time, 4 * REFUTE_S, most_units=self.goal.max_stress, stop=stop)
+        return prove_makespan(
+            self.instance,
+            value // self.goal.time,
+            4 * REFUTE_S,
+            most_units=self.goal.max_stress,
+            stop=stop,
+        )
 
     def _take(self, starts: Sequence[tuple[int, int]]) -> bool:
-        """Takes a schedule that knows precedence and operators only, if it can be made to keep the other rules too."""
-        if self.instance.same_operator or any(limit is not None for limit in self.instance.stress_limit):
+        """Takes a schedule that knows precedence and operators only, if it can be made to keep the
+        other rules too.
+        """
+        if self.instance.same_operator or any(
+            limit is not None for limit in self.instance.stress_limit
+        ):
             return False
         order = sorted(range(len(starts)), key=lambda task: (starts[task][1], task))
         sound = append(self.layout, order, [way for way, _ in starts])
         return sound is not None and keeps_deadlines(self.instance, sound) and self.found(sound)
 
-    def improve(self, random: Random, patience: int | None = None, stretches: int | None = None) -> None:
-        """Takes out stretches and plans them anew, larger ones when that is quick; ends after so many
-        `stretches` in all, or `patience` of them in vain in a row.
+    def improve(
+        self, random: Random, patience: int | None = None, stretches: int | None = None
+    ) -> None:
+        """Takes out stretches and plans them anew, larger ones when that is quick; ends after so
+        many `stretches` in all, or `patience` of them in vain in a row.
         """
         if not self._await_incumbent():
             return
         assert self.best is not None
         current = self.best.starts
-        operators, tasks, failures, tried = len(self.instance.operators), len(self.instance.tasks), 0, 0
-        sizes = dict.fromkeys({operators, min(operators, 2), (operators + 2) // 2 if operators > 2 else operators}, 24.0)
-        while not self.over and (patience is None or failures < patience) and (stretches is None or tried < stretches):
+        operators, tasks, failures, tried = (
+            len(self.instance.operators),
+            len(self.instance.tasks),
+            0,
+            0,
+        )
+        sizes = dict.fromkeys(
+            {operators, min(operators, 2), (operators + 2) // 2 if operators > 2 else operators},
+            24.0,
+        )
+        while (
+            not self.over
+            and (patience is None or failures < patience)
+            and (stretches is None or tried < stretches)
+        ):
             tried += 1
             if self.goal.value(*measures(self.instance, current)) > (self.value or 0):
                 current = current if self.best is None else self.best.starts
@@ -407,8 +492,12 @@ class Race:
             if self.take_in(admitted):
                 failures = 0
 
-    def _try_stretch(self, current: Starts, first: int, count: int, movers: frozenset[int], random: Random) -> tuple[Starts | None, bool]:
-        """The schedule with one stretch planned anew, None when it is worse or breaks a limit; and whether that was easy."""
+    def _try_stretch(
+        self, current: Starts, first: int, count: int, movers: frozenset[int], random: Random
+    ) -> tuple[Starts | None, bool]:
+        """The schedule with one stretch planned anew, None when it is worse or breaks a limit; and
+        whether that was easy.
+        """
         instance, goal = self.instance, self.goal
         makespan, stress = measures(instance, current)
         order = sorted(range(len(current)), key=lambda task: (current[task][1], task))
@@ -421,7 +510,9 @@ class Race:
             hardest = sum(max(way.stress for way in ways) for ways in stretch.instance.ways)
             if (hardest + 1) * upper + hardest <= MOST_COUNTED:
                 weights = (hardest + 1, 1)
-        fresh, easy = plan_anew(stretch, upper, most_stress=most, weights=weights, seed=random.randrange(1 << 30))
+        fresh, easy = plan_anew(
+            stretch, upper, most_stress=most, weights=weights, seed=random.randrange(1 << 30)
+        )
         if fresh is None:
             return None, easy
         ways = [way for way, _ in current]
@@ -430,9 +521,17 @@ class Race:
         middle = sorted(range(len(fresh)), key=lambda place: fresh[place][1])
         order[first : first + count] = [stretch.tasks[place] for place in middle]
         starts = append(self.layout, order, ways)
-        if starts is None or not goal.allows(*measures(instance, starts)) or not keeps_deadlines(instance, starts):
+        if (
+            starts is None
+            or not goal.allows(*measures(instance, starts))
+            or not keeps_deadlines(instance, starts)
+        ):
             return None, easy
-        return (starts if goal.value(*measures(instance, starts)) <= goal.value(makespan, stress) else None), easy
+        return (
+            starts
+            if goal.value(*measures(instance, starts)) <= goal.value(makespan, stress)
+            else None
+        ), easy
 
     def _await_incumbent(self) -> bool:
         while self.best is None and not self.over:
@@ -440,17 +539,26 @@ class Race:
         return self.best is not None and not self.over
 
     def _model(self, rules: Sequence[cpsat.Rule]) -> Decisions:
-        """The question as a model: anything better than the incumbent or, where ticks are fine, the incumbent to begin with.
+        """The question as a model: anything better than the incumbent or, where ticks are fine, the
+        incumbent to begin with.
 
-        To refute "better by a tick" CP-SAT may walk through millions of ticks one by one, on four tasks for minutes; but it proves at
-        once that the schedule in its hands is the best.
+        To refute "better by a tick" CP-SAT may walk through millions of ticks one by one, on four
+        tasks for minutes; but it proves at once that the schedule in its hands is the best.
         """
         goal = self.goal
         with self.lock:
             best, value = self.best, self.value
         at_most = 0 if value is None else value - (0 if self._is_fine else 1)
-        least = sum(min(way.stress for way in ways) for ways in self.instance.ways) if self.instance.stress_of_set is None else 0
-        upper = self.instance.horizon if goal.max_makespan is None else min(goal.max_makespan, self.instance.horizon)
+        least = (
+            sum(min(way.stress for way in ways) for ways in self.instance.ways)
+            if self.instance.stress_of_set is None
+            else 0
+        )
+        upper = (
+            self.instance.horizon
+            if goal.max_makespan is None
+            else min(goal.max_makespan, self.instance.horizon)
+        )
         if value is not None and goal.time:
             upper = min(upper, (at_most - goal.stress * least) // goal.time)
         plan = formulate(self.instance, upper, rules)
@@ -477,7 +585,9 @@ class Race:
         solver.parameters.use_strong_propagation_in_disjunctive = self._is_fine
         return solver
 
-    def _solve(self, solver: cp_model.CpSolver, plan: Decisions, watcher: _Watcher | None = None) -> Any:
+    def _solve(
+        self, solver: cp_model.CpSolver, plan: Decisions, watcher: _Watcher | None = None
+    ) -> Any:
         with self.lock:
             self.running.append(solver)
         try:
@@ -485,7 +595,9 @@ class Race:
                 return cp_model.UNKNOWN
             status: int = int(solver.solve(plan.model, watcher))  # type: ignore[call-overload]
             if status == cp_model.MODEL_INVALID:
-                raise RuntimeError(f"the constraint solver refuses the model: {plan.model.validate()}")
+                raise RuntimeError(
+                    f"the constraint solver refuses the model: {plan.model.validate()}"
+                )
             if status in (cp_model.UNKNOWN, cp_model.FEASIBLE) and watcher is not None:
                 watcher.on_bound(solver.best_objective_bound)
             return status
@@ -494,7 +606,9 @@ class Race:
                 self.running.remove(solver)
 
     def _nothing_below(self, value: int) -> None:
-        """The model has no solution although the incumbent's value is given; where ticks are fine the incumbent itself was in it."""
+        """The model has no solution although the incumbent's value is given; where ticks are fine
+        the incumbent itself was in it.
+        """
         if self._is_fine:
             self.door.refuse(["the model leaves out a schedule that the checker has accepted."])
         else:
@@ -510,9 +624,22 @@ class Race:
 class _Watcher(cp_model.CpSolverSolutionCallback):
     """Hands on what the prover finds, and stops it when an improver has overtaken it for long."""
 
-    def __init__(self, race: Race, solver: cp_model.CpSolver, plan: Decisions, cut: int | None, patience: float) -> None:
+    def __init__(
+        self,
+        race: Race,
+        solver: cp_model.CpSolver,
+        plan: Decisions,
+        cut: int | None,
+        patience: float,
+    ) -> None:
         super().__init__()
-        self.race, self.solver, self.plan, self.cut, self.patience = race, solver, plan, cut, patience
+        self.race, self.solver, self.plan, self.cut, self.patience = (
+            race,
+            solver,
+            plan,
+            cut,
+            patience,
+        )
         self.began, self.mine, self.outdated = monotonic(), cut, False
 
     def on_solution_callback(self) -> None:
@@ -528,6 +655,10 @@ class _Watcher(cp_model.CpSolverSolutionCallback):
     def _look(self) -> None:
         race = self.race
         overtaken = race.value is not None and (self.mine is None or race.value < self.mine)
-        if race.over or race.door.refused or (overtaken and monotonic() - self.began > self.patience):
+        if (
+            race.over
+            or race.door.refused
+            or (overtaken and monotonic() - self.began > self.patience)
+        ):
             self.outdated = not race.over
             self.solver.stop_search()

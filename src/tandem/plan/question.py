@@ -16,8 +16,9 @@ class Question:
     """What is asked.
 
     Attributes:
-      minimize: "front" for every compromise; "makespan" or "stress" for the one schedule that is best in it and, among those,
-        best in the other; "weighted" for the least `weights[0] * makespan + weights[1] * stress`.
+      minimize: "front" for every compromise; "makespan" or "stress" for the one schedule that is
+        best in it and, among those, best in the other; "weighted" for the least `weights[0] *
+        makespan + weights[1] * stress`.
       weights: used by "weighted" only.
       max_makespan, max_stress: limits on every schedule, seconds and the cell's measure of stress.
     """
@@ -29,9 +30,14 @@ class Question:
 
     def __post_init__(self) -> None:
         if self.minimize not in ("front", "makespan", "stress", "weighted"):
-            raise UsageError(f"cannot minimize {self.minimize!r}: choose front, makespan, stress or weighted.")
+            raise UsageError(
+                f"cannot minimize {self.minimize!r}: choose front, makespan, stress or weighted."
+            )
         if any(not math.isfinite(w) or w < 0 for w in self.weights) or not any(self.weights):
-            raise UsageError(f"weights {','.join(map(number, self.weights))}: both must be 0 or more, and one of them more than 0.")
+            raise UsageError(
+                f"weights {','.join(map(number, self.weights))}: both must be 0 or more, and one of"
+                " them more than 0."
+            )
         for name in ("max_makespan", "max_stress"):
             limit = getattr(self, name)
             if limit is not None and not (math.isfinite(limit) and limit >= 0):
@@ -41,11 +47,24 @@ class Question:
     def limits(self) -> tuple[str, ...]:
         """The limits on every schedule, as messages and reports say them."""
         return (
-            *([f"a makespan of at most {number(self.max_makespan)} s"] if self.max_makespan is not None else []),
-            *([f"a stress of at most {number(self.max_stress)}"] if self.max_stress is not None else []),
+            *(
+                [f"a makespan of at most {number(self.max_makespan)} s"]
+                if self.max_makespan is not None
+                else []
+            ),
+            *(
+                [f"a stress of at most {number(self.max_stress)}"]
+                if self.max_stress is not None
+                else []
+            ),
         )
 
     def to_dict(self) -> dict[str, Any]:
         """As the `question` of a result document."""
         weights = {"weights": plain(self.weights)} if self.minimize == "weighted" else {}
-        return {"minimize": self.minimize, **weights, "max_makespan": plain(self.max_makespan), "max_stress": plain(self.max_stress)}
+        return {
+            "minimize": self.minimize,
+            **weights,
+            "max_makespan": plain(self.max_makespan),
+            "max_stress": plain(self.max_stress),
+        }

@@ -28,10 +28,12 @@ class Status(StrEnum):
 
 @dataclass(frozen=True)
 class Bound:
-    """No schedule that answers the same question can be better than this: seconds, and stress in the cell's measure.
+    """No schedule that answers the same question can be better than this: seconds, and stress in
+    the cell's measure.
 
-    For a point of a front the question is "least makespan among the schedules with at most this stress"
-    for `makespan`, and "least stress among the schedules with at most this makespan" for `stress`.
+    For a point of a front the question is "least makespan among the schedules with at most this
+    stress" for `makespan`, and "least stress among the schedules with at most this makespan" for
+    `stress`.
     """
 
     makespan: float
@@ -54,7 +56,9 @@ class Result:
 
     @property
     def stress(self) -> float:
-        """The cell's measure of stress: the sum over tasks done by humans unless the cell says otherwise."""
+        """The cell's measure of stress: the sum over tasks done by humans unless the cell says
+        otherwise.
+        """
         return stress(self.cell, self.schedule)
 
     @property
@@ -110,9 +114,9 @@ class Front:
 
     @property
     def knee(self) -> Result:
-        """The recommended compromise: the point farthest below the straight line between the front's two ends,
-        both axes scaled to the front's own range (Das 1999). The quickest when the front has fewer than three points
-        or none lies below the line.
+        """The recommended compromise: the point farthest below the straight line between the
+        front's two ends, both axes scaled to the front's own range (Das 1999). The quickest when
+        the front has fewer than three points or none lies below the line.
         """
         return self.results[knee_index(self.points)]
 
@@ -138,7 +142,13 @@ class Front:
         import pandas
 
         rows = [
-            {"makespan": r.makespan, "stress": r.stress, "status": str(r.status), "bound_makespan": r.bound.makespan, "bound_stress": r.bound.stress}
+            {
+                "makespan": r.makespan,
+                "stress": r.stress,
+                "status": str(r.status),
+                "bound_makespan": r.bound.makespan,
+                "bound_stress": r.bound.stress,
+            }
             for r in self.results
         ]
         return pandas.DataFrame(rows)

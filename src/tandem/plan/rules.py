@@ -1,4 +1,6 @@
-"""Dispatch rules: a schedule in milliseconds, without a promise. The best of them is what every other method begins with."""
+"""Dispatch rules: a schedule in milliseconds, without a promise. The best of them is what every
+other method begins with.
+"""
 
 from __future__ import annotations
 
@@ -33,10 +35,12 @@ class Rule:
       build: the order of building: along the clock, down a list, or by score.
       priority: per task, least first.
       time, stress: what a step's end (ticks) and its stress (units) weigh when the step is chosen.
-      prices: what a step's ticks weigh besides, each operator's time at its price (`bounds.load_prices`): work goes to whom it suits, so that
-        a task rather waits for that operator than keeps another one busy for long.
+      prices: what a step's ticks weigh besides, each operator's time at its price
+        (`bounds.load_prices`): work goes to whom it suits, so that a task rather waits for that
+        operator than keeps another one busy for long.
       sweeps: the weight of stress is varied, so that the rule gives several compromises.
-      samples: so many schedules are drawn, the priorities shaken by `temperature`; the first one is not shaken.
+      samples: so many schedules are drawn, the priorities shaken by `temperature`; the first one is
+        not shaken.
     """
 
     what: str
@@ -67,21 +71,32 @@ def _longest_tail(layout: Layout, _: Random) -> list[float]:
 
 
 def _upward_rank(layout: Layout, _: Random) -> list[float]:
-    """Minus the longest chain from each task to the end over mean times (Topcuoglu et al. 2002, IEEE TPDS 13(3), equation 4)."""
+    """Minus the longest chain from each task to the end over mean times (Topcuoglu et al. 2002,
+    IEEE TPDS 13(3), equation 4).
+    """
     rank = [0.0] * len(layout.steps)
     for task in reversed(layout.instance.order):
         mean = sum(step.ticks for step in layout.steps[task]) / len(layout.steps[task])
-        rank[task] = mean + max((rank[after] for after in layout.instance.behind[task]), default=0.0)
+        rank[task] = mean + max(
+            (rank[after] for after in layout.instance.behind[task]), default=0.0
+        )
     return [-r for r in rank]
 
 
 def latest_start(layout: Layout, _: Random) -> list[float]:
-    """The tick by which each task must have started if it and all behind it are to keep their deadlines; what has none counts from the horizon."""
+    """The tick by which each task must have started if it and all behind it are to keep their
+    deadlines; what has none counts from the horizon.
+    """
     instance = layout.instance
     latest = [float(instance.horizon)] * len(layout.steps)
     for task in reversed(instance.order):
         deadline = instance.deadline[task]
-        end = min([instance.horizon if deadline is None else deadline, *(latest[after] for after in instance.behind[task])])
+        end = min(
+            [
+                instance.horizon if deadline is None else deadline,
+                *(latest[after] for after in instance.behind[task]),
+            ]
+        )
         latest[task] = end - min(step.ticks for step in layout.steps[task])
     return latest
 
@@ -90,20 +105,49 @@ SPECS: dict[str, Rule] = {
     "random": Rule("tasks in random order", clockwise, _shuffled),
     "spt": Rule("shortest task first", clockwise, _shortest),
     "lpt": Rule("longest task first", clockwise, _longest),
-    "longest-tail": Rule("the task with the longest chain behind it first", clockwise, _longest_tail),
+    "longest-tail": Rule(
+        "the task with the longest chain behind it first", clockwise, _longest_tail
+    ),
     "earliest-completion": Rule("whatever can be finished first", by_score, _longest_tail),
     "heft": Rule("by upward rank over mean times (Topcuoglu et al. 2002)", by_rank, _upward_rank),
-    "least-stress": Rule("the way with the least stress, then the longest tail", clockwise, _longest_tail, time=1e-6, stress=1.0),
-    "balanced": Rule("longest tail, work to whom it suits at the price of each operator's time", clockwise, _longest_tail, prices=8.0),
-    "weighted": Rule("longest tail, stress weighed against time", clockwise, _longest_tail, stress=1.0, sweeps=True),
+    "least-stress": Rule(
+        "the way with the least stress, then the longest tail",
+        clockwise,
+        _longest_tail,
+        time=1e-6,
+        stress=1.0,
+    ),
+    "balanced": Rule(
+        "longest tail, work to whom it suits at the price of each operator's time",
+        clockwise,
+        _longest_tail,
+        prices=8.0,
+    ),
+    "weighted": Rule(
+        "longest tail, stress weighed against time",
+        clockwise,
+        _longest_tail,
+        stress=1.0,
+        sweeps=True,
+    ),
     "best-of-n": Rule(
-        "the best of 100 randomised schedules of the rule 'balanced'", clockwise, _longest_tail, prices=8.0, sweeps=True, samples=100, temperature=0.3
+        "the best of 100 randomised schedules of the rule 'balanced'",
+        clockwise,
+        _longest_tail,
+        prices=8.0,
+        sweeps=True,
+        samples=100,
+        temperature=0.3,
     ),
 }
-"""Every rule by its name. A new one is a line here: it is then a method of planning and decides live, too."""
+"""Every rule by its name. A new one is a line here: it is then a method of planning and decides
+live, too.
+"""
 
 SWEEP = (0.0, 0.03, 0.07, 0.12, 0.2, 0.3, 0.45, 0.65, 1.0, 1.5, 2.2, 3.3, 5.0, 10.0, 1e6)
-"""Weights of stress against time that a sweep tries, in the cell's own mean time per mean stress of a task."""
+"""Weights of stress against time that a sweep tries, in the cell's own mean time per mean stress of
+a task.
+"""
 
 REPAIRS = 60
 """So many further schedules are tried when those of the rule break a limit or a deadline."""
@@ -120,9 +164,10 @@ def build(
 ) -> State | None:
     """One schedule by the rule; None when it runs into a limit that leaves a task without a way.
 
-    `stress` overrides the rule's weight of stress (per unit, against a weight of 1 per tick), `temperature` how far priorities are shaken:
-    each is multiplied by a factor whose logarithm has this standard deviation.
-    `prices` are those of `load_prices`; given, they need not be reckoned again.
+    `stress` overrides the rule's weight of stress (per unit, against a weight of 1 per tick),
+    `temperature` how far priorities are shaken: each is multiplied by a factor whose logarithm has
+    this standard deviation. `prices` are those of `load_prices`; given, they need not be reckoned
+    again.
     """
     time, weight = (rule.time, rule.stress) if stress is None else (1.0, stress)
     priority = rule.priority(layout, random)
@@ -155,21 +200,28 @@ def method(
     hint: Schedule | None = None,
     on_solution: Callable[[Progress], None] | None = None,
 ) -> Front:
-    """Schedules by the rule of this name, as every planning method gives them; see `plan.question.Method`. Nothing is proven but simple bounds.
+    """Schedules by the rule of this name, as every planning method gives them; see
+    `plan.question.Method`. Nothing is proven but simple bounds.
 
-    Rules that know only time give one point. "weighted" and "best-of-n" vary the weight of stress and give every compromise met. Where limits or
-    deadlines are broken, schedules of least stress and by the latest start are tried before giving up. `workers` and `hint` play no part.
+    Rules that know only time give one point. "weighted" and "best-of-n" vary the weight of stress
+    and give every compromise met. Where limits or deadlines are broken, schedules of least stress
+    and by the latest start are tried before giving up. `workers` and `hint` play no part.
 
     Raises:
       NothingFoundError: no schedule was found that keeps the limits; whether there is one is open.
     """
     began = perf_counter()
     layout = Layout.of(Instance.of(cell))
-    bound = Bound(layout.instance.seconds(least_makespan(layout)), layout.instance.stress(least_stress(layout) or 0))
+    bound = Bound(
+        layout.instance.seconds(least_makespan(layout)),
+        layout.instance.stress(least_stress(layout) or 0),
+    )
     keeper = Keeper(Door(cell, layout.instance, question), bound)
     interrupted = False
     try:
-        for state in attempts(layout, SPECS[name], Random(seed), question, lambda: bool(keeper.found)):
+        for state in attempts(
+            layout, SPECS[name], Random(seed), question, lambda: bool(keeper.found)
+        ):
             if state is not None and keeper.offer(state.starts()) and on_solution is not None:
                 on_solution(Progress(keeper.results(), bound.makespan, perf_counter() - began))
             if time_limit is not None and perf_counter() - began > time_limit:
@@ -177,8 +229,21 @@ def method(
     except KeyboardInterrupt:
         interrupted = True
     if not keeper.found:
-        raise NothingFoundError(f"{name}: no schedule that keeps {keeper.limits()} was found by this rule; another method may find one.")
-    return Front(cell, keeper.results(), False, name, name, seed, perf_counter() - began, interrupted, question)
+        raise NothingFoundError(
+            f"{name}: no schedule that keeps {keeper.limits()} was found by this rule; another"
+            " method may find one."
+        )
+    return Front(
+        cell,
+        keeper.results(),
+        False,
+        name,
+        name,
+        seed,
+        perf_counter() - began,
+        interrupted,
+        question,
+    )
 
 
 RULES: dict[str, Method] = {name: partial(method, name) for name in SPECS}
@@ -193,16 +258,25 @@ class Keeper:
         self.found: list[Result] = []
 
     def offer(self, starts: Sequence[tuple[int, int]]) -> bool:
-        """Takes the schedule when it is sound, within the limits and better than what is there; says whether it did."""
+        """Takes the schedule when it is sound, within the limits and better than what is there;
+        says whether it did.
+        """
         admitted = self.door.admit(starts)
         if admitted is None:
             return False
         result = Result(self.door.cell, admitted.schedule, Status.FEASIBLE, self.bound)
         point = self._rank(result)
         if self.question.minimize == "front":
-            if any(other.makespan <= result.makespan and other.stress <= result.stress for other in self.found):
+            if any(
+                other.makespan <= result.makespan and other.stress <= result.stress
+                for other in self.found
+            ):
                 return False
-            self.found = [other for other in self.found if other.makespan < result.makespan or other.stress < result.stress]
+            self.found = [
+                other
+                for other in self.found
+                if other.makespan < result.makespan or other.stress < result.stress
+            ]
         else:
             if any(self._rank(other) <= point for other in self.found):
                 return False
@@ -222,11 +296,19 @@ class Keeper:
         if self.question.minimize == "weighted":
             time, stress = self.question.weights
             return (time * result.makespan + stress * result.stress, result.makespan)
-        return (result.stress, result.makespan) if self.question.minimize == "stress" else (result.makespan, result.stress)
+        return (
+            (result.stress, result.makespan)
+            if self.question.minimize == "stress"
+            else (result.makespan, result.stress)
+        )
 
 
-def attempts(layout: Layout, rule: Rule, random: Random, question: Question, enough: Callable[[], bool]) -> Iterator[State | None]:
-    """Schedules by the rule, then repairs until it is enough. None stands for an attempt that ran into a limit."""
+def attempts(
+    layout: Layout, rule: Rule, random: Random, question: Question, enough: Callable[[], bool]
+) -> Iterator[State | None]:
+    """Schedules by the rule, then repairs until it is enough. None stands for an attempt that ran
+    into a limit.
+    """
     if layout.impossible():
         return
     if layout.instance.stress_of_set is not None:
@@ -235,22 +317,49 @@ def attempts(layout: Layout, rule: Rule, random: Random, question: Question, eno
     prices = load_prices(layout)[1]
     for sample in range(rule.samples):
         for weight in _weights(layout, rule, question, sample, random):
-            yield build(layout, rule, random, stress=weight, temperature=rule.temperature if sample else 0.0, prices=prices)
+            yield build(
+                layout,
+                rule,
+                random,
+                stress=weight,
+                temperature=rule.temperature if sample else 0.0,
+                prices=prices,
+            )
     for attempt in range(REPAIRS):
         if enough():
             return
-        repair = Rule("a repair", by_rank if attempt % 3 == 2 else clockwise, latest_start if attempt % 2 else _longest_tail)
-        yield build(layout, repair, random, stress=SWEEP[-1 - attempt // 2 % len(SWEEP)] * _exchange(layout), temperature=0.02 * attempt)
+        repair = Rule(
+            "a repair",
+            by_rank if attempt % 3 == 2 else clockwise,
+            latest_start if attempt % 2 else _longest_tail,
+        )
+        yield build(
+            layout,
+            repair,
+            random,
+            stress=SWEEP[-1 - attempt // 2 % len(SWEEP)] * _exchange(layout),
+            temperature=0.02 * attempt,
+        )
 
 
-def _weights(layout: Layout, rule: Rule, question: Question, sample: int, random: Random) -> Sequence[float | None]:
-    """The weights of stress to build with: one drawn for a further sample, all for a rule that sweeps, the rule's own otherwise."""
+def _weights(
+    layout: Layout, rule: Rule, question: Question, sample: int, random: Random
+) -> Sequence[float | None]:
+    """The weights of stress to build with: one drawn for a further sample, all for a rule that
+    sweeps, the rule's own otherwise.
+    """
     if not rule.sweeps:
         return (None,)
     if question.minimize == "makespan" and question.max_stress is None:
         own: tuple[float, ...] = (0.0,)
     elif question.minimize == "weighted" and question.weights[0]:
-        own = (question.weights[1] / question.weights[0] * layout.instance.per_second / layout.instance.per_stress, 0.0)
+        own = (
+            question.weights[1]
+            / question.weights[0]
+            * layout.instance.per_second
+            / layout.instance.per_stress,
+            0.0,
+        )
     else:
         own = ()
     if sample:
@@ -266,7 +375,9 @@ def _exchange(layout: Layout) -> float:
 
 
 def _by_listed_sets(layout: Layout, rule: Rule, random: Random) -> Iterator[State | None]:
-    """Schedules for the sets of human tasks that `stress_of_set` lists, least stress first; at most a few hundred sets."""
+    """Schedules for the sets of human tasks that `stress_of_set` lists, least stress first; at most
+    a few hundred sets.
+    """
     table = layout.instance.stress_of_set or {}
     for tasks in islice(sorted(table, key=lambda tasks: (table[tasks], sorted(tasks))), 400):
         narrow = layout.with_humans_at(tasks)

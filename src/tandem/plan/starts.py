@@ -1,4 +1,6 @@
-"""Schedules in whole numbers: what can be said of one, and how one is made from an order or from who does what."""
+"""Schedules in whole numbers: what can be said of one, and how one is made from an order or from
+who does what.
+"""
 
 from __future__ import annotations
 
@@ -15,12 +17,16 @@ Starts = tuple[tuple[int, int], ...]
 
 
 def measures(instance: Instance, starts: Starts) -> tuple[int, int]:
-    """(makespan in ticks, stress in units) of a schedule; a set that `stress_of_set` does not list counts as unbearable."""
+    """(makespan in ticks, stress in units) of a schedule; a set that `stress_of_set` does not list
+    counts as unbearable.
+    """
     ways = [instance.ways[task][way] for task, (way, _) in enumerate(starts)]
     makespan = max(start + way.ticks for way, (_, start) in zip(ways, starts, strict=True))
     if instance.stress_of_set is None:
         return makespan, sum(way.stress for way in ways)
-    tasks = frozenset(task for task, way in enumerate(ways) if any(instance.human[o] for o in way.operators))
+    tasks = frozenset(
+        task for task, way in enumerate(ways) if any(instance.human[o] for o in way.operators)
+    )
     return makespan, instance.stress_of_set.get(tasks, 1 << 60)
 
 
@@ -33,7 +39,9 @@ def keeps_deadlines(instance: Instance, starts: Starts) -> bool:
 
 
 def append(layout: Layout, order: Sequence[int], ways: Sequence[int]) -> Starts | None:
-    """The tasks appended in this order in these ways, or equal ones of less stress; None when a way is none that can be part of a schedule."""
+    """The tasks appended in this order in these ways, or equal ones of less stress; None when a way
+    is none that can be part of a schedule.
+    """
     steps = [_step(layout, task, way) for task, way in enumerate(ways)]
     if any(step is None for step in steps):
         return None
@@ -41,7 +49,9 @@ def append(layout: Layout, order: Sequence[int], ways: Sequence[int]) -> Starts 
 
 
 def list_schedule(layout: Layout, ways: Sequence[int]) -> Starts | None:
-    """The list schedule by longest tail in which every task is done in the way given; None when limits or deadlines are broken."""
+    """The list schedule by longest tail in which every task is done in the way given; None when
+    limits or deadlines are broken.
+    """
     steps = [_step(layout, task, way) for task, way in enumerate(ways)]
     if any(step is None for step in steps):
         return None
@@ -53,4 +63,11 @@ def list_schedule(layout: Layout, ways: Sequence[int]) -> Starts | None:
 
 def _step(layout: Layout, task: int, way: int) -> Step | None:
     wanted = layout.instance.ways[task][way]
-    return next((step for step in layout.steps[task] if step.operators == wanted.operators and step.ticks == wanted.ticks), None)
+    return next(
+        (
+            step
+            for step in layout.steps[task]
+            if step.operators == wanted.operators and step.ticks == wanted.ticks
+        ),
+        None,
+    )

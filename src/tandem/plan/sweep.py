@@ -1,25 +1,28 @@
-"""How a front is worked through: which question is asked next, by whom and for how long, until every
-gap is closed or time is up.
+"""How a front is worked through: which question is asked next, by whom and for how long, until
+every gap is closed or time is up.
 
-Every question is one to the whole cell within the limits of what the user asked, and its bound is true
-of the cell whether or not the question was answered to the end. What a bound says about the points:
+Every question is one to the whole cell within the limits of what the user asked, and its bound is
+true of the cell whether or not the question was answered to the end. What a bound says about the
+points:
 
-- "The least makespan among schedules of at most `cap` stress" (the epsilon constraint; Haimes, Lasdon,
-  Wismer 1971, IEEE Transactions on Systems, Man, and Cybernetics 1(3), 296-297). A bound of `b` ticks:
-  no schedule of at most `cap` stress ends before `b`. It bounds the makespan of each point of at most
-  `cap` stress, and of no other; the point that ends at `b` is the quickest for its stress.
-- "The least stress among schedules that end by `latest`". A bound of `u` units: whatever has less than
-  `u` stress ends after `latest`. It bounds the stress of each point that ends by `latest`, and of no
-  other.
+- "The least makespan among schedules of at most `cap` stress" (the epsilon constraint; Haimes,
+  Lasdon, Wismer 1971, IEEE Transactions on Systems, Man, and Cybernetics 1(3), 296-297). A bound of
+  `b` ticks: no schedule of at most `cap` stress ends before `b`. It bounds the makespan of each
+  point of at most `cap` stress, and of no other; the point that ends at `b` is the quickest for its
+  stress.
+- "The least stress among schedules that end by `latest`". A bound of `u` units: whatever has less
+  than `u` stress ends after `latest`. It bounds the stress of each point that ends by `latest`, and
+  of no other.
 
 Both are facts of the `Archive`, and what a point is proven to be is read from all facts together.
 
-Time is spent in rounds. A round asks about every gap that is open, where most is uncertain first, with
-the same small work for each question; so what is cheap to prove is proven first, and all of the front
-is seen early. A question that is proven leads to the gap behind its point in the same round; one that
-is not rests until the next, which allows `GROWTH` times the work. Each worker has a question of its
-own; when there are fewer questions than workers, the others go at the same ones in another way. So
-nobody is idle while anything is open. With one worker nothing depends on the clock, and a run repeats.
+Time is spent in rounds. A round asks about every gap that is open, where most is uncertain first,
+with the same small work for each question; so what is cheap to prove is proven first, and all of
+the front is seen early. A question that is proven leads to the gap behind its point in the same
+round; one that is not rests until the next, which allows `GROWTH` times the work. Each worker has a
+question of its own; when there are fewer questions than workers, the others go at the same ones in
+another way. So nobody is idle while anything is open. With one worker nothing depends on the clock,
+and a run repeats.
 """
 
 from __future__ import annotations
@@ -35,13 +38,19 @@ from tandem.plan.portfolio import Effort, Goal, Inbox, Race, hear
 FIRST_WORK = 0.25
 """CP-SAT's deterministic seconds for each question of the first round."""
 GROWTH = 3
-"""So many times the work of the round before: what was spent in vain in all earlier rounds is at most half of the work of this one."""
+"""So many times the work of the round before: what was spent in vain in all earlier rounds is at
+most half of the work of this one.
+"""
 PARTS = 8
-"""The first round enters a front at the levels of stress that part it into so many equal parts, so that all of it is seen."""
+"""The first round enters a front at the levels of stress that part it into so many equal parts, so
+that all of it is seen.
+"""
 
 
 class Sweep:
-    """Works on the gaps of an archive. `effort` says until when, with how many workers, from which seed, and to whom schedules are offered."""
+    """Works on the gaps of an archive. `effort` says until when, with how many workers, from which
+    seed, and to whom schedules are offered.
+    """
 
     def __init__(self, archive: Archive, door: Door, effort: Effort) -> None:
         self.archive, self.door, self.effort = archive, door, effort
@@ -55,7 +64,9 @@ class Sweep:
         self.inbox: Inbox = SimpleQueue()
 
     def run(self) -> None:
-        """Until nothing is open, time is up, or `effort.offer` raises; what was proven by then is in the archive."""
+        """Until nothing is open, time is up, or `effort.offer` raises; what was proven by then is
+        in the archive.
+        """
         try:
             while self._deal() or self.running:
                 hear(self.inbox, 0.05)
@@ -85,7 +96,9 @@ class Sweep:
         return self.effort.left() <= 0 or bool(self.door.refused)
 
     def _next(self) -> Goal | None:
-        """The next question of the round, or of the next round; one that is being worked on when there is no other; None when all is closed."""
+        """The next question of the round, or of the next round; one that is being worked on when
+        there is no other; None when all is closed.
+        """
         waiting = self._waiting()
         if not waiting:
             self._begin_round()
@@ -102,9 +115,13 @@ class Sweep:
         return [goal for goal in self.agenda if goal not in self.running.values()]
 
     def _begin_round(self) -> None:
-        """Puts a question to every open gap that nobody is working on; it is a new round only if there is one."""
+        """Puts a question to every open gap that nobody is working on; it is a new round only if
+        there is one.
+        """
         self.levels = self._spread_levels()
-        questions = [goal for gap in self.archive.gaps for goal in self._questions(gap, self.round + 1)]
+        questions = [
+            goal for gap in self.archive.gaps for goal in self._questions(gap, self.round + 1)
+        ]
         fresh = [goal for goal in questions if goal not in self.running.values()]
         if fresh:
             self.round += 1
@@ -118,8 +135,8 @@ class Sweep:
         return sorted({low + (high - low) * part // PARTS for part in range(1, PARTS)})
 
     def _questions(self, gap: Gap, round_: int) -> list[Goal]:
-        """How the gap is entered: at the levels that it spans, and from the second round on, or if it
-        spans none, from its quick end; the last one is asked for the least stress.
+        """How the gap is entered: at the levels that it spans, and from the second round on, or if
+        it spans none, from its quick end; the last one is asked for the least stress.
         """
         if gap.end == self._after_limit and self.archive.found:
             return [self._gentlest(self.limits.max_makespan)]
@@ -146,7 +163,10 @@ class Sweep:
 
     def _is_open(self, goal: Goal) -> bool:
         """Whether the best schedule kept is not yet known to be best for this goal."""
-        best = min((goal.value(*point) for point in self.archive.points if goal.allows(*point)), default=inf)
+        best = min(
+            (goal.value(*point) for point in self.archive.points if goal.allows(*point)),
+            default=inf,
+        )
         return self._known(goal) < best
 
     def _known(self, goal: Goal) -> float:
@@ -154,11 +174,13 @@ class Sweep:
         if goal.time:
             floor = self.archive.least_makespan(inf if goal.max_stress is None else goal.max_stress)
             return inf if floor >= self._after_limit else floor
-        return self.archive.least_stress_within(inf if goal.max_makespan is None else goal.max_makespan)
+        return self.archive.least_stress_within(
+            inf if goal.max_makespan is None else goal.max_makespan
+        )
 
     def _area(self, goal: Goal) -> float:
-        """How much the answer may settle: of the gap that the question is about, open makespan times the
-        stress on the lesser side of where it is entered. The front's two ends come first.
+        """How much the answer may settle: of the gap that the question is about, open makespan
+        times the stress on the lesser side of where it is entered. The front's two ends come first.
         """
         if goal.time and goal.max_stress == self.limits.max_stress:
             return inf
@@ -167,7 +189,9 @@ class Sweep:
             return inf
         entry = gap.cap if goal.max_stress is None or goal.stress else goal.max_stress
         width = entry - gap.low + 1
-        return (gap.end - self.archive.least_makespan(entry)) * (width if entry == gap.cap else min(width, gap.cap - entry))
+        return (gap.end - self.archive.least_makespan(entry)) * (
+            width if entry == gap.cap else min(width, gap.cap - entry)
+        )
 
     def _is_about(self, goal: Goal, gap: Gap) -> bool:
         """Whether the gap is entered by the question, or lies behind the point that it is about."""
@@ -176,12 +200,16 @@ class Sweep:
         return goal.max_makespan is not None and gap.end > goal.max_makespan
 
     def _least_worked_on(self) -> Goal | None:
-        """Of the questions that are being worked on and still open the one that has the fewest workers."""
+        """Of the questions that are being worked on and still open the one that has the fewest
+        workers.
+        """
         goals = [goal for goal in self.running.values() if self._is_open(goal)]
         return min(goals, key=goals.count, default=None)
 
     def _ask(self, goal: Goal) -> None:
-        """Sets one worker to the question, from the best schedule and the best bound known; no two go at the same one in the same way."""
+        """Sets one worker to the question, from the best schedule and the best bound known; no two
+        go at the same one in the same way.
+        """
         company = list(self.running.values()).count(goal)
         effort = replace(
             self.effort,
@@ -194,12 +222,16 @@ class Sweep:
         self.asked += 1
         self.tried.add(goal)
         layout, known = self.archive.layout, self._known(goal)
-        race = Race(self.door, layout, goal, effort, self.archive.best(goal), int(known), self.inbox)
+        race = Race(
+            self.door, layout, goal, effort, self.archive.best(goal), int(known), self.inbox
+        )
         self.running[race] = goal
         race.start()
 
     def _share(self) -> None:
-        """Each race learns what the others found and proved; a lone one has nobody to learn from."""
+        """Each race learns what the others found and proved; a lone one has nobody to learn
+        from.
+        """
         if len(self.running) < 2:
             return
         for race, goal in self.running.items():
@@ -215,7 +247,9 @@ class Sweep:
                 race.raise_bound(int(known))
 
     def _collect(self) -> None:
-        """Ends the races that are over, and puts the questions that their proofs lead to on the agenda."""
+        """Ends the races that are over, and puts the questions that their proofs lead to on the
+        agenda.
+        """
         for race, goal in list(self.running.items()):
             if race.over:
                 race.stop()
@@ -230,15 +264,21 @@ class Sweep:
         answer = race.answer
         none = answer.proven and answer.starts is None
         if goal.time:
-            self.archive.learn(inf if goal.max_stress is None else goal.max_stress, inf if none else answer.bound)
+            self.archive.learn(
+                inf if goal.max_stress is None else goal.max_stress, inf if none else answer.bound
+            )
         else:
-            latest = inf if goal.max_makespan == self.limits.max_makespan else (goal.max_makespan or 0) + 1
+            latest = (
+                inf
+                if goal.max_makespan == self.limits.max_makespan
+                else (goal.max_makespan or 0) + 1
+            )
             cap = inf if goal.max_stress is None else goal.max_stress
             self.archive.learn(cap if none else answer.bound - 1, latest)
 
     def _follow(self, race: Race, goal: Goal) -> None:
-        """Goes on along the front in the same round: from a proven point first to the least stress at
-        its makespan, then to the gap behind it.
+        """Goes on along the front in the same round: from a proven point first to the least stress
+        at its makespan, then to the gap behind it.
         """
         answer = race.answer
         is_at_the_end = goal.stress and goal.max_makespan == self.limits.max_makespan
@@ -256,4 +296,6 @@ class Sweep:
 
     def _note(self, goals: list[Goal]) -> None:
         """Puts on the agenda what has not been asked in this round."""
-        self.agenda += [goal for goal in goals if goal not in self.tried and goal not in self.agenda]
+        self.agenda += [
+            goal for goal in goals if goal not in self.tried and goal not in self.agenda
+        ]

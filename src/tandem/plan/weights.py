@@ -1,4 +1,5 @@
-"""Weights of time and stress in whole numbers, as small as they can be without changing what is better.
+"""Weights of time and stress in whole numbers, as small as they can be without changing what is
+better.
 
 A weighted sum is only ever used to compare schedules. So weights may be exchanged for others that
 put every two schedules in the same order, and for long decimals that must be done: CP-SAT counts in
@@ -14,11 +15,15 @@ from tandem.plan.question import Question
 from tandem.schedule.measures import exact
 
 MOST_COUNTED = 1 << 52
-"""Up to here CP-SAT counts, and says what it counted, exactly: whole numbers in a float64 have 53 bits."""
+"""Up to here CP-SAT counts, and says what it counted, exactly: whole numbers in a float64 have 53
+bits.
+"""
 
 
 def whole(question: Question, instance: Instance) -> tuple[int, int]:
-    """The question's weights of a tick and of a unit of stress as the smallest whole numbers of the same ratio; nothing is rounded."""
+    """The question's weights of a tick and of a unit of stress as the smallest whole numbers of the
+    same ratio; nothing is rounded.
+    """
     time, stress = (Fraction(exact(weight)) for weight in question.weights)
     if not time or not stress:
         return int(time > 0), int(stress > 0)
@@ -27,11 +32,13 @@ def whole(question: Question, instance: Instance) -> tuple[int, int]:
 
 
 def simplest(time: int, stress: int, most_ticks: int, most_units: int) -> tuple[int, int]:
-    """Weights no larger than need be that order all schedules as these do, if schedules differ by at most so many ticks and units.
+    """Weights no larger than need be that order all schedules as these do, if schedules differ by
+    at most so many ticks and units.
 
-    Two schedules are in another order only when a fraction units/ticks lies between the old ratio of the weights and the new one. The
-    Stern-Brocot tree is walked towards the ratio until what lies between no longer has such a fraction in it (Graham, Knuth, Patashnik
-    1994, Concrete Mathematics, section 4.5); steps in one direction are taken at once.
+    Two schedules are in another order only when a fraction units/ticks lies between the old ratio
+    of the weights and the new one. The Stern-Brocot tree is walked towards the ratio until what
+    lies between no longer has such a fraction in it (Graham, Knuth, Patashnik 1994, Concrete
+    Mathematics, section 4.5); steps in one direction are taken at once.
 
     Args:
       time, stress: weights of a tick and of a unit, both more than 0.
@@ -53,8 +60,12 @@ def simplest(time: int, stress: int, most_ticks: int, most_units: int) -> tuple[
                 return reached
 
 
-def _towards(here: tuple[int, int], there: tuple[int, int], steps: int, most_units: int, most_ticks: int) -> tuple[int, int]:
-    """The fraction after so many mediants towards another one, or as many as keep it within the limits."""
+def _towards(
+    here: tuple[int, int], there: tuple[int, int], steps: int, most_units: int, most_ticks: int
+) -> tuple[int, int]:
+    """The fraction after so many mediants towards another one, or as many as keep it within the
+    limits.
+    """
     if there[0]:
         steps = min(steps, (most_units - here[0]) // there[0])
     if there[1]:

@@ -5,4 +5,12 @@ from tandem.report.html import write_html
 from tandem.report.progress import SolveProgress
 from tandem.report.terminal import FrontView, GanttText, front_table
 
-__all__ = ["FrontView", "GanttText", "SolveProgress", "front_table", "ready_to_write", "write", "write_html"]
+__all__ = [
+    "FrontView",
+    "GanttText",
+    "SolveProgress",
+    "front_table",
+    "ready_to_write",
+    "write",
+    "write_html",
+]

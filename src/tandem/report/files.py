@@ -27,12 +27,21 @@ COLUMNS = (
 )  # fmt: skip
 
 
-def write(front: Front, path: str | os.PathLike[str], *, command: str = "", date: str = "", language: str = "en") -> Path:
+def write(
+    front: Front,
+    path: str | os.PathLike[str],
+    *,
+    command: str = "",
+    date: str = "",
+    language: str = "en",
+) -> Path:
     """Writes the front and returns where.
 
-    `.json` is the result document, `.csv` has one row for each task of each point, `.svg`, `.png` and `.pdf` show the front above the knee's
-    Gantt chart, `.html` is the report, `.md` the same for wikis, `.xlsx` a workbook that `tandem import` reads too, `.xml` the knee's plan for
-    MS Project. `command` and `date` are for the reports, `language` for them and the pictures; `.json` and `.csv` are the same in every language.
+    `.json` is the result document, `.csv` has one row for each task of each point, `.svg`, `.png`
+    and `.pdf` show the front above the knee's Gantt chart, `.html` is the report, `.md` the same
+    for wikis, `.xlsx` a workbook that `tandem import` reads too, `.xml` the knee's plan for MS
+    Project. `command` and `date` are for the reports, `language` for them and the pictures; `.json`
+    and `.csv` are the same in every language.
 
     Raises:
       UsageError: the name has none of these endings.
@@ -53,7 +62,8 @@ def write(front: Front, path: str | os.PathLike[str], *, command: str = "", date
 def ready_to_write(paths: Iterable[str | os.PathLike[str]]) -> None:
     """Asks, before a long search begins, whether `write` can write files of these names.
 
-    Raises UsageError with everything that is wrong: an ending that says nothing, a folder that is missing or closed, a folder in place of a file.
+    Raises UsageError with everything that is wrong: an ending that says nothing, a folder that is
+    missing or closed, a folder in place of a file.
     """
     if wrong := [fault for path in paths if (fault := _not_ready(Path(path)))]:
         raise UsageError("\n".join(wrong))
@@ -64,7 +74,11 @@ def _not_ready(path: Path) -> str:
     if ending not in ENDINGS:
         near = difflib.get_close_matches(ending, ENDINGS, n=1, cutoff=0.5)
         hint = f" Did you mean {near[0]}?" if near else ""
-        return f"{path}: cannot tell what to write from {repr(ending) if ending else 'a name without an ending'}; use {', '.join(ENDINGS)}.{hint}"
+        return (
+            f"{path}: cannot tell what to write from"
+            f" {repr(ending) if ending else 'a name without an ending'}; use"
+            f" {', '.join(ENDINGS)}.{hint}"
+        )
     if path.is_dir():
         return f"{path}: is a folder; name a file."
     if not folder.is_dir():
@@ -82,7 +96,8 @@ def to_json(front: Front) -> str:
 def to_csv(front: Front) -> str:
     """One row for each task of each point, times in seconds, decimals with a point.
 
-    A name that a spreadsheet would take for a formula gets an apostrophe in front, as spreadsheets themselves write it.
+    A name that a spreadsheet would take for a formula gets an apostrophe in front, as spreadsheets
+    themselves write it.
     """
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\r\n")
@@ -96,17 +111,36 @@ def _rows(front: Front) -> Iterator[list[str]]:
     for place, result in enumerate(front, 1):
         path = {link.assignment.task for link in critical_path(front.cell, result.schedule)}
         slacks = slack(front.cell, result.schedule)
-        point = [str(place), number(result.makespan), number(result.stress), str(result.status), number(result.bound.makespan)]
+        point = [
+            str(place),
+            number(result.makespan),
+            number(result.stress),
+            str(result.status),
+            number(result.bound.makespan),
+        ]
         point += [number(result.bound.stress), "yes" if result is knee else "no"]
         for a in result.schedule:
             mode = mode_of(front.cell, a)
             load = number(sum(mode.stress.values())) if mode else ""
-            names = [_harmless(name) for name in (a.task, task_label(front.cell, a.task), " + ".join(a.operators))]
-            yield [*point, *names, number(a.start), number(a.end), load, number(slacks[a.task]), "yes" if a.task in path else "no"]
+            names = [
+                _harmless(name)
+                for name in (a.task, task_label(front.cell, a.task), " + ".join(a.operators))
+            ]
+            yield [
+                *point,
+                *names,
+                number(a.start),
+                number(a.end),
+                load,
+                number(slacks[a.task]),
+                "yes" if a.task in path else "no",
+            ]
 
 
 def _harmless(name: str) -> str:
-    risky = name[:1] in "=+@\t\r" or (name[:1] == "-" and not name[1:].replace(".", "", 1).isdecimal())
+    risky = name[:1] in "=+@\t\r" or (
+        name[:1] == "-" and not name[1:].replace(".", "", 1).isdecimal()
+    )
     return "'" + name if risky else name
 
 
@@ -116,7 +150,8 @@ def _write_json(front: Front, path: str | os.PathLike[str], _: str) -> None:
 
 def _write_csv(front: Front, path: str | os.PathLike[str], _: str) -> None:
     text = to_csv(front)
-    # Excel takes a CSV file for the local 8-bit encoding unless it begins with this mark; plain ASCII does without.
+    # Excel takes a CSV file for the local 8-bit encoding unless it begins with this mark; plain
+    # ASCII does without.
     store(path, text if text.isascii() else text.encode("utf-8-sig"))
 
 
@@ -153,5 +188,9 @@ def _markdown(front: Front, command: str, date: str, language: str) -> str:
     return markdown(front, command=command, date=date, language=language)
 
 
-REPORTS: dict[str, Callable[[Front, str, str, str], str | bytes]] = {".xlsx": _workbook, ".xml": _project, ".md": _markdown}
+REPORTS: dict[str, Callable[[Front, str, str, str], str | bytes]] = {
+    ".xlsx": _workbook,
+    ".xml": _project,
+    ".md": _markdown,
+}
 ENDINGS = (*WRITERS, ".html", *REPORTS)

@@ -1,4 +1,6 @@
-"""A front as one HTML file: it opens anywhere, without a network, prints on A4 and needs no script to be read."""
+"""A front as one HTML file: it opens anywhere, without a network, prints on A4 and needs no script
+to be read.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,13 @@ POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inli
 
 
 def write_html(
-    front: Front, path: str | os.PathLike[str], *, command: str = "", date: str = "", language: str = "en", players: Sequence[Player] = ()
+    front: Front,
+    path: str | os.PathLike[str],
+    *,
+    command: str = "",
+    date: str = "",
+    language: str = "en",
+    players: Sequence[Player] = (),
 ) -> Path:
     """Writes the report and returns where. The same arguments give the same bytes.
 
@@ -46,7 +54,14 @@ def write_html(
     return Path(path)
 
 
-def html(front: Front, *, command: str = "", date: str = "", language: str = "en", players: Sequence[Player] = ()) -> str:
+def html(
+    front: Front,
+    *,
+    command: str = "",
+    date: str = "",
+    language: str = "en",
+    players: Sequence[Player] = (),
+) -> str:
     """The report as text; see `write_html`."""
     t = words(language)
     name = front.cell.name or t("unnamed")
@@ -61,7 +76,11 @@ def html(front: Front, *, command: str = "", date: str = "", language: str = "en
     body = tag(
         "body",
         hatches(looks(front.cell)),
-        tag("header", tag("h1", t("title", name=name)), *(tag("p", sentence, class_="lead") for sentence in summary(front, t))),
+        tag(
+            "header",
+            tag("h1", t("title", name=name)),
+            *(tag("p", sentence, class_="lead") for sentence in summary(front, t)),
+        ),
         tag("main", *sections, _assumptions(front, t), _made(front, t, command, date)),
         tag("footer", tag("p", t("safety"), class_="note")),
         _data(front),
@@ -83,49 +102,107 @@ def html(front: Front, *, command: str = "", date: str = "", language: str = "en
 def summary(front: Front, t: Words) -> list[str]:
     """What a reader must know, in a few sentences."""
     cell = front.cell
-    people = [t.count(kind, len(names)) for kind, names in (("human", cell.humans), ("robot", cell.robots)) if names]
+    people = [
+        t.count(kind, len(names))
+        for kind, names in (("human", cell.humans), ("robot", cell.robots))
+        if names
+    ]
     operators = t("and", first=people[0], last=people[1]) if len(people) == 2 else people[0]
     first = t("summary.cell", tasks=t.count("task", len(cell.tasks)), operators=operators)
     asked = front.question
-    limits = [] if asked.max_makespan is None else [t("summary.limit.makespan", limit=t.seconds(asked.max_makespan))]
-    limits += [] if asked.max_stress is None else [t("summary.limit.stress", limit=t.number(asked.max_stress))]
+    limits = (
+        []
+        if asked.max_makespan is None
+        else [t("summary.limit.makespan", limit=t.seconds(asked.max_makespan))]
+    )
+    limits += (
+        []
+        if asked.max_stress is None
+        else [t("summary.limit.stress", limit=t.number(asked.max_stress))]
+    )
     first = " ".join([first, *limits])
     if not len(front):
         return [first, t("summary.none")]
     if len(front) == 1:
-        found = t("summary.one", makespan=t.seconds(front[0].makespan), stress=t.number(front[0].stress))
+        found = t(
+            "summary.one", makespan=t.seconds(front[0].makespan), stress=t.number(front[0].stress)
+        )
     else:
-        ends = {"first_makespan": t.seconds(front[0].makespan), "first_stress": t.number(front[0].stress)}
-        ends |= {"last_makespan": t.seconds(front[len(front) - 1].makespan), "last_stress": t.number(front[len(front) - 1].stress)}
+        ends = {
+            "first_makespan": t.seconds(front[0].makespan),
+            "first_stress": t.number(front[0].stress),
+        }
+        ends |= {
+            "last_makespan": t.seconds(front[len(front) - 1].makespan),
+            "last_stress": t.number(front[len(front) - 1].stress),
+        }
         found = t("summary.many", n=len(front), **ends) + " " + _advice(front, t)
-    proof = "proven" if front.complete else "answer" if all(r.status == Status.OPTIMAL for r in front) and len(front) == 1 else "open"
+    proof = (
+        "proven"
+        if front.complete
+        else "answer"
+        if all(r.status == Status.OPTIMAL for r in front) and len(front) == 1
+        else "open"
+    )
     sentences = [f"{first} {found}", t(f"summary.{proof}")]
     return [*sentences, t("summary.interrupted")] if front.interrupted else sentences
 
 
 def _advice(front: Front, t: Words) -> str:
     knee, quickest = front.knee, front[0]
-    values = {"n": front.results.index(knee) + 1, "makespan": t.seconds(knee.makespan), "stress": t.number(knee.stress)}
+    values = {
+        "n": front.results.index(knee) + 1,
+        "makespan": t.seconds(knee.makespan),
+        "stress": t.number(knee.stress),
+    }
     if knee is quickest:
         return t("summary.knee.first", **values)
     longer, spared = knee.makespan - quickest.makespan, quickest.stress - knee.stress
     part = t.share(spared / quickest.stress) if quickest.stress else "0 %"
-    return t("summary.knee", **values, longer=f"{t.seconds(longer)} ({t.share(longer / quickest.makespan)})", spared=f"{t.number(spared)} ({part})")
+    return t(
+        "summary.knee",
+        **values,
+        longer=f"{t.seconds(longer)} ({t.share(longer / quickest.makespan)})",
+        spared=f"{t.number(spared)} ({part})",
+    )
 
 
 def _trade_off(front: Front, t: Words, players: Sequence[Player]) -> Markup:
     if not len(front):
         return Markup("")
-    button = tag("button", t("front.all"), id="all", type="button", hidden=True, data_all=t("front.all"), data_single=t("front.single"))
+    button = tag(
+        "button",
+        t("front.all"),
+        id="all",
+        type="button",
+        hidden=True,
+        data_all=t("front.all"),
+        data_single=t("front.single"),
+    )
     hint = tag("p", t("front.hint"), " ", button, class_="screen") if len(front) > 1 else Markup("")
     legend = tag("p", t("front.legend"), class_="note")
-    return tag("section", tag("h2", t("front.title"), id="trade-off"), hint, front_chart(front, t, players), legend, plans(front, t))
+    return tag(
+        "section",
+        tag("h2", t("front.title"), id="trade-off"),
+        hint,
+        front_chart(front, t, players),
+        legend,
+        plans(front, t),
+    )
 
 
 def _plan(front: Front, place: int, t: Words) -> Markup:
     result = front[place]
-    values = {"n": place + 1, "makespan": t.seconds(result.makespan), "stress": t.number(result.stress)}
-    badge = [" ", tag("span", t("plan.recommended"), class_="badge")] if len(front) > 1 and result is front.knee else []
+    values = {
+        "n": place + 1,
+        "makespan": t.seconds(result.makespan),
+        "stress": t.number(result.stress),
+    }
+    badge = (
+        [" ", tag("span", t("plan.recommended"), class_="badge")]
+        if len(front) > 1 and result is front.knee
+        else []
+    )
     return tag(
         "section",
         tag("h2", t("plan.title", **values), *badge),
@@ -151,22 +228,44 @@ def _chain(result: Result) -> str:
 
 def _key(look: Look, cell: Cell) -> Markup:
     """An operator's fill, name and letters."""
-    box = tag("svg", tag("rect", width=30, height=20, fill=f"url(#{hatch_id(look, looks(cell))})"), width=30, height=20, aria_hidden="true")
+    box = tag(
+        "svg",
+        tag("rect", width=30, height=20, fill=f"url(#{hatch_id(look, looks(cell))})"),
+        width=30,
+        height=20,
+        aria_hidden="true",
+    )
     return tag("span", box, f"{look.letters}: {look.label}", class_="key")
 
 
 def _legend(cell: Cell, result: Result, t: Words) -> str:
     found = [t("plan.legend")]
     found += [t("plan.legend.joint")] if any(len(a.operators) > 1 for a in result.schedule) else []
-    found += [t("plan.legend.break")] if any(operator.breaks for operator in cell.operators.values()) else []
-    found += [t("plan.legend.changeover")] if any(tool.changeover for tool in cell.tools.values()) else []
+    found += (
+        [t("plan.legend.break")]
+        if any(operator.breaks for operator in cell.operators.values())
+        else []
+    )
+    found += (
+        [t("plan.legend.changeover")]
+        if any(tool.changeover for tool in cell.tools.values())
+        else []
+    )
     return " ".join(found)
 
 
 def _graph(cell: Cell, t: Words) -> Markup:
     notes = [tag("p", chain_words(cell, t)), tag("p", t("graph.legend"), class_="note")]
     keys = tag("p", *(_key(look, cell) for look in looks(cell).values()))
-    return tag("section", tag("h2", t("graph.title"), id="graph"), *notes[:1], graph(cell, t), keys, *notes[1:], class_="page")
+    return tag(
+        "section",
+        tag("h2", t("graph.title"), id="graph"),
+        *notes[:1],
+        graph(cell, t),
+        keys,
+        *notes[1:],
+        class_="page",
+    )
 
 
 def _tasks(front: Front, t: Words) -> Markup:
@@ -176,19 +275,45 @@ def _tasks(front: Front, t: Words) -> Markup:
 def _assumptions(front: Front, t: Words) -> Markup:
     """What was modelled and how far it is proven. Only what this cell has."""
     found = assumptions(front, t)
-    return tag("section", tag("h2", t("assume.title"), id="assumptions"), tag("ul", *(tag("li", sentence) for sentence in found)), class_="keep")
+    return tag(
+        "section",
+        tag("h2", t("assume.title"), id="assumptions"),
+        tag("ul", *(tag("li", sentence) for sentence in found)),
+        class_="keep",
+    )
 
 
 def _made(front: Front, t: Words, command: str, date: str) -> Markup:
-    listed = tag("dl", *(piece for key, value in made(front, t, command, date) for piece in (tag("dt", key), tag("dd", value))))
-    return tag("section", tag("h2", t("made.title"), id="made"), listed, tag("p", t("made.data"), class_="note"), class_="keep")
+    listed = tag(
+        "dl",
+        *(
+            piece
+            for key, value in made(front, t, command, date)
+            for piece in (tag("dt", key), tag("dd", value))
+        ),
+    )
+    return tag(
+        "section",
+        tag("h2", t("made.title"), id="made"),
+        listed,
+        tag("p", t("made.data"), class_="note"),
+        class_="keep",
+    )
 
 
 def _data(front: Front) -> Markup:
-    """The result document and the cell, so that every number of the page can be read by a program."""
+    """The result document and the cell, so that every number of the page can be read by a
+    program.
+    """
     document = {**front.to_dict(), "cell_file": front.cell.to_dict()}
     text = json.dumps(document, ensure_ascii=False, separators=(",", ":"))
-    for sign, safe in (("<", "\\u003c"), (">", "\\u003e"), ("&", "\\u0026"), ("\u2028", "\\u2028"), ("\u2029", "\\u2029")):
+    for sign, safe in (
+        ("<", "\\u003c"),
+        (">", "\\u003e"),
+        ("&", "\\u0026"),
+        ("\u2028", "\\u2028"),
+        ("\u2029", "\\u2029"),
+    ):
         text = text.replace(sign, safe)
     return tag("script", Markup(text), type="application/json", id="result")
 

@@ -1,7 +1,9 @@
-"""What one operator does, turn by turn: everything to wait for, with whom, and who must be told when it is done.
+"""What one operator does, turn by turn: everything to wait for, with whom, and who must be told
+when it is done.
 
-A sheet holds on paper too, where nobody is on the planned second: it names every condition of a turn, not only the one that
-binds in the plan. What the operator did before is implied, because the turns are done in the order of the sheet.
+A sheet holds on paper too, where nobody is on the planned second: it names every condition of a
+turn, not only the one that binds in the plan. What the operator did before is implied, because the
+turns are done in the order of the sheet.
 """
 
 from __future__ import annotations
@@ -25,10 +27,12 @@ class Turn:
     Attributes:
       number: counted from 1.
       task, does: its name; name and label.
-      part, tool, zone: empty when there is none. A tool that must be taken up first says so, with the seconds that it takes.
+      part, tool, zone: empty when there is none. A tool that must be taken up first says so, with
+        the seconds that it takes.
       together_with: who takes part too.
       wait: everything that must be so before it begins, each a short sentence.
-      hands_to: whom to tell when it is done, each a short sentence: who waits for the task, or for its tool or zone.
+      hands_to: whom to tell when it is done, each a short sentence: who waits for the task, or for
+        its tool or zone.
       start, end: seconds since the start of the assembly.
       deadline: the latest end in seconds; None when there is none.
     """
@@ -54,14 +58,26 @@ def turns(cell: Cell, schedule: Schedule, operator: str, t: Words) -> tuple[Turn
 
 
 def rules(cell: Cell, operator: str, t: Words) -> tuple[str, ...]:
-    """How to read the operator's sheet, and when the operator has a break; sentences that stand above the turns."""
-    off = [t("steps.span", start=t.number(start), end=t.number(end)) for start, end in cell.operators[operator].breaks]
-    return (t(f"steps.rule.{cell.operators[operator].kind}"), *([t("steps.breaks", breaks=", ".join(off))] if off else []))
+    """How to read the operator's sheet, and when the operator has a break; sentences that stand
+    above the turns.
+    """
+    off = [
+        t("steps.span", start=t.number(start), end=t.number(end))
+        for start, end in cell.operators[operator].breaks
+    ]
+    return (
+        t(f"steps.rule.{cell.operators[operator].kind}"),
+        *([t("steps.breaks", breaks=", ".join(off))] if off else []),
+    )
 
 
 def times(found: tuple[Turn, ...]) -> tuple[str, ...]:
     """The fields of a turn that hold seconds, without those that no turn of the sheet has."""
-    return ("start", "end", "deadline") if any(turn.deadline is not None for turn in found) else ("start", "end")
+    return (
+        ("start", "end", "deadline")
+        if any(turn.deadline is not None for turn in found)
+        else ("start", "end")
+    )
 
 
 class _Sheet:
@@ -72,7 +88,11 @@ class _Sheet:
         self.rows = {a.task: a for a in schedule}
         self.own = schedule.of(operator)
         self.hand_overs = hand_overs(cell, schedule)
-        self.take_up = {change.task: change for change in changeovers(cell, schedule) if change.operator == operator}
+        self.take_up = {
+            change.task: change
+            for change in changeovers(cell, schedule)
+            if change.operator == operator
+        }
 
     def turn(self, number: int) -> Turn:
         a = self.own[number - 1]
@@ -93,7 +113,9 @@ class _Sheet:
         )
 
     def _conditions(self, number: int) -> Iterator[str]:
-        """All that must be so before a turn begins, or the one sentence that nothing else need be waited for."""
+        """All that must be so before a turn begins, or the one sentence that nothing else need be
+        waited for.
+        """
         a, before = self.own[number - 1], self.own[: number - 1]
         found = [
             *self._predecessors(a, {row.task for row in before}),
@@ -107,19 +129,31 @@ class _Sheet:
     def _predecessors(self, a: Assignment, own: set[str]) -> Iterator[str]:
         for name in self.cell.tasks[a.task].after:
             if name not in own:
-                yield self.t(f"steps.wait.task.{self._sign(name)}", task=named(self.cell, name), who=self._names(name))
+                yield self.t(
+                    f"steps.wait.task.{self._sign(name)}",
+                    task=named(self.cell, name),
+                    who=self._names(name),
+                )
 
     def _places(self, a: Assignment, own: set[str]) -> Iterator[str]:
         """From whom the tool comes, and who must have left the zone."""
         for given in self.hand_overs:
             if given.after == a.task and given.before not in own:
-                yield self.t(f"steps.wait.{given.reason}", name=given.name, who=self._names(given.before), task=named(self.cell, given.before))
+                yield self.t(
+                    f"steps.wait.{given.reason}",
+                    name=given.name,
+                    who=self._names(given.before),
+                    task=named(self.cell, given.before),
+                )
 
     def _breaks(self, free: float, start: float) -> Iterator[str]:
         """The operator's own breaks between the last turn and this one."""
         for off, back in self.cell.operators[self.operator].breaks:
             if free <= off and back <= start:
-                yield self.t("steps.wait.break", span=self.t("steps.span", start=self.t.number(off), end=self.t.number(back)))
+                yield self.t(
+                    "steps.wait.break",
+                    span=self.t("steps.span", start=self.t.number(off), end=self.t.number(back)),
+                )
 
     def _release(self, a: Assignment) -> Iterator[str]:
         if release := self.cell.tasks[a.task].release:
@@ -134,15 +168,28 @@ class _Sheet:
                 yield self._hands(given)
 
     def _hands(self, given: HandOver) -> str:
-        return self.t(f"steps.hand.{given.reason}", name=given.name, who=self._names(given.after), task=named(self.cell, given.after))
+        return self.t(
+            f"steps.hand.{given.reason}",
+            name=given.name,
+            who=self._names(given.after),
+            task=named(self.cell, given.after),
+        )
 
     def _tool(self, task: str) -> str:
         tool, change = self.cell.tasks[task].tool or "", self.take_up.get(task)
-        return self.t("steps.take_up", tool=tool, seconds=self.t.seconds(change.end - change.start)) if change else tool
+        return (
+            self.t("steps.take_up", tool=tool, seconds=self.t.seconds(change.end - change.start))
+            if change
+            else tool
+        )
 
     def _sign(self, task: str) -> str:
         """How the end of a task is noticed: a human calls it out, a robot alone shows it."""
-        return "human" if any(self.cell.operators[who].kind == "human" for who in self.rows[task].operators) else "robot"
+        return (
+            "human"
+            if any(self.cell.operators[who].kind == "human" for who in self.rows[task].operators)
+            else "robot"
+        )
 
     def _partners(self, a: Assignment) -> tuple[str, ...]:
         return tuple(who for who in a.operators if who != self.operator)

@@ -1,4 +1,6 @@
-"""The words of a report: those of its pictures, and `words_en.json` and its like with every other sentence that a reader sees."""
+"""The words of a report: those of its pictures, and `words_en.json` and its like with every other
+sentence that a reader sees.
+"""
 
 from __future__ import annotations
 
@@ -12,4 +14,6 @@ __all__ = ["Words", "words"]
 @lru_cache
 def words(language: str = "en") -> Words:
     """The words of a language. Raises UsageError when there are none."""
-    return Words(language, {**sentences("tandem.draw", language), **sentences("tandem.report", language)})
+    return Words(
+        language, {**sentences("tandem.draw", language), **sentences("tandem.report", language)}
+    )

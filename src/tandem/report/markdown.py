@@ -1,4 +1,6 @@
-"""A front as Markdown for wikis: the plans, the recommended one step by step, instructions for each operator, assumptions."""
+"""A front as Markdown for wikis: the plans, the recommended one step by step, instructions for each
+operator, assumptions.
+"""
 
 from __future__ import annotations
 
@@ -18,14 +20,27 @@ from tandem.schedule.measures import mode_of
 def markdown(front: Front, *, command: str = "", date: str = "", language: str = "en") -> str:
     """The report as text. Raises UsageError when reports do not speak the language."""
     t = words(language)
-    parts = [f"# {_text(t('title', name=front.cell.name or t('unnamed')))}", *map(_text, summary(front, t))]
+    parts = [
+        f"# {_text(t('title', name=front.cell.name or t('unnamed')))}",
+        *map(_text, summary(front, t)),
+    ]
     if len(front):
         parts += [f"## {t('front.title')}", _front(front, t)]
         knee = front.knee
-        title = t("plan.title", n=front.results.index(knee) + 1, makespan=t.seconds(knee.makespan), stress=t.number(knee.stress))
+        title = t(
+            "plan.title",
+            n=front.results.index(knee) + 1,
+            makespan=t.seconds(knee.makespan),
+            stress=t.number(knee.stress),
+        )
         parts += [f"## {title}", _steps(knee, t)]
-        parts += [part for operator in front.cell.operators for part in _instructions(knee, operator, t)]
-    parts += [f"## {t('assume.title')}", "\n".join(f"- {_text(sentence)}" for sentence in assumptions(front, t))]
+        parts += [
+            part for operator in front.cell.operators for part in _instructions(knee, operator, t)
+        ]
+    parts += [
+        f"## {t('assume.title')}",
+        "\n".join(f"- {_text(sentence)}" for sentence in assumptions(front, t)),
+    ]
     parts += [
         f"## {t('made.title')}",
         "\n".join(f"- {what}: {_text(value)}" for what, value in made(front, t, command, date)),
@@ -45,23 +60,46 @@ def _front(front: Front, t: Words) -> str:
     ]
     rows = []
     for place, result in enumerate(front, 1):
-        mark = f"**{place}** ({t('plan.recommended')})" if len(front) > 1 and result is front.knee else str(place)
-        does = [", ".join(a.task for a in result.schedule.of(name)) or "–" for name in front.cell.operators]
-        rows.append([mark, t.number(result.makespan), t.number(result.stress), status(result, t), *map(_text, does)])
+        mark = (
+            f"**{place}** ({t('plan.recommended')})"
+            if len(front) > 1 and result is front.knee
+            else str(place)
+        )
+        does = [
+            ", ".join(a.task for a in result.schedule.of(name)) or "–"
+            for name in front.cell.operators
+        ]
+        rows.append(
+            [
+                mark,
+                t.number(result.makespan),
+                t.number(result.stress),
+                status(result, t),
+                *map(_text, does),
+            ]
+        )
     return table(heads, rows)
 
 
 def _steps(result: Result, t: Words) -> str:
     cell, schedule = result.cell, result.schedule
-    critical, free, shown = {link.assignment.task for link in critical_path(cell, schedule)}, slack(cell, schedule), looks(cell)
+    critical, free, shown = (
+        {link.assignment.task for link in critical_path(cell, schedule)},
+        slack(cell, schedule),
+        looks(cell),
+    )
     rows = []
     for a in schedule:
         mode = mode_of(cell, a)
         load = t.number(sum(mode.stress.values())) if mode and mode.stress else "–"
         late = t("plan.step.critical") if a.task in critical else t.number(free[a.task])
         who = " + ".join(shown[o].label for o in a.operators)
-        rows.append([_text(named(cell, a.task)), _text(who), t.number(a.start), t.number(a.end), load, late])
-    return table([t(f"plan.step.{key}") for key in ("task", "who", "start", "end", "stress", "slack")], rows)
+        rows.append(
+            [_text(named(cell, a.task)), _text(who), t.number(a.start), t.number(a.end), load, late]
+        )
+    return table(
+        [t(f"plan.step.{key}") for key in ("task", "who", "start", "end", "stress", "slack")], rows
+    )
 
 
 def _instructions(result: Result, operator: str, t: Words) -> list[str]:
@@ -69,14 +107,28 @@ def _instructions(result: Result, operator: str, t: Words) -> list[str]:
     title = f"### {_text(t('steps.title', who=looks(result.cell)[operator].label))}"
     if not found:
         return [title, t("steps.none")]
-    extra = [key for key in ("part", "tool", "zone", "together_with") if any(getattr(turn, key) for turn in found)]
+    extra = [
+        key
+        for key in ("part", "tool", "zone", "together_with")
+        if any(getattr(turn, key) for turn in found)
+    ]
     words_of = (key.removeprefix("together_") for key in extra)
-    heads = [t(f"steps.{key}") for key in ("turn", "does", *words_of, "wait", "hands", *times(found))]
+    heads = [
+        t(f"steps.{key}") for key in ("turn", "does", *words_of, "wait", "hands", *times(found))
+    ]
     rows = []
     for turn in found:
-        cells = [str(turn.number), turn.does, *(getattr(turn, key) for key in extra), "; ".join(turn.wait), "; ".join(turn.hands_to)]
+        cells = [
+            str(turn.number),
+            turn.does,
+            *(getattr(turn, key) for key in extra),
+            "; ".join(turn.wait),
+            "; ".join(turn.hands_to),
+        ]
         seconds = [getattr(turn, key) for key in times(found)]
-        rows.append([*map(_text, cells), *("–" if value is None else t.number(value) for value in seconds)])
+        rows.append(
+            [*map(_text, cells), *("–" if value is None else t.number(value) for value in seconds)]
+        )
     return [title, *map(_text, rules(result.cell, operator, t)), table(heads, rows)]
 
 

@@ -1,4 +1,6 @@
-"""Small pieces of HTML and SVG. Every value is escaped here and nowhere else; what is `Markup` already is left as it is."""
+"""Small pieces of HTML and SVG. Every value is escaped here and nowhere else; what is `Markup`
+already is left as it is.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,9 @@ from tandem.draw.style import Look
 CELLS = ("td", "th", "div", "span")
 """Elements in which a table's cell holds its text."""
 LONGEST_WORD, PIECE = 12, 9
-"""A word with more letters than that may be broken between pieces of so many, so that a table never needs more room than paper has."""
+"""A word with more letters than that may be broken between pieces of so many, so that a table never
+needs more room than paper has.
+"""
 WIDE, NARROW = "mwMW%@—", "iljtfrI.,:;'|!()[]/ "
 
 
@@ -24,8 +28,14 @@ class Markup(str):
 
 
 def tag(name: str, *children: object, **attributes: object) -> Markup:
-    """One element. `class_` and the like lose their last underscore, other underscores become hyphens; None and False leave an attribute out."""
-    head = "".join(f' {_attribute(key)}="{_value(value)}"' for key, value in attributes.items() if value is not None and value is not False)
+    """One element. `class_` and the like lose their last underscore, other underscores become
+    hyphens; None and False leave an attribute out.
+    """
+    head = "".join(
+        f' {_attribute(key)}="{_value(value)}"'
+        for key, value in attributes.items()
+        if value is not None and value is not False
+    )
     inside = join(map(_breakable, children) if name in CELLS else children)
     return Markup(f"<{name}{head}>{inside}</{name}>")
 
@@ -47,7 +57,11 @@ def _pieces(text: str) -> Iterator[str | None]:
 
 def join(children: Iterable[object]) -> Markup:
     """Pieces one after the other, each escaped unless it is `Markup`."""
-    return Markup("".join(piece if isinstance(piece, Markup) else html.escape(_plain(piece)) for piece in children))
+    return Markup(
+        "".join(
+            piece if isinstance(piece, Markup) else html.escape(_plain(piece)) for piece in children
+        )
+    )
 
 
 def _attribute(key: str) -> str:
@@ -59,7 +73,11 @@ def _value(value: object) -> str:
 
 
 def _plain(value: object) -> str:
-    return f"{round(value, 2):.10g}" if isinstance(value, float) else "".join(c for c in str(value) if c in "\t\n" or unicodedata.category(c) != "Cc")
+    return (
+        f"{round(value, 2):.10g}"
+        if isinstance(value, float)
+        else "".join(c for c in str(value) if c in "\t\n" or unicodedata.category(c) != "Cc")
+    )
 
 
 def text(x: float, y: float, words: str, *, size: float = 16, **attributes: object) -> Markup:
@@ -83,7 +101,9 @@ def _em(character: str) -> float:
 
 
 def fitting(wordings: Iterable[str], room: float, size: float = 16) -> str:
-    """The first wording that fits into so many pixels, else the last one cut to no less than four letters and half of it, else nothing."""
+    """The first wording that fits into so many pixels, else the last one cut to no less than four
+    letters and half of it, else nothing.
+    """
     last = ""
     for last in wordings:
         if width_of(last, size) <= room:
@@ -100,11 +120,24 @@ def hatch_id(look: Look, order: dict[str, Look]) -> str:
 
 
 def hatches(order: dict[str, Look]) -> Markup:
-    """An invisible drawing that defines every operator's fill, for all other drawings of the page."""
-    patterns = [_pattern(hatch_id(look, order), look.tint, look.colour, look.hatch[:1]) for look in order.values()]
+    """An invisible drawing that defines every operator's fill, for all other drawings of the
+    page.
+    """
+    patterns = [
+        _pattern(hatch_id(look, order), look.tint, look.colour, look.hatch[:1])
+        for look in order.values()
+    ]
     patterns.append(_pattern("fill-break", "#E9ECEF", "#8A929A", "x"))
     patterns.append(_pattern("fill-changeover", "#E9ECEF", "#8A929A", "."))
-    return tag("svg", tag("defs", *patterns), width="0", height="0", aria_hidden="true", focusable="false", style="position:absolute")
+    return tag(
+        "svg",
+        tag("defs", *patterns),
+        width="0",
+        height="0",
+        aria_hidden="true",
+        focusable="false",
+        style="position:absolute",
+    )
 
 
 def _pattern(name: str, ground: str, colour: str, sign: str) -> Markup:
@@ -120,7 +153,16 @@ def _pattern(name: str, ground: str, colour: str, sign: str) -> Markup:
     elif sign:
         radius = {".": 1.4, "o": 2.6, "*": 2.2}.get(sign, 1.4)
         hollow = sign == "o"
-        pieces.append(tag("circle", cx=6, cy=6, r=radius, fill="none" if hollow else colour, stroke=colour if hollow else None))
+        pieces.append(
+            tag(
+                "circle",
+                cx=6,
+                cy=6,
+                r=radius,
+                fill="none" if hollow else colour,
+                stroke=colour if hollow else None,
+            )
+        )
     return tag("pattern", *pieces, id=name, width=12, height=12, patternUnits="userSpaceOnUse")
 
 
@@ -128,7 +170,12 @@ def ticks(low: float, high: float, most: int) -> list[float]:
     """Round numbers between low and high, at most so many."""
     if high <= low:
         return [low]
-    step = next(s for power in range(-6, 10) for s in (10.0**power, 2 * 10.0**power, 5 * 10.0**power) if (high - low) / s <= most)
+    step = next(
+        s
+        for power in range(-6, 10)
+        for s in (10.0**power, 2 * 10.0**power, 5 * 10.0**power)
+        if (high - low) / s <= most
+    )
     first = int(-(-low // step))
     return [round(i * step, 9) for i in range(first, int(high // step) + 1)]
 
@@ -138,4 +185,16 @@ def figure(drawing: Markup, label: str, *, class_: str = "chart") -> Markup:
     return tag("div", drawing, class_=class_, role="region", aria_label=label, tabindex="0")
 
 
-__all__ = ["Markup", "figure", "fitting", "hatch_id", "hatches", "join", "number", "tag", "text", "ticks", "width_of"]
+__all__ = [
+    "Markup",
+    "figure",
+    "fitting",
+    "hatch_id",
+    "hatches",
+    "join",
+    "number",
+    "tag",
+    "text",
+    "ticks",
+    "width_of",
+]

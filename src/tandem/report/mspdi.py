@@ -1,7 +1,8 @@
 """A plan as MS Project XML (MSPDI): tasks with their links, operators as resources, who does what.
 
-Elements stand in the order of Microsoft's published schema (mspdi_pj12.xsd, 2007), which MS Project and its relatives insist on. Project counts
-no shorter times than a tenth of a minute, so every second of the plan is a minute here; the file's notes say so.
+Elements stand in the order of Microsoft's published schema (mspdi_pj12.xsd, 2007), which MS Project
+and its relatives insist on. Project counts no shorter times than a tenth of a minute, so every
+second of the plan is a minute here; the file's notes say so.
 """
 
 from __future__ import annotations
@@ -23,13 +24,21 @@ START = datetime(2000, 1, 3)
 SCALE = 60
 """Seconds in the file for one second of the plan."""
 CALENDAR = 1
-FINISH_TO_START, AS_SOON_AS_POSSIBLE, START_NO_EARLIER_THAN, FIXED_DURATION, MINUTES, WORK = "1", "0", "4", "1", "3", "1"
+FINISH_TO_START, AS_SOON_AS_POSSIBLE, START_NO_EARLIER_THAN, FIXED_DURATION, MINUTES, WORK = (
+    "1",
+    "0",
+    "4",
+    "1",
+    "3",
+    "1",
+)
 
 
 def mspdi(result: Result, *, language: str = "en") -> bytes:
     """The plan as the bytes of an XML file.
 
-    Each task keeps its place by "start no earlier than"; links are the cell's precedence; breaks of operators are not in it.
+    Each task keeps its place by "start no earlier than"; links are the cell's precedence; breaks of
+    operators are not in it.
 
     Raises:
       UsageError: reports do not speak the language.
@@ -73,7 +82,9 @@ def _calendar(calendars: ElementTree.Element) -> None:
         week_day = ElementTree.SubElement(days, "WeekDay")
         _add(week_day, "DayType", str(day))
         _add(week_day, "DayWorking", "1")
-        time = ElementTree.SubElement(ElementTree.SubElement(week_day, "WorkingTimes"), "WorkingTime")
+        time = ElementTree.SubElement(
+            ElementTree.SubElement(week_day, "WorkingTimes"), "WorkingTime"
+        )
         _add(time, "FromTime", "00:00:00")
         _add(time, "ToTime", "00:00:00")
 
@@ -81,7 +92,10 @@ def _calendar(calendars: ElementTree.Element) -> None:
 def _tasks(tasks: ElementTree.Element, result: Result, t: Words) -> None:
     cell, schedule = result.cell, result.schedule
     uid = {name: str(place) for place, name in enumerate(cell.tasks, 1)}
-    critical, free = {link.assignment.task for link in critical_path(cell, schedule)}, slack(cell, schedule)
+    critical, free = (
+        {link.assignment.task for link in critical_path(cell, schedule)},
+        slack(cell, schedule),
+    )
     rows = {a.task: a for a in schedule}
     for name, task in cell.tasks.items():
         a = rows[name]
@@ -123,7 +137,10 @@ def _tasks(tasks: ElementTree.Element, result: Result, t: Words) -> None:
 
 def _notes(cell: Cell, a: Assignment, t: Words) -> str:
     who = " + ".join(looks(cell)[name].label for name in a.operators)
-    return f"{t('gantt.bar', task=a.task, who=who, start=t.number(a.start), end=t.number(a.end), span=t.number(_span(a)))}. {t('project.scale')}"
+    return (
+        f"{t('gantt.bar', task=a.task, who=who, start=t.number(a.start), end=t.number(a.end), span=t.number(_span(a)))}."
+        f" {t('project.scale')}"
+    )
 
 
 def _resources(resources: ElementTree.Element, cell: Cell) -> None:
@@ -168,4 +185,6 @@ def _duration(seconds: float) -> str:
 
 
 def _add(parent: ElementTree.Element, name: str, text: str) -> None:
-    ElementTree.SubElement(parent, name).text = "".join(c for c in text if c >= " " or c in "\t\n\r")
+    ElementTree.SubElement(parent, name).text = "".join(
+        c for c in text if c >= " " or c in "\t\n\r"
+    )

@@ -1,4 +1,6 @@
-"""What a method knows while it works, on stderr: one live line in a terminal, else a line now and then."""
+"""What a method knows while it works, on stderr: one live line in a terminal, else a line now and
+then.
+"""
 
 from __future__ import annotations
 
@@ -20,10 +22,11 @@ EVERY_S = 10.0
 
 
 class SolveProgress:
-    """A context manager that is the `on_solution` of a method: `with SolveProgress() as progress: method(cell, on_solution=progress)`.
+    """A context manager that is the `on_solution` of a method: `with SolveProgress() as progress:
+    method(cell, on_solution=progress)`.
 
-    In a terminal one line is kept up to date; elsewhere a line is written with each improvement and every ten seconds.
-    `TERM=dumb` counts as elsewhere. Nothing is ever written to stdout.
+    In a terminal one line is kept up to date; elsewhere a line is written with each improvement and
+    every ten seconds. `TERM=dumb` counts as elsewhere. Nothing is ever written to stdout.
 
     Args:
       stream: where to write; stderr when absent.
@@ -31,7 +34,9 @@ class SolveProgress:
       every_s: seconds between lines when nothing happens and nobody sees a live line.
     """
 
-    def __init__(self, stream: TextIO | None = None, *, quiet: bool = False, every_s: float = EVERY_S):
+    def __init__(
+        self, stream: TextIO | None = None, *, quiet: bool = False, every_s: float = EVERY_S
+    ):
         self.stream, self.quiet, self.every_s = stream, quiet, every_s
         self.last: Progress | None = None
         self.newest: tuple[float, float] | None = None
@@ -53,14 +58,24 @@ class SolveProgress:
         if self._console.is_terminal and not self._console.is_dumb_terminal:
             from rich.live import Live
 
-            self._live = Live(get_renderable=self._line, console=self._console, refresh_per_second=4, transient=True)
+            self._live = Live(
+                get_renderable=self._line,
+                console=self._console,
+                refresh_per_second=4,
+                transient=True,
+            )
             self._live.start()
         else:
             self._watch = threading.Thread(target=self._remind, name="tandem-progress", daemon=True)
             self._watch.start()
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         self._done.set()
         if self._watch is not None:
             self._watch.join()
@@ -77,7 +92,9 @@ class SolveProgress:
             self._write()
 
     def wording(self) -> str:
-        """The line: time, objective, bound, gap, points so far. The gap is that of the newest point, to which the bound belongs."""
+        """The line: time, objective, bound, gap, points so far. The gap is that of the newest
+        point, to which the bound belongs.
+        """
         time_s = f"{time.monotonic() - self._began:.1f} s"
         if self.last is None:
             return f"{time_s}  searching"
@@ -87,11 +104,18 @@ class SolveProgress:
         gap = max(0.0, makespan - self.last.bound) / max(makespan, 1e-9)
         count = len(self.last.found)
         points = f"{count} point{'' if count == 1 else 's'}"
-        return f"{time_s}  makespan {seconds(makespan)}, stress {number(stress)}, bound {seconds(self.last.bound)}, gap {share(gap)}, {points}"
+        return (
+            f"{time_s}  makespan {seconds(makespan)}, stress {number(stress)}, bound"
+            f" {seconds(self.last.bound)}, gap {share(gap)}, {points}"
+        )
 
     @staticmethod
     def _points(progress: Progress | None) -> list[tuple[float, float]]:
-        return [] if progress is None else [(result.makespan, result.stress) for result in progress.found]
+        return (
+            []
+            if progress is None
+            else [(result.makespan, result.stress) for result in progress.found]
+        )
 
     def _line(self) -> Text:
         from rich.text import Text

@@ -1,4 +1,6 @@
-"""A project folder: a cell, variants of it, and results that say which state of which cell they belong to."""
+"""A project folder: a cell, variants of it, and results that say which state of which cell they
+belong to.
+"""
 
 from __future__ import annotations
 
@@ -52,30 +54,40 @@ class Standing:
     faults: tuple[str, ...] = ()
 
 
-def lay_out(folder: Path, cell: Cell, *, text: str | bytes | None = None, force: bool = False) -> tuple[Path, ...]:
-    """Makes the folder of a project: the cell, a variant of it to begin with, an empty folder for results, and a page that says how to go on.
+def lay_out(
+    folder: Path, cell: Cell, *, text: str | bytes | None = None, force: bool = False
+) -> tuple[Path, ...]:
+    """Makes the folder of a project: the cell, a variant of it to begin with, an empty folder for
+    results, and a page that says how to go on.
 
     Args:
-      text: the cell's file as its author wrote it, to be kept with its comments; written from the cell when not given.
+      text: the cell's file as its author wrote it, to be kept with its comments; written from the
+        cell when not given.
       force: replace files of these names. Results are never touched.
 
     Returns:
       The files written.
 
     Raises:
-      UsageError: a file of one of these names exists already, and `force` is not set; nothing is written then.
+      UsageError: a file of one of these names exists already, and `force` is not set; nothing is
+        written then.
       OSError: a folder or a file cannot be written.
     """
     other, sentence = example_variant(cell)
     files: dict[Path, str | bytes] = {
         folder / CELL: text if text is not None else dumps(cell),
-        folder / VARIANTS / EXAMPLE_VARIANT: f"# {CELL} with one thing changed: {sentence}.\n{dumps(other)}",
+        folder / VARIANTS / EXAMPLE_VARIANT: (
+            f"# {CELL} with one thing changed: {sentence}.\n{dumps(other)}"
+        ),
         folder / README: _readme(cell, sentence),
     }
     files = {path: content for path, content in files.items() if not _holds(path, content)}
     there = [str(path) for path in files if path.exists()]
     if there and not force:
-        raise UsageError(f"{', '.join(there)}: exist{'s' * (len(there) == 1)} already. Give --force to replace, or another folder.")
+        raise UsageError(
+            f"{', '.join(there)}: exist{'s' * (len(there) == 1)} already. Give --force to replace,"
+            " or another folder."
+        )
     for place in (folder / VARIANTS, folder / RESULTS):
         place.mkdir(parents=True, exist_ok=True)
     for path, content in files.items():
@@ -89,15 +101,26 @@ def _holds(path: Path, content: str | bytes) -> bool:
 
 
 def example_variant(cell: Cell) -> tuple[Cell, str]:
-    """The cell with the longest time of any task a fifth shorter, a robot's if there is one; and what that is, in words."""
+    """The cell with the longest time of any task a fifth shorter, a robot's if there is one; and
+    what that is, in words.
+    """
     from tandem.explain.sensitivity import scaled
 
     modes = [(name, mode) for name in cell.tasks for mode in cell.modes(name)]
-    task, mode = max(modes, key=lambda row: (len(row[1].operators) == 1 and row[1].operators[0] in cell.robots, row[1].time))
+    task, mode = max(
+        modes,
+        key=lambda row: (
+            len(row[1].operators) == 1 and row[1].operators[0] in cell.robots,
+            row[1].time,
+        ),
+    )
     found = scaled(cell, task, -0.2, mode.operators)
     then = next(way.time for way in found.modes(task) if way.operators == mode.operators)
     title = f"{cell.name}, task {task} faster" if cell.name else f"task {task} faster"
-    return found.replace(name=title), f"task {task}: {' + '.join(mode.operators)} takes {then:g} s instead of {mode.time:g} s"
+    return (
+        found.replace(name=title),
+        f"task {task}: {' + '.join(mode.operators)} takes {then:g} s instead of {mode.time:g} s",
+    )
 
 
 def _readme(cell: Cell, sentence: str) -> str:
@@ -121,7 +144,7 @@ variant would bring. The third lists each result as current or stale: after a ch
 """
 
 
-# --- results ------------------------------------------------------------------------------------------------------------------
+# --- results --------------------------------------------------------------------------------------
 
 
 def cells_of(folder: Path) -> dict[Path, Cell]:
@@ -131,10 +154,26 @@ def cells_of(folder: Path) -> dict[Path, Cell]:
       CellError: there is none, or one of them is not sound; with every fault of all.
     """
     if not (folder / CELL).is_file():
-        raise CellError([Fault(f"is a folder without a {CELL}. Name a cell file, or lay out a project with `tandem init`.", (), str(folder))])
+        raise CellError(
+            [
+                Fault(
+                    f"is a folder without a {CELL}. Name a cell file, or lay out a project with"
+                    " `tandem init`.",
+                    (),
+                    str(folder),
+                )
+            ]
+        )
     found: dict[Path, Cell] = {}
     wrong: list[Fault] = []
-    for path in [folder / CELL, *sorted(p for p in (folder / VARIANTS).glob("*") if p.suffix.lower() in (".yaml", ".yml", ".json"))]:
+    for path in [
+        folder / CELL,
+        *sorted(
+            p
+            for p in (folder / VARIANTS).glob("*")
+            if p.suffix.lower() in (".yaml", ".yml", ".json")
+        ),
+    ]:
         try:
             found[path] = load(path)
         except CellError as error:
@@ -145,7 +184,9 @@ def cells_of(folder: Path) -> dict[Path, Cell]:
 
 
 def standings(folder: Path, cells: Mapping[Path, Cell]) -> Iterator[Standing]:
-    """Each `.json` and `.html` file under `results`, with folders in it, in order of their names."""
+    """Each `.json` and `.html` file under `results`, with folders in it, in order of their
+    names.
+    """
     homes = {cell.digest: path for path, cell in reversed(list(cells.items()))}
     for path in sorted((folder / RESULTS).rglob("*")):
         if path.suffix.lower() in ENDINGS and path.is_file():
@@ -164,12 +205,18 @@ def _standing(path: Path, cells: Mapping[Path, Cell], homes: Mapping[str, Path])
     home = homes.get(digest)
     if home is None:
         return Standing(path, State.STALE, None, len(schedules))
-    found = [f"schedule {place}: {fault}" for place, schedule in enumerate(schedules, 1) for fault in faults(cells[home], schedule)]
+    found = [
+        f"schedule {place}: {fault}"
+        for place, schedule in enumerate(schedules, 1)
+        for fault in faults(cells[home], schedule)
+    ]
     return Standing(path, State.CURRENT, home, len(schedules), tuple(found))
 
 
 def stale_at_home(path: Path) -> bool:
-    """The result lies in a project, under `results`, and was made for another state of its cell and of every variant."""
+    """The result lies in a project, under `results`, and was made for another state of its cell and
+    of every variant.
+    """
     folder = path.resolve().parent.parent
     if path.resolve().parent.name != RESULTS or not (folder / CELL).is_file():
         return False
@@ -195,21 +242,31 @@ def _document(path: Path) -> dict[str, Any]:
 
 
 def schedules_of(document: Mapping[str, Any]) -> list[Schedule]:
-    """The schedules of a result document. Raises CellError with everything that keeps it from being one."""
+    """The schedules of a result document. Raises CellError with everything that keeps it from being
+    one.
+    """
     if wrong := list(_misshapen(document)):
         raise CellError(wrong)
     return [Schedule.from_list(point["assignments"]) for point in document["front"]]
 
 
 def _misshapen(document: Any) -> Iterator[Fault]:
-    """What keeps a document from being the result of `tandem plan --json`, each with its place in it."""
+    """What keeps a document from being the result of `tandem plan --json`, each with its place in
+    it.
+    """
     if not isinstance(document, Mapping) or not isinstance(document.get("front"), list):
-        yield Fault(f"is no result document, but {shown(document)} without a list `front`. Give what `tandem plan CELL --json` prints.")
+        yield Fault(
+            f"is no result document, but {shown(document)} without a list `front`. Give what"
+            " `tandem plan CELL --json` prints."
+        )
         return
     for place, point in enumerate(document["front"], 1):
         here = f"point {place} of the front"
         if not isinstance(point, Mapping) or not isinstance(point.get("assignments"), list):
-            yield Fault(f"{here} is {shown(point)} without a list `assignments`. Plan anew, or take the point out.")
+            yield Fault(
+                f"{here} is {shown(point)} without a list `assignments`. Plan anew, or take the"
+                " point out."
+            )
             continue
         for number, row in enumerate(point["assignments"], 1):
             if problem := _misshapen_row(row):
@@ -219,16 +276,28 @@ def _misshapen(document: Any) -> Iterator[Fault]:
 def _misshapen_row(row: Any) -> str:
     """What is wrong with one assignment; empty when nothing is."""
     if not isinstance(row, Mapping):
-        return f'is {shown(row)}, but must be like {{"task": "1", "operators": ["robot"], "start": 0, "end": 9}}'
+        return (
+            f'is {shown(row)}, but must be like {{"task": "1", "operators": ["robot"], "start": 0,'
+            ' "end": 9}'
+        )
     if missing := [key for key in ("task", "operators", "start", "end") if key not in row]:
-        return f"{' and '.join(f'`{key}`' for key in missing)} {'is' if len(missing) == 1 else 'are'} missing"
+        return (
+            f"{' and '.join(f'`{key}`' for key in missing)} {'is' if len(missing) == 1 else 'are'}"
+            " missing"
+        )
     for key in ("start", "end"):
         value = row[key]
         if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < LATEST:
             return f"{key} is {shown(value)}, but must be a number of seconds"
-    if not isinstance(row["operators"], list) or not all(isinstance(who, str | int) for who in row["operators"]):
+    if not isinstance(row["operators"], list) or not all(
+        isinstance(who, str | int) for who in row["operators"]
+    ):
         return f"operators is {shown(row['operators'])}, but must be a list of names"
-    return "" if isinstance(row["task"], str | int) else f"task is {shown(row['task'])}, but must be a name"
+    return (
+        ""
+        if isinstance(row["task"], str | int)
+        else f"task is {shown(row['task'])}, but must be a name"
+    )
 
 
 def stale(document: Mapping[str, Any], cell: Cell) -> bool | None:

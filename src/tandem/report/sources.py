@@ -12,25 +12,67 @@ def assumptions(front: Front, t: Words) -> list[str]:
     """What was modelled and how far it is proven, in sentences. Only what this cell has."""
     cell = front.cell
     shown = looks(cell)
-    found = [t("assume.units"), t("assume.table" if cell.stress_of_set is not None else "assume.sum"), t("assume.tasks"), t("assume.fixed")]
+    found = [
+        t("assume.units"),
+        t("assume.table" if cell.stress_of_set is not None else "assume.sum"),
+        t("assume.tasks"),
+        t("assume.fixed"),
+    ]
     used = {task.tool: None for task in cell.tasks.values() if task.tool}
     zones = {task.zone: None for task in cell.tasks.values() if task.zone}
-    breaks = [f"{shown[o].label} {t.number(a)}–{t.number(b)} s" for o, operator in cell.operators.items() for a, b in operator.breaks]
-    limits = [f"{shown[o].label} {t.number(operator.stress_limit)}" for o, operator in cell.operators.items() if operator.stress_limit is not None]
+    breaks = [
+        f"{shown[o].label} {t.number(a)}–{t.number(b)} s"
+        for o, operator in cell.operators.items()
+        for a, b in operator.breaks
+    ]
+    limits = [
+        f"{shown[o].label} {t.number(operator.stress_limit)}"
+        for o, operator in cell.operators.items()
+        if operator.stress_limit is not None
+    ]
     if any(task.together for task in cell.tasks.values()):
         found.append(t("assume.joint"))
     if used:
         found.append(
-            t("assume.tools", tools=", ".join(t("assume.tool", tool=name, n=cell.tools[name].capacity if name in cell.tools else 1) for name in used))
+            t(
+                "assume.tools",
+                tools=", ".join(
+                    t(
+                        "assume.tool",
+                        tool=name,
+                        n=cell.tools[name].capacity if name in cell.tools else 1,
+                    )
+                    for name in used
+                ),
+            )
         )
     if zones:
-        found.append(t("assume.zones", zones=", ".join(f"{name} {cell.zones[name].capacity if name in cell.zones else 1}" for name in zones)))
+        found.append(
+            t(
+                "assume.zones",
+                zones=", ".join(
+                    f"{name} {cell.zones[name].capacity if name in cell.zones else 1}"
+                    for name in zones
+                ),
+            )
+        )
     found += [t("assume.breaks", breaks=", ".join(breaks))] if breaks else []
     found += [t("assume.limits", limits=", ".join(limits))] if limits else []
-    found += [t("assume.same", pairs=", ".join(f"{a} + {b}" for a, b in cell.same_operator))] if cell.same_operator else []
-    found += [t("assume.release")] if any(task.release or task.deadline is not None for task in cell.tasks.values()) else []
+    found += (
+        [t("assume.same", pairs=", ".join(f"{a} + {b}" for a, b in cell.same_operator))]
+        if cell.same_operator
+        else []
+    )
+    found += (
+        [t("assume.release")]
+        if any(task.release or task.deadline is not None for task in cell.tasks.values())
+        else []
+    )
     proven = sum(result.status == Status.OPTIMAL for result in front)
-    found += [t("assume.checked"), t("proof.complete") if front.complete else t("proof.partial", proven=proven, n=len(front))]
+    found += [
+        t("assume.checked"),
+        t("proof.complete") if front.complete else t("proof.partial", proven=proven, n=len(front)),
+    ]
     return found
 
 

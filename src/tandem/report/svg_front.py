@@ -15,15 +15,23 @@ LEFT, RIGHT, TOP, BOTTOM = 80.0, 20.0, 18.0, 58.0
 
 
 def front_chart(front: Front, t: Words, players: Sequence[Player] = ()) -> Markup:
-    """The chart with dominated area, knee and, where something is not proven, bounds. Players are marked by diamonds."""
+    """The chart with dominated area, knee and, where something is not proven, bounds. Players are
+    marked by diamonds.
+    """
     low_x, high_x, low_y, high_y = window(front)
-    shown = [(p.name, p.makespan, p.stress) for p in players if p.makespan is not None and p.stress is not None]
+    shown = [
+        (p.name, p.makespan, p.stress)
+        for p in players
+        if p.makespan is not None and p.stress is not None
+    ]
     high_x = max([high_x, *(makespan + 0.12 * (high_x - low_x) for _, makespan, _ in shown)])
     high_y = max([high_y, *(stress + 0.12 * (high_y - low_y) for _, _, stress in shown)])
 
     def at(makespan: float, stress: float) -> tuple[float, float]:
         across = LEFT + (makespan - low_x) / (high_x - low_x) * (WIDTH - LEFT - RIGHT)
-        return across, HEIGHT - BOTTOM - (stress - low_y) / (high_y - low_y) * (HEIGHT - TOP - BOTTOM)
+        return across, HEIGHT - BOTTOM - (stress - low_y) / (high_y - low_y) * (
+            HEIGHT - TOP - BOTTOM
+        )
 
     edge = [at(*corner) for corner in staircase(front, high_x, high_y)]
     corner = at(high_x, high_y)
@@ -39,8 +47,21 @@ def front_chart(front: Front, t: Words, players: Sequence[Player] = ()) -> Marku
     labelled = _labelled(front, places, knee, t)
     for place, result in enumerate(front):
         bounds = at(result.bound.makespan, result.bound.stress)
-        pieces.append(_point(place, result, places[place], bounds, t, knee=place == knee, label=place in labelled, many=len(front) > 2))
-    for place_of, names in _together([(name, at(makespan, stress)) for name, makespan, stress in shown]):
+        pieces.append(
+            _point(
+                place,
+                result,
+                places[place],
+                bounds,
+                t,
+                knee=place == knee,
+                label=place in labelled,
+                many=len(front) > 2,
+            )
+        )
+    for place_of, names in _together(
+        [(name, at(makespan, stress)) for name, makespan, stress in shown]
+    ):
         pieces.append(_diamond(", ".join(names), place_of))
     drawing = tag(
         "svg",
@@ -70,12 +91,22 @@ def _axes(low_x: float, high_x: float, low_y: float, high_y: float, at: object, 
     pieces.append(tag("path", d=f"M{LEFT:g},{TOP:g} V{base:g} H{WIDTH - RIGHT:g}", class_="axis"))
     pieces.append(text((LEFT + WIDTH) / 2, HEIGHT - 8, t("front.makespan"), text_anchor="middle"))
     middle = (TOP + base) / 2
-    pieces.append(text(20, middle, t("front.stress"), text_anchor="middle", transform=f"rotate(-90 20 {middle:g})"))
+    pieces.append(
+        text(
+            20,
+            middle,
+            t("front.stress"),
+            text_anchor="middle",
+            transform=f"rotate(-90 20 {middle:g})",
+        )
+    )
     return tag("g", *pieces)
 
 
 def _label(result: Result, t: Words, *, knee: bool) -> str:
-    return f"{t.seconds(result.makespan)}, {t.number(result.stress)}" + (f" ({t('front.knee')})" if knee else "")
+    return f"{t.seconds(result.makespan)}, {t.number(result.stress)}" + (
+        f" ({t('front.knee')})" if knee else ""
+    )
 
 
 def _labelled(front: Front, places: list[tuple[float, float]], knee: int, t: Words) -> set[int]:
@@ -84,19 +115,33 @@ def _labelled(front: Front, places: list[tuple[float, float]], knee: int, t: Wor
     chosen: set[int] = set()
     for place in dict.fromkeys([knee, 0, len(front) - 1, *range(len(front))]):
         x, y = places[place]
-        box = (x + 17, y - 28, x + 19 + width_of(_label(front[place], t, knee=False), 16) + (120 if place == knee else 0), y - 8)
-        free = not any(box[0] < b[2] and b[0] < box[2] and box[1] < b[3] and b[1] < box[3] for b in boxes)
+        box = (
+            x + 17,
+            y - 28,
+            x
+            + 19
+            + width_of(_label(front[place], t, knee=False), 16)
+            + (120 if place == knee else 0),
+            y - 8,
+        )
+        free = not any(
+            box[0] < b[2] and b[0] < box[2] and box[1] < b[3] and b[1] < box[3] for b in boxes
+        )
         if free or place == knee:
             chosen.add(place)
             boxes.append(box)
     return chosen
 
 
-def _together(marks: list[tuple[str, tuple[float, float]]]) -> list[tuple[tuple[float, float], list[str]]]:
+def _together(
+    marks: list[tuple[str, tuple[float, float]]],
+) -> list[tuple[tuple[float, float], list[str]]]:
     """Marks that would cover each other, as one with all their names."""
     groups: list[tuple[tuple[float, float], list[str]]] = []
     for name, (x, y) in marks:
-        near = next((names for (a, b), names in groups if abs(a - x) < 12 and abs(b - y) < 12), None)
+        near = next(
+            (names for (a, b), names in groups if abs(a - x) < 12 and abs(b - y) < 12), None
+        )
         if near is None:
             groups.append(((x, y), [name]))
         else:
@@ -107,21 +152,52 @@ def _together(marks: list[tuple[str, tuple[float, float]]]) -> list[tuple[tuple[
 def _diamond(names: str, at: tuple[float, float]) -> Markup:
     x, y = at
     inside = x + 14 + width_of(names, 16) < WIDTH
-    label = text(x + 14 if inside else x - 14, y + 24, names, text_anchor="start" if inside else "end", class_="faint")
-    return tag("g", tag("title", names), tag("path", d=f"M{x:.2f},{y - 11:.2f} l11,11 l-11,11 l-11,-11 Z", class_="player"), label)
+    label = text(
+        x + 14 if inside else x - 14,
+        y + 24,
+        names,
+        text_anchor="start" if inside else "end",
+        class_="faint",
+    )
+    return tag(
+        "g",
+        tag("title", names),
+        tag("path", d=f"M{x:.2f},{y - 11:.2f} l11,11 l-11,11 l-11,-11 Z", class_="player"),
+        label,
+    )
 
 
 def _point(
-    place: int, result: Result, at: tuple[float, float], bounds: tuple[float, float], t: Words, *, knee: bool, label: bool, many: bool
+    place: int,
+    result: Result,
+    at: tuple[float, float],
+    bounds: tuple[float, float],
+    t: Words,
+    *,
+    knee: bool,
+    label: bool,
+    many: bool,
 ) -> Markup:
     x, y = at
     proven = result.status == Status.OPTIMAL
     key = "front.point.proven" if proven else "front.point.open"
     values = {"makespan": t.seconds(result.makespan), "stress": t.number(result.stress)}
-    words = t(key, n=place + 1, low_makespan=t.seconds(result.bound.makespan), low_stress=t.number(result.bound.stress), **values)
+    words = t(
+        key,
+        n=place + 1,
+        low_makespan=t.seconds(result.bound.makespan),
+        low_stress=t.number(result.bound.stress),
+        **values,
+    )
     pieces = [tag("title", words)]
     if not proven:
-        pieces.append(tag("path", d=f"M{bounds[0]:.2f},{y - 6:.2f} v12 m0,-6 H{x:.2f} V{bounds[1]:.2f} m-6,0 h12", class_="bounds"))
+        pieces.append(
+            tag(
+                "path",
+                d=f"M{bounds[0]:.2f},{y - 6:.2f} v12 m0,-6 H{x:.2f} V{bounds[1]:.2f} m-6,0 h12",
+                class_="bounds",
+            )
+        )
     if knee:
         pieces.append(tag("circle", cx=x, cy=y, r=14, class_="knee"))
     pieces.append(tag("circle", cx=x, cy=y, r=17, class_="target"))
@@ -129,5 +205,20 @@ def _point(
     if label:
         shown = _label(result, t, knee=knee and many)
         inside = x + 19 + width_of(shown, 16) < WIDTH
-        pieces.append(text(x + 19 if inside else x - 19, y - 13, shown, text_anchor="start" if inside else "end", class_="strong" if knee else None))
-    return tag("a", *pieces, href=f"#plan-{place + 1}", class_="point", data_plan=place + 1, aria_label=words)
+        pieces.append(
+            text(
+                x + 19 if inside else x - 19,
+                y - 13,
+                shown,
+                text_anchor="start" if inside else "end",
+                class_="strong" if knee else None,
+            )
+        )
+    return tag(
+        "a",
+        *pieces,
+        href=f"#plan-{place + 1}",
+        class_="point",
+        data_plan=place + 1,
+        aria_label=words,
+    )

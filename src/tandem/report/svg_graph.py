@@ -34,7 +34,13 @@ def graph(cell: Cell, t: Words) -> Markup:
         markerUnits="userSpaceOnUse",
     )
     bold = marker.replace('id="tip"', 'id="tip-bold"').replace('class="tip"', 'class="tip bold"')
-    pieces = [*_arrows(drawn), *(_node(cell, task, drawn.at[task], t, critical=task in drawn.critical) for task in cell.tasks)]
+    pieces = [
+        *_arrows(drawn),
+        *(
+            _node(cell, task, drawn.at[task], t, critical=task in drawn.critical)
+            for task in cell.tasks
+        ),
+    ]
     drawing = tag(
         "svg",
         tag("defs", marker, Markup(bold)),
@@ -50,20 +56,50 @@ def graph(cell: Cell, t: Words) -> Markup:
     shown = figure(drawing, t("graph.chart"))
     if columns <= TILE[0] and rows <= TILE[1]:
         return shown
-    return tag("div", shown, tag("div", *_tiles(drawn, t), class_="tiles", aria_hidden="true"), class_="tiled")
+    return tag(
+        "div",
+        shown,
+        tag("div", *_tiles(drawn, t), class_="tiles", aria_hidden="true"),
+        class_="tiled",
+    )
 
 
 def _tiles(drawn: Layers, t: Words) -> list[Markup]:
     """The same drawing in pieces that can be read on paper; pieces without a task are left out."""
     (columns, rows), (across, down) = drawn.extent, TILE
-    corners = [(x, y) for y in range(0, math.ceil(rows), down) for x in range(0, math.ceil(columns), across)]
-    held = [(x, [b for a, b in drawn.at.values() if x - 0.5 <= a < x + across - 0.5 and y - 0.5 <= b < y + down - 0.5]) for x, y in corners]
+    corners = [
+        (x, y)
+        for y in range(0, math.ceil(rows), down)
+        for x in range(0, math.ceil(columns), across)
+    ]
+    held = [
+        (
+            x,
+            [
+                b
+                for a, b in drawn.at.values()
+                if x - 0.5 <= a < x + across - 0.5 and y - 0.5 <= b < y + down - 0.5
+            ],
+        )
+        for x, y in corners
+    ]
     filled = [(x, min(heights), max(heights)) for x, heights in held if heights]
     found = []
     for place, (x, top, bottom) in enumerate(filled, 1):
-        box = f"{x * COLUMN:.0f} {top * ROW:.0f} {COLUMN * across:.0f} {(bottom - top + 1) * ROW + 6:.0f}"
-        drawing = tag("svg", tag("use", href="#graph-drawing"), viewBox=box, class_="graph", xmlns="http://www.w3.org/2000/svg")
-        found.append(tag("figure", tag("figcaption", t("graph.part", n=place, of=len(filled))), drawing))
+        box = (
+            f"{x * COLUMN:.0f} {top * ROW:.0f} {COLUMN * across:.0f}"
+            f" {(bottom - top + 1) * ROW + 6:.0f}"
+        )
+        drawing = tag(
+            "svg",
+            tag("use", href="#graph-drawing"),
+            viewBox=box,
+            class_="graph",
+            xmlns="http://www.w3.org/2000/svg",
+        )
+        found.append(
+            tag("figure", tag("figcaption", t("graph.part", n=place, of=len(filled))), drawing)
+        )
     return found
 
 
@@ -78,7 +114,14 @@ def _arrows(drawn: Layers) -> list[Markup]:
         (x, y), *rest = [_at(*point) for point in arrow_curve(points)]
         curve = f"M{x:.1f},{y:.1f} C" + " ".join(f"{a:.1f},{b:.1f}" for a, b in rest)
         bold = pair in strong
-        found.append(tag("path", d=curve, class_="arrow bold" if bold else "arrow", marker_end=f"url(#{'tip-bold' if bold else 'tip'})"))
+        found.append(
+            tag(
+                "path",
+                d=curve,
+                class_="arrow bold" if bold else "arrow",
+                marker_end=f"url(#{'tip-bold' if bold else 'tip'})",
+            )
+        )
     return found
 
 
@@ -87,12 +130,28 @@ def _node(cell: Cell, task: str, at: tuple[float, float], t: Words, *, critical:
     half, high = HALF_WIDTH * COLUMN, HALF_HEIGHT * ROW
     label = task_label(cell, task)
     after = ", ".join(cell.tasks[task].after)
-    details = t("graph.node.after", task=label, after=after) if after else t("graph.node", task=label)
+    details = (
+        t("graph.node.after", task=label, after=after) if after else t("graph.node", task=label)
+    )
     named = f"{task}: {label}" if label != task else task
     pieces = [
         tag("title", details),
-        tag("rect", x=x - half, y=y - high, width=2 * half, height=2 * high, rx=3, class_="node critical" if critical else "node"),
-        text(x, y - high + 23, fitting([named, label, task], 2 * half - 10), text_anchor="middle", class_="strong"),
+        tag(
+            "rect",
+            x=x - half,
+            y=y - high,
+            width=2 * half,
+            height=2 * high,
+            rx=3,
+            class_="node critical" if critical else "node",
+        ),
+        text(
+            x,
+            y - high + 23,
+            fitting([named, label, task], 2 * half - 10),
+            text_anchor="middle",
+            class_="strong",
+        ),
     ]
     found = chips(cell, task, t)
     each = (2 * half - 6 - 4 * (len(found) - 1)) / len(found)
@@ -101,20 +160,54 @@ def _node(cell: Cell, task: str, at: tuple[float, float], t: Words, *, critical:
     return tag("g", *pieces, class_="task")
 
 
-def _chip(cell: Cell, chip: Chip, x: float, y: float, width: float, height: float, task: str) -> list[Markup]:
+def _chip(
+    cell: Cell, chip: Chip, x: float, y: float, width: float, height: float, task: str
+) -> list[Markup]:
     order = looks(cell)
     part = width / max(len(chip.looks), 1)
-    pieces = [tag("rect", x=x + i * part, y=y, width=part, height=height, fill=f"url(#{hatch_id(look, order)})") for i, look in enumerate(chip.looks)]
+    pieces = [
+        tag(
+            "rect",
+            x=x + i * part,
+            y=y,
+            width=part,
+            height=height,
+            fill=f"url(#{hatch_id(look, order)})",
+        )
+        for i, look in enumerate(chip.looks)
+    ]
     shown = fitting([chip.words, chip.words.split()[0]], width - 4)
     back = min(width_of(shown, 16), width)
     if shown and any(look.hatch for look in chip.looks):
-        pieces.append(tag("rect", x=x + (width - back) / 2, y=y + height / 2 - 9, width=back, height=18, rx=3, fill="#FFFFFF", fill_opacity="0.85"))
-    pieces.append(text(x + width / 2, y + height / 2 + 5.5, shown, text_anchor="middle", class_="on-bar"))
+        pieces.append(
+            tag(
+                "rect",
+                x=x + (width - back) / 2,
+                y=y + height / 2 - 9,
+                width=back,
+                height=18,
+                rx=3,
+                fill="#FFFFFF",
+                fill_opacity="0.85",
+            )
+        )
+    pieces.append(
+        text(x + width / 2, y + height / 2 + 5.5, shown, text_anchor="middle", class_="on-bar")
+    )
     return pieces
 
 
 def chain_words(cell: Cell, t: Words) -> str:
     """A sentence on the longest chain."""
     drawn = layers(cell)
-    names = [*drawn.critical[:8], "…", *drawn.critical[-4:]] if len(drawn.critical) > 14 else list(drawn.critical)
-    return t("graph.chain", seconds=t.seconds(drawn.critical_s), chain=" → ".join(names), n=t.number(len(drawn.critical)))
+    names = (
+        [*drawn.critical[:8], "…", *drawn.critical[-4:]]
+        if len(drawn.critical) > 14
+        else list(drawn.critical)
+    )
+    return t(
+        "graph.chain",
+        seconds=t.seconds(drawn.critical_s),
+        chain=" → ".join(names),
+        n=t.number(len(drawn.critical)),
+    )

@@ -10,31 +10,67 @@ from tandem.plan.result import Front, Result, Status
 from tandem.report.language import Words
 from tandem.report.markup import Markup, hatch_id, join, tag
 from tandem.schedule.critical import critical_path, slack
-from tandem.schedule.measures import changeovers, idle, mode_of, stress_by_human, utilisation, working
+from tandem.schedule.measures import (
+    changeovers,
+    idle,
+    mode_of,
+    stress_by_human,
+    utilisation,
+    working,
+)
 from tandem.schedule.model import Assignment, Schedule
 
 MOST_PLANS = 6
 """So many plans have a column of their own in the table of tasks."""
 
 
-def table(heads: Sequence[tuple[str, str]], rows: Iterable[Markup], label: str, *, on_paper: str = "") -> Markup:
-    """A table that can be scrolled on a narrow screen. A head is (words, class); `on_paper` is printed above the heads on every page."""
+def table(
+    heads: Sequence[tuple[str, str]], rows: Iterable[Markup], label: str, *, on_paper: str = ""
+) -> Markup:
+    """A table that can be scrolled on a narrow screen. A head is (words, class); `on_paper` is
+    printed above the heads on every page.
+    """
     line = [tag("tr", tag("th", on_paper, colspan=len(heads)), class_="paper")] if on_paper else []
-    head = tag("thead", *line, tag("tr", *(tag("th", words, scope="col", class_=kind or None) for words, kind in heads)))
-    return tag("div", tag("table", head, tag("tbody", *rows), aria_label=label), class_="wide", role="region", aria_label=label, tabindex="0")
+    head = tag(
+        "thead",
+        *line,
+        tag("tr", *(tag("th", words, scope="col", class_=kind or None) for words, kind in heads)),
+    )
+    return tag(
+        "div",
+        tag("table", head, tag("tbody", *rows), aria_label=label),
+        class_="wide",
+        role="region",
+        aria_label=label,
+        tabindex="0",
+    )
 
 
 def plans(front: Front, t: Words) -> Markup:
     """One row a point: numbers, how far proven, who does what."""
     shown = list(looks(front.cell).values())
     shown = shown if len(shown) <= 4 else []
-    heads = [(t("front.plan"), ""), (t("front.makespan"), "number"), (t("front.stress"), "number"), (t("front.status"), "")]
+    heads = [
+        (t("front.plan"), ""),
+        (t("front.makespan"), "number"),
+        (t("front.stress"), "number"),
+        (t("front.status"), ""),
+    ]
     heads += [(t("front.does", who=look.label), "") for look in shown]
     rows = []
     for place, result in enumerate(front, 1):
         link = tag("a", str(place), href=f"#plan-{place}")
-        mark = join([link, " ", tag("span", t("plan.recommended"), class_="badge")]) if len(front) > 1 and result is front.knee else link
-        cells = [tag("th", mark, scope="row"), _number(result.makespan, t), _number(result.stress, t), tag("td", status(result, t))]
+        mark = (
+            join([link, " ", tag("span", t("plan.recommended"), class_="badge")])
+            if len(front) > 1 and result is front.knee
+            else link
+        )
+        cells = [
+            tag("th", mark, scope="row"),
+            _number(result.makespan, t),
+            _number(result.stress, t),
+            tag("td", status(result, t)),
+        ]
         cells += [tag("td", tasks_of(result.schedule, look.operator, t)) for look in shown]
         rows.append(tag("tr", *cells, data_plan=place))
     return table(heads, rows, t("front.table"))
@@ -44,7 +80,12 @@ def status(result: Result, t: Words) -> str:
     """Proven, or the gap and the bounds."""
     if result.status == Status.OPTIMAL:
         return t("front.proven")
-    return t("front.gap", gap=t.share(result.gap), low_makespan=t.seconds(result.bound.makespan), low_stress=t.number(result.bound.stress))
+    return t(
+        "front.gap",
+        gap=t.share(result.gap),
+        low_makespan=t.seconds(result.bound.makespan),
+        low_stress=t.number(result.bound.stress),
+    )
 
 
 def tasks_of(schedule: Schedule, operator: str, t: Words, most: int = 12) -> str:
@@ -59,7 +100,15 @@ def steps(cell: Cell, schedule: Schedule, t: Words) -> Markup:
     """One row a task, in order of the start."""
     path = {link.assignment.task: link for link in critical_path(cell, schedule)}
     slacks, shown = slack(cell, schedule), looks(cell)
-    keys = (("task", ""), ("who", ""), ("start", "number"), ("end", "number"), ("time", "number"), ("stress", "number"), ("slack", "number"))
+    keys = (
+        ("task", ""),
+        ("who", ""),
+        ("start", "number"),
+        ("end", "number"),
+        ("time", "number"),
+        ("stress", "number"),
+        ("slack", "number"),
+    )
     rows = []
     for a in schedule:
         mode = mode_of(cell, a)
@@ -78,12 +127,27 @@ def steps(cell: Cell, schedule: Schedule, t: Words) -> Markup:
 
 def balance(cell: Cell, schedule: Schedule, t: Words) -> Markup:
     """One row an operator: how the time to the makespan is spent, and the stress collected."""
-    busy, free, used, loads = working(cell, schedule), idle(cell, schedule), utilisation(cell, schedule), stress_by_human(cell, schedule)
+    busy, free, used, loads = (
+        working(cell, schedule),
+        idle(cell, schedule),
+        utilisation(cell, schedule),
+        stress_by_human(cell, schedule),
+    )
     swaps = dict.fromkeys(cell.operators, 0.0)
     for change in changeovers(cell, schedule):
         swaps[change.operator] += change.end - change.start
     total = max((a.end for a in schedule), default=0.0)
-    keys = ("operator", "kind", "tasks", "busy", "changeover", "break", "idle", "utilisation", "stress")
+    keys = (
+        "operator",
+        "kind",
+        "tasks",
+        "busy",
+        "changeover",
+        "break",
+        "idle",
+        "utilisation",
+        "stress",
+    )
     heads = [(t(f"balance.{key}"), "" if key in ("operator", "kind") else "number") for key in keys]
     rows = []
     for name, look in looks(cell).items():
@@ -96,7 +160,9 @@ def balance(cell: Cell, schedule: Schedule, t: Words) -> Markup:
             if limit is None
             else t("balance.limit", stress=t.number(loads[name]), limit=t.number(limit))
         )
-        bar = _spent(look, (busy[name], swaps[name], off, free[name]), total, t, hatch_id(look, looks(cell)))
+        bar = _spent(
+            look, (busy[name], swaps[name], off, free[name]), total, t, hatch_id(look, looks(cell))
+        )
         cells = [
             tag("th", look.label, scope="row"),
             tag("td", t(look.kind)),
@@ -109,16 +175,40 @@ def balance(cell: Cell, schedule: Schedule, t: Words) -> Markup:
     return table(heads, rows, t("balance.title"))
 
 
-def _spent(look: Look, parts: tuple[float, float, float, float], total: float, t: Words, fill: str) -> Markup:
+def _spent(
+    look: Look, parts: tuple[float, float, float, float], total: float, t: Words, fill: str
+) -> Markup:
     """How an operator spends the makespan as a small bar: busy, changeovers, breaks, idle."""
     busy, swap, off, free = parts
-    words, x, pieces = t("balance.bar", busy=t.number(busy), changeover=t.number(swap), off=t.number(off), idle=t.number(free)), 0.0, []
-    for value, paint in ((busy, f"url(#{fill})"), (swap, "url(#fill-changeover)"), (off, "url(#fill-break)")):
+    words, x, pieces = (
+        t(
+            "balance.bar",
+            busy=t.number(busy),
+            changeover=t.number(swap),
+            off=t.number(off),
+            idle=t.number(free),
+        ),
+        0.0,
+        [],
+    )
+    for value, paint in (
+        (busy, f"url(#{fill})"),
+        (swap, "url(#fill-changeover)"),
+        (off, "url(#fill-break)"),
+    ):
         width = 160 * value / total if total else 0.0
         pieces.append(tag("rect", x=x, y=0, width=width, height=18, fill=paint))
         x += width
     return tag(
-        "svg", tag("title", words), *pieces, width=160, height=18, viewBox="0 0 160 18", preserveAspectRatio="none", role="img", aria_label=words
+        "svg",
+        tag("title", words),
+        *pieces,
+        width=160,
+        height=18,
+        viewBox="0 0 160 18",
+        preserveAspectRatio="none",
+        role="img",
+        aria_label=words,
     )
 
 
@@ -134,7 +224,10 @@ def tasks(front: Front, t: Words) -> Markup:
     """One row a task: who can do it in what time, stress, conditions, and what each plan chose."""
     cell, shown = front.cell, looks(front.cell)
     columns = shown_plans(front)
-    has_part, rules = any(task.part for task in cell.tasks.values()), {name: conditions(cell, name, t) for name in cell.tasks}
+    has_part, rules = (
+        any(task.part for task in cell.tasks.values()),
+        {name: conditions(cell, name, t) for name in cell.tasks},
+    )
     heads = [
         (t("tasks.task"), ""),
         *([(t("tasks.part"), "")] if has_part else []),
@@ -147,7 +240,10 @@ def tasks(front: Front, t: Words) -> Markup:
     chosen = [{a.task: a for a in front[place].schedule} for place in columns]
     rows = []
     for name, task in cell.tasks.items():
-        cells = [tag("th", named(cell, name), scope="row"), *([tag("td", task.part or "")] if has_part else [])]
+        cells = [
+            tag("th", named(cell, name), scope="row"),
+            *([tag("td", task.part or "")] if has_part else []),
+        ]
         cells += [
             tag("td", ", ".join(task.after) or "–"),
             tag("td", ways(cell, name, shown, t), class_="ways"),
@@ -156,7 +252,11 @@ def tasks(front: Front, t: Words) -> Markup:
         cells += [tag("td", pieces(rules[name]))] if any(rules.values()) else []
         cells += [tag("td", _choice(plan.get(name), shown, t), class_="choice") for plan in chosen]
         rows.append(tag("tr", *cells))
-    note = tag("p", t("tasks.some", shown=len(columns), n=len(front)), class_="note") if len(columns) < len(front) else Markup("")
+    note = (
+        tag("p", t("tasks.some", shown=len(columns), n=len(front)), class_="note")
+        if len(columns) < len(front)
+        else Markup("")
+    )
     return join([note, table(heads, rows, t("tasks.title"))])
 
 
@@ -168,13 +268,19 @@ def named(cell: Cell, task: str) -> str:
 
 def ways(cell: Cell, task: str, shown: dict[str, Look], t: Words) -> Markup:
     """Every way of doing a task in words: `Anna: 6.5 s, Anna + Cobot: 8 s`."""
-    return pieces(f"{' + '.join(shown[o].label for o in mode.operators)}: {t.seconds(mode.time)}" for mode in cell.modes(task))
+    return pieces(
+        f"{' + '.join(shown[o].label for o in mode.operators)}: {t.seconds(mode.time)}"
+        for mode in cell.modes(task)
+    )
 
 
 def pieces(found: Iterable[str]) -> Markup:
     """A list in which a line breaks between the entries only."""
     entries = list(found)
-    return join(tag("span", entry + ("," if place < len(entries) - 1 else ""), class_="piece") for place, entry in enumerate(entries))
+    return join(
+        tag("span", entry + ("," if place < len(entries) - 1 else ""), class_="piece")
+        for place, entry in enumerate(entries)
+    )
 
 
 def conditions(cell: Cell, name: str, t: Words) -> list[str]:
@@ -183,24 +289,40 @@ def conditions(cell: Cell, name: str, t: Words) -> list[str]:
     found = [t("tasks.tool", tool=task.tool)] if task.tool else []
     found += [t("tasks.zone", zone=task.zone)] if task.zone else []
     found += [t("tasks.release", release=t.number(task.release))] if task.release else []
-    return found + ([t("tasks.deadline", deadline=t.number(task.deadline))] if task.deadline is not None else [])
+    return found + (
+        [t("tasks.deadline", deadline=t.number(task.deadline))] if task.deadline is not None else []
+    )
 
 
 def _loads(cell: Cell, task: str, shown: dict[str, Look], t: Words) -> Markup | str:
     """The stress of a task: one number when it is the same for everyone alone, else per human."""
-    alone = {mode.operators[0]: next(iter(mode.stress.values())) for mode in cell.modes(task) if len(mode.operators) == 1 and mode.stress}
-    joint = {mode.operators: sum(mode.stress.values()) for mode in cell.modes(task) if len(mode.operators) > 1 and mode.stress}
+    alone = {
+        mode.operators[0]: next(iter(mode.stress.values()))
+        for mode in cell.modes(task)
+        if len(mode.operators) == 1 and mode.stress
+    }
+    joint = {
+        mode.operators: sum(mode.stress.values())
+        for mode in cell.modes(task)
+        if len(mode.operators) > 1 and mode.stress
+    }
     if not joint and len(set(alone.values())) == 1:
         return t.number(next(iter(alone.values())))
     found = [f"{shown[who].label}: {t.number(load)}" for who, load in alone.items()]
-    found += [f"{' + '.join(shown[o].label for o in who)}: {t.number(load)}" for who, load in joint.items()]
+    found += [
+        f"{' + '.join(shown[o].label for o in who)}: {t.number(load)}"
+        for who, load in joint.items()
+    ]
     return pieces(found) if found else "–"
 
 
 def _choice(a: Assignment | None, shown: dict[str, Look], t: Words) -> Markup | str:
     if a is None:
         return "–"
-    lines = (" + ".join(shown[o].label for o in a.operators), f"{t.number(a.start)}–{t.number(a.end)} s")
+    lines = (
+        " + ".join(shown[o].label for o in a.operators),
+        f"{t.number(a.start)}–{t.number(a.end)} s",
+    )
     return join(tag("span", line, " ", class_="piece") for line in lines)
 
 

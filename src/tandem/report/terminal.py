@@ -1,8 +1,9 @@
-"""A front in the terminal: a table of its points, a Gantt chart in characters, and what a method knows while it works.
+"""A front in the terminal: a table of its points, a Gantt chart in characters, and what a method
+knows while it works.
 
-Colour is never the only sign: humans and robots differ in the fill of their bars too, and the critical path is named. rich
-leaves colours out when the output is no terminal, with NO_COLOR and with TERM=dumb; where the encoding has no block
-characters, plain ASCII stands for them.
+Colour is never the only sign: humans and robots differ in the fill of their bars too, and the
+critical path is named. rich leaves colours out when the output is no terminal, with NO_COLOR and
+with TERM=dumb; where the encoding has no block characters, plain ASCII stands for them.
 """
 
 from __future__ import annotations
@@ -28,11 +29,16 @@ if TYPE_CHECKING:
     from rich.text import Text
 
 MOST_PANELS = 8
-COLOURS = {"human": ("yellow", "magenta", "red", "bright_yellow"), "robot": ("cyan", "green", "blue", "bright_cyan")}
+COLOURS = {
+    "human": ("yellow", "magenta", "red", "bright_yellow"),
+    "robot": ("cyan", "green", "blue", "bright_cyan"),
+}
 
 
 class FrontView:
-    """Everything the terminal says about a front: a headline, the table, the Gantt chart of the knee."""
+    """Everything the terminal says about a front: a headline, the table, the Gantt chart of the
+    knee.
+    """
 
     def __init__(self, front: Front):
         self.front = front
@@ -46,7 +52,10 @@ class FrontView:
             return
         yield front_table(front, width=options.max_width)
         knee = front.results.index(front.knee)
-        words = f"Point {knee + 1}: makespan {seconds(front[knee].makespan)}, stress {number(front[knee].stress)}"
+        words = (
+            f"Point {knee + 1}: makespan {seconds(front[knee].makespan)}, stress"
+            f" {number(front[knee].stress)}"
+        )
         yield Text(words + (", the recommended compromise" if len(front) > 2 else ""), style="bold")
         yield GanttText(front.cell, front[knee].schedule)
 
@@ -54,15 +63,29 @@ class FrontView:
 def headline(front: Front) -> str:
     """One sentence: what was found, and how far it is proven."""
     cell, name = front.cell, front.cell.name or "Cell"
-    people = [_count(len(names), noun) for names, noun in ((cell.humans, "human"), (cell.robots, "robot")) if names]
-    proof = "complete and proven" if front.complete else "interrupted, not complete" if front.interrupted else "not complete"
+    people = [
+        _count(len(names), noun)
+        for names, noun in ((cell.humans, "human"), (cell.robots, "robot"))
+        if names
+    ]
+    proof = (
+        "complete and proven"
+        if front.complete
+        else "interrupted, not complete"
+        if front.interrupted
+        else "not complete"
+    )
     within = f" within {' and '.join(front.question.limits)}" if front.question.limits else ""
-    found = f"{_count(len(front), 'point')} on the front{within}, {proof}, {number(round(front.wall_s, 2))} s, {front.solver}"
+    found = (
+        f"{_count(len(front), 'point')} on the front{within}, {proof},"
+        f" {number(round(front.wall_s, 2))} s, {front.solver}"
+    )
     return f"{name} ({', '.join([_count(len(cell.tasks), 'task'), *people])}): {found}."
 
 
 def front_table(front: Front, *, width: int = 80) -> Table:
-    """The points as a table that fits into `width` characters: makespan, stress, how far proven, and who does what in short.
+    """The points as a table that fits into `width` characters: makespan, stress, how far proven,
+    and who does what in short.
 
     The knee has a star. Bounds stand behind a value that is not proven.
     """
@@ -76,17 +99,39 @@ def front_table(front: Front, *, width: int = 80) -> Table:
     table.add_column(escape("makespan [s]"), justify="right", no_wrap=True)
     table.add_column("stress", justify="right", no_wrap=True)
     table.add_column("status", no_wrap=True)
-    rows = [(_bounded(r.makespan, r.bound.makespan), _bounded(r.stress, r.bound.stress), status(r)) for r in front]
-    taken = 6 + sum(2 + max([len(head), *(len(row[i]) for row in rows)]) for i, head in enumerate(("makespan [s]", "stress", "status")))
+    rows = [
+        (_bounded(r.makespan, r.bound.makespan), _bounded(r.stress, r.bound.stress), status(r))
+        for r in front
+    ]
+    taken = 6 + sum(
+        2 + max([len(head), *(len(row[i]) for row in rows)])
+        for i, head in enumerate(("makespan [s]", "stress", "status"))
+    )
     shown = list(looks(front.cell).values())
     room = (width - taken) // len(shown) - 2
     shown = shown if room >= 8 else []
     for look in shown:
-        table.add_column(escape(shorten(look.label, max(room, 8), "..")), overflow="fold", style=_colour(front.cell, look.operator))
+        table.add_column(
+            escape(shorten(look.label, max(room, 8), "..")),
+            overflow="fold",
+            style=_colour(front.cell, look.operator),
+        )
     knee = front.knee if len(front) > 2 else None
     for place, (result, row) in enumerate(zip(front, rows, strict=True), 1):
-        cells = [Text(tasks_in_short(result.schedule, look.operator, room, lines=3 if len(front) <= 10 else 1)) for look in shown]
-        table.add_row(f"{place}{'*' if result is knee else ''}", *row, *cells, style="bold" if result is knee else "")
+        cells = [
+            Text(
+                tasks_in_short(
+                    result.schedule, look.operator, room, lines=3 if len(front) <= 10 else 1
+                )
+            )
+            for look in shown
+        ]
+        table.add_row(
+            f"{place}{'*' if result is knee else ''}",
+            *row,
+            *cells,
+            style="bold" if result is knee else "",
+        )
     if knee is not None:
         table.caption, table.caption_justify = "* knee: the recommended compromise", "left"
     return table
@@ -102,7 +147,9 @@ def _bounded(value: float, bound: float) -> str:
 
 
 def tasks_in_short(schedule: Schedule, operator: str, room: int, *, lines: int = 1) -> str:
-    """The operator's tasks in order when so many lines of `room` characters hold them, else how many there are. `+` marks a joint task."""
+    """The operator's tasks in order when so many lines of `room` characters hold them, else how
+    many there are. `+` marks a joint task.
+    """
     names = [a.task + ("+" if len(a.operators) > 1 else "") for a in schedule.of(operator)]
     if not names:
         return "-"
@@ -112,9 +159,11 @@ def tasks_in_short(schedule: Schedule, operator: str, room: int, *, lines: int =
 
 
 class GanttText:
-    """A schedule as lanes of characters, as wide as the console; it is folded into several panels when tasks would get too narrow.
+    """A schedule as lanes of characters, as wide as the console; it is folded into several panels
+    when tasks would get too narrow.
 
-    A bar begins with an edge and the task's name; humans' bars are solid, robots' shaded. `x` is a break, `~` a tool changeover.
+    A bar begins with an edge and the task's name; humans' bars are solid, robots' shaded. `x` is a
+    break, `~` a tool changeover.
     """
 
     def __init__(self, cell: Cell, schedule: Schedule, *, critical: bool = True):
@@ -127,7 +176,9 @@ class GanttText:
             yield Text("nobody does anything")
             return
         marks = _Marks(plain=not _can_print(options.encoding, _Marks(plain=False)))
-        rows = lanes(self.cell, self.schedule, until=makespan(self.schedule), critical=self.critical)
+        rows = lanes(
+            self.cell, self.schedule, until=makespan(self.schedule), critical=self.critical
+        )
         room = max(4, min(18, options.max_width // 4))
         names = [shorten(lane.look.label, room, marks.ellipsis) for lane in rows]
         left = max(map(len, names)) + 2
@@ -136,14 +187,31 @@ class GanttText:
             scale = width / (end - begin)
             for name, lane in zip(names, rows, strict=True):
                 line = Text(name.ljust(left - 1) + marks.edge, no_wrap=True, overflow="crop")
-                line.append_text(_lane_text(lane, begin, end, scale, width, marks, _colour(self.cell, lane.look.operator)))
+                line.append_text(
+                    _lane_text(
+                        lane,
+                        begin,
+                        end,
+                        scale,
+                        width,
+                        marks,
+                        _colour(self.cell, lane.look.operator),
+                    )
+                )
                 line.append(marks.edge)
                 yield line
-            yield Text(" " * left + _axis(begin, end, scale, width), style="dim", no_wrap=True, overflow="crop")
+            yield Text(
+                " " * left + _axis(begin, end, scale, width),
+                style="dim",
+                no_wrap=True,
+                overflow="crop",
+            )
         yield from self._notes(rows, marks, options.max_width)
 
     def _panels(self, width: int) -> list[tuple[float, float]]:
-        """The time axis in pieces of the same length, so many that a typical bar can hold its name."""
+        """The time axis in pieces of the same length, so many that a typical bar can hold its
+        name.
+        """
         end = makespan(self.schedule)
         spans = sorted((a.end - a.start) / (len(a.task) + 1) for a in self.schedule)
         wanted = width * spans[len(spans) // 12]
@@ -152,7 +220,10 @@ class GanttText:
         if count > 1:
             step = 10 ** math.floor(math.log10(piece)) / 5
             piece = math.ceil(piece / step) * step
-        return [(i * piece, min((i + 1) * piece, end) if count == 1 else (i + 1) * piece) for i in range(math.ceil(end / piece - 1e-9))]
+        return [
+            (i * piece, min((i + 1) * piece, end) if count == 1 else (i + 1) * piece)
+            for i in range(math.ceil(end / piece - 1e-9))
+        ]
 
     def _notes(self, rows: Iterable[Lane], marks: _Marks, width: int) -> Iterator[RenderableType]:
         from rich.text import Text
@@ -169,9 +240,17 @@ class GanttText:
             if len(arrow.join(chain)) > 3 * width:
                 chain = [*chain[:8], marks.ellipsis, *chain[-8:]]
             yield Text(f"critical path: {arrow.join(chain)}")
-        named = [bar for bar in {bar.task: bar for lane in rows for bar in lane.bars}.values() if bar.label != bar.task]
+        named = [
+            bar
+            for bar in {bar.task: bar for lane in rows for bar in lane.bars}.values()
+            if bar.label != bar.task
+        ]
         if named and len(named) <= 24:
-            yield Text("tasks: " + ", ".join(f"{bar.task} = {task_label(self.cell, bar.task)}" for bar in named), style="dim")
+            yield Text(
+                "tasks: "
+                + ", ".join(f"{bar.task} = {task_label(self.cell, bar.task)}" for bar in named),
+                style="dim",
+            )
 
 
 class _Marks:
@@ -180,7 +259,9 @@ class _Marks:
     def __init__(self, *, plain: bool):
         self.human, self.robot = ("#", "=") if plain else ("█", "░")
         self.bar, self.edge = ("[", "|") if plain else ("▐", "│")
-        self.pause, self.swap, self.arrow, self.ellipsis = ("x", "~", "->", "..") if plain else ("╳", "~", "→", "…")
+        self.pause, self.swap, self.arrow, self.ellipsis = (
+            ("x", "~", "->", "..") if plain else ("╳", "~", "→", "…")
+        )
 
 
 def _can_print(encoding: str | None, marks: _Marks) -> bool:
@@ -191,7 +272,9 @@ def _can_print(encoding: str | None, marks: _Marks) -> bool:
     return True
 
 
-def _lane_text(lane: Lane, begin: float, end: float, scale: float, width: int, marks: _Marks, colour: str) -> Text:
+def _lane_text(
+    lane: Lane, begin: float, end: float, scale: float, width: int, marks: _Marks, colour: str
+) -> Text:
     """One lane of one panel, exactly `width` characters."""
     from rich.text import Text
 
@@ -199,10 +282,20 @@ def _lane_text(lane: Lane, begin: float, end: float, scale: float, width: int, m
     fill = marks.human if lane.look.kind == "human" else marks.robot
 
     def columns(start: float, stop: float) -> range:
-        first, last = round((max(start, begin) - begin) * scale), round((min(stop, end) - begin) * scale)
-        return range(min(first, width - 1), max(last, min(first, width - 1) + 1)) if start < end and stop > begin else range(0)
+        first, last = (
+            round((max(start, begin) - begin) * scale),
+            round((min(stop, end) - begin) * scale),
+        )
+        return (
+            range(min(first, width - 1), max(last, min(first, width - 1) + 1))
+            if start < end and stop > begin
+            else range(0)
+        )
 
-    for shaded, sign in [*((off, marks.pause) for off in lane.breaks), *((swap, marks.swap) for swap in lane.changeovers)]:
+    for shaded, sign in [
+        *((off, marks.pause) for off in lane.breaks),
+        *((swap, marks.swap) for swap in lane.changeovers),
+    ]:
         for x in columns(shaded.start, shaded.end):
             signs[x], styles[x] = sign, "dim"
     for bar in lane.bars:
@@ -215,7 +308,9 @@ def _lane_text(lane: Lane, begin: float, end: float, scale: float, width: int, m
         for place, x in enumerate(places):
             inside = place < len(words)
             signs[x] = words[place] if inside else fill
-            styles[x] = ("bold" if bar.critical else "") if inside and words[place] != marks.bar else strong
+            styles[x] = (
+                ("bold" if bar.critical else "") if inside and words[place] != marks.bar else strong
+            )
     text = Text(no_wrap=True)
     for style, run in itertools.groupby(zip(signs, styles, strict=True), key=lambda pair: pair[1]):
         text.append("".join(sign for sign, _ in run), style=style)
@@ -225,7 +320,12 @@ def _lane_text(lane: Lane, begin: float, end: float, scale: float, width: int, m
 def _axis(begin: float, end: float, scale: float, width: int) -> str:
     """Numbers under a panel; the last one has the unit."""
     span = end - begin
-    step = next(s for power in range(-3, 9) for s in (10**power, 2 * 10**power, 5 * 10**power) if s * scale >= 8)
+    step = next(
+        s
+        for power in range(-3, 9)
+        for s in (10**power, 2 * 10**power, 5 * 10**power)
+        if s * scale >= 8
+    )
     line = [" "] * (width + 8)
     for i in range(math.ceil(begin / step - 1e-9), math.floor(end / step + 1e-9) + 1):
         label = number(i * step)

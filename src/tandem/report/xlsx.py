@@ -1,5 +1,6 @@
-"""A front as a workbook: the plans, a Gantt chart of coloured cells, instructions for each operator, assumptions; and the cell itself in the
-form that `tandem import` reads, so that the workbook gives the same cell again.
+"""A front as a workbook: the plans, a Gantt chart of coloured cells, instructions for each
+operator, assumptions; and the cell itself in the form that `tandem import` reads, so that the
+workbook gives the same cell again.
 """
 
 from __future__ import annotations
@@ -18,7 +19,15 @@ from tandem.report.language import Words, words
 from tandem.report.sources import assumptions, made
 from tandem.report.tables import named, shown_plans, status
 from tandem.schedule.critical import critical_path, slack
-from tandem.schedule.measures import changeovers, exact, idle, makespan, mode_of, stress_by_human, working
+from tandem.schedule.measures import (
+    changeovers,
+    exact,
+    idle,
+    makespan,
+    mode_of,
+    stress_by_human,
+    working,
+)
 from tandem.schedule.model import Schedule
 
 if TYPE_CHECKING:
@@ -36,7 +45,8 @@ HEAD, RULE, BREAK = "1F4E5F", "C8CCD0", "BDBDBD"
 
 
 def xlsx(front: Front, *, command: str = "", date: str = "", language: str = "en") -> bytes:
-    """The workbook as bytes. Of a long front the ends, the knee and some plans between get sheets of their own; all stand in the first.
+    """The workbook as bytes. Of a long front the ends, the knee and some plans between get sheets
+    of their own; all stand in the first.
 
     Raises:
       UsageError: reports do not speak the language.
@@ -44,7 +54,9 @@ def xlsx(front: Front, *, command: str = "", date: str = "", language: str = "en
     import openpyxl
 
     t = words(language)
-    book = openpyxl.load_workbook(io.BytesIO(to_workbook(front.cell, lang="de" if language == "de" else "en")))
+    book = openpyxl.load_workbook(
+        io.BytesIO(to_workbook(front.cell, lang="de" if language == "de" else "en"))
+    )
     cell_sheets = len(book.sheetnames)
     _front(book, front, t)
     for place in shown_plans(front) if len(front) else []:
@@ -62,7 +74,7 @@ def xlsx(front: Front, *, command: str = "", date: str = "", language: str = "en
     return workbook_bytes(book)
 
 
-# --- sheets -------------------------------------------------------------------------------------------------------------------
+# --- sheets ---------------------------------------------------------------------------------------
 
 
 def _front(book: Workbook, front: Front, t: Words) -> None:
@@ -78,8 +90,16 @@ def _front(book: Workbook, front: Front, t: Words) -> None:
     ]
     _header(sheet, 3, heads, [8, 14, 10, 26, *[34] * len(shown)])
     for row, result in enumerate(front, 4):
-        does = [", ".join(a.task for a in result.schedule.of(name)) or "–" for name in front.cell.operators]
-        _row(sheet, row, [row - 3, result.makespan, result.stress, status(result, t), *does], bold=len(front) > 1 and result is front.knee)
+        does = [
+            ", ".join(a.task for a in result.schedule.of(name)) or "–"
+            for name in front.cell.operators
+        ]
+        _row(
+            sheet,
+            row,
+            [row - 3, result.makespan, result.stress, status(result, t), *does],
+            bold=len(front) > 1 and result is front.knee,
+        )
     if len(front) > 1:
         _put(sheet, len(front) + 5, 1, f"{t('front.knee')}: {front.results.index(front.knee) + 1}")
     sheet.freeze_panes = "B4"
@@ -89,15 +109,44 @@ def _plan(book: Workbook, result: Result, place: int, t: Words) -> None:
     """The steps of one plan, and below them the balance of its operators."""
     cell, schedule = result.cell, result.schedule
     sheet = book.create_sheet(t("sheet.plan", n=place))
-    _title(sheet, t("plan.title", n=place, makespan=f"{t.number(result.makespan)} s", stress=t.number(result.stress)))
+    _title(
+        sheet,
+        t(
+            "plan.title",
+            n=place,
+            makespan=f"{t.number(result.makespan)} s",
+            stress=t.number(result.stress),
+        ),
+    )
     keys = ("task", "who", "start", "end", "stress", "slack")
-    _header(sheet, 3, [t("plan.step.task"), *(t(f"plan.step.{key}") for key in keys[1:])], [36, 24, 11, 11, 11, 11])
-    critical, free, shown = {link.assignment.task for link in critical_path(cell, schedule)}, slack(cell, schedule), looks(cell)
+    _header(
+        sheet,
+        3,
+        [t("plan.step.task"), *(t(f"plan.step.{key}") for key in keys[1:])],
+        [36, 24, 11, 11, 11, 11],
+    )
+    critical, free, shown = (
+        {link.assignment.task for link in critical_path(cell, schedule)},
+        slack(cell, schedule),
+        looks(cell),
+    )
     for row, a in enumerate(schedule, 4):
         mode = mode_of(cell, a)
         load = float(sum(map(exact, mode.stress.values()))) if mode and mode.stress else None
         late: Any = t("plan.step.critical") if a.task in critical else free[a.task]
-        _row(sheet, row, [named(cell, a.task), " + ".join(shown[o].label for o in a.operators), a.start, a.end, load, late], bold=a.task in critical)
+        _row(
+            sheet,
+            row,
+            [
+                named(cell, a.task),
+                " + ".join(shown[o].label for o in a.operators),
+                a.start,
+                a.end,
+                load,
+                late,
+            ],
+            bold=a.task in critical,
+        )
     _balance(sheet, len(schedule) + 6, cell, schedule, t)
     sheet.freeze_panes = "B4"
 
@@ -106,11 +155,35 @@ def _balance(sheet: Worksheet, top: int, cell: Cell, schedule: Schedule, t: Word
     keys = ("operator", "kind", "busy", "changeover", "break", "idle", "stress")
     _put(sheet, top - 1, 1, t("balance.title"), bold=True)
     _header(sheet, top, [t(f"balance.{key}") for key in keys], [])
-    busy, free, loads, total = working(cell, schedule), idle(cell, schedule), stress_by_human(cell, schedule), makespan(schedule)
+    busy, free, loads, total = (
+        working(cell, schedule),
+        idle(cell, schedule),
+        stress_by_human(cell, schedule),
+        makespan(schedule),
+    )
     for row, (name, look) in enumerate(looks(cell).items(), top + 1):
-        swaps = sum((exact(change.end) - exact(change.start) for change in changeovers(cell, schedule) if change.operator == name), exact(0))
+        swaps = sum(
+            (
+                exact(change.end) - exact(change.start)
+                for change in changeovers(cell, schedule)
+                if change.operator == name
+            ),
+            exact(0),
+        )
         off = exact(total) - exact(busy[name]) - swaps - exact(free[name])
-        _row(sheet, row, [look.label, t(look.kind), busy[name], float(swaps), max(float(off), 0.0), free[name], loads.get(name)])
+        _row(
+            sheet,
+            row,
+            [
+                look.label,
+                t(look.kind),
+                busy[name],
+                float(swaps),
+                max(float(off), 0.0),
+                free[name],
+                loads.get(name),
+            ],
+        )
 
 
 def _gantt(book: Workbook, result: Result, place: int, t: Words) -> None:
@@ -119,7 +192,15 @@ def _gantt(book: Workbook, result: Result, place: int, t: Words) -> None:
 
     cell, schedule = result.cell, result.schedule
     sheet = book.create_sheet(t("sheet.gantt", n=place))
-    _title(sheet, t("plan.title", n=place, makespan=f"{t.number(result.makespan)} s", stress=t.number(result.stress)))
+    _title(
+        sheet,
+        t(
+            "plan.title",
+            n=place,
+            makespan=f"{t.number(result.makespan)} s",
+            stress=t.number(result.stress),
+        ),
+    )
     slot = slot_seconds(result.makespan)
     count = max(ceil(round(result.makespan / slot, 6)), 1)
     sheet.column_dimensions["A"].width = 20
@@ -131,7 +212,12 @@ def _gantt(book: Workbook, result: Result, place: int, t: Words) -> None:
     for column in range(0, count, every):
         axis = sheet.cell(3, column + 2, plain(round(column * slot, 3)))
         axis.font, axis.alignment = Font(name=FONT, size=9), Alignment(horizontal="left")
-        sheet.merge_cells(start_row=3, end_row=3, start_column=column + 2, end_column=min(column + every, count) + 1)
+        sheet.merge_cells(
+            start_row=3,
+            end_row=3,
+            start_column=column + 2,
+            end_column=min(column + every, count) + 1,
+        )
     for row, (name, look) in enumerate(looks(cell).items(), 4):
         _put(sheet, row, 1, look.label, bold=True)
         sheet.row_dimensions[row].height = 34
@@ -139,7 +225,17 @@ def _gantt(book: Workbook, result: Result, place: int, t: Words) -> None:
             _bar(sheet, row, start, min(end, result.makespan), slot, count, BREAK, "", "mediumGray")
         for a in schedule.of(name):
             label = task_label(cell, a.task)
-            _bar(sheet, row, a.start, a.end, slot, count, look.colour.lstrip("#"), label if label == a.task else f"{a.task} {label}", "")
+            _bar(
+                sheet,
+                row,
+                a.start,
+                a.end,
+                slot,
+                count,
+                look.colour.lstrip("#"),
+                label if label == a.task else f"{a.task} {label}",
+                "",
+            )
     _put(sheet, len(cell.operators) + 5, 1, t("sheet.slot", seconds=t.number(slot)))
     sheet.freeze_panes = "B4"
 
@@ -149,7 +245,17 @@ def slot_seconds(total: float) -> float:
     return next((step for step in STEPS if total / step <= MOST_SLOTS), total / MOST_SLOTS)
 
 
-def _bar(sheet: Worksheet, row: int, start: float, end: float, slot: float, count: int, colour: str, label: str, pattern: str) -> None:
+def _bar(
+    sheet: Worksheet,
+    row: int,
+    start: float,
+    end: float,
+    slot: float,
+    count: int,
+    colour: str,
+    label: str,
+    pattern: str,
+) -> None:
     from openpyxl.styles import Alignment, Font, PatternFill
 
     first, last = round(start / slot), max(round(end / slot), round(start / slot) + 1)
@@ -161,7 +267,11 @@ def _bar(sheet: Worksheet, row: int, start: float, end: float, slot: float, coun
         return  # shorter than a column, and the column is taken
     taken.fill = PatternFill(pattern or "solid", fgColor=colour)
     if label:
-        ink = "FFFFFF" if contrast(f"#{colour}", "#FFFFFF") >= contrast(f"#{colour}", "#1A1A1A") else "1A1A1A"
+        ink = (
+            "FFFFFF"
+            if contrast(f"#{colour}", "#FFFFFF") >= contrast(f"#{colour}", "#1A1A1A")
+            else "1A1A1A"
+        )
         taken.value, taken.data_type, taken.font = label, "s", Font(name=FONT, size=10, color=ink)
         taken.alignment = Alignment(horizontal="center", vertical="center", wrap_text=True)
     for column in range(first + 2, last + 2):
@@ -176,9 +286,21 @@ def _instructions(book: Workbook, result: Result, operator: str, t: Words) -> No
     _title(sheet, t("steps.title", who=look.label))
     found = turns(result.cell, result.schedule, operator, t)
     keys = ["turn", "does", "part", "tool", "zone", "with", "wait", "hands", *times(found)]
-    widths = {"turn": 7, "does": 34, "wait": 42, "hands": 36, "start": 10, "end": 10, "deadline": 12}
+    widths = {
+        "turn": 7,
+        "does": 34,
+        "wait": 42,
+        "hands": 36,
+        "start": 10,
+        "end": 10,
+        "deadline": 12,
+    }
     filled = {"part": "part", "tool": "tool", "zone": "zone", "with": "together_with"}
-    keys = [key for key in keys if key not in filled or any(getattr(turn, filled[key]) for turn in found)]
+    keys = [
+        key
+        for key in keys
+        if key not in filled or any(getattr(turn, filled[key]) for turn in found)
+    ]
     _header(sheet, 3, [t(f"steps.{key}") for key in keys], [widths.get(key, 16) for key in keys])
     for row, turn in enumerate(found, 4):
         values = {
@@ -218,7 +340,7 @@ def _made(book: Workbook, front: Front, t: Words, command: str, date: str) -> No
         _put(sheet, row + offset, 2, value)
 
 
-# --- how it looks -------------------------------------------------------------------------------------------------------------
+# --- how it looks ---------------------------------------------------------------------------------
 
 
 def _put(sheet: Worksheet, row: int, column: int, value: Any, bold: bool = False) -> None:
@@ -240,9 +362,16 @@ def _row(sheet: Worksheet, row: int, values: Sequence[Any], bold: bool = False) 
     for column, value in enumerate(values, 1):
         _put(sheet, row, column, value, bold)
         sheet.cell(row, column).border = _edge()
-        sheet.cell(row, column).alignment = Alignment(wrap_text=isinstance(value, str), vertical="top")
-    lines = [_lines(str(value), sheet.column_dimensions[_letter(column)].width) for column, value in enumerate(values, 1) if value]
-    sheet.row_dimensions[row].height = 15 * max(lines, default=1)  # programs other than Excel do not find it out themselves
+        sheet.cell(row, column).alignment = Alignment(
+            wrap_text=isinstance(value, str), vertical="top"
+        )
+    lines = [
+        _lines(str(value), sheet.column_dimensions[_letter(column)].width)
+        for column, value in enumerate(values, 1)
+        if value
+    ]
+    # programs other than Excel do not find it out themselves
+    sheet.row_dimensions[row].height = 15 * max(lines, default=1)
 
 
 def _spread(sheet: Worksheet, row: int, text: str, columns: int) -> None:
@@ -274,7 +403,10 @@ def _header(sheet: Worksheet, row: int, heads: Sequence[str], widths: Sequence[f
     for column, head in enumerate(heads, 1):
         cell = sheet.cell(row, column, head)
         cell.data_type = "s"
-        cell.font, cell.fill = Font(name=FONT, bold=True, color="FFFFFF"), PatternFill("solid", fgColor=HEAD)
+        cell.font, cell.fill = (
+            Font(name=FONT, bold=True, color="FFFFFF"),
+            PatternFill("solid", fgColor=HEAD),
+        )
         cell.alignment = Alignment(wrap_text=True, vertical="center")
     for column, width in enumerate(widths, 1):
         sheet.column_dimensions[_letter(column)].width = width
@@ -299,7 +431,11 @@ def _sheet_name(book: Workbook, wanted: str) -> str:
     """A name that Excel accepts and that no sheet has yet."""
     plain_name = "".join("_" if c in "[]:*?/\\'" else c for c in wanted).strip()[:28] or "_"
     names = {sheet.lower() for sheet in book.sheetnames}
-    return next(name for count in range(1, 1000) if (name := plain_name if count == 1 else f"{plain_name}{count}").lower() not in names)
+    return next(
+        name
+        for count in range(1, 1000)
+        if (name := plain_name if count == 1 else f"{plain_name}{count}").lower() not in names
+    )
 
 
 def _fit_to_page(sheet: Worksheet) -> None:

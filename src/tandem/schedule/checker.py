@@ -1,6 +1,8 @@
-"""The checker: judges a schedule by its cell alone. It knows no solver, and every rule of the model stands here once more.
+"""The checker: judges a schedule by its cell alone. It knows no solver, and every rule of the model
+stands here once more.
 
-Times are compared as the exact decimals that they print as. Each rule is a generator of sentences and is tested alone.
+Times are compared as the exact decimals that they print as. Each rule is a generator of sentences
+and is tested alone.
 """
 
 from __future__ import annotations
@@ -20,11 +22,18 @@ from tandem.schedule.measures import changeover_times, exact, mode_of, stress_of
 from tandem.schedule.model import Assignment, Schedule
 
 
-def faults(cell: Cell, schedule: Schedule, *, max_makespan: float | None = None, max_stress: float | None = None) -> list[str]:
+def faults(
+    cell: Cell,
+    schedule: Schedule,
+    *,
+    max_makespan: float | None = None,
+    max_stress: float | None = None,
+) -> list[str]:
     """Everything that is wrong with the schedule, in sentences; an empty list when it is sound.
 
     Args:
-      max_makespan, max_stress: limits that the schedule has to keep besides its cell's, seconds and the cell's measure of stress.
+      max_makespan, max_stress: limits that the schedule has to keep besides its cell's, seconds and
+        the cell's measure of stress.
     """
     judged = Judged.of(cell, schedule, max_makespan, max_stress)
     return [sentence for rule in RULES for sentence in rule(judged)]
@@ -35,7 +44,8 @@ class Row(NamedTuple):
 
     Attributes:
       who: the operators that the cell knows, each once.
-      mode: what the assignment means by its operators and duration; None when it is no way of doing its task.
+      mode: what the assignment means by its operators and duration; None when it is no way of doing
+        its task.
     """
 
     start: Decimal
@@ -65,10 +75,19 @@ class Judged:
     max_stress: Decimal | None
 
     @classmethod
-    def of(cls, cell: Cell, schedule: Schedule, max_makespan: float | None = None, max_stress: float | None = None) -> Judged:
+    def of(
+        cls,
+        cell: Cell,
+        schedule: Schedule,
+        max_makespan: float | None = None,
+        max_stress: float | None = None,
+    ) -> Judged:
         """Reads the schedule; what cannot be read is left to the rules on names and numbers."""
         given = tuple(schedule)
-        rows = sorted((_row(cell, a) for a in given if a.task in cell.tasks and _is_finite(a)), key=attrgetter("start", "end"))
+        rows = sorted(
+            (_row(cell, a) for a in given if a.task in cell.tasks and _is_finite(a)),
+            key=attrgetter("start", "end"),
+        )
         of_task: dict[str, list[Row]] = {}
         of_operator: dict[str, list[Row]] = {}
         for row in rows:
@@ -83,13 +102,18 @@ class Judged:
 def times_are_numbers(judged: Judged) -> Iterator[str]:
     for a in judged.given:
         if not _is_finite(a):
-            yield f"task {a.task!r}: from {a.start} to {a.end} is no time; both must be numbers of seconds."
+            yield (
+                f"task {a.task!r}: from {a.start} to {a.end} is no time; both must be numbers of"
+                " seconds."
+            )
 
 
 def tasks_are_known(judged: Judged) -> Iterator[str]:
     for a in judged.given:
         if a.task not in judged.cell.tasks:
-            yield f"task {a.task!r}: the cell has no such task. {_nearest(a.task, judged.cell.tasks)}"
+            yield (
+                f"task {a.task!r}: the cell has no such task. {_nearest(a.task, judged.cell.tasks)}"
+            )
 
 
 def each_task_is_done_once(judged: Judged) -> Iterator[str]:
@@ -107,17 +131,30 @@ def operators_are_known(judged: Judged) -> Iterator[str]:
     for a in judged.given:
         for name in dict.fromkeys(a.operators):
             if name not in judged.cell.operators:
-                yield f"task {a.task!r}: the cell has no operator {name!r}. {_nearest(name, judged.cell.operators)}"
+                yield (
+                    f"task {a.task!r}: the cell has no operator {name!r}."
+                    f" {_nearest(name, judged.cell.operators)}"
+                )
             if (times := a.operators.count(name)) > 1:
                 yield f"task {a.task!r}: operator {name!r} is named {times} times; once is enough."
 
 
 def the_group_can_do_the_task(judged: Judged) -> Iterator[str]:
     for row in judged.rows:
-        if row.mode is None and not _modes_of_group(judged.cell, row) and _names_are_known(judged.cell, row):
-            who = f"{_and(row.given.operators)} cannot do it" if row.given.operators else "nobody does it"
+        if (
+            row.mode is None
+            and not _modes_of_group(judged.cell, row)
+            and _names_are_known(judged.cell, row)
+        ):
+            who = (
+                f"{_and(row.given.operators)} cannot do it"
+                if row.given.operators
+                else "nobody does it"
+            )
             groups = dict.fromkeys(mode.operators for mode in judged.cell.modes(row.task))
-            ways = (", or " if any(len(group) > 1 for group in groups) else " or ").join(map(_and, groups))
+            ways = (", or " if any(len(group) > 1 for group in groups) else " or ").join(
+                map(_and, groups)
+            )
             yield f"task {row.task!r}: {who}; {ways} can."
 
 
@@ -125,10 +162,13 @@ def durations_are_right(judged: Judged) -> Iterator[str]:
     for row in judged.rows:
         if row.mode is None and (modes := _modes_of_group(judged.cell, row)):
             right = " or ".join(_s(time) for time in sorted({exact(mode.time) for mode in modes}))
-            ends = " or ".join(_s(row.start + time) for time in sorted({exact(mode.time) for mode in modes}))
+            ends = " or ".join(
+                _s(row.start + time) for time in sorted({exact(mode.time) for mode in modes})
+            )
             yield (
-                f"task {row.task!r}: {_and(row.given.operators)} cannot do it in {_s(row.end - row.start)} ({_span(row)}); "
-                f"it takes {right}, so it would end at {ends}."
+                f"task {row.task!r}: {_and(row.given.operators)} cannot do it in"
+                f" {_s(row.end - row.start)} ({_span(row)}); it takes {right}, so it would end at"
+                f" {ends}."
             )
 
 
@@ -144,7 +184,8 @@ def predecessors_end_first(judged: Judged) -> Iterator[str]:
             end = max((first.end for first in judged.of_task.get(name, ())), default=row.start)
             if row.start < end:
                 yield (
-                    f"task {row.task!r}: starts at {_s(row.start)}, before task {name!r} has ended, which it comes after: {_s(end)} is the earliest."
+                    f"task {row.task!r}: starts at {_s(row.start)}, before task {name!r} has ended,"
+                    f" which it comes after: {_s(end)} is the earliest."
                 )
 
 
@@ -154,8 +195,9 @@ def an_operator_does_one_task_at_a_time(judged: Judged) -> Iterator[str]:
         for row in judged.of_operator.get(name, ()):
             if latest is not None and row.start < latest.end:
                 yield (
-                    f"operator {name!r}: does task {latest.task!r} ({_span(latest)}) and task {row.task!r} ({_span(row)}) at the same time; "
-                    f"after the first, {_s(latest.end)} is the earliest."
+                    f"operator {name!r}: does task {latest.task!r} ({_span(latest)}) and task"
+                    f" {row.task!r} ({_span(row)}) at the same time; after the first,"
+                    f" {_s(latest.end)} is the earliest."
                 )
             if latest is None or row.end > latest.end:
                 latest = row
@@ -165,21 +207,30 @@ def releases_are_kept(judged: Judged) -> Iterator[str]:
     for row in judged.rows:
         release = exact(judged.cell.tasks[row.task].release)
         if row.start < release and release:
-            yield f"task {row.task!r}: starts at {_s(row.start)}, before its release: {_s(release)} is the earliest."
+            yield (
+                f"task {row.task!r}: starts at {_s(row.start)}, before its release: {_s(release)}"
+                " is the earliest."
+            )
 
 
 def deadlines_are_kept(judged: Judged) -> Iterator[str]:
     for row in judged.rows:
         deadline = judged.cell.tasks[row.task].deadline
         if deadline is not None and row.end > exact(deadline):
-            yield f"task {row.task!r}: ends at {_s(row.end)}, after its deadline: {_s(exact(deadline))} is the latest."
+            yield (
+                f"task {row.task!r}: ends at {_s(row.end)}, after its deadline:"
+                f" {_s(exact(deadline))} is the latest."
+            )
 
 
 def breaks_are_free_of_work(judged: Judged) -> Iterator[str]:
     for name, breaks in _breaks(judged.cell):
         for row in judged.of_operator.get(name, ()):
             for start, end in _overlapping(breaks, row.start, row.end):
-                yield f"operator {name!r}: task {row.task!r} ({_span(row)}) runs into the break from {_s(start)} to {_s(end)}."
+                yield (
+                    f"operator {name!r}: task {row.task!r} ({_span(row)}) runs into the break from"
+                    f" {_s(start)} to {_s(end)}."
+                )
 
 
 def tools_change_hands_in_time(judged: Judged) -> Iterator[str]:
@@ -189,8 +240,8 @@ def tools_change_hands_in_time(judged: Judged) -> Iterator[str]:
         if change.start < change.free:
             since = f"task {change.after.task!r}" if change.after else "the beginning"
             yield (
-                f"{_needs(name, change)}, which starts only {_s(change.row.start - change.free)} after {since}; "
-                f"{_s(change.free + change.time)} is the earliest."
+                f"{_needs(name, change)}, which starts only {_s(change.row.start - change.free)}"
+                f" after {since}; {_s(change.free + change.time)} is the earliest."
             )
 
 
@@ -199,8 +250,9 @@ def breaks_are_free_of_changeovers(judged: Judged) -> Iterator[str]:
     for name, change in _changeovers(judged):
         for start, end in _overlapping(breaks_of.get(name, []), change.start, change.row.start):
             yield (
-                f"{_needs(name, change)}; from {_s(change.start)} to {_s(change.row.start)} that runs into the break "
-                f"from {_s(start)} to {_s(end)}; after it, {_s(end + change.time)} is the earliest."
+                f"{_needs(name, change)}; from {_s(change.start)} to {_s(change.row.start)} that"
+                f" runs into the break from {_s(start)} to {_s(end)}; after it,"
+                f" {_s(end + change.time)} is the earliest."
             )
 
 
@@ -222,11 +274,20 @@ def stress_limits_are_kept(judged: Judged) -> Iterator[str]:
     for name, operator in judged.cell.operators.items():
         if operator.stress_limit is None:
             continue
-        loads = [(exact(row.mode.stress[name]), row.task) for row in judged.rows if row.mode and name in row.mode.stress]
+        loads = [
+            (exact(row.mode.stress[name]), row.task)
+            for row in judged.rows
+            if row.mode and name in row.mode.stress
+        ]
         total, limit = sum((load for load, _ in loads), Decimal(0)), exact(operator.stress_limit)
         if total > limit:
-            hardest = ", ".join(f"{task!r} {_n(load)}" for load, task in sorted(loads, reverse=True)[:3])
-            yield f"operator {name!r}: collects {_n(total)} of stress, the limit is {_n(limit)}; {_n(total - limit)} must go (most from {hardest})."
+            hardest = ", ".join(
+                f"{task!r} {_n(load)}" for load, task in sorted(loads, reverse=True)[:3]
+            )
+            yield (
+                f"operator {name!r}: collects {_n(total)} of stress, the limit is {_n(limit)};"
+                f" {_n(total - limit)} must go (most from {hardest})."
+            )
 
 
 def pairs_have_the_same_operators(judged: Judged) -> Iterator[str]:
@@ -235,13 +296,15 @@ def pairs_have_the_same_operators(judged: Judged) -> Iterator[str]:
             for other in judged.of_task.get(second, ()):
                 if one.who != other.who:
                     yield (
-                        f"tasks {first!r} and {second!r}: must be done by the same operators, but {_and(one.given.operators)} "
-                        f"and {_and(other.given.operators)} do them."
+                        f"tasks {first!r} and {second!r}: must be done by the same operators, but"
+                        f" {_and(one.given.operators)} and {_and(other.given.operators)} do them."
                     )
 
 
 def the_set_of_human_tasks_is_listed(judged: Judged) -> Iterator[str]:
-    if judged.cell.stress_of_set is not None and all(len(judged.of_task.get(name, ())) == 1 for name in judged.cell.tasks):
+    if judged.cell.stress_of_set is not None and all(
+        len(judged.of_task.get(name, ())) == 1 for name in judged.cell.tasks
+    ):
         done = _human_tasks(judged)
         if stress_of_tasks(judged.cell, done) is None:
             yield unlisted_set(judged.cell, done)
@@ -251,14 +314,20 @@ def the_makespan_is_within_its_limit(judged: Judged) -> Iterator[str]:
     if judged.max_makespan is not None:
         for row in judged.rows:
             if row.end > judged.max_makespan:
-                yield f"task {row.task!r}: ends at {_s(row.end)}, after the limit on the makespan of {_s(judged.max_makespan)}."
+                yield (
+                    f"task {row.task!r}: ends at {_s(row.end)}, after the limit on the makespan of"
+                    f" {_s(judged.max_makespan)}."
+                )
 
 
 def the_stress_is_within_its_limit(judged: Judged) -> Iterator[str]:
     if judged.max_stress is None:
         return
     if judged.cell.stress_of_set is None:
-        total = sum((exact(load) for row in judged.rows if row.mode for load in row.mode.stress.values()), Decimal(0))
+        total = sum(
+            (exact(load) for row in judged.rows if row.mode for load in row.mode.stress.values()),
+            Decimal(0),
+        )
     else:
         listed = stress_of_tasks(judged.cell, _human_tasks(judged))
         total = Decimal(0) if listed is None else exact(listed)
@@ -292,7 +361,9 @@ RULES: tuple[Callable[[Judged], Iterator[str]], ...] = (
 
 
 class _Change(NamedTuple):
-    """A changeover to the tool that `row` needs: `time` long, directly before it; the operator is free from `free` on, when `after` has ended."""
+    """A changeover to the tool that `row` needs: `time` long, directly before it; the operator is
+    free from `free` on, when `after` has ended.
+    """
 
     row: Row
     tool: str | None
@@ -309,15 +380,23 @@ def _changeovers(judged: Judged) -> Iterator[tuple[str, _Change]]:
     for name in judged.cell.operators:
         after, free = None, Decimal(0)
         rows = judged.of_operator.get(name, [])
-        for row, seconds in zip(rows, changeover_times(judged.cell, name, [row.task for row in rows]), strict=True):
+        for row, seconds in zip(
+            rows, changeover_times(judged.cell, name, [row.task for row in rows]), strict=True
+        ):
             if seconds:
-                yield name, _Change(row, judged.cell.tasks[row.task].tool, exact(seconds), free, after)
+                yield (
+                    name,
+                    _Change(row, judged.cell.tasks[row.task].tool, exact(seconds), free, after),
+                )
             if row.end > free:
                 after, free = row, row.end
 
 
 def _needs(name: str, change: _Change) -> str:
-    return f"operator {name!r}: needs {_s(change.time)} to take up tool {change.tool!r} before task {change.row.task!r}"
+    return (
+        f"operator {name!r}: needs {_s(change.time)} to take up tool {change.tool!r} before task"
+        f" {change.row.task!r}"
+    )
 
 
 def _by_place(judged: Judged, kind: str) -> Iterator[tuple[str, list[Row]]]:
@@ -332,7 +411,10 @@ def _by_place(judged: Judged, kind: str) -> Iterator[tuple[str, list[Row]]]:
 
 def _crowds(rows: Iterable[Row], places: int) -> Iterator[str]:
     """A sentence for each span of time in which more operators are there than there are places."""
-    events = sorted([(row.end, 0, row) for row in rows] + [(row.start, 1, row) for row in rows], key=lambda event: event[:2])
+    events = sorted(
+        [(row.end, 0, row) for row in rows] + [(row.start, 1, row) for row in rows],
+        key=lambda event: event[:2],
+    )
     present: dict[int, Row] = {}
     used, since, most, crowd = 0, Decimal(0), 0, dict[str, None]()
     for time, starts, row in events:
@@ -341,13 +423,20 @@ def _crowds(rows: Iterable[Row], places: int) -> Iterator[str]:
             used += len(row.who)
             if used > places:
                 since = since if crowd else time
-                crowd.update(dict.fromkeys([row.task] if crowd else [other.task for other in present.values()]))
+                crowd.update(
+                    dict.fromkeys(
+                        [row.task] if crowd else [other.task for other in present.values()]
+                    )
+                )
                 most = max(most, used)
         else:
             del present[id(row)]
             used -= len(row.who)
             if crowd and used <= places:
-                yield f"{most} operators need it at once from {_s(since)} to {_s(time)} (tasks {_and(map(repr, crowd))})."
+                yield (
+                    f"{most} operators need it at once from {_s(since)} to {_s(time)} (tasks"
+                    f" {_and(map(repr, crowd))})."
+                )
                 most, crowd = 0, {}
 
 
@@ -362,7 +451,9 @@ def _breaks(cell: Cell) -> Iterator[tuple[str, list[tuple[Decimal, Decimal]]]]:
             yield name, sorted((exact(start), exact(end)) for start, end in operator.breaks)
 
 
-def _overlapping(breaks: list[tuple[Decimal, Decimal]], start: Decimal, end: Decimal) -> Iterator[tuple[Decimal, Decimal]]:
+def _overlapping(
+    breaks: list[tuple[Decimal, Decimal]], start: Decimal, end: Decimal
+) -> Iterator[tuple[Decimal, Decimal]]:
     """The breaks that share more than a moment with the span; breaks sorted and disjoint."""
     place = bisect_right(breaks, start, key=lambda pause: pause[1])
     while place < len(breaks) and breaks[place][0] < end:
@@ -371,7 +462,14 @@ def _overlapping(breaks: list[tuple[Decimal, Decimal]], start: Decimal, end: Dec
 
 
 def _row(cell: Cell, a: Assignment) -> Row:
-    return Row(exact(a.start), exact(a.end), a.task, frozenset(a.operators) & cell.operators.keys(), mode_of(cell, a), a)
+    return Row(
+        exact(a.start),
+        exact(a.end),
+        a.task,
+        frozenset(a.operators) & cell.operators.keys(),
+        mode_of(cell, a),
+        a,
+    )
 
 
 def _is_finite(a: Assignment) -> bool:
@@ -397,7 +495,11 @@ def _names_are_known(cell: Cell, row: Row) -> bool:
 def _nearest(name: object, known: Iterable[str]) -> str:
     known = list(known)
     near = get_close_matches(str(name), known, n=1)
-    return f"Did you mean {near[0]!r}?" if near else f"It has {', '.join(known[:12])}{', ...' if len(known) > 12 else ''}."
+    return (
+        f"Did you mean {near[0]!r}?"
+        if near
+        else f"It has {', '.join(known[:12])}{', ...' if len(known) > 12 else ''}."
+    )
 
 
 def _and(names: Iterable[str]) -> str:
@@ -406,7 +508,11 @@ def _and(names: Iterable[str]) -> str:
 
 
 def _are(places: int, what: str = "") -> str:
-    return f"is only 1 {what}".rstrip() if places == 1 else f"are only {places} {what + 's' if what else ''}".rstrip()
+    return (
+        f"is only 1 {what}".rstrip()
+        if places == 1
+        else f"are only {places} {what + 's' if what else ''}".rstrip()
+    )
 
 
 def _span(row: Row) -> str:

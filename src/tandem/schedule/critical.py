@@ -12,7 +12,9 @@ from tandem.cell.written import number
 from tandem.schedule.measures import changeover_times, exact
 from tandem.schedule.model import Assignment, Schedule
 
-Reason = Literal["start", "release", "break", "predecessor", "operator", "changeover", "tool", "zone", "choice"]
+Reason = Literal[
+    "start", "release", "break", "predecessor", "operator", "changeover", "tool", "zone", "choice"
+]
 
 
 @dataclass(frozen=True)
@@ -21,9 +23,11 @@ class Link:
 
     Attributes:
       assignment: the task.
-      reason: why it starts exactly when it does: at the "start" of the assembly (there may be a changeover first), at its "release", when a
-        "break" of `by` ends, when its "predecessor" `by` ends, when the "operator" `by` is free, when that operator's "changeover" is done,
-        when a unit of the "tool" or a place in the "zone" `by` is given back; or by "choice": it could have started earlier.
+      reason: why it starts exactly when it does: at the "start" of the assembly (there may be a
+        changeover first), at its "release", when a "break" of `by` ends, when its "predecessor"
+        `by` ends, when the "operator" `by` is free, when that operator's "changeover" is done, when
+        a unit of the "tool" or a place in the "zone" `by` is given back; or by "choice": it could
+        have started earlier.
       by: name of the predecessor, operator, tool or zone; empty otherwise.
       waited_for: the task before it on the path, which ended then; None at the path's beginning.
     """
@@ -49,10 +53,12 @@ class Link:
 
 
 def critical_path(cell: Cell, schedule: Schedule) -> tuple[Link, ...]:
-    """A chain of tasks from the start, a release or a break to the makespan, each starting exactly when what it waited for ended.
+    """A chain of tasks from the start, a release or a break to the makespan, each starting exactly
+    when what it waited for ended.
 
-    Of several chains, one that reaches back to the start rather than to a task that could have started earlier. Assumes a sound schedule;
-    empty for an empty one. In a schedule with gaps that nothing explains the chain begins with a "choice".
+    Of several chains, one that reaches back to the start rather than to a task that could have
+    started earlier. Assumes a sound schedule; empty for an empty one. In a schedule with gaps that
+    nothing explains the chain begins with a "choice".
     """
     if not len(schedule):
         return ()
@@ -60,18 +66,34 @@ def critical_path(cell: Cell, schedule: Schedule) -> tuple[Link, ...]:
     best: dict[str, Link] = {}
     grounded: dict[str, bool] = {}
     for a in schedule:
-        links = sorted(plan.links(a), key=lambda link: (not grounded.get(link.waited_for or "", True), _PREFERENCE.index(link.reason)))
+        links = sorted(
+            plan.links(a),
+            key=lambda link: (
+                not grounded.get(link.waited_for or "", True),
+                _PREFERENCE.index(link.reason),
+            ),
+        )
         best[a.task] = links[0] if links else Link(a, "choice")
-        grounded[a.task] = bool(links) and (links[0].waited_for is None or grounded[links[0].waited_for])
+        grounded[a.task] = bool(links) and (
+            links[0].waited_for is None or grounded[links[0].waited_for]
+        )
     makespan = max(a.end for a in schedule)
-    path = [best[min((a for a in schedule if a.end == makespan), key=lambda a: (not grounded[a.task], a)).task]]
+    path = [
+        best[
+            min(
+                (a for a in schedule if a.end == makespan), key=lambda a: (not grounded[a.task], a)
+            ).task
+        ]
+    ]
     while (before := path[-1].waited_for) is not None:
         path.append(best[before])
     return tuple(reversed(path))
 
 
 def links(cell: Cell, schedule: Schedule) -> dict[str, tuple[Link, ...]]:
-    """Task -> every reason for which it cannot start a moment earlier, none when it could. Assumes a sound schedule."""
+    """Task -> every reason for which it cannot start a moment earlier, none when it could. Assumes
+    a sound schedule.
+    """
     plan = _Plan.of(cell, schedule)
     return {a.task: tuple(plan.links(a)) for a in schedule}
 
@@ -79,8 +101,9 @@ def links(cell: Cell, schedule: Schedule) -> dict[str, tuple[Link, ...]]:
 def slack(cell: Cell, schedule: Schedule) -> dict[str, float]:
     """Task -> seconds by which its end can slip without a later makespan or a missed deadline.
 
-    Allocation and order are kept: on every operator, and on every unit of a tool and place in a zone. Tasks that follow may slip along;
-    breaks stay free of work and changeovers. Assumes a sound schedule.
+    Allocation and order are kept: on every operator, and on every unit of a tool and place in a
+    zone. Tasks that follow may slip along; breaks stay free of work and changeovers. Assumes a
+    sound schedule.
     """
     plan = _Plan.of(cell, schedule)
     makespan = max((exact(a.end) for a in schedule), default=Decimal(0))
@@ -96,11 +119,23 @@ def slack(cell: Cell, schedule: Schedule) -> dict[str, float]:
     return {a.task: float(latest[a.task] - exact(a.end)) for a in schedule}
 
 
-_PREFERENCE: tuple[Reason, ...] = ("start", "predecessor", "operator", "changeover", "release", "break", "tool", "zone", "choice")
+_PREFERENCE: tuple[Reason, ...] = (
+    "start",
+    "predecessor",
+    "operator",
+    "changeover",
+    "release",
+    "break",
+    "tool",
+    "zone",
+    "choice",
+)
 
 
 class _Turn(NamedTuple):
-    """One operator's part in a task: what the operator did before, and the changeover (seconds) directly before it."""
+    """One operator's part in a task: what the operator did before, and the changeover (seconds)
+    directly before it.
+    """
 
     operator: str
     previous: Assignment | None
@@ -113,7 +148,8 @@ class _Plan:
 
     Attributes:
       turns: task -> each operator's part in it.
-      followers: task -> (task that cannot start before it has ended, seconds that must lie between).
+      followers: task -> (task that cannot start before it has ended, seconds that must lie
+        between).
       handed: task -> (reason, tool or zone, task that used the same unit of it directly before).
     """
 
@@ -132,7 +168,9 @@ class _Plan:
         for name in cell.operators:
             rows = schedule.of(name)
             previous = None
-            for a, seconds in zip(rows, changeover_times(cell, name, [a.task for a in rows]), strict=True):
+            for a, seconds in zip(
+                rows, changeover_times(cell, name, [a.task for a in rows]), strict=True
+            ):
                 turns[a.task].append(_Turn(name, previous, exact(seconds)))
                 if previous is not None:
                     followers[previous.task].append((a.task, exact(seconds)))
@@ -158,7 +196,12 @@ class _Plan:
         for turn in self.turns[a.task]:
             begin = start - turn.change
             if turn.previous is not None and exact(turn.previous.end) == begin:
-                yield Link(a, "changeover" if turn.change else "operator", turn.operator, turn.previous.task)
+                yield Link(
+                    a,
+                    "changeover" if turn.change else "operator",
+                    turn.operator,
+                    turn.previous.task,
+                )
             elif begin == 0:
                 yield Link(a, "start")
             elif any(exact(end) == begin for _, end in self.cell.operators[turn.operator].breaks):
@@ -168,8 +211,14 @@ class _Plan:
                 yield Link(a, reason, place, before)
 
     def latest_end(self, a: Assignment, limit: Decimal, time: Decimal) -> Decimal:
-        """The latest end up to the limit at which neither the task nor its changeovers run into a break."""
-        blocks = [(exact(start), exact(end), turn.change) for turn in self.turns[a.task] for start, end in self.cell.operators[turn.operator].breaks]
+        """The latest end up to the limit at which neither the task nor its changeovers run into a
+        break.
+        """
+        blocks = [
+            (exact(start), exact(end), turn.change)
+            for turn in self.turns[a.task]
+            for start, end in self.cell.operators[turn.operator].breaks
+        ]
         end, moved = limit, True
         while moved:
             moved = False
@@ -195,17 +244,21 @@ class HandOver(NamedTuple):
 
 
 def hand_overs(cell: Cell, schedule: Schedule) -> tuple[HandOver, ...]:
-    """Which task gives every unit of a tool and every place in a zone to which. Assumes a sound schedule.
+    """Which task gives every unit of a tool and every place in a zone to which. Assumes a sound
+    schedule.
 
-    They are given out in order of start. Of those that are free, operators keep the one that they had last; else it is the one
-    free the longest. Whoever begins a task only when its hand-overs are done never uses more units than there are, however
-    late the others are.
+    They are given out in order of start. Of those that are free, operators keep the one that they
+    had last; else it is the one free the longest. Whoever begins a task only when its hand-overs
+    are done never uses more units than there are, however late the others are.
     """
     return tuple(_hand_overs(cell, schedule))
 
 
 def _hand_overs(cell: Cell, schedule: Schedule) -> Iterator[HandOver]:
-    kinds: tuple[tuple[Reason, Mapping[str, object]], ...] = (("tool", cell.tools), ("zone", cell.zones))
+    kinds: tuple[tuple[Reason, Mapping[str, object]], ...] = (
+        ("tool", cell.tools),
+        ("zone", cell.zones),
+    )
     for reason, places in kinds:
         users: dict[str, list[Assignment]] = {}
         for a in schedule:
@@ -224,7 +277,13 @@ def _hand_overs(cell: Cell, schedule: Schedule) -> Iterator[HandOver]:
 
 
 def _claim(last: Assignment | None, a: Assignment) -> tuple[bool, bool, Decimal]:
-    """Sorts units for a task by who used them last: free ones first, of these the own, of these the one free the longest."""
+    """Sorts units for a task by who used them last: free ones first, of these the own, of these the
+    one free the longest.
+    """
     if last is None:
         return False, True, Decimal(-1)
-    return exact(last.end) > exact(a.start), not set(last.operators) & set(a.operators), exact(last.end)
+    return (
+        exact(last.end) > exact(a.start),
+        not set(last.operators) & set(a.operators),
+        exact(last.end),
+    )

@@ -1,6 +1,7 @@
 """What a schedule is worth: makespan, stress, idle time, utilisation, difficulty.
 
-Sums are exact: every number is taken as the decimal that it prints as, and only the result becomes the nearest float.
+Sums are exact: every number is taken as the decimal that it prints as, and only the result becomes
+the nearest float.
 """
 
 from __future__ import annotations
@@ -22,14 +23,18 @@ def makespan(schedule: Schedule) -> float:
 
 
 def stress(cell: Cell, schedule: Schedule) -> float:
-    """The cell's measure of stress: the sum over the tasks done by humans, or the value of that set in `stress_of_set`.
+    """The cell's measure of stress: the sum over the tasks done by humans, or the value of that set
+    in `stress_of_set`.
 
     Raises:
-      UnsoundScheduleError: an assignment is no way of doing its task, or `stress_of_set` does not list the set.
+      UnsoundScheduleError: an assignment is no way of doing its task, or `stress_of_set` does not
+        list the set.
     """
     modes = [(a, _mode(cell, a)) for a in schedule]
     if cell.stress_of_set is None:
-        return float(sum((exact(load) for _, mode in modes for load in mode.stress.values()), Decimal(0)))
+        return float(
+            sum((exact(load) for _, mode in modes for load in mode.stress.values()), Decimal(0))
+        )
     done = {a.task for a, mode in modes if mode.stress}
     listed = stress_of_tasks(cell, done)
     if listed is None:
@@ -38,7 +43,9 @@ def stress(cell: Cell, schedule: Schedule) -> float:
 
 
 def stress_by_human(cell: Cell, schedule: Schedule) -> dict[str, float]:
-    """Per human, the sum of their own stress over their tasks. Raises UnsoundScheduleError as `stress` does."""
+    """Per human, the sum of their own stress over their tasks. Raises UnsoundScheduleError as
+    `stress` does.
+    """
     sums = dict.fromkeys(cell.humans, Decimal(0))
     for a in schedule:
         for human, load in _mode(cell, a).stress.items():
@@ -47,13 +54,26 @@ def stress_by_human(cell: Cell, schedule: Schedule) -> dict[str, float]:
 
 
 def peak_stress(cell: Cell, schedule: Schedule) -> float:
-    """The largest stress that one task puts on one human; 0 when humans do nothing. Raises UnsoundScheduleError as `stress` does."""
+    """The largest stress that one task puts on one human; 0 when humans do nothing. Raises
+    UnsoundScheduleError as `stress` does.
+    """
     return max((load for a in schedule for load in _mode(cell, a).stress.values()), default=0.0)
 
 
 def difficulty(cell: Cell, schedule: Schedule) -> float:
-    """Sum over all tasks of their difficulty for each operator who does them; what the cell does not state is 0."""
-    return float(sum((exact(cell.tasks[a.task].difficulty.get(who, 0.0)) for a in schedule for who in a.operators), Decimal(0)))
+    """Sum over all tasks of their difficulty for each operator who does them; what the cell does
+    not state is 0.
+    """
+    return float(
+        sum(
+            (
+                exact(cell.tasks[a.task].difficulty.get(who, 0.0))
+                for a in schedule
+                for who in a.operators
+            ),
+            Decimal(0),
+        )
+    )
 
 
 def working(cell: Cell, schedule: Schedule) -> dict[str, float]:
@@ -64,11 +84,16 @@ def working(cell: Cell, schedule: Schedule) -> dict[str, float]:
 def utilisation(cell: Cell, schedule: Schedule) -> dict[str, float]:
     """Share of the makespan that each operator spends on tasks; 0 in an empty schedule."""
     total = exact(makespan(schedule))
-    return {name: float(seconds / total) if total else 0.0 for name, seconds in _working(cell, schedule).items()}
+    return {
+        name: float(seconds / total) if total else 0.0
+        for name, seconds in _working(cell, schedule).items()
+    }
 
 
 def idle(cell: Cell, schedule: Schedule) -> dict[str, float]:
-    """Seconds until the makespan in which an operator neither works, nor changes tools, nor has a break."""
+    """Seconds until the makespan in which an operator neither works, nor changes tools, nor has a
+    break.
+    """
     total = exact(makespan(schedule))
     busy = _working(cell, schedule)
     for change in changeovers(cell, schedule):
@@ -81,7 +106,9 @@ def idle(cell: Cell, schedule: Schedule) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Changeover:
-    """An operator takes up a tool directly before a task; `start` and `end` in seconds, `task` is what it is needed for."""
+    """An operator takes up a tool directly before a task; `start` and `end` in seconds, `task` is
+    what it is needed for.
+    """
 
     operator: str
     tool: str
@@ -92,18 +119,30 @@ class Changeover:
 
 def changeovers(cell: Cell, schedule: Schedule) -> tuple[Changeover, ...]:
     """Every changeover that takes time, in the cell's order of operators and then in time."""
-    return tuple(change for name in cell.operators for change in _changeovers_of(cell, name, schedule.of(name)))
+    return tuple(
+        change
+        for name in cell.operators
+        for change in _changeovers_of(cell, name, schedule.of(name))
+    )
 
 
-def _changeovers_of(cell: Cell, operator: str, assignments: tuple[Assignment, ...]) -> Iterator[Changeover]:
-    for a, seconds in zip(assignments, changeover_times(cell, operator, [a.task for a in assignments]), strict=True):
+def _changeovers_of(
+    cell: Cell, operator: str, assignments: tuple[Assignment, ...]
+) -> Iterator[Changeover]:
+    for a, seconds in zip(
+        assignments, changeover_times(cell, operator, [a.task for a in assignments]), strict=True
+    ):
         tool = cell.tasks[a.task].tool
         if seconds and tool is not None:
-            yield Changeover(operator, tool, a.task, float(exact(a.start) - exact(seconds)), a.start)
+            yield Changeover(
+                operator, tool, a.task, float(exact(a.start) - exact(seconds)), a.start
+            )
 
 
 def changeover_times(cell: Cell, operator: str, tasks: list[str]) -> list[float]:
-    """Seconds that the operator needs before each of these tasks, done in this order, to take up its tool."""
+    """Seconds that the operator needs before each of these tasks, done in this order, to take up
+    its tool.
+    """
     in_hand, seconds = cell.operators[operator].tool, []
     for name in tasks:
         tool = cell.tasks[name].tool if name in cell.tasks else None
@@ -119,28 +158,41 @@ def changeover_times(cell: Cell, operator: str, tasks: list[str]) -> list[float]
 def mode_of(cell: Cell, assignment: Assignment) -> Mode | None:
     """The mode that these operators and this duration mean; None when the task has no such mode.
 
-    Of modes that differ in stress alone, the one of least stress: an assignment cannot tell them apart.
+    Of modes that differ in stress alone, the one of least stress: an assignment cannot tell them
+    apart.
     """
     if assignment.task not in cell.tasks:
         return None
     who, seconds = set(assignment.operators), exact(assignment.end) - exact(assignment.start)
-    same = [mode for mode in cell.modes(assignment.task) if who == set(mode.operators) and exact(mode.time) == seconds]
+    same = [
+        mode
+        for mode in cell.modes(assignment.task)
+        if who == set(mode.operators) and exact(mode.time) == seconds
+    ]
     return min(same, key=lambda mode: sum(map(exact, mode.stress.values())), default=None)
 
 
 def stress_of_tasks(cell: Cell, tasks: set[str]) -> float | None:
-    """The value of this set of tasks in the cell's `stress_of_set`; None when the set is not listed."""
+    """The value of this set of tasks in the cell's `stress_of_set`; None when the set is not
+    listed.
+    """
     table: Mapping[str, float] = cell.stress_of_set or {}
     key = ",".join(name for name in cell.tasks if name in tasks)
     if key in table:
         return table[key]
-    return next((value for names, value in table.items() if set(filter(None, names.split(","))) == tasks), None)
+    return next(
+        (value for names, value in table.items() if set(filter(None, names.split(","))) == tasks),
+        None,
+    )
 
 
 def unlisted_set(cell: Cell, tasks: set[str]) -> str:
     """The sentence about a set that `stress_of_set` does not list."""
     names = ",".join(name for name in cell.tasks if name in tasks)
-    return f"stress_of_set does not list {names!r}, the tasks that humans do here: this set of tasks is not allowed."
+    return (
+        f"stress_of_set does not list {names!r}, the tasks that humans do here: this set of tasks"
+        " is not allowed."
+    )
 
 
 def exact(number: float) -> Decimal:
@@ -161,8 +213,9 @@ def _mode(cell: Cell, assignment: Assignment) -> Mode:
     if mode is None:
         raise UnsoundScheduleError(
             [
-                f"task {assignment.task!r}: {' and '.join(assignment.operators) or 'nobody'} "
-                f"from {number(assignment.start)} s to {number(assignment.end)} s is no way of doing it; `faults` says what is wrong."
+                f"task {assignment.task!r}: {' and '.join(assignment.operators) or 'nobody'} from"
+                f" {number(assignment.start)} s to {number(assignment.end)} s is no way of doing"
+                " it; `faults` says what is wrong."
             ]
         )
     return mode

@@ -1,4 +1,6 @@
-"""A schedule: who does which task, from when to when. What follows from it is computed, never stored."""
+"""A schedule: who does which task, from when to when. What follows from it is computed, never
+stored.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,9 @@ class Assignment:
 
 @dataclass(frozen=True)
 class Schedule:
-    """Assignments in order of their start. A schedule may break its cell; `faults(cell, schedule)` judges it."""
+    """Assignments in order of their start. A schedule may break its cell; `faults(cell, schedule)`
+    judges it.
+    """
 
     assignments: tuple[Assignment, ...]
 
@@ -46,12 +50,32 @@ class Schedule:
 
     def to_list(self) -> list[dict[str, Any]]:
         """As the `assignments` of a result document."""
-        return [{"task": a.task, "operators": list(a.operators), "start": _short(a.start), "end": _short(a.end)} for a in self.assignments]
+        return [
+            {
+                "task": a.task,
+                "operators": list(a.operators),
+                "start": _short(a.start),
+                "end": _short(a.end),
+            }
+            for a in self.assignments
+        ]
 
     @classmethod
     def from_list(cls, rows: list[Mapping[str, Any]]) -> Schedule:
-        """The inverse of `to_list`, names in their one spelling. Raises KeyError, TypeError or ValueError when a row is not of its form."""
-        return cls(tuple(Assignment(float(r["start"]), float(r["end"]), _name(r["task"]), tuple(map(_name, r["operators"]))) for r in rows))
+        """The inverse of `to_list`, names in their one spelling. Raises KeyError, TypeError or
+        ValueError when a row is not of its form.
+        """
+        return cls(
+            tuple(
+                Assignment(
+                    float(r["start"]),
+                    float(r["end"]),
+                    _name(r["task"]),
+                    tuple(map(_name, r["operators"])),
+                )
+                for r in rows
+            )
+        )
 
 
 def _name(value: object) -> str:

@@ -1,1 +1,3 @@
-"""The cell in motion, event by event: state, legal ways, time, chance, people. Pure functions over an array namespace."""
+"""The cell in motion, event by event: state, legal ways, time, chance, people. Pure functions over
+an array namespace.
+"""

@@ -1,8 +1,10 @@
-"""A cell as arrays, in whole numbers: what the world's functions read, in NumPy; `jax.jit` and `jax.vmap` take it as it is.
+"""A cell as arrays, in whole numbers: what the world's functions read, in NumPy; `jax.jit` and
+`jax.vmap` take it as it is.
 
-Axes: `T` tasks and `O` operators in the cell's order; `W` ways, every way of doing every task, in the order of the tasks and then of
-`cell.modes(task)`; `U` tools, `Z` zones, `B` breaks per operator, `S` listed sets. What a cell does not say has an axis of length 0, and what it
-would cost is not computed.
+Axes: `T` tasks and `O` operators in the cell's order; `W` ways, every way of doing every task, in
+the order of the tasks and then of `cell.modes(task)`; `U` tools, `Z` zones, `B` breaks per
+operator, `S` listed sets. What a cell does not say has an axis of length 0, and what it would cost
+is not computed.
 """
 
 from __future__ import annotations
@@ -32,36 +34,39 @@ FINE = 1000
 """Ticks in a second that are sought, so that drawn durations need little rounding."""
 
 ROOM = 16
-"""So many times the longest nominal schedule must fit below `NEVER`: people may be slow, and things be done anew."""
+"""So many times the longest nominal schedule must fit below `NEVER`: people may be slow, and things
+be done anew.
+"""
 
 
 class Arrays(NamedTuple):
-    """One cell. Times in ticks, stress in units; `Names` leads back to names, seconds and the cell's own stress.
+    """One cell. Times in ticks, stress in units; `Names` leads back to names, seconds and the
+    cell's own stress.
 
-    way_task: `[W]` int32, the task that the way does; `of_task`: `[W, T]` bool, the same as one row of one True each.
-    way_uses: `[W, O]` bool, who takes part; `way_size`: `[W]` int32, how many they are.
-    way_ticks: `[W]` int32, the nominal duration.
-    way_load: `[W, O]` int32, the stress that it puts on each.
-    way_open: `[W]` bool, False where no schedule can hold it: more operators than the tool or the zone has places, or a way that a partner in
+    way_task: `[W]` int32, the task that the way does; `of_task`: `[W, T]` bool, the same as one row
+    of one True each. way_uses: `[W, O]` bool, who takes part; `way_size`: `[W]` int32, how many
+    they are. way_ticks: `[W]` int32, the nominal duration. way_load: `[W, O]` int32, the stress
+    that it puts on each. way_open: `[W]` bool, False where no schedule can hold it: more operators
+    than the tool or the zone has places, or a way that a partner in
       `same_operator` lacks.
-    spread: `[W]` float32, coefficient of variation of the duration that the cell states; 0 when it states none.
-    needs: `[T, T]` bool, `needs[i, j]`: task i comes after task j.
-    release, deadline: `[T]` int32; a task without a deadline has NEVER.
-    tail: `[T]` int32, the longest chain of tasks that starts with the task, each in its quickest way.
-    human: `[O]` bool.
-    rank: `[O]` int32, who decides first at one moment: the humans, then the robots, in the cell's order.
-    way_tool: `[W]` int32, the tool that it needs in hand, -1 for none; `[0]` when tools play no part.
-    swap: `[W, O]` int32, how long the operator takes to take that tool up when it holds another one; `[0, O]` when tools play no part.
-    of_tool, of_zone: `[T, U]`, `[T, Z]` bool, the tool and the zone that the task needs.
-    tool_places, zone_places: `[U]`, `[Z]` int32, how many operators have room.
+    spread: `[W]` float32, coefficient of variation of the duration that the cell states; 0 when it
+    states none. needs: `[T, T]` bool, `needs[i, j]`: task i comes after task j. release, deadline:
+    `[T]` int32; a task without a deadline has NEVER. tail: `[T]` int32, the longest chain of tasks
+    that starts with the task, each in its quickest way. human: `[O]` bool. rank: `[O]` int32, who
+    decides first at one moment: the humans, then the robots, in the cell's order. way_tool: `[W]`
+    int32, the tool that it needs in hand, -1 for none; `[0]` when tools play no part. swap: `[W,
+    O]` int32, how long the operator takes to take that tool up when it holds another one; `[0, O]`
+    when tools play no part. of_tool, of_zone: `[T, U]`, `[T, Z]` bool, the tool and the zone that
+    the task needs. tool_places, zone_places: `[U]`, `[Z]` int32, how many operators have room.
     in_hand: `[O]` int32, the tool in hand at the start, -1 while the first one costs nothing.
-    break_from, break_to: `[O, B]` int32, sorted; NEVER where an operator has fewer.
-    limit: `[O]` int32, the most stress, NEVER for who has no limit; `[0]` when nobody has one.
-    must: `[T, O]` int32, the least stress that the task puts on the operator in any of its ways.
-    same: `[T, T]` bool, True where two different tasks must be done by the same operators; `[0, 0]` when there are none.
-    sets, set_stress: `[S, T]` bool and `[S]` int32: the cell's `stress_of_set`.
-    undo: `[W]` int32, how long the disassembly takes of what was mounted wrongly; `[0]` when nobody makes mistakes.
-    above: `[T, T]` bool, `above[i, j]`: task i comes after task j, directly or not; `[0, 0]` when nobody makes mistakes.
+    break_from, break_to: `[O, B]` int32, sorted; NEVER where an operator has fewer. limit: `[O]`
+    int32, the most stress, NEVER for who has no limit; `[0]` when nobody has one. must: `[T, O]`
+    int32, the least stress that the task puts on the operator in any of its ways. same: `[T, T]`
+    bool, True where two different tasks must be done by the same operators; `[0, 0]` when there are
+    none. sets, set_stress: `[S, T]` bool and `[S]` int32: the cell's `stress_of_set`. undo: `[W]`
+    int32, how long the disassembly takes of what was mounted wrongly; `[0]` when nobody makes
+    mistakes. above: `[T, T]` bool, `above[i, j]`: task i comes after task j, directly or not; `[0,
+    0]` when nobody makes mistakes.
     """
 
     way_task: Array
@@ -100,8 +105,10 @@ def arrays(cell: Cell, *, per_second: int | None = None, undo: float | None = No
     """The cell as arrays.
 
     Args:
-      per_second: ticks in a second; a multiple of what makes every time of the cell whole. 1000 or so when absent.
-      undo: what the disassembly of a task takes, as a share of the task's own time; None when nobody makes mistakes.
+      per_second: ticks in a second; a multiple of what makes every time of the cell whole. 1000 or
+        so when absent.
+      undo: what the disassembly of a task takes, as a share of the task's own time; None when
+        nobody makes mistakes.
 
     Raises:
       CellError: times or stresses are too large to be counted in whole numbers of 32 bits.
@@ -134,7 +141,8 @@ class Names:
                 per_second *= 10
         elif isinstance(per_second, bool) or per_second < 1 or per_second % instance.per_second:
             raise UsageError(
-                f"per_second is {per_second!r}: the times of this cell are whole in ticks of 1/{instance.per_second} s; give a multiple of that."
+                f"per_second is {per_second!r}: the times of this cell are whole in ticks of"
+                f" 1/{instance.per_second} s; give a multiple of that."
             )
         _must_fit(instance, per_second)
         return cls(cell, per_second, instance.per_stress)
@@ -155,9 +163,15 @@ class Names:
         return tuple((task, mode) for task in self.cell.tasks for mode in self.cell.modes(task))
 
     def way(self, task: str, operators: Sequence[str]) -> int:
-        """The number of the way in which these operators do the task; -1 when there is none. The quickest, should there be several."""
+        """The number of the way in which these operators do the task; -1 when there is none. The
+        quickest, should there be several.
+        """
         who = set(operators)
-        found = [(mode.time, way) for way, (name, mode) in enumerate(self.ways) if name == task and set(mode.operators) == who]
+        found = [
+            (mode.time, way)
+            for way, (name, mode) in enumerate(self.ways)
+            if name == task and set(mode.operators) == who
+        ]
         return min(found, default=(0.0, -1))[1]
 
     def ticks(self, seconds: float) -> int:
@@ -179,15 +193,28 @@ class Names:
 
     def schedule(self, way: Array, start_at: Array, end_at: Array) -> Schedule:
         """`[T]` each, as a state holds them -> the tasks that have begun, in names and seconds."""
-        rows = zip(np.asarray(way).tolist(), np.asarray(start_at).tolist(), np.asarray(end_at).tolist(), strict=True)
+        rows = zip(
+            np.asarray(way).tolist(),
+            np.asarray(start_at).tolist(),
+            np.asarray(end_at).tolist(),
+            strict=True,
+        )
         return Schedule(tuple(self.assignment(*row) for row in rows if row[0] >= 0))
 
     def arrays(self, *, undo: float | None = None) -> Arrays:
         """See `arrays`."""
         if undo is not None and not 0 < undo <= 100:
-            raise UsageError(f"undo is {undo!r}: give the share of a task's time that its disassembly takes, more than 0, at most 100.")
+            raise UsageError(
+                f"undo is {undo!r}: give the share of a task's time that its disassembly takes,"
+                " more than 0, at most 100."
+            )
         layout = Layout.of(Instance.of(self.cell))
-        return Arrays(**{key: _in_32_bits(part) for make in PARTS for key, part in make(self, layout).items()}, **_undoing(self, layout, undo))
+        return Arrays(
+            **{
+                key: _in_32_bits(part) for make in PARTS for key, part in make(self, layout).items()
+            },
+            **_undoing(self, layout, undo),
+        )
 
 
 def namespace(array: Array) -> Any:
@@ -196,7 +223,11 @@ def namespace(array: Array) -> Any:
 
 
 def _ways(names: Names, layout: Layout) -> dict[str, Any]:
-    instance, modes, scale = layout.instance, names.ways, names.per_second // layout.instance.per_second
+    instance, modes, scale = (
+        layout.instance,
+        names.ways,
+        names.per_second // layout.instance.per_second,
+    )
     task = [instance.tasks.index(name) for name, _ in modes]
     uses = np.array([[who in mode.operators for who in names.operators] for _, mode in modes])
     flat = [way for row in instance.ways for way in row]
@@ -204,7 +235,9 @@ def _ways(names: Names, layout: Layout) -> dict[str, Any]:
     for row, way in zip(load, flat, strict=True):
         row[list(way.operators)] = way.load
     nothing_is_listed = instance.stress_of_set is not None and not instance.stress_of_set
-    opened = [set[int]() if nothing_is_listed else {step.way for step in steps} for steps in layout.steps]
+    opened = [
+        set[int]() if nothing_is_listed else {step.way for step in steps} for steps in layout.steps
+    ]
     place = [sum(other == mine for other in task[:way]) for way, mine in enumerate(task)]
     return {
         "way_task": np.array(task),
@@ -213,27 +246,38 @@ def _ways(names: Names, layout: Layout) -> dict[str, Any]:
         "way_size": uses.sum(axis=1),
         "way_ticks": np.array([way.ticks * scale for way in flat]),
         "way_load": load,
-        "way_open": np.array([number in opened[mine] for number, mine in zip(place, task, strict=True)]),
+        "way_open": np.array(
+            [number in opened[mine] for number, mine in zip(place, task, strict=True)]
+        ),
         "spread": np.array([_spread(names.cell, name, mode) for name, mode in modes], np.float32),
     }
 
 
 def _tasks(names: Names, layout: Layout) -> dict[str, Any]:
-    instance, scale, count = layout.instance, names.per_second // layout.instance.per_second, len(names.tasks)
+    instance, scale, count = (
+        layout.instance,
+        names.per_second // layout.instance.per_second,
+        len(names.tasks),
+    )
     needs = np.zeros((count, count), bool)
     for task, firsts in enumerate(instance.before):
         needs[task, list(firsts)] = True
     return {
         "needs": needs,
         "release": np.array(instance.release) * scale,
-        "deadline": np.array([NEVER if ticks is None else ticks * scale for ticks in instance.deadline]),
+        "deadline": np.array(
+            [NEVER if ticks is None else ticks * scale for ticks in instance.deadline]
+        ),
         "tail": np.array(layout.tail) * scale,
     }
 
 
 def _operators(names: Names, layout: Layout) -> dict[str, Any]:
     instance, scale = layout.instance, names.per_second // layout.instance.per_second
-    order = sorted(range(len(instance.operators)), key=lambda operator: (not instance.human[operator], operator))
+    order = sorted(
+        range(len(instance.operators)),
+        key=lambda operator: (not instance.human[operator], operator),
+    )
     rest = np.full((len(instance.operators), max(map(len, instance.breaks)), 2), NEVER, np.int64)
     for row, breaks in zip(rest, instance.breaks, strict=True):
         row[: len(breaks)] = np.array(breaks, np.int64).reshape(-1, 2) * scale
@@ -244,27 +288,45 @@ def _operators(names: Names, layout: Layout) -> dict[str, Any]:
         "in_hand": np.array([-1 if tool is None else tool for tool in instance.in_hand]),
         "break_from": rest[..., 0],
         "break_to": rest[..., 1],
-        "limit": np.array([NEVER if limit is None else limit for limit in instance.stress_limit] if limited else [], np.int64),
+        "limit": np.array(
+            (
+                [NEVER if limit is None else limit for limit in instance.stress_limit]
+                if limited
+                else []
+            ),
+            np.int64,
+        ),
         "must": np.array(layout.must),
     }
 
 
 def _places(names: Names, layout: Layout) -> dict[str, Any]:
-    instance, scale, tasks = layout.instance, names.per_second // layout.instance.per_second, len(names.tasks)
+    instance, scale, tasks = (
+        layout.instance,
+        names.per_second // layout.instance.per_second,
+        len(names.tasks),
+    )
     tools = len(instance.tools) if any(tool >= 0 for tool in layout.tool) else 0
     zones = len(instance.zones) if any(zone >= 0 for zone in layout.zone) else 0
     flat = [(task, way) for task, row in enumerate(instance.ways) for way in row] if tools else []
     swap = np.zeros((len(flat), len(instance.operators)), np.int64)
     for row, (task, way) in zip(swap, flat, strict=True):
         if layout.tool[task] >= 0:
-            row[list(way.operators)] = [instance.changeover[layout.tool[task]][operator] * scale for operator in way.operators]
+            row[list(way.operators)] = [
+                instance.changeover[layout.tool[task]][operator] * scale
+                for operator in way.operators
+            ]
     return {
         "way_tool": np.array([layout.tool[task] for task, _ in flat], np.int64),
         "swap": swap,
         "of_tool": np.arange(tools)[None, :] == np.array(layout.tool).reshape(tasks, 1),
-        "tool_places": np.array([places or len(instance.operators) for places in layout.tool_places[:tools]], np.int64),
+        "tool_places": np.array(
+            [places or len(instance.operators) for places in layout.tool_places[:tools]], np.int64
+        ),
         "of_zone": np.arange(zones)[None, :] == np.array(layout.zone).reshape(tasks, 1),
-        "zone_places": np.array([places or len(instance.operators) for places in layout.zone_places[:zones]], np.int64),
+        "zone_places": np.array(
+            [places or len(instance.operators) for places in layout.zone_places[:zones]], np.int64
+        ),
     }
 
 
@@ -273,10 +335,18 @@ def _sets(names: Names, layout: Layout) -> dict[str, Any]:
     team = np.array(layout.team)
     teams = (team[:, None] == team[None, :]) & (team >= 0)[:, None] & ~np.eye(count, dtype=bool)
     listed = instance.stress_of_set or {}
-    table = {tasks: units for tasks, units in listed.items() if not layout.with_humans_at(tasks).impossible()} or listed
+    table = {
+        tasks: units
+        for tasks, units in listed.items()
+        if not layout.with_humans_at(tasks).impossible()
+    } or listed
     return {
         "same": teams if teams.any() else np.zeros((0, 0), bool),
-        "sets": np.array([[task in tasks for task in range(count)] for tasks in table], bool).reshape(len(table), count),
+        "sets": (
+            np.array([[task in tasks for task in range(count)] for tasks in table], bool).reshape(
+                len(table), count
+            )
+        ),
         "set_stress": np.array(list(table.values()), np.int64),
     }
 
@@ -299,7 +369,9 @@ def _undoing(names: Names, layout: Layout, undo: float | None) -> dict[str, Any]
 def _spread(cell: Cell, task: str, mode: Mode) -> float:
     """The largest that the cell states for anyone who takes part."""
     stated = cell.tasks[task].spread
-    return stated if isinstance(stated, float) else max(stated.get(who, 0.0) for who in mode.operators)
+    return (
+        stated if isinstance(stated, float) else max(stated.get(who, 0.0) for who in mode.operators)
+    )
 
 
 def _in_32_bits(part: Array) -> Array:
@@ -317,12 +389,19 @@ def _must_fit(instance: Instance, per_second: int) -> None:
     if ROOM * per_second * _horizon(instance) >= NEVER:
         faults.append(
             Fault(
-                f"all work one after the other takes {_horizon(instance):.6g} s, and the times are counted in ticks of 1/{per_second} s: "
-                f"more ticks than the simulation can count. Round the times to a coarser step, or cut the cell.",
+                f"all work one after the other takes {_horizon(instance):.6g} s, and the times are"
+                f" counted in ticks of 1/{per_second} s: more ticks than the simulation can count."
+                " Round the times to a coarser step, or cut the cell.",
                 ("tasks",),
             )
         )
     if sum(max(way.stress for way in row) for row in instance.ways) >= NEVER // ROOM:
-        faults.append(Fault("the stresses have too wide a range for the simulation to count. Round them to a coarser step.", ("tasks",)))
+        faults.append(
+            Fault(
+                "the stresses have too wide a range for the simulation to count. Round them to a"
+                " coarser step.",
+                ("tasks",),
+            )
+        )
     if faults:
         raise CellError(faults)

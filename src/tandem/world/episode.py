@@ -1,8 +1,11 @@
-"""Cell, chance, people and a decider together: one step, and whole episodes, in JAX for many at once or in NumPy for one.
+"""Cell, chance, people and a decider together: one step, and whole episodes, in JAX for many at
+once or in NumPy for one.
 
-Somebody's turn it is, or time runs on. Whose turn it is hears what the decider wants it to do: a way, or -1 for waiting. A robot does it; a
-person answers as it likes (`people.choose`). What a person begins may go wrong, and takes as long as chance, pace, habit and fatigue have it. The
-decider sees none of that before it shows: it must read running work through `expected_ends`, not through `State.end_at`.
+Somebody's turn it is, or time runs on. Whose turn it is hears what the decider wants it to do: a
+way, or -1 for waiting. A robot does it; a person answers as it likes (`people.choose`). What a
+person begins may go wrong, and takes as long as chance, pace, habit and fatigue have it. The
+decider sees none of that before it shows: it must read running work through `expected_ends`, not
+through `State.end_at`.
 """
 
 from __future__ import annotations
@@ -19,7 +22,15 @@ from tandem.world import people as crew
 from tandem.world import state as world
 from tandem.world.arrays import NEVER, Array, Arrays, Names, namespace
 from tandem.world.people import Person
-from tandem.world.randomness import Draw, Fate, away_until, fate, next_absence, real_ticks, with_rests
+from tandem.world.randomness import (
+    Draw,
+    Fate,
+    away_until,
+    fate,
+    next_absence,
+    real_ticks,
+    with_rests,
+)
 from tandem.world.state import State
 
 if TYPE_CHECKING:
@@ -30,13 +41,13 @@ class Shift(NamedTuple):
     """An episode under way.
 
     state: the assembly.
-    mask: `[W]` bool, what is legal now. turn: `[]` int32, whose turn it is, -1 when time has to run on.
-    fatigue: `[O]` float32, of each when its last work ended (or ends).
-    begun: `[O]` int32, tasks that each has begun. asked: `[O]` int32, decisions that each has made.
-    suggested: `[O]` int32, the task that each was asked to do and has not begun; -1 for none.
-    changes: `[]` int32, how often somebody was asked for another task although the one before was still open.
-    illegal: `[]` int32, suggestions that were not legal; they count as waiting.
-    decisions, events: `[]` int32, turns taken, and times that time ran on.
+    mask: `[W]` bool, what is legal now. turn: `[]` int32, whose turn it is, -1 when time has to run
+    on. fatigue: `[O]` float32, of each when its last work ended (or ends). begun: `[O]` int32,
+    tasks that each has begun. asked: `[O]` int32, decisions that each has made. suggested: `[O]`
+    int32, the task that each was asked to do and has not begun; -1 for none. changes: `[]` int32,
+    how often somebody was asked for another task although the one before was still open. illegal:
+    `[]` int32, suggestions that were not legal; they count as waiting. decisions, events: `[]`
+    int32, turns taken, and times that time ran on.
     """
 
     state: State
@@ -53,7 +64,9 @@ class Shift(NamedTuple):
 
 
 Decider = Callable[[Arrays, Shift], Array]
-"""`[]` int, the way that whose turn it is should begin, or -1 to wait. Its answer counts for nothing while `turn` is -1."""
+"""`[]` int, the way that whose turn it is should begin, or -1 to wait. Its answer counts for
+nothing while `turn` is -1.
+"""
 
 
 def begin(arrays: Arrays, people: Person) -> Shift:
@@ -64,17 +77,38 @@ def begin(arrays: Arrays, people: Person) -> Shift:
     mask = world.legal(arrays, state)
     nobody = xp.zeros(operators, xp.int32)
     fatigue = xp.asarray(people.fatigue, dtype=xp.float32)
-    return Shift(state, mask, world.turn(arrays, mask), fatigue, nobody, nobody, nobody - 1, zero, zero, zero, zero)
+    return Shift(
+        state,
+        mask,
+        world.turn(arrays, mask),
+        fatigue,
+        nobody,
+        nobody,
+        nobody - 1,
+        zero,
+        zero,
+        zero,
+        zero,
+    )
 
 
 def step(arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array) -> Shift:
-    """Whose turn it is decides, having been asked to begin `way` (`[]` int, -1 to wait); or time runs on when it is nobody's."""
+    """Whose turn it is decides, having been asked to begin `way` (`[]` int, -1 to wait); or time
+    runs on when it is nobody's.
+    """
     xp = namespace(shift.mask)
     if xp is np:
-        return decide(arrays, fate, people, shift, way) if shift.turn >= 0 else run_on(arrays, fate, shift)
+        return (
+            decide(arrays, fate, people, shift, way)
+            if shift.turn >= 0
+            else run_on(arrays, fate, shift)
+        )
     mine, later = _decided(arrays, fate, people, shift, way), _later(arrays, fate, shift)
     ours = shift.turn >= 0
-    return _judged(arrays, Shift(*(_chosen(xp, ours, one, other) for one, other in zip(mine, later, strict=True))))
+    return _judged(
+        arrays,
+        Shift(*(_chosen(xp, ours, one, other) for one, other in zip(mine, later, strict=True))),
+    )
 
 
 def decide(arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array) -> Shift:
@@ -94,13 +128,18 @@ def is_over(arrays: Arrays, shift: Shift) -> Array:
 
 
 def expected_ends(arrays: Arrays, state: State) -> Array:
-    """`[T]` int32, when work that is done ended, and when work in hand should end by the stated times (the clock, when that has passed); NEVER for
-    what is open."""
+    """`[T]` int32, when work that is done ended, and when work in hand should end by the stated
+    times (the clock, when that has passed); NEVER for what is open.
+    """
     xp = namespace(state.way)
     in_use = xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]
     stated = xp.where(in_use, arrays.way_ticks[:, None], 0).sum(axis=0, dtype=xp.int32)
     if arrays.undo.shape[0]:
-        stated = xp.where(state.undoing, xp.where(in_use, arrays.undo[:, None], 0).sum(axis=0, dtype=xp.int32), stated)
+        stated = xp.where(
+            state.undoing,
+            xp.where(in_use, arrays.undo[:, None], 0).sum(axis=0, dtype=xp.int32),
+            stated,
+        )
     running = (state.way >= 0) & ~world.mounted(state)
     start = xp.where(running, state.start_at, 0)
     return xp.where(running, xp.maximum(start + stated, state.clock), state.end_at)
@@ -118,7 +157,9 @@ def _chosen(xp: Any, which: Array, one: Any, other: Any) -> Any:
 
 
 def _later(arrays: Arrays, fate: Fate, shift: Shift) -> Shift:
-    """Time has run on. Where nothing was to come, because of refusals, those who refused are asked again."""
+    """Time has run on. Where nothing was to come, because of refusals, those who refused are asked
+    again.
+    """
     xp, state = namespace(shift.mask), shift.state
     insists = (world.next_event(arrays, state) == NEVER) & ~state.waits.any()
     if fate.away_from.shape[0]:
@@ -126,7 +167,10 @@ def _later(arrays: Arrays, fate: Fate, shift: Shift) -> Shift:
         moved = moved._replace(away_until=away_until(fate, moved.clock))
     else:
         moved = world.advance(arrays, state)
-    return shift._replace(state=moved._replace(refused=state.refused & ~insists), events=(shift.events + 1).astype(xp.int32))
+    return shift._replace(
+        state=moved._replace(refused=state.refused & ~insists),
+        events=(shift.events + 1).astype(xp.int32),
+    )
 
 
 def _decided(arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array) -> Shift:
@@ -135,17 +179,27 @@ def _decided(arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Arra
     me = xp.arange(arrays.human.shape[0]) == who
     operators, decisions, _ = fate.mood.shape
     asked_before = xp.where(me, shift.asked, 0).sum(dtype=xp.int32)
-    mood = fate.mood.reshape(operators * decisions, 3)[xp.maximum(who, 0) * decisions + asked_before % decisions]
+    mood = fate.mood.reshape(operators * decisions, 3)[
+        xp.maximum(who, 0) * decisions + asked_before % decisions
+    ]
     can_wait = world.may_wait(arrays, state, shift.mask, who)
     answer = crew.choose(arrays, state, crew.of(people, who), who, mine, way, can_wait, mood)
     begins, noticed, missed = _slipped(xp, arrays, fate, people, shift, answer.way)
     team = (arrays.way_uses & _is(xp, arrays, begins)[:, None]).any(axis=0)
     ticks, fatigue = _work(xp, arrays, fate, people, shift, begins, team)
     after = world.assign(arrays, state, begins, ticks, noticed)
-    after = after._replace(tries=(after.tries + missed).astype(xp.int32)) if arrays.undo.shape[0] else after
+    after = (
+        after._replace(tries=(after.tries + missed).astype(xp.int32))
+        if arrays.undo.shape[0]
+        else after
+    )
     after = world.wait(after, xp.where((begins < 0) & ~answer.refuses, who, -1))
     wanted = (_is(xp, arrays, way)[:, None] & arrays.of_task & mine[:, None]).any(axis=0)
-    refused = (arrays.of_task & wanted[None, :]).any(axis=1) & (arrays.way_uses & me[None, :]).any(axis=1) & answer.refuses
+    refused = (
+        (arrays.of_task & wanted[None, :]).any(axis=1)
+        & (arrays.way_uses & me[None, :]).any(axis=1)
+        & answer.refuses
+    )
     before = xp.where(me, shift.suggested, 0).sum(dtype=xp.int32) + xp.where(me.any(), 0, -1)
     task = xp.where(wanted.any(), wanted.argmax(), -1).astype(xp.int32)
     still_open = ((xp.arange(arrays.needs.shape[0]) == before) & (state.way < 0)).any()
@@ -155,7 +209,9 @@ def _decided(arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Arra
         fatigue=xp.where(team, fatigue, shift.fatigue).astype(xp.float32),
         begun=shift.begun + team,
         asked=shift.asked + me,
-        suggested=xp.where(me, xp.where((begins < 0) & ~answer.refuses, task, -1), shift.suggested).astype(xp.int32),
+        suggested=xp.where(
+            me, xp.where((begins < 0) & ~answer.refuses, task, -1), shift.suggested
+        ).astype(xp.int32),
         changes=(shift.changes + changed).astype(xp.int32),
         illegal=(shift.illegal + ((way >= 0) & ~wanted.any())).astype(xp.int32),
         decisions=(shift.decisions + 1).astype(xp.int32),
@@ -167,8 +223,12 @@ def _is(xp: Any, arrays: Arrays, way: Array) -> Array:
     return xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32) == way
 
 
-def _slipped(xp: Any, arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array) -> tuple[Array, Array | None, Array]:
-    """What really begins; when it is noticed that it was wrong (NEVER: it is right); and `[M]` bool, the task that was meant if another is begun."""
+def _slipped(
+    xp: Any, arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array
+) -> tuple[Array, Array | None, Array]:
+    """What really begins; when it is noticed that it was wrong (NEVER: it is right); and `[M]`
+    bool, the task that was meant if another is begun.
+    """
     if not arrays.undo.shape[0]:
         return way, None, shift.state.undoing
     state, chosen = shift.state, _is(xp, arrays, way)
@@ -182,28 +242,50 @@ def _slipped(xp: Any, arrays: Arrays, fate: Fate, people: Person, shift: Shift, 
 
     careless = xp.where(team, people.forgets, 0.0).max()
     wrong = attempt.any() & (drawn(fate.slip) < careless) & ~comes_off
-    premature = world.out_of_order(arrays, state) & world.legal_of(arrays, arrays.way_size == 1, shift.turn)
+    premature = world.out_of_order(arrays, state) & world.legal_of(
+        arrays, arrays.way_size == 1, shift.turn
+    )
     other = (premature.cumsum() > drawn(fate.order) * premature.sum()).argmax()
-    strays = wrong & (drawn(fate.order) < 1) & premature.any() & ((xp.arange(arrays.human.shape[0]) == shift.turn) & arrays.human).any()
-    return xp.where(strays, other, way).astype(xp.int32), xp.where(wrong, drawn(fate.notice), NEVER).astype(xp.int32), task & strays
+    strays = (
+        wrong
+        & (drawn(fate.order) < 1)
+        & premature.any()
+        & ((xp.arange(arrays.human.shape[0]) == shift.turn) & arrays.human).any()
+    )
+    return (
+        xp.where(strays, other, way).astype(xp.int32),
+        xp.where(wrong, drawn(fate.notice), NEVER).astype(xp.int32),
+        task & strays,
+    )
 
 
-def _work(xp: Any, arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array, team: Array) -> tuple[Array, Array]:
-    """How long the way really takes, and `[O]` how tired each would be after it. The slowest of a team sets the pace (ASSUMPTION)."""
+def _work(
+    xp: Any, arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array, team: Array
+) -> tuple[Array, Array]:
+    """How long the way really takes, and `[O]` how tired each would be after it. The slowest of a
+    team sets the pace (ASSUMPTION).
+    """
     state, chosen = shift.state, _is(xp, arrays, way)
     start = xp.where(chosen, world.starts(arrays, state), 0).sum(dtype=xp.int32)
     stated = xp.where(chosen, world.nominal(arrays, state), 0).sum(dtype=xp.int32)
     fresh = crew.rested(people, shift.fatigue, xp.maximum(start - state.free_at, 0))
     slowest = xp.where(team, crew.time_factor(people, fresh, shift.begun), 0.0).max()
-    tries = xp.where((arrays.of_task & chosen[:, None]).any(axis=0), state.tries, 0).sum(dtype=xp.int32) if arrays.undo.shape[0] else 0
+    tries = (
+        xp.where((arrays.of_task & chosen[:, None]).any(axis=0), state.tries, 0).sum(dtype=xp.int32)
+        if arrays.undo.shape[0]
+        else 0
+    )
     drawn = real_ticks(fate, arrays, way, tries, stated)
-    more = drawn * slowest - stated  # added to the whole number, so that the stated time stays what it is
+    # added to the whole number, so that the stated time stays what it is
+    more = drawn * slowest - stated
     ticks = with_rests(fate, start, xp.maximum(1, stated + xp.rint(more).astype(xp.int32)), team)
     return ticks, crew.tired(people, fresh, chosen, ticks)
 
 
 class Played(NamedTuple):
-    """An episode that has ended. All as in `Shift` and `State`, and: makespan, stress: `[]` int32, ticks and units; done: `[]` bool, all was done."""
+    """An episode that has ended. All as in `Shift` and `State`, and: makespan, stress: `[]` int32,
+    ticks and units; done: `[]` bool, all was done.
+    """
 
     makespan: Array
     stress: Array
@@ -211,21 +293,33 @@ class Played(NamedTuple):
     shift: Shift
 
 
-def play(arrays: Arrays, fate: Fate, people: Person, decide: Decider, limit: int = 10_000) -> Played:
-    """A whole episode in JAX; ends after `limit` steps at the latest. `jit` it, `vmap` it over fates, people and cells."""
+def play(
+    arrays: Arrays, fate: Fate, people: Person, decide: Decider, limit: int = 10_000
+) -> Played:
+    """A whole episode in JAX; ends after `limit` steps at the latest. `jit` it, `vmap` it over
+    fates, people and cells.
+    """
     import jax
 
     def goes_on(shift: Shift) -> Array:
         return ~is_over(arrays, shift) & (shift.decisions + shift.events < limit)
 
-    shift = jax.lax.while_loop(goes_on, lambda shift: step(arrays, fate, people, shift, decide(arrays, shift)), begin(arrays, people))
+    shift = jax.lax.while_loop(
+        goes_on,
+        lambda shift: step(arrays, fate, people, shift, decide(arrays, shift)),
+        begin(arrays, people),
+    )
     return _played(arrays, shift)
 
 
-def play_many(key: jax.Array, draw: Draw, arrays: Arrays, people: Person, decide: Decider) -> Played:
-    """Episodes in JAX, one for each person of `people` (leading axis `E`, which everything returned has, too).
+def play_many(
+    key: jax.Array, draw: Draw, arrays: Arrays, people: Person, decide: Decider
+) -> Played:
+    """Episodes in JAX, one for each person of `people` (leading axis `E`, which everything returned
+    has, too).
 
-    The e-th episode of a key has the same chance whoever decides. `draw` and `decide` are static: the same ones compile once.
+    The e-th episode of a key has the same chance whoever decides. `draw` and `decide` are static:
+    the same ones compile once.
     """
     return _compiled(draw, decide)(key, arrays, people)
 
@@ -265,15 +359,34 @@ class Episode:
     changes: int
 
 
-def play_one(names: Names, arrays: Arrays, fate: Fate, people: Person, decide: Decider, limit: int = 10_000) -> Episode:
-    """A whole episode in NumPy, under a decider in Python; the same functions as `play`. Ends after `limit` steps at the latest."""
+def play_one(
+    names: Names, arrays: Arrays, fate: Fate, people: Person, decide: Decider, limit: int = 10_000
+) -> Episode:
+    """A whole episode in NumPy, under a decider in Python; the same functions as `play`. Ends after
+    `limit` steps at the latest.
+    """
     shift, work, undone = begin(arrays, people), list[Assignment](), list[Assignment]()
     for _ in range(limit):
         if is_over(arrays, shift):
             break
-        before, shift = shift, step(arrays, fate, people, shift, decide(arrays, shift) if shift.turn >= 0 else np.int32(-1))
-        for task in np.flatnonzero((shift.state.start_at != before.state.start_at) & (shift.state.way >= 0)):
-            row = names.assignment(int(shift.state.way[task]), int(shift.state.start_at[task]), int(shift.state.end_at[task]))
+        before, shift = (
+            shift,
+            step(
+                arrays,
+                fate,
+                people,
+                shift,
+                decide(arrays, shift) if shift.turn >= 0 else np.int32(-1),
+            ),
+        )
+        for task in np.flatnonzero(
+            (shift.state.start_at != before.state.start_at) & (shift.state.way >= 0)
+        ):
+            row = names.assignment(
+                int(shift.state.way[task]),
+                int(shift.state.start_at[task]),
+                int(shift.state.end_at[task]),
+            )
             work.append(row)
             if shift.state.undoing.any() and shift.state.undoing[task]:
                 undone.append(row)
@@ -291,4 +404,9 @@ def play_one(names: Names, arrays: Arrays, fate: Fate, people: Person, decide: D
 
 
 def _played(arrays: Arrays, shift: Shift) -> Played:
-    return Played(world.makespan(shift.state), world.stress(arrays, shift.state), world.is_done(shift.state), shift)
+    return Played(
+        world.makespan(shift.state),
+        world.stress(arrays, shift.state),
+        world.is_done(shift.state),
+        shift,
+    )

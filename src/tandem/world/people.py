@@ -1,7 +1,9 @@
-"""The people at the station: what they choose when they are asked, and how long they really take. Parameters as data; `vmap` maps over people.
+"""The people at the station: what they choose when they are asked, and how long they really take.
+Parameters as data; `vmap` maps over people.
 
-A decider suggests a task to a person, or asks it to wait; `choose` answers with a way that is legal, or with waiting. What is known of a person to
-nobody but itself stands in `Person`; how tired it is and how much it has done, in the episode (`episode.py`). Persons are made from a text
+A decider suggests a task to a person, or asks it to wait; `choose` answers with a way that is
+legal, or with waiting. What is known of a person to nobody but itself stands in `Person`; how tired
+it is and how much it has done, in the episode (`episode.py`). Persons are made from a text
 (`crowd.py`): "compliant", "random:0.5", "pace:2+forgetful:0.1", ...
 """
 
@@ -16,21 +18,22 @@ from tandem.world.state import State, legal_of
 
 
 class Person(NamedTuple):
-    """One person, or one in each row; floats are float32. The default person of `compliant` does what it is asked, in the stated time.
+    """One person, or one in each row; floats are float32. The default person of `compliant` does
+    what it is asked, in the stated time.
 
-    random: `[]`, probability, tossed at each decision, of picking uniformly among the legal tasks whatever was suggested.
-    follows: `[]`, what a suggestion is worth to it, on the scale of `taste`.
-    obeys: `[]`, 1 when it waits if asked to, else 0.
-    taste: `[W]`, how much it likes each way; it takes the legal one of the largest taste plus `follows` where it was suggested.
-    pace: `[]`, factor on its times, told to nobody: 2 is twice as slow.
-    learning: `[]`, exponent b of the power law: the n-th task takes n ** -b of the first's time; `experience`: `[]`, tasks done before the episode.
-    fatigue: `[]`, F in 0..1 at the start.
-    tires: `[W]`, rate at which F grows while it works in this way, per tick: F <- 1 - (1 - F) exp(-rate ticks).
-    recovers: `[]`, rate at which it falls at rest, per tick: F <- F exp(-rate ticks).
-    slows: `[]`, work takes 1 + slows F of its time.
-    forgets: `[]`, probability that a task goes wrong.
-    refuses: `[]`, probability, at each suggestion, of refusing the task for good, where there is another way to do it; else it is put off.
-    postpones: `[]`, probability of putting a suggested task off: nothing until the next event, where that is possible.
+    random: `[]`, probability, tossed at each decision, of picking uniformly among the legal tasks
+    whatever was suggested. follows: `[]`, what a suggestion is worth to it, on the scale of
+    `taste`. obeys: `[]`, 1 when it waits if asked to, else 0. taste: `[W]`, how much it likes each
+    way; it takes the legal one of the largest taste plus `follows` where it was suggested. pace:
+    `[]`, factor on its times, told to nobody: 2 is twice as slow. learning: `[]`, exponent b of the
+    power law: the n-th task takes n ** -b of the first's time; `experience`: `[]`, tasks done
+    before the episode. fatigue: `[]`, F in 0..1 at the start. tires: `[W]`, rate at which F grows
+    while it works in this way, per tick: F <- 1 - (1 - F) exp(-rate ticks). recovers: `[]`, rate at
+    which it falls at rest, per tick: F <- F exp(-rate ticks). slows: `[]`, work takes 1 + slows F
+    of its time. forgets: `[]`, probability that a task goes wrong. refuses: `[]`, probability, at
+    each suggestion, of refusing the task for good, where there is another way to do it; else it is
+    put off. postpones: `[]`, probability of putting a suggested task off: nothing until the next
+    event, where that is possible.
     """
 
     random: Array
@@ -50,8 +53,10 @@ class Person(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """What a person does when asked. way: `[]` int32, -1 when it begins nothing. refuses: `[]` bool, it will not do the suggested task any more, and
-    is asked again at once; else with a way of -1 it waits until the next event."""
+    """What a person does when asked. way: `[]` int32, -1 when it begins nothing. refuses: `[]`
+    bool, it will not do the suggested task any more, and is asked again at once; else with a way of
+    -1 it waits until the next event.
+    """
 
     way: Array
     refuses: Array
@@ -66,11 +71,15 @@ def compliant(arrays: Arrays) -> Person:
 
 def stacked(people: list[Person]) -> Person:
     """Several persons as one, with a leading axis."""
-    return Person(*(np.stack([np.asarray(value) for value in values]) for values in zip(*people, strict=True)))
+    return Person(
+        *(np.stack([np.asarray(value) for value in values]) for values in zip(*people, strict=True))
+    )
 
 
 def crew(arrays: Arrays, person: Person) -> Person:
-    """`[O]` persons: this one for each human; a robot does what it is told and takes the stated time."""
+    """`[O]` persons: this one for each human; a robot does what it is told and takes the stated
+    time.
+    """
     xp = namespace(person.taste)
     robot = compliant(arrays)
 
@@ -93,7 +102,16 @@ def of(people: Person, operator: Array) -> Person:
     return Person(*map(pick, people))
 
 
-def choose(arrays: Arrays, state: State, person: Person, operator: Array, legal: Array, suggested: Array, can_wait: Array, mood: Array) -> Answer:
+def choose(
+    arrays: Arrays,
+    state: State,
+    person: Person,
+    operator: Array,
+    legal: Array,
+    suggested: Array,
+    can_wait: Array,
+    mood: Array,
+) -> Answer:
     """What the person does.
 
     Args:
@@ -121,12 +139,18 @@ SLIGHTLY = 1e-4
 
 
 def time_factor(person: Person, fatigue: Array, done: Array) -> Array:
-    """What the times of a person, or of each of a crew, are multiplied by at this fatigue and after so many tasks.
+    """What the times of a person, or of each of a crew, are multiplied by at this fatigue and after
+    so many tasks.
 
-    Source of the power law: Wright (1936), J. Aeronautical Sciences 3(4). That fatigue slows in proportion is an ASSUMPTION.
+    Source of the power law: Wright (1936), J. Aeronautical Sciences 3(4). That fatigue slows in
+    proportion is an ASSUMPTION.
     """
     xp = namespace(person.taste)
-    return person.pace * xp.exp(-person.learning * xp.log(1 + person.experience + done)) * (1 + person.slows * fatigue)
+    return (
+        person.pace
+        * xp.exp(-person.learning * xp.log(1 + person.experience + done))
+        * (1 + person.slows * fatigue)
+    )
 
 
 def rested(person: Person, fatigue: Array, ticks: Array) -> Array:
@@ -135,16 +159,24 @@ def rested(person: Person, fatigue: Array, ticks: Array) -> Array:
 
 
 def tired(person: Person, fatigue: Array, way: Array, ticks: Array) -> Array:
-    """Fatigue of a person, or of each of a crew, after so many ticks of work in that way (`[W]` bool, True at it)."""
+    """Fatigue of a person, or of each of a crew, after so many ticks of work in that way (`[W]`
+    bool, True at it).
+    """
     xp = namespace(person.taste)
     rate = xp.where(way, person.tires, 0).sum(axis=-1)
     return 1 - (1 - fatigue) * xp.exp(-rate * ticks)
 
 
 def _any_task(xp: Any, arrays: Arrays, legal: Array, number: Array) -> Array:
-    """`[]` int, a legal way: each task is as likely as another, and so is each way of a task. `number` in [0, 1)."""
+    """`[]` int, a legal way: each task is as likely as another, and so is each way of a task.
+    `number` in [0, 1).
+    """
     ways_of_task = xp.where(arrays.of_task & legal[:, None], 1, 0).sum(axis=0)
-    share = xp.where(legal, 1.0 / xp.maximum(1, xp.where(arrays.of_task, ways_of_task[None, :], 0).sum(axis=1)), 0.0)
+    share = xp.where(
+        legal,
+        1.0 / xp.maximum(1, xp.where(arrays.of_task, ways_of_task[None, :], 0).sum(axis=1)),
+        0.0,
+    )
     heap = share.cumsum()
     return ((heap > number * heap[-1] * (1 - 1e-6)) & legal).argmax()
 
@@ -157,12 +189,22 @@ def _someone_else(xp: Any, arrays: Arrays, state: State, operator: Array, asked:
 
 
 def harm(arrays: Arrays) -> Array:
-    """`[W]` float32, how much harm a way does by an adversary's rule: its time beyond the quickest other way, less half the task's chain.
+    """`[W]` float32, how much harm a way does by an adversary's rule: its time beyond the quickest
+    other way, less half the task's chain.
 
-    Whoever does what suits others better, and what nobody waits for, does the team the most harm that a plain rule can find.
+    Whoever does what suits others better, and what nobody waits for, does the team the most harm
+    that a plain rule can find.
     """
     lost = np.zeros(len(arrays.way_ticks))
     for way, task in enumerate(arrays.way_task):
-        rest = [ticks for other, ticks in enumerate(arrays.way_ticks) if arrays.way_task[other] == task and other != way and arrays.way_open[other]]
-        lost[way] = arrays.way_ticks[way] - min(rest, default=arrays.way_ticks[way]) - 0.5 * arrays.tail[task]
+        rest = [
+            ticks
+            for other, ticks in enumerate(arrays.way_ticks)
+            if arrays.way_task[other] == task and other != way and arrays.way_open[other]
+        ]
+        lost[way] = (
+            arrays.way_ticks[way]
+            - min(rest, default=arrays.way_ticks[way])
+            - 0.5 * arrays.tail[task]
+        )
     return (lost / max(1, int(arrays.way_ticks.max()))).astype(np.float32)

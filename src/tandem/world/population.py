@@ -1,4 +1,5 @@
-"""Who may stand at the station: one person in words, or a population file, which keeps apart who learners train with and who they are judged with.
+"""Who may stand at the station: one person in words, or a population file, which keeps apart who
+learners train with and who they are judged with.
 
     format: 1
     name: Day shift
@@ -8,7 +9,8 @@
     held_out:
       - {person: "prefers:3,1"}
 
-YAML, read as strictly as a cell: unknown keys are refused with the nearest known one, and every fault is told at its place.
+YAML, read as strictly as a cell: unknown keys are refused with the nearest known one, and every
+fault is told at its place.
 """
 
 from __future__ import annotations
@@ -38,21 +40,41 @@ def load(path: str, names: Names) -> dict[str, tuple[Group, ...]]:
     """The groups of both parts for a cell.
 
     Raises:
-      CellError: the file cannot be read or is not of its form, or what it says does not fit the cell; with every fault at its place.
+      CellError: the file cannot be read or is not of its form, or what it says does not fit the
+        cell; with every fault at its place.
     """
     try:
         with open(path, encoding="utf-8") as file:
             text = file.read(LARGEST + 1)
     except OSError as error:
-        near = Known(sorted(entry.name for entry in Path(path).parent.glob("*"))).nearest(Path(path).name) if Path(path).parent.is_dir() else None
+        near = (
+            Known(sorted(entry.name for entry in Path(path).parent.glob("*"))).nearest(
+                Path(path).name
+            )
+            if Path(path).parent.is_dir()
+            else None
+        )
         meant = f" Did you mean {str(Path(path).parent / near)!r}?" if near else ""
-        raise CellError([Fault(f"this population file cannot be read: {error.strerror}.{meant}", (), path)]) from error
+        raise CellError(
+            [Fault(f"this population file cannot be read: {error.strerror}.{meant}", (), path)]
+        ) from error
     except UnicodeDecodeError as error:
-        raise CellError([Fault(f"the byte 0x{error.object[error.start]:02x} is not UTF-8. Save the file as UTF-8.", (), path)]) from error
+        raise CellError(
+            [
+                Fault(
+                    f"the byte 0x{error.object[error.start]:02x} is not UTF-8. Save the file as"
+                    " UTF-8.",
+                    (),
+                    path,
+                )
+            ]
+        ) from error
     if len(text) > LARGEST:
         raise CellError([Fault("a population file has at most a million characters.", (), path)])
     if not text.strip():
-        raise CellError([Fault("the file is empty. A population file has `train` and `held_out`.", (), path)])
+        raise CellError(
+            [Fault("the file is empty. A population file has `train` and `held_out`.", (), path)]
+        )
     return read(yaml_reader.read(text, path), names)
 
 
@@ -60,14 +82,20 @@ def read(document: Document, names: Names) -> dict[str, tuple[Group, ...]]:
     """The groups that a document describes; raises as `load` does."""
     data, reader = document.plain(), _Reader(document, names)
     if not isinstance(data, dict):
-        raise CellError([reader.fault((), "a population file is a mapping with `train` and `held_out`.")])
+        raise CellError(
+            [reader.fault((), "a population file is a mapping with `train` and `held_out`.")]
+        )
     reader.known_keys((), data, ("format", "name", *PARTS))
     if data.get("format", 1) != 1:
         reader.note(("format",), f"format is {data['format']!r}; this version reads format 1.")
     groups = {part: reader.part(part, data.get(part)) for part in PARTS}
     for group in groups["held_out"]:
         if group.traits in [other.traits for other in groups["train"]]:
-            reader.note(("held_out",), f"{group.spec!r} stands in `train`, too. Whoever is held out must not be trained with.")
+            reader.note(
+                ("held_out",),
+                f"{group.spec!r} stands in `train`, too. Whoever is held out must not be trained"
+                " with.",
+            )
     if faults := [*document.faults, *reader.faults]:
         raise CellError(faults)
     return groups
@@ -86,16 +114,27 @@ class _Reader:
     def note(self, path: tuple[str | int, ...], message: str) -> None:
         self.faults.append(self.fault(path, message))
 
-    def known_keys(self, path: tuple[str | int, ...], data: dict[str, Any], keys: tuple[str, ...]) -> None:
+    def known_keys(
+        self, path: tuple[str | int, ...], data: dict[str, Any], keys: tuple[str, ...]
+    ) -> None:
         for key in data:
             if key not in keys:
-                self.note((*path, key), f"{key!r} is no key of a population file here. {Known(keys).hint(key)}")
+                self.note(
+                    (*path, key),
+                    f"{key!r} is no key of a population file here. {Known(keys).hint(key)}",
+                )
 
     def part(self, part: str, rows: Any) -> tuple[Group, ...]:
         if not isinstance(rows, list) or not rows:
-            self.note((part,), f"{part} must be a list of people, with at least one `- {{person: ...}}`.")
+            self.note(
+                (part,), f"{part} must be a list of people, with at least one `- {{person: ...}}`."
+            )
             return ()
-        return tuple(group for place, row in enumerate(rows) if (group := self.group((part, place), row)) is not None)
+        return tuple(
+            group
+            for place, row in enumerate(rows)
+            if (group := self.group((part, place), row)) is not None
+        )
 
     def group(self, path: tuple[str | int, ...], row: Any) -> Group | None:
         if not isinstance(row, dict) or not isinstance(row.get("person"), str):
@@ -146,14 +185,17 @@ class Crowd:
             return Person(*(np.broadcast_to(value, (count, *np.shape(value))) for value in one))
         shares = np.array([group.share for group in self.groups])
         of = rng.choice(len(self.groups), count, p=shares / shares.sum())
-        return stacked([person(self.groups[group].traits, self.names, self.arrays, rng.random) for group in of])
+        return stacked(
+            [person(self.groups[group].traits, self.names, self.arrays, rng.random) for group in of]
+        )
 
 
 def crowd(spec: str, names: Names, arrays: Arrays, *, part: str = "held_out") -> Crowd:
     """The people that a text describes: one person, or `population:FILE`.
 
     Args:
-      part: of a population file, "train" or "held_out"; `population:FILE:train` in the text says it, too.
+      part: of a population file, "train" or "held_out"; `population:FILE:train` in the text says
+        it, too.
 
     Raises:
       UsageError: the text is wrong.

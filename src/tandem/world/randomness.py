@@ -1,8 +1,9 @@
 """Chance as data: all random numbers of one episode, drawn at once.
 
-What happens does not depend on who decides: the same key gives the same durations for the same way of the same task, the same breakdowns at the same
-times, the same slips and the same moods, whatever the deciders do. So two deciders can be compared pair by pair (common random numbers).
-Chance that is off has arrays of length 0; all off, the world is its nominal self.
+What happens does not depend on who decides: the same key gives the same durations for the same way
+of the same task, the same breakdowns at the same times, the same slips and the same moods, whatever
+the deciders do. So two deciders can be compared pair by pair (common random numbers). Chance that
+is off has arrays of length 0; all off, the world is its nominal self.
 """
 
 from __future__ import annotations
@@ -24,7 +25,9 @@ SPREADS = ("off", "lognormal", "triangular", "empirical")
 """How real durations lie around the nominal ones."""
 
 WIDEST_TRIANGLE = 0.4
-"""A symmetric triangle around 1 with a larger coefficient of variation would reach 0 (at 1 / sqrt(6) = 0.408)."""
+"""A symmetric triangle around 1 with a larger coefficient of variation would reach 0 (at 1 /
+sqrt(6) = 0.408).
+"""
 
 ATTEMPTS = 8
 """A task that has been undone so often is done rightly in the end, so that every episode ends."""
@@ -32,17 +35,22 @@ ATTEMPTS = 8
 
 @dataclass(frozen=True)
 class Chance:
-    """What may happen. Everything is off by default. Mistakes, moods and pace are the people's (`people.py`); what follows a mistake stands here.
+    """What may happen. Everything is off by default. Mistakes, moods and pace are the people's
+    (`people.py`); what follows a mistake stands here.
 
     Attributes:
       spread: one of `SPREADS`. The mean of lognormal and triangular durations is the nominal one.
       cv: coefficient of variation of the durations for which the cell states none.
       factors: for "empirical": measured durations divided by the nominal ones; each is as likely.
-      failure_s, repair_s: mean seconds (exponential) between two breakdowns of a robot, and until it is repaired. None: robots do not fail.
+      failure_s, repair_s: mean seconds (exponential) between two breakdowns of a robot, and until
+        it is repaired. None: robots do not fail.
       absence_s, away_s: the same for humans being called away.
-      undo: the disassembly of a task takes this share of its own time (ASSUMPTION: as long as mounting it).
-      wrong_order: share of the mistakes in which a task is begun before its turn; else the wrong part is mounted.
-      later: share of the mistakes that are not noticed when the task ends, but `notice_s` seconds later on average (exponential), or when all stands.
+      undo: the disassembly of a task takes this share of its own time (ASSUMPTION: as long as
+        mounting it).
+      wrong_order: share of the mistakes in which a task is begun before its turn; else the wrong
+        part is mounted.
+      later: share of the mistakes that are not noticed when the task ends, but `notice_s` seconds
+        later on average (exponential), or when all stands.
     """
 
     spread: str = "off"
@@ -63,20 +71,51 @@ class Chance:
 
     def _wrong(self) -> list[str]:
         shares = [(key, getattr(self, key)) for key in ("wrong_order", "later")]
-        times = [(key, getattr(self, key)) for key in ("failure_s", "repair_s", "absence_s", "away_s", "notice_s")]
+        times = [
+            (key, getattr(self, key))
+            for key in ("failure_s", "repair_s", "absence_s", "away_s", "notice_s")
+        ]
         return [
-            "" if self.spread in SPREADS else f"spread={self.spread!r} is unknown. Choose from {', '.join(SPREADS)}.",
-            "" if 0 <= self.cv < 10 else f"cv is {self.cv:g}: give a coefficient of variation from 0 to 10.",
-            f"cv is {self.cv:g}: a triangle ends at {WIDEST_TRIANGLE}; take lognormal."
-            if self.spread == "triangular" and self.cv > WIDEST_TRIANGLE
-            else "",
-            "spread='empirical' needs factors: measured durations divided by the nominal ones."
-            if self.spread == "empirical" and not self.factors
-            else "",
-            *(f"factors holds {factor!r}: give numbers above 0." for factor in self.factors if not 0 < factor < 1000),
-            *(f"{key} is {share!r}: give a share from 0 to 1." for key, share in shares if not 0 <= share <= 1),
-            *(f"{key} is {time!r}: give seconds above 0." for key, time in times if time is not None and not 0 < time <= 1e7),
-            "" if 0 < self.undo <= 100 else f"undo is {self.undo!r}: give a share of the task's time above 0.",
+            (
+                ""
+                if self.spread in SPREADS
+                else f"spread={self.spread!r} is unknown. Choose from {', '.join(SPREADS)}."
+            ),
+            (
+                ""
+                if 0 <= self.cv < 10
+                else f"cv is {self.cv:g}: give a coefficient of variation from 0 to 10."
+            ),
+            (
+                f"cv is {self.cv:g}: a triangle ends at {WIDEST_TRIANGLE}; take lognormal."
+                if self.spread == "triangular" and self.cv > WIDEST_TRIANGLE
+                else ""
+            ),
+            (
+                "spread='empirical' needs factors: measured durations divided by the nominal ones."
+                if self.spread == "empirical" and not self.factors
+                else ""
+            ),
+            *(
+                f"factors holds {factor!r}: give numbers above 0."
+                for factor in self.factors
+                if not 0 < factor < 1000
+            ),
+            *(
+                f"{key} is {share!r}: give a share from 0 to 1."
+                for key, share in shares
+                if not 0 <= share <= 1
+            ),
+            *(
+                f"{key} is {time!r}: give seconds above 0."
+                for key, time in times
+                if time is not None and not 0 < time <= 1e7
+            ),
+            (
+                ""
+                if 0 < self.undo <= 100
+                else f"undo is {self.undo!r}: give a share of the task's time above 0."
+            ),
         ]
 
 
@@ -85,14 +124,16 @@ OFF = Chance()
 
 
 class Fate(NamedTuple):
-    """What chance brings in one episode. `A` attempts, `N` absences of all operators, `D` decisions of an operator, `M` as in `State`.
+    """What chance brings in one episode. `A` attempts, `N` absences of all operators, `D` decisions
+    of an operator, `M` as in `State`.
 
     factor: `[W, A]` float32, the real duration divided by the nominal one; `[0, 0]` without spread.
-    away_from, away_to: `[N]` int32, ticks, sorted by their beginning; `away`: `[N, O]` bool, whose it is.
-    slip: `[M, A]` float32 in 0..1, the task goes wrong when a person's tendency is larger.
-    order: `[M, A]` float32 in 0..1, which task is begun out of turn; 1 or more: it is a wrong part instead.
-    notice: `[M, A]` int32, ticks from the end of the task until the mistake is noticed.
-    mood: `[O, D, 3]` float32 in 0..1, per decision: whether to follow, what else to pick, whether to refuse. After `D` it begins anew.
+    away_from, away_to: `[N]` int32, ticks, sorted by their beginning; `away`: `[N, O]` bool, whose
+    it is. slip: `[M, A]` float32 in 0..1, the task goes wrong when a person's tendency is larger.
+    order: `[M, A]` float32 in 0..1, which task is begun out of turn; 1 or more: it is a wrong part
+    instead. notice: `[M, A]` int32, ticks from the end of the task until the mistake is noticed.
+    mood: `[O, D, 3]` float32 in 0..1, per decision: whether to follow, what else to pick, whether
+    to refuse. After `D` it begins anew.
     """
 
     factor: Array
@@ -135,13 +176,30 @@ class Draw:
           UsageError: a spread that the cell states is too wide for a triangle.
         """
         (ways, operators), tasks = arrays.way_uses.shape, arrays.needs.shape[0]
-        if chance.spread == "triangular" and (widest := float(arrays.spread.max())) > WIDEST_TRIANGLE:
+        if (
+            chance.spread == "triangular"
+            and (widest := float(arrays.spread.max())) > WIDEST_TRIANGLE
+        ):
             task = names.ways[int(arrays.spread.argmax())][0]
-            raise UsageError(f"task {task!r}: its spread of {widest:g} is too wide for a triangle, which ends at {WIDEST_TRIANGLE}; take lognormal.")
-        longest = names.seconds(sum(int(arrays.way_ticks[arrays.way_task == task].max()) for task in range(tasks)))
+            raise UsageError(
+                f"task {task!r}: its spread of {widest:g} is too wide for a triangle, which ends at"
+                f" {WIDEST_TRIANGLE}; take lognormal."
+            )
+        longest = names.seconds(
+            sum(int(arrays.way_ticks[arrays.way_task == task].max()) for task in range(tasks))
+        )
         gaps = [gap for gap in (chance.failure_s, chance.absence_s) if gap is not None]
         absences = min(12, math.ceil(2 * longest / min(gaps)) + 2) if gaps else 0
-        return cls(chance, names.per_second, ways, tasks, operators, absences, bool(arrays.undo.shape[0]), 4 * tasks + 8)
+        return cls(
+            chance,
+            names.per_second,
+            ways,
+            tasks,
+            operators,
+            absences,
+            bool(arrays.undo.shape[0]),
+            4 * tasks + 8,
+        )
 
     @property
     def numbers(self) -> int:
@@ -161,7 +219,9 @@ class Draw:
 
 
 def fate(draw: Draw, arrays: Arrays, uniform: Array) -> Fate:
-    """One episode's chance from uniform numbers `[draw.numbers]` in [0, 1), float32: in JAX, `jax.random.uniform(key, (draw.numbers,))`."""
+    """One episode's chance from uniform numbers `[draw.numbers]` in [0, 1), float32: in JAX,
+    `jax.random.uniform(key, (draw.numbers,))`.
+    """
     xp, chance, parts, begin = namespace(uniform), draw.chance, {}, 0
     for name, shape in draw.shapes.items():
         parts[name] = uniform[begin : begin + math.prod(shape)].reshape(shape)
@@ -170,34 +230,46 @@ def fate(draw: Draw, arrays: Arrays, uniform: Array) -> Fate:
     attempts = ATTEMPTS if draw.mistakes else 0
     slips = parts["slip"] if draw.mistakes else xp.zeros((4, 0, 0), xp.float32)
     last = xp.arange(attempts) == attempts - 1
-    noticed = xp.where(slips[2] < chance.later, _exponential(xp, slips[3], chance.notice_s * draw.per_second), 0)
+    noticed = xp.where(
+        slips[2] < chance.later, _exponential(xp, slips[3], chance.notice_s * draw.per_second), 0
+    )
     return Fate(
         factor=_factors(xp, draw, arrays, parts["factor"]),
         away_from=away_from,
         away_to=away_to,
         away=away,
         slip=xp.where(last[None, :], xp.ones_like(slips[0]), slips[0]),
-        order=(slips[1] / chance.wrong_order if chance.wrong_order else xp.ones_like(slips[1])).astype(xp.float32),
+        order=(
+            slips[1] / chance.wrong_order if chance.wrong_order else xp.ones_like(slips[1])
+        ).astype(xp.float32),
         notice=noticed.astype(xp.int32),
         mood=parts["mood"],
     )
 
 
 def nominal_fate(draw: Draw, arrays: Arrays) -> Fate:
-    """The episode in which every coin of a mood lies in the middle: with chance off and compliant people, the nominal world."""
+    """The episode in which every coin of a mood lies in the middle: with chance off and compliant
+    people, the nominal world.
+    """
     return fate(draw, arrays, namespace(arrays.way_ticks).full(draw.numbers, 0.5, "float32"))
 
 
 def fates(key: jax.Array, draw: Draw, arrays: Arrays, episodes: int) -> Fate:
-    """The chances of so many episodes, with a leading axis, in NumPy: those that `episode.play_many` has for the same key."""
+    """The chances of so many episodes, with a leading axis, in NumPy: those that
+    `episode.play_many` has for the same key.
+    """
     import jax
 
     make = jax.jit(jax.vmap(partial(fate, draw, arrays)))
-    return Fate(*(np.asarray(part) for part in make(jax.random.uniform(key, (episodes, draw.numbers)))))
+    return Fate(
+        *(np.asarray(part) for part in make(jax.random.uniform(key, (episodes, draw.numbers))))
+    )
 
 
 def real_ticks(fate: Fate, arrays: Arrays, way: Array, attempt: Array, nominal: Array) -> Array:
-    """`[]` float32, ticks that the way (`[]` int, -1 for none) takes at this attempt (`[]` int), people's pace aside."""
+    """`[]` float32, ticks that the way (`[]` int, -1 for none) takes at this attempt (`[]` int),
+    people's pace aside.
+    """
     xp = namespace(nominal)
     if not fate.factor.shape[0]:
         return nominal.astype(xp.float32)
@@ -207,7 +279,9 @@ def real_ticks(fate: Fate, arrays: Arrays, way: Array, attempt: Array, nominal: 
 
 
 def with_rests(fate: Fate, start: Array, ticks: Array, who: Array) -> Array:
-    """`[]` int32, ticks from the start until the end of work that rests while one of those who do it (`[O]` bool) is away."""
+    """`[]` int32, ticks from the start until the end of work that rests while one of those who do
+    it (`[O]` bool) is away.
+    """
     xp = namespace(ticks)
     end, covered = start + ticks, start
     for place in range(fate.away_from.shape[0]):
@@ -240,7 +314,9 @@ def _factors(xp: Any, draw: Draw, arrays: Arrays, uniform: Array) -> Array:
     first, second = uniform
     if chance.spread == "empirical":
         measured = xp.asarray(chance.factors, dtype=xp.float32)
-        return measured[xp.minimum((first * len(chance.factors)).astype(xp.int32), len(chance.factors) - 1)]
+        return measured[
+            xp.minimum((first * len(chance.factors)).astype(xp.int32), len(chance.factors) - 1)
+        ]
     if chance.spread == "triangular":
         half = cv * 6**0.5
         below = xp.sqrt(2 * first) - 1
@@ -252,7 +328,9 @@ def _factors(xp: Any, draw: Draw, arrays: Arrays, uniform: Array) -> Array:
 
 
 def _absences(xp: Any, draw: Draw, arrays: Arrays, uniform: Array) -> tuple[Array, Array, Array]:
-    """Who is away from when to when, sorted: exponential times there and exponential times away, one after the other."""
+    """Who is away from when to when, sorted: exponential times there and exponential times away,
+    one after the other.
+    """
     chance, operators, count = draw.chance, draw.operators, draw.absences
     if not count:
         none = xp.zeros(0, xp.int32)
@@ -261,7 +339,10 @@ def _absences(xp: Any, draw: Draw, arrays: Arrays, uniform: Array) -> tuple[Arra
         xp.where(arrays.human, a or 0.0, b or 0.0)[:, None] * draw.per_second
         for a, b in ((chance.absence_s, chance.failure_s), (chance.away_s, chance.repair_s))
     )
-    lasts = xp.maximum(1, _exponential(xp, uniform[0], 1.0) * there), xp.maximum(1, _exponential(xp, uniform[1], 1.0) * off)
+    lasts = (
+        xp.maximum(1, _exponential(xp, uniform[0], 1.0) * there),
+        xp.maximum(1, _exponential(xp, uniform[1], 1.0) * off),
+    )
     back = xp.minimum(xp.cumsum(lasts[0] + lasts[1], axis=1), NEVER // 2)
     never = (there == 0) | (back >= NEVER // 2)
     leaves = xp.where(never, NEVER, back - lasts[1]).reshape(-1).astype(xp.int32)

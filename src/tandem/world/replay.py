@@ -16,7 +16,8 @@ def replay(cell: Cell, schedule: Schedule) -> float:
     """Plays the schedule by the world's rules and returns how long it took, seconds.
 
     Raises:
-      UnsoundScheduleError: the schedule breaks its cell, or the world does not let it be played as it stands.
+      UnsoundScheduleError: the schedule breaks its cell, or the world does not let it be played as
+        it stands.
     """
     if wrong := faults(cell, schedule):
         raise UnsoundScheduleError(wrong)
@@ -28,7 +29,12 @@ def replay(cell: Cell, schedule: Schedule) -> float:
         while state.clock < due:
             state = advance(arrays, state, np.int32(due))
         if not legal(arrays, state)[way] or starts(arrays, state)[way] != due:
-            raise UnsoundScheduleError([f"task {row.task!r}: the world does not let {' and '.join(row.operators)} start it at {row.start:g} s."])
+            raise UnsoundScheduleError(
+                [
+                    f"task {row.task!r}: the world does not let {' and '.join(row.operators)} start"
+                    f" it at {row.start:g} s."
+                ]
+            )
         state = assign(arrays, state, np.int32(way))
     while not is_done(state):
         state = advance(arrays, state)

@@ -1,19 +1,26 @@
-"""An assembly under way, event by event: what is legal, how work begins, how time runs on. One cell; `vmap` adds the batch.
+"""An assembly under way, event by event: what is legal, how work begins, how time runs on. One
+cell; `vmap` adds the batch.
 
-Pure functions over an array namespace: NumPy arrays in, NumPy arrays out; under `jax.jit` and `jax.vmap` the same lines are traced. None draws a
-random number: what chance brings (`fate.py`) comes in as arguments. Every rule is the checker's (`schedule/checker.py`) to the letter, so that a
+Pure functions over an array namespace: NumPy arrays in, NumPy arrays out; under `jax.jit` and
+`jax.vmap` the same lines are traced. None draws a random number: what chance brings (`fate.py`)
+comes in as arguments. Every rule is the checker's (`schedule/checker.py`) to the letter, so that a
 sound schedule replays to exactly its makespan and legal play makes sound schedules:
 
-- A way may begin when the tasks before it have ended, its release has come, all its operators are free, and its tool and its zone have room.
-- Whoever holds another tool must take up the right one first. An operator who was idle has used that time for it: the task starts at the later of
-  the clock and, for each operator, the end of its last work or break plus the changeover.
+- A way may begin when the tasks before it have ended, its release has come, all its operators are
+  free, and its tool and its zone have room.
+- Whoever holds another tool must take up the right one first. An operator who was idle has used
+  that time for it: the task starts at the later of the clock and, for each operator, the end of its
+  last work or break plus the changeover.
 - No break may lie between the beginning of a changeover and the nominal end of the task.
-- Stress limits, `same_operator` and `stress_of_set` rule out what would break them now or, as far as the least stress of the tasks that are left
-  tells, later. Deadlines rule out nothing; `late` reports them.
+- Stress limits, `same_operator` and `stress_of_set` rule out what would break them now or, as far
+  as the least stress of the tasks that are left tells, later. Deadlines rule out nothing; `late`
+  reports them.
 
-At one moment the humans decide first, then the robots (`turn`); each sees what has begun before it. Who lets a turn pass waits until the next event.
+At one moment the humans decide first, then the robots (`turn`); each sees what has begun before it.
+Who lets a turn pass waits until the next event.
 
-Axes as in `arrays.py`: `T` tasks, `W` ways, `O` operators. `M` is `T` when somebody may make mistakes, else 0.
+Axes as in `arrays.py`: `T` tasks, `W` ways, `O` operators. `M` is `T` when somebody may make
+mistakes, else 0.
 """
 
 from __future__ import annotations
@@ -28,7 +35,8 @@ class State(NamedTuple):
 
     clock: `[]` int32.
     way: `[T]` int32, the way in which the task is or was done, -1 while it is open.
-    start_at, end_at: `[T]` int32, of the work in hand or done; changeovers come before `start_at`. The deciders must not look at an `end_at` that
+    start_at, end_at: `[T]` int32, of the work in hand or done; changeovers come before `start_at`.
+    The deciders must not look at an `end_at` that
       is still to come: it is what really will be.
     free_at: `[O]` int32, the operator works until then.
     away_until: `[O]` int32, it is not there until then: broken down, or called away.
@@ -83,31 +91,45 @@ def mounted(state: State) -> Array:
 
 
 def to_undo(arrays: Arrays, state: State) -> Array:
-    """`[M]` bool, the task is mounted and has to come off again: it was done wrongly and that is known, or it stands on such a one."""
+    """`[M]` bool, the task is mounted and has to come off again: it was done wrongly and that is
+    known, or it stands on such a one.
+    """
     up = mounted(state)
     bad = up & (state.bad_at <= state.clock)
     return bad | (up & (arrays.above & bad[None, :]).any(axis=1))
 
 
 def legal(arrays: Arrays, state: State) -> Array:
-    """`[W]` bool, True where the way may begin now. Of a task that has to come off, its ways mean its disassembly."""
+    """`[W]` bool, True where the way may begin now. Of a task that has to come off, its ways mean
+    its disassembly.
+    """
     return _fitting(arrays, state, _ready(namespace(state.way), arrays, state))
 
 
 def out_of_order(arrays: Arrays, state: State) -> Array:
-    """`[W]` bool, True where someone could begin the way by mistake: all is as `legal` wants it, but a task before it is missing."""
-    premature = (state.way < 0) & (arrays.release <= state.clock) & (arrays.needs & ~mounted(state)[None, :]).any(axis=1)
+    """`[W]` bool, True where someone could begin the way by mistake: all is as `legal` wants it,
+    but a task before it is missing.
+    """
+    premature = (
+        (state.way < 0)
+        & (arrays.release <= state.clock)
+        & (arrays.needs & ~mounted(state)[None, :]).any(axis=1)
+    )
     return _fitting(arrays, state, premature)
 
 
 def legal_of(arrays: Arrays, mask: Array, operator: Array) -> Array:
     """`[W]` bool, of the legal ways `mask` those in which the operator (`[]` int) takes part."""
     xp = namespace(mask)
-    return mask & (arrays.way_uses & (xp.arange(arrays.human.shape[0]) == operator)[None, :]).any(axis=1)
+    return mask & (arrays.way_uses & (xp.arange(arrays.human.shape[0]) == operator)[None, :]).any(
+        axis=1
+    )
 
 
 def turn(arrays: Arrays, mask: Array) -> Array:
-    """`[]` int32, whose turn it is: of those who take part in a legal way of `mask` the first to decide; -1 when time has to run on."""
+    """`[]` int32, whose turn it is: of those who take part in a legal way of `mask` the first to
+    decide; -1 when time has to run on.
+    """
     xp = namespace(mask)
     able = (arrays.way_uses & mask[:, None]).any(axis=0)
     rank = xp.where(able, arrays.rank, NEVER)
@@ -115,34 +137,50 @@ def turn(arrays: Arrays, mask: Array) -> Array:
 
 
 def may_wait(arrays: Arrays, state: State, mask: Array, operator: Array) -> Array:
-    """`[]` bool, the operator may let its turn pass: something is still to happen, or another one can begin something without it."""
+    """`[]` bool, the operator may let its turn pass: something is still to happen, or another one
+    can begin something without it.
+    """
     return (next_event(arrays, state) < NEVER) | (mask & ~legal_of(arrays, mask, operator)).any()
 
 
 def starts(arrays: Arrays, state: State) -> Array:
-    """`[W]` int32, the tick at which each way would start if it were begun now: the clock, or later when a tool must be taken up first."""
+    """`[W]` int32, the tick at which each way would start if it were begun now: the clock, or later
+    when a tool must be taken up first.
+    """
     xp = namespace(state.way)
     if not arrays.swap.shape[0]:
         return xp.broadcast_to(state.clock, arrays.way_ticks.shape)
-    since = xp.where(arrays.way_uses, _since(xp, arrays, state)[None, :] + _changes(xp, arrays, state), 0)
+    since = xp.where(
+        arrays.way_uses, _since(xp, arrays, state)[None, :] + _changes(xp, arrays, state), 0
+    )
     return xp.maximum(state.clock, since.max(axis=1))
 
 
 def nominal(arrays: Arrays, state: State) -> Array:
-    """`[W]` int32, ticks that each way would nominally take: its own duration, or that of the disassembly."""
+    """`[W]` int32, ticks that each way would nominally take: its own duration, or that of the
+    disassembly.
+    """
     if not arrays.undo.shape[0]:
         return arrays.way_ticks
     xp = namespace(state.way)
     return xp.where(_for_tasks(xp, arrays, mounted(state)), arrays.undo, arrays.way_ticks)
 
 
-def assign(arrays: Arrays, state: State, way: Array, ticks: Array | None = None, noticed: Array | None = None) -> State:
-    """The way begins now, after what changeovers need. Assumes `legal(arrays, state)[way]`; a `way` of -1 changes nothing.
+def assign(
+    arrays: Arrays,
+    state: State,
+    way: Array,
+    ticks: Array | None = None,
+    noticed: Array | None = None,
+) -> State:
+    """The way begins now, after what changeovers need. Assumes `legal(arrays, state)[way]`; a `way`
+    of -1 changes nothing.
 
     Args:
       way: `[]` int.
       ticks: `[]` int, how long it really takes; the nominal duration when absent.
-      noticed: `[]` int, when it is done wrongly: ticks from its end until that is noticed; NEVER or None when it is done right.
+      noticed: `[]` int, when it is done wrongly: ticks from its end until that is noticed; NEVER or
+        None when it is done right.
     """
     xp = namespace(state.way)
     chosen = xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32) == way
@@ -162,8 +200,13 @@ def assign(arrays: Arrays, state: State, way: Array, ticks: Array | None = None,
         after = after._replace(in_hand=xp.where(who & (tool >= 0), tool, state.in_hand))
     if arrays.undo.shape[0]:
         comes_off = task & mounted(state)
-        bad_at = NEVER if noticed is None else xp.where(noticed >= NEVER - end, NEVER, end + noticed)
-        after = after._replace(undoing=state.undoing | comes_off, bad_at=xp.where(task & ~comes_off, bad_at, state.bad_at).astype(xp.int32))
+        bad_at = (
+            NEVER if noticed is None else xp.where(noticed >= NEVER - end, NEVER, end + noticed)
+        )
+        after = after._replace(
+            undoing=state.undoing | comes_off,
+            bad_at=xp.where(task & ~comes_off, bad_at, state.bad_at).astype(xp.int32),
+        )
     return after
 
 
@@ -181,10 +224,16 @@ def refuse(arrays: Arrays, state: State, operator: Array, task: Array) -> State:
 
 
 def next_event(arrays: Arrays, state: State) -> Array:
-    """`[]` int32, the next tick at which something happens by itself: work ends, a task is released, a break ends, somebody comes back, a mistake
-    is noticed. NEVER when nothing does."""
+    """`[]` int32, the next tick at which something happens by itself: work ends, a task is
+    released, a break ends, somebody comes back, a mistake is noticed. NEVER when nothing does.
+    """
     xp = namespace(state.way)
-    moments = [state.end_at, xp.where(state.way < 0, arrays.release, NEVER), state.away_until, arrays.break_to.reshape(-1)]
+    moments = [
+        state.end_at,
+        xp.where(state.way < 0, arrays.release, NEVER),
+        state.away_until,
+        arrays.break_to.reshape(-1),
+    ]
     if arrays.undo.shape[0]:
         moments.append(state.bad_at)
     ahead = xp.concatenate(moments)
@@ -192,9 +241,11 @@ def next_event(arrays: Arrays, state: State) -> Array:
 
 
 def advance(arrays: Arrays, state: State, until: Array | None = None) -> State:
-    """Time runs to the next event, or to `until` (`[]` int) should that come sooner; nothing moves when there is neither. Everybody is asked again.
+    """Time runs to the next event, or to `until` (`[]` int) should that come sooner; nothing moves
+    when there is neither. Everybody is asked again.
 
-    A disassembly that has ended leaves its task open. When all stands, what was done wrongly is noticed at the latest.
+    A disassembly that has ended leaves its task open. When all stands, what was done wrongly is
+    noticed at the latest.
     """
     xp = namespace(state.way)
     event = next_event(arrays, state)
@@ -207,11 +258,15 @@ def advance(arrays: Arrays, state: State, until: Array | None = None) -> State:
 def is_done(state: State) -> Array:
     """`[]` bool, every task has been done, and rightly."""
     stands = mounted(state)
-    return (stands & (state.bad_at == NEVER) & ~state.undoing if state.bad_at.shape[0] else stands).all()
+    return (
+        stands & (state.bad_at == NEVER) & ~state.undoing if state.bad_at.shape[0] else stands
+    ).all()
 
 
 def is_stuck(arrays: Arrays, state: State, mask: Array) -> Array:
-    """`[]` bool, no way is legal (`mask` `[W]`), nothing will happen, and not all is done: limits were spent so that none is left to go on."""
+    """`[]` bool, no way is legal (`mask` `[W]`), nothing will happen, and not all is done: limits
+    were spent so that none is left to go on.
+    """
     return ~mask.any() & ~state.waits.any() & (next_event(arrays, state) == NEVER) & ~is_done(state)
 
 
@@ -222,7 +277,9 @@ def makespan(state: State) -> Array:
 
 
 def stress(arrays: Arrays, state: State) -> Array:
-    """`[]` int32, units of stress of what has begun; by `stress_of_set`, the least of the listed sets that are still possible."""
+    """`[]` int32, units of stress of what has begun; by `stress_of_set`, the least of the listed
+    sets that are still possible.
+    """
     xp = namespace(state.way)
     if not arrays.sets.shape[0]:
         return state.load.sum(dtype=xp.int32)
@@ -236,12 +293,20 @@ def late(arrays: Arrays, state: State) -> Array:
 
 
 def _fitting(arrays: Arrays, state: State, tasks: Array) -> Array:
-    """`[W]` bool, of the ways of these tasks (`[T]` bool) those that break no rule but those about other tasks."""
+    """`[W]` bool, of the ways of these tasks (`[T]` bool) those that break no rule but those about
+    other tasks.
+    """
     xp = namespace(state.way)
     fitting = arrays.way_open & ~state.refused & _for_tasks(xp, arrays, tasks)
     free = (state.free_at <= state.clock) & (state.away_until <= state.clock) & ~state.waits
     fitting = fitting & ~(arrays.way_uses & ~free[None, :]).any(axis=1)
-    for rule in (_has_room, _is_clear_of_breaks, _keeps_limits, _stays_with_its_team, _leaves_a_listed_set):
+    for rule in (
+        _has_room,
+        _is_clear_of_breaks,
+        _keeps_limits,
+        _stays_with_its_team,
+        _leaves_a_listed_set,
+    ):
         found = rule(xp, arrays, state)
         fitting = fitting if found is None else fitting & found
     return fitting
@@ -250,7 +315,8 @@ def _fitting(arrays: Arrays, state: State, tasks: Array) -> Array:
 def _ready(xp: Any, arrays: Arrays, state: State) -> Array:
     """`[T]` bool, work on the task may begin as far as other tasks and its release are concerned.
 
-    What has to come off does so from the top; and nothing is begun below a task that is in hand or has to come off.
+    What has to come off does so from the top; and nothing is begun below a task that is in hand or
+    has to come off.
     """
     up = mounted(state)
     is_open = (state.way < 0) & (arrays.release <= state.clock)
@@ -258,7 +324,9 @@ def _ready(xp: Any, arrays: Arrays, state: State) -> Array:
         return is_open & ~(arrays.needs & ~up[None, :]).any(axis=1)
     down, begun = to_undo(arrays, state), state.way >= 0
     in_the_way = (down | (begun & ~up))[:, None] | (begun[:, None] & down[None, :])
-    return ((is_open & ~(arrays.needs & ~(up & ~down)[None, :]).any(axis=1)) | down) & ~(arrays.above & in_the_way).any(axis=0)
+    return ((is_open & ~(arrays.needs & ~(up & ~down)[None, :]).any(axis=1)) | down) & ~(
+        arrays.above & in_the_way
+    ).any(axis=0)
 
 
 def _for_tasks(xp: Any, arrays: Arrays, tasks: Array) -> Array:
@@ -272,7 +340,9 @@ def _at(xp: Any, numbers: Array, chosen: Array) -> Array:
 
 
 def _since(xp: Any, arrays: Arrays, state: State) -> Array:
-    """`[O]` int32, since when the operator could have taken up a tool: the end of its work and of its last break."""
+    """`[O]` int32, since when the operator could have taken up a tool: the end of its work and of
+    its last break.
+    """
     over = xp.where(arrays.break_to <= state.clock, arrays.break_to, 0)
     rested = xp.maximum(state.free_at, over.max(axis=1)) if over.shape[1] else state.free_at
     return xp.maximum(rested, state.away_until)
@@ -290,13 +360,20 @@ def _has_room(xp: Any, arrays: Arrays, state: State) -> Array | None:
         return None
     running = (state.way >= 0) & ~mounted(state)
     in_hand = xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]
-    crowd = xp.where(running, xp.where(in_hand, arrays.way_size[:, None], 0).sum(axis=0, dtype=xp.int32), 0)
+    crowd = xp.where(
+        running, xp.where(in_hand, arrays.way_size[:, None], 0).sum(axis=0, dtype=xp.int32), 0
+    )
     fits = xp.ones(arrays.way_ticks.shape, bool)
-    for of_place, places in ((arrays.of_tool, arrays.tool_places), (arrays.of_zone, arrays.zone_places)):
+    for of_place, places in (
+        (arrays.of_tool, arrays.tool_places),
+        (arrays.of_zone, arrays.zone_places),
+    ):
         if places.shape[0]:
             left = places - xp.where(of_place, crowd[:, None], 0).sum(axis=0, dtype=xp.int32)
             room = xp.where(of_place, left[None, :], NEVER).min(axis=1)
-            fits = fits & (arrays.way_size <= xp.where(arrays.of_task, room[None, :], NEVER).min(axis=1))
+            fits = fits & (
+                arrays.way_size <= xp.where(arrays.of_task, room[None, :], NEVER).min(axis=1)
+            )
     return fits
 
 
@@ -314,15 +391,21 @@ def _is_clear_of_breaks(xp: Any, arrays: Arrays, state: State) -> Array | None:
 
 
 def _keeps_limits(xp: Any, arrays: Arrays, state: State) -> Array | None:
-    """Nobody's stress passes its limit, with the least that the tasks which are left will bring. What mistakes bring on top does not count."""
+    """Nobody's stress passes its limit, with the least that the tasks which are left will bring.
+    What mistakes bring on top does not count.
+    """
     if not arrays.limit.shape[0]:
         return None
     load = state.load
     if arrays.undo.shape[0]:
-        stands = (xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]).any(axis=1)
+        stands = (
+            xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]
+        ).any(axis=1)
         load = xp.where(stands[:, None], arrays.way_load, 0).sum(axis=0, dtype=xp.int32)
     ahead = xp.where((state.way < 0)[:, None], arrays.must, 0).sum(axis=0, dtype=xp.int32)
-    own = xp.where(arrays.of_task[:, :, None], arrays.must[None, :, :], 0).sum(axis=1, dtype=xp.int32)
+    own = xp.where(arrays.of_task[:, :, None], arrays.must[None, :, :], 0).sum(
+        axis=1, dtype=xp.int32
+    )
     within = (load + ahead)[None, :] - own + arrays.way_load <= arrays.limit[None, :]
     kept = ~(arrays.way_uses & ~within).any(axis=1)
     return kept | _for_tasks(xp, arrays, mounted(state)) if arrays.undo.shape[0] else kept
@@ -352,16 +435,23 @@ def _leaves_a_listed_set(xp: Any, arrays: Arrays, state: State) -> Array | None:
     if not arrays.sets.shape[0]:
         return None
     possible = _possible_sets(xp, arrays, state)
-    within, without = (arrays.sets & possible[:, None]).any(axis=0), (~arrays.sets & possible[:, None]).any(axis=0)
+    within, without = (
+        (arrays.sets & possible[:, None]).any(axis=0),
+        (~arrays.sets & possible[:, None]).any(axis=0),
+    )
     by_human = (arrays.way_uses & arrays.human[None, :]).any(axis=1)
     return xp.where(by_human, _for_tasks(xp, arrays, within), _for_tasks(xp, arrays, without))
 
 
 def _settled(xp: Any, state: State) -> State:
-    """Disassemblies that have ended leave their tasks open; when all stands, every mistake is noticed."""
+    """Disassemblies that have ended leave their tasks open; when all stands, every mistake is
+    noticed.
+    """
     off = state.undoing & (state.end_at <= state.clock)
     stands = (mounted(state) & ~state.undoing).all()
-    bad_at = xp.where(stands & (state.bad_at < NEVER), xp.minimum(state.bad_at, state.clock), state.bad_at)
+    bad_at = xp.where(
+        stands & (state.bad_at < NEVER), xp.minimum(state.bad_at, state.clock), state.bad_at
+    )
     return state._replace(
         way=xp.where(off, -1, state.way),
         start_at=xp.where(off, NEVER, state.start_at),

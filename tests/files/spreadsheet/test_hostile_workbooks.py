@@ -1,4 +1,6 @@
-"""Workbooks that claim, hide or repeat more than a machine can hold: one message, exit 3, and this process lives on."""
+"""Workbooks that claim, hide or repeat more than a machine can hold: one message, exit 3, and this
+process lives on.
+"""
 
 from __future__ import annotations
 
@@ -44,7 +46,10 @@ def refusal(path: Path) -> str:
 
 
 def test_a_false_dimension_changes_nothing(tmp_path: Path) -> None:
-    path = edited(tmp_path / "book.xlsx", lambda text: re.sub(r'<dimension ref="[^"]*"', '<dimension ref="A1:XFD1048576"', text))
+    path = edited(
+        tmp_path / "book.xlsx",
+        lambda text: re.sub(r'<dimension ref="[^"]*"', '<dimension ref="A1:XFD1048576"', text),
+    )
     assert {name: dict(task.time) for name, task in import_cell(path)[0].tasks.items()} == {
         "a": {"Human": 10, "Robot": 20},
         "b": {"Human": 5, "Robot": 6},
@@ -66,12 +71,19 @@ def test_a_cell_that_makes_the_sheet_immense_ends_in_one_message(tmp_path: Path,
 
 @pytest.mark.parametrize("reference", ["ZZZZZZZ99999999999", "A0", "22B", "-1", "A" * 5000])
 def test_a_reference_that_is_none_ends_in_one_message(tmp_path: Path, reference: str) -> None:
-    said = refusal(edited(tmp_path / "book.xlsx", lambda text: text.replace('r="B2"', f'r="{reference}"')))
+    said = refusal(
+        edited(tmp_path / "book.xlsx", lambda text: text.replace('r="B2"', f'r="{reference}"'))
+    )
     assert re.search(r"is damaged|cannot be read", said)
 
 
-def test_an_archive_that_unpacks_to_hundreds_of_times_its_size_is_not_unpacked(tmp_path: Path) -> None:
-    assert re.search(r"unpacks to \d+ times its size", refusal(edited(tmp_path / "book.xlsx", behind("<row></row>" * 6_000_000))))
+def test_an_archive_that_unpacks_to_hundreds_of_times_its_size_is_not_unpacked(
+    tmp_path: Path,
+) -> None:
+    assert re.search(
+        r"unpacks to \d+ times its size",
+        refusal(edited(tmp_path / "book.xlsx", behind("<row></row>" * 6_000_000))),
+    )
 
 
 def test_an_archive_of_countless_parts_is_not_read(tmp_path: Path) -> None:
@@ -82,20 +94,41 @@ def test_an_archive_of_countless_parts_is_not_read(tmp_path: Path) -> None:
     assert "parts, and Tandem opens at most 5,000" in refusal(path)
 
 
-def test_a_child_that_computes_for_ever_is_ended_by_its_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The limit is the child's own: it is started from a copy of its file that allows one second and then never ends."""
+def test_a_child_that_computes_for_ever_is_ended_by_its_limit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The limit is the child's own: it is started from a copy of its file that allows one second
+    and then never ends.
+    """
     source = Path(confined.__file__).read_text(encoding="utf-8")
-    endless = source.replace("MOST_CPU_S = 20", "MOST_CPU_S = 1").replace("    _limit()\n", "    _limit()\n    while True:\n        pass\n")
+    endless = source.replace("MOST_CPU_S = 20", "MOST_CPU_S = 1").replace(
+        "    _limit()\n", "    _limit()\n    while True:\n        pass\n"
+    )
     assert len(endless) != len(source)
     copy = tmp_path / "endless.py"
     copy.write_text(endless, encoding="utf-8")
     monkeypatch.setattr(confined, "__file__", str(copy))
-    assert "is damaged, or would take more than" in refusal(books.sheet(tmp_path / "book.xlsx", ROWS))
+    assert "is damaged, or would take more than" in refusal(
+        books.sheet(tmp_path / "book.xlsx", ROWS)
+    )
 
 
-@pytest.mark.parametrize("build", [books.german_plan, books.dirty_numbers, books.one_row_an_operator, books.operators_beside, books.ms_project])
-def test_what_crosses_from_the_child_is_what_was_read(tmp_path: Path, build: Callable[[Path], Path]) -> None:
-    """Numbers, dates, durations, merged areas, formats and what is hidden come through as they are."""
+@pytest.mark.parametrize(
+    "build",
+    [
+        books.german_plan,
+        books.dirty_numbers,
+        books.one_row_an_operator,
+        books.operators_beside,
+        books.ms_project,
+    ],
+)
+def test_what_crosses_from_the_child_is_what_was_read(
+    tmp_path: Path, build: Callable[[Path], Path]
+) -> None:
+    """Numbers, dates, durations, merged areas, formats and what is hidden come through as they
+    are.
+    """
     path = build(tmp_path / "book.xlsx")
     assert open_book(path) == workbook.unpacked(path, path.read_bytes())
 
@@ -109,7 +142,9 @@ def test_a_row_of_text_wider_than_any_sheet_is_refused_at_its_row(tmp_path: Path
 def test_a_cell_of_text_longer_than_any_in_a_sheet_is_refused_at_its_place(tmp_path: Path) -> None:
     path = tmp_path / "long.csv"
     path.write_text(f"Task;Human [s];Note\na;5;{'x' * 40_000}\n")
-    with pytest.raises(CellError, match=r"long!C2: holds 40,000 characters, and a cell has at most 32,767"):
+    with pytest.raises(
+        CellError, match=r"long!C2: holds 40,000 characters, and a cell has at most 32,767"
+    ):
         open_book(path)
 
 
@@ -127,5 +162,7 @@ def test_thousands_of_predecessors_in_one_cell_are_read_once_each(tmp_path: Path
 
 def test_thousands_of_ranges_of_predecessors_end_soon(tmp_path: Path) -> None:
     tasks = [[number, 5, 6, None] for number in range(1, 200)]
-    path = books.sheet(tmp_path / "book.xlsx", [ROWS[0], *tasks, [200, 5, 6, ";".join(["1-199"] * 3000)]])
+    path = books.sheet(
+        tmp_path / "book.xlsx", [ROWS[0], *tasks, [200, 5, 6, ";".join(["1-199"] * 3000)]]
+    )
     assert len(import_cell(path)[0].tasks["200"].after) == 199

@@ -24,8 +24,12 @@ def test_template_then_import_then_the_same_cell(tmp_path: Path) -> None:
     assert load(tmp_path / "cell.yaml") == books.THESIS
     assert "7 tasks, 2 operators (robot, human)" in result.stderr
     assert result.stdout == ""
-    assert run(template_command, tmp_path / "cell.yaml", "-o", tmp_path / "again.xlsx").exit_code == 0
-    assert run(import_command, tmp_path / "again.xlsx", "-o", tmp_path / "again.json").exit_code == 0
+    assert (
+        run(template_command, tmp_path / "cell.yaml", "-o", tmp_path / "again.xlsx").exit_code == 0
+    )
+    assert (
+        run(import_command, tmp_path / "again.xlsx", "-o", tmp_path / "again.json").exit_code == 0
+    )
     assert load(tmp_path / "again.json") == books.THESIS
 
 
@@ -47,7 +51,9 @@ def test_a_preview_of_a_faulty_sheet_still_shows_the_mapping(tmp_path: Path) -> 
 
 
 def test_nothing_is_written_when_anything_is_wrong(tmp_path: Path) -> None:
-    result = run(import_command, books.broken_cells(tmp_path / "b.xlsx"), "-o", tmp_path / "cell.yaml")
+    result = run(
+        import_command, books.broken_cells(tmp_path / "b.xlsx"), "-o", tmp_path / "cell.yaml"
+    )
     assert isinstance(result.exception, CellError)
     assert [path.name for path in tmp_path.iterdir()] == ["b.xlsx"]
 

@@ -1,4 +1,6 @@
-"""Template, fill, import: the same cell; and export to the template's form says what it cannot keep."""
+"""Template, fill, import: the same cell; and export to the template's form says what it cannot
+keep.
+"""
 
 from __future__ import annotations
 
@@ -55,31 +57,115 @@ def test_the_template_checks_what_is_typed(tmp_path: Path) -> None:
     book = openpyxl.load_workbook(tmp_path / "t.xlsx")
     kinds = {rule.type for sheet in book for rule in sheet.data_validations.dataValidation}
     assert kinds == {"decimal", "custom", "list"}
-    assert [sheet.title for sheet in book] == ["Tasks", "Operators", "Tools", "Zones", "Cell", "Help"]
+    assert [sheet.title for sheet in book] == [
+        "Tasks",
+        "Operators",
+        "Tools",
+        "Zones",
+        "Cell",
+        "Help",
+    ]
 
 
 ODD_NAMES = (
-    *("Anna", "time lord", "b+c", "UR-5", "stress", "Werker 1", "Bens Hand", "and", "with", "Team", "beide", "Zeit [s]", "human / robot", "1", "-"),
-    *("Maschinenzeit", "Vorgänger", "x", "no", "robot", "REBA", "100 %", "Summe", "together", "s", "alle", "A & B", "time per piece", "Σ"),
+    *(
+        "Anna",
+        "time lord",
+        "b+c",
+        "UR-5",
+        "stress",
+        "Werker 1",
+        "Bens Hand",
+        "and",
+        "with",
+        "Team",
+        "beide",
+        "Zeit [s]",
+        "human / robot",
+        "1",
+        "-",
+    ),
+    *(
+        "Maschinenzeit",
+        "Vorgänger",
+        "x",
+        "no",
+        "robot",
+        "REBA",
+        "100 %",
+        "Summe",
+        "together",
+        "s",
+        "alle",
+        "A & B",
+        "time per piece",
+        "Σ",
+    ),
 )
 ODD_TASKS = (
-    *("=A1", "010", "10", "1.1", "1", "1.2", "a; b", "1-3", "2FS", "Summe", "total", "x", "-", "3 + 4", "Task", "Vorgang 2", "Ü", "none", "TRUE"),
+    *(
+        "=A1",
+        "010",
+        "10",
+        "1.1",
+        "1",
+        "1.2",
+        "a; b",
+        "1-3",
+        "2FS",
+        "Summe",
+        "total",
+        "x",
+        "-",
+        "3 + 4",
+        "Task",
+        "Vorgang 2",
+        "Ü",
+        "none",
+        "TRUE",
+    ),
     *("1e3", "Milestone 1", "von", "Predecessors", "Fügen A/B", "2.1.1", "2"),
 )
 
 
 @st.composite
 def dressed(draw: st.DrawFn) -> Cell:
-    """A random cell with every feature whose operators and tasks bear names that look like something else, and with labels and parts."""
+    """A random cell with every feature whose operators and tasks bear names that look like
+    something else, and with labels and parts.
+    """
     data = draw(cells(max_tasks=6)).to_dict()
-    people = dict(zip(data["operators"], draw(st.permutations(ODD_NAMES)), strict=False)) if draw(st.booleans()) else {}
-    steps = dict(zip(data["tasks"], draw(st.permutations(ODD_TASKS)), strict=False)) if draw(st.booleans()) else {}
-    return Cell.model_validate(_renamed(data, people, steps, lambda: draw(st.sampled_from((None, None, "cover", "=1+1", "12", "Summe")))))
+    people = (
+        dict(zip(data["operators"], draw(st.permutations(ODD_NAMES)), strict=False))
+        if draw(st.booleans())
+        else {}
+    )
+    steps = (
+        dict(zip(data["tasks"], draw(st.permutations(ODD_TASKS)), strict=False))
+        if draw(st.booleans())
+        else {}
+    )
+    return Cell.model_validate(
+        _renamed(
+            data,
+            people,
+            steps,
+            lambda: draw(st.sampled_from((None, None, "cover", "=1+1", "12", "Summe"))),
+        )
+    )
 
 
-def _renamed(data: dict[str, Any], people: dict[str, str], steps: dict[str, str], text: Callable[[], str | None]) -> dict[str, Any]:
+def _renamed(
+    data: dict[str, Any],
+    people: dict[str, str],
+    steps: dict[str, str],
+    text: Callable[[], str | None],
+) -> dict[str, Any]:
     def by_who(value: Any) -> Any:
-        return {people.get(who, who): amount for who, amount in value.items()} if isinstance(value, dict) else value
+        return (
+            {people.get(who, who): amount for who, amount in value.items()}
+            if isinstance(value, dict)
+            else value
+        )
 
     tasks = {}
     for name, task in data["tasks"].items():
@@ -99,16 +185,27 @@ def _renamed(data: dict[str, Any], people: dict[str, str], steps: dict[str, str]
         **data,
         "operators": by_who(data["operators"]),
         "tasks": tasks,
-        "same_operator": [[steps.get(name, name) for name in pair] for pair in data.get("same_operator", ())],
-        "stress_of_set": sets and {",".join(steps.get(name, name) for name in key.split(",")) if key else "": value for key, value in sets.items()},
+        "same_operator": [
+            [steps.get(name, name) for name in pair] for pair in data.get("same_operator", ())
+        ],
+        "stress_of_set": sets
+        and {
+            ",".join(steps.get(name, name) for name in key.split(",")) if key else "": value
+            for key, value in sets.items()
+        },
     }
 
 
 def spelled_out(cell: Cell) -> Any:
-    """All that a cell says, however it says it: a stress of 0 and none, a table and a number that are alike."""
+    """All that a cell says, however it says it: a stress of 0 and none, a table and a number that
+    are alike.
+    """
     data = {**cell.to_dict(), "same_operator": sorted(map(tuple, cell.same_operator))}
     for name, task in data["tasks"].items():
-        task["ways"] = sorted((sorted(mode.operators), mode.time, sorted(mode.stress.items())) for mode in cell.modes(name))
+        task["ways"] = sorted(
+            (sorted(mode.operators), mode.time, sorted(mode.stress.items()))
+            for mode in cell.modes(name)
+        )
         for what in ("time", "together", "stress"):
             task.pop(what, None)
         if not task.get("spread"):
@@ -129,14 +226,24 @@ def test_names_that_look_like_something_else_survive() -> None:
     cell = Cell.model_validate(
         {
             "name": "=1+1",
-            "operators": {"time lord": {"kind": "human"}, "b+c": {"kind": "robot"}, "UR-5": {"kind": "robot"}, "stress": {"kind": "human"}},
+            "operators": {
+                "time lord": {"kind": "human"},
+                "b+c": {"kind": "robot"},
+                "UR-5": {"kind": "robot"},
+                "stress": {"kind": "human"},
+            },
             "tasks": {
                 "=A1": {"time": {"time lord": 1.25, "UR-5": 2}, "label": "=SUM(A1)"},
                 "010": {"time": {"b+c": 4}, "after": ["=A1"]},
                 "10": {"time": {"stress": 4}, "after": ["010"]},
                 "1.5": {"time": {"UR-5": 3}, "after": ["10", "010"]},
                 "a; b": {"time": {"UR-5": 3}, "after": ["1.5"]},
-                "1-3": {"together": [{"operators": ["UR-5", "time lord"], "time": 2, "stress": {"time lord": 1}}], "after": ["a; b"]},
+                "1-3": {
+                    "together": [
+                        {"operators": ["UR-5", "time lord"], "time": 2, "stress": {"time lord": 1}}
+                    ],
+                    "after": ["a; b"],
+                },
             },
         }
     )
@@ -145,10 +252,17 @@ def test_names_that_look_like_something_else_survive() -> None:
 
 
 def test_what_the_form_cannot_keep_is_said(tmp_path: Path) -> None:
-    cell = books.THESIS.replace(tasks={"1": {"time": {"human": 1.00004}}, "2": {"time": {"human": 1}, "label": "two \u200dblanks"}})
+    cell = books.THESIS.replace(
+        tasks={
+            "1": {"time": {"human": 1.00004}},
+            "2": {"time": {"human": 1}, "label": "two \u200dblanks"},
+        }
+    )
     sentences = export_cell(cell, tmp_path / "x.xlsx")
     assert "tasks.2.label: 'two \\u200dblanks' becomes 'two blanks'." in sentences
-    assert any(sentence.startswith("tasks.1.time.human: 1.00004 becomes 1") for sentence in sentences)
+    assert any(
+        sentence.startswith("tasks.1.time.human: 1.00004 becomes 1") for sentence in sentences
+    )
 
 
 def test_unknown_language() -> None:
@@ -157,8 +271,21 @@ def test_unknown_language() -> None:
 
 
 def test_five_hundred_rows_take_less_than_two_seconds(tmp_path: Path) -> None:
-    rows = [[i, f"step {i}", 10 + i % 7, 9.5 if i % 3 else None, "; ".join(map(str, range(max(1, i - 3), i))), i % 5] for i in range(1, 501)]
-    path = books.sheet(tmp_path / "big.xlsx", [["No", "Step", "Zeit Mensch [s]", "Zeit Roboter [s]", "Vorgänger", "EAWS"], *rows])
+    rows = [
+        [
+            i,
+            f"step {i}",
+            10 + i % 7,
+            9.5 if i % 3 else None,
+            "; ".join(map(str, range(max(1, i - 3), i))),
+            i % 5,
+        ]
+        for i in range(1, 501)
+    ]
+    path = books.sheet(
+        tmp_path / "big.xlsx",
+        [["No", "Step", "Zeit Mensch [s]", "Zeit Roboter [s]", "Vorgänger", "EAWS"], *rows],
+    )
     begin = time.perf_counter()
     cell, _ = import_cell(path)
     assert time.perf_counter() - begin < 2.0
@@ -168,5 +295,11 @@ def test_five_hundred_rows_take_less_than_two_seconds(tmp_path: Path) -> None:
 
 def test_the_bytes_are_a_workbook_for_other_programs() -> None:
     book = openpyxl.load_workbook(io.BytesIO(to_workbook(books.THESIS)))
-    assert [cell.value for cell in book["Tasks"][1]] == ["task", "time robot [s]", "time human [s]", "stress", "predecessors"]
+    assert [cell.value for cell in book["Tasks"][1]] == [
+        "task",
+        "time robot [s]",
+        "time human [s]",
+        "stress",
+        "predecessors",
+    ]
     assert [cell.value for cell in book["Tasks"][7]] == [6, 10, 3, 1, "1; 2; 4"]

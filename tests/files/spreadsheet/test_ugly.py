@@ -1,4 +1,6 @@
-"""Planners' workbooks are imported to the right cell, with everything left out listed, or refused with the sheet cell to mend."""
+"""Planners' workbooks are imported to the right cell, with everything left out listed, or refused
+with the sheet cell to mend.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,13 @@ def test_german_plan_with_titles_two_header_rows_headings_and_totals(tmp_path: P
     assert dict(cell.tasks["2"].time) == {"Roboter": 7.002, "Mensch": 8.001}
     assert dict(cell.tasks["3"].time) == {"Mensch": 10.002}
     assert dict(cell.tasks["4"].time) == {"Roboter": 2.004}
-    assert [task.label for task in cell.tasks.values()] == ["Deckel einlegen", "Rad fügen", "Kabel stecken", "Schraube", "Prüfen"]
+    assert [task.label for task in cell.tasks.values()] == [
+        "Deckel einlegen",
+        "Rad fügen",
+        "Kabel stecken",
+        "Schraube",
+        "Prüfen",
+    ]
     assert [task.stress for task in cell.tasks.values()] == [10, 11, 2, 0, 4]
     assert [task.after for task in cell.tasks.values()] == [(), (), (), ("1", "2"), ("3",)]
     assert cell.humans == ("Mensch",)
@@ -43,13 +51,17 @@ def test_german_plan_with_titles_two_header_rows_headings_and_totals(tmp_path: P
         "blank rows were passed over: 9",
     ):
         assert what in rows
-    assert "Montage!G5: column G 'Bemerkung' was not read" in notes(found, "column").replace("column 'B", "column G 'B")
+    assert "Montage!G5: column G 'Bemerkung' was not read" in notes(found, "column").replace(
+        "column 'B", "column G 'B"
+    )
     assert "Mensch cannot do: 4 (D12 is k.A.)" in notes(found, "cannot")
     assert "Roboter cannot do: 3 (C11 is -)" in notes(found, "cannot")
 
 
 def test_the_plain_list_is_the_thesis_cell(tmp_path: Path) -> None:
-    cell, found = import_cell(books.sheet(tmp_path / "plain.xlsx", [books.PLAIN_HEADER, *books.PLAIN_ROWS]))
+    cell, found = import_cell(
+        books.sheet(tmp_path / "plain.xlsx", [books.PLAIN_HEADER, *books.PLAIN_ROWS])
+    )
     assert books.same_work(cell)
     assert "robot cannot do: 3 (B4 is 0)" in notes(found, "cannot")
     assert "human cannot do: 4 (C5 is empty)" in notes(found, "cannot")
@@ -59,7 +71,10 @@ def test_the_plain_list_is_the_thesis_cell(tmp_path: Path) -> None:
 def test_csv_of_every_kind_is_the_thesis_cell(build: Any, tmp_path: Path) -> None:
     cell, found = import_cell(build(tmp_path / "tasks.csv"))
     renamed = {"Roboter": "robot", "Mensch": "human"}
-    tasks = {name: {**task, "time": {renamed.get(who, who): t for who, t in task["time"].items()}} for name, task in cell.to_dict()["tasks"].items()}
+    tasks = {
+        name: {**task, "time": {renamed.get(who, who): t for who, t in task["time"].items()}}
+        for name, task in cell.to_dict()["tasks"].items()
+    }
     assert tasks == books.THESIS.to_dict()["tasks"]
     assert "columns separated by" in notes(found, "assumed")
 
@@ -69,11 +84,15 @@ def test_csv_named_xls_is_read_as_text(tmp_path: Path) -> None:
 
 
 def test_ods_is_the_thesis_cell(tmp_path: Path) -> None:
-    assert books.same_work(import_cell(books.ods(tmp_path / "tasks.ods", [books.PLAIN_HEADER, *books.PLAIN_ROWS]))[0])
+    assert books.same_work(
+        import_cell(books.ods(tmp_path / "tasks.ods", [books.PLAIN_HEADER, *books.PLAIN_ROWS]))[0]
+    )
 
 
 def test_ods_formula_without_result_and_error_are_refused(tmp_path: Path) -> None:
-    message = refusal(books.ods(tmp_path / "tasks.ods", [books.PLAIN_HEADER, *books.PLAIN_ROWS], broken=True))
+    message = refusal(
+        books.ods(tmp_path / "tasks.ods", [books.PLAIN_HEADER, *books.PLAIN_ROWS], broken=True)
+    )
     assert "Tabelle1!B2: holds a formula with no stored result" in message
     assert "Tabelle1!B3: holds the error #REF!" in message
 
@@ -104,13 +123,23 @@ def test_one_row_for_each_operator(tmp_path: Path) -> None:
             "stress": {"Anna": 11},
             "after": ["A10"],
         },
-        "A30": {"label": "cable", "time": {"Anna": 10, "UR5": 10}, "stress": 2, "after": ["A10", "A20"]},
+        "A30": {
+            "label": "cable",
+            "time": {"Anna": 10, "UR5": 10},
+            "stress": 2,
+            "after": ["A10", "A20"],
+        },
     }
 
 
 def test_ms_project_columns(tmp_path: Path) -> None:
     cell, found = import_cell(books.ms_project(tmp_path / "project.xlsx"))
-    assert [dict(task.time) for task in cell.tasks.values()] == [{"Robot": 12.0}, {"Worker": 30.0}, {"Worker": 90.0}, {"Robot": 20.0}]
+    assert [dict(task.time) for task in cell.tasks.values()] == [
+        {"Robot": 12.0},
+        {"Worker": 30.0},
+        {"Worker": 90.0},
+        {"Robot": 20.0},
+    ]
     assert [task.after for task in cell.tasks.values()] == [(), ("1",), ("1", "2"), ("1", "2", "3")]
     assert cell.tasks["3"].label == "Screw"
     assert "'Start' was not read" in notes(found, "column")
@@ -126,7 +155,13 @@ def test_dirty_numbers_are_read_as_they_look(tmp_path: Path) -> None:
         "d": {"human": 1200.5},
         "e": {"human": 2.0},
     }
-    assert [task.after for task in cell.tasks.values()] == [(), ("a",), ("a", "b"), ("a", "b", "c"), ()]
+    assert [task.after for task in cell.tasks.values()] == [
+        (),
+        ("a",),
+        ("a", "b"),
+        ("a", "b", "c"),
+        (),
+    ]
 
 
 def test_operators_tools_and_zones_in_sheets_of_their_own(tmp_path: Path) -> None:
@@ -149,9 +184,14 @@ def test_operators_tools_and_zones_in_sheets_of_their_own(tmp_path: Path) -> Non
 def test_successors_units_row_repeated_header_and_nameless_total(tmp_path: Path) -> None:
     cell, found = import_cell(books.successors(tmp_path / "balancing.xlsx"))
     expected = books.THESIS.to_dict()["tasks"]
-    assert {name: {**task, "time": {who.lower(): t for who, t in task["time"].items()}} for name, task in cell.to_dict()["tasks"].items()} == expected
+    assert {
+        name: {**task, "time": {who.lower(): t for who, t in task["time"].items()}}
+        for name, task in cell.to_dict()["tasks"].items()
+    } == expected
     assert "row 5 was not read: it repeats the header" in notes(found, "row")
-    assert "row 11 was not read: it has no name, and its numbers are the sums" in notes(found, "row")
+    assert "row 11 was not read: it has no name, and its numbers are the sums" in notes(
+        found, "row"
+    )
     assert "rounded" in notes(found, "assumed")
 
 
@@ -159,13 +199,16 @@ def test_sheet_formatted_to_the_last_row(tmp_path: Path) -> None:
     assert books.same_work(import_cell(books.formatted_to_the_end(tmp_path / "long.xlsx"))[0])
 
 
-# --- refused, each with its place ---------------------------------------------------------------------------------------------
+# --- refused, each with its place -----------------------------------------------------------------
 
 
 def test_all_broken_cells_at_once_and_nothing_imported(tmp_path: Path) -> None:
     message = refusal(books.broken_cells(tmp_path / "broken.xlsx"))
     for part in (
-        "Zeiten!B3: holds a formula with no stored result: open and save it in Excel or LibreOffice",
+        (
+            "Zeiten!B3: holds a formula with no stored result: open and save it in Excel or"
+            " LibreOffice"
+        ),
         "Zeiten!B4: holds the clock time 12:30:00",
         "Zeiten!D4: holds 2024-02-01, not tasks",
         "Zeiten!B5: holds -3: a time cannot be negative",
@@ -198,7 +241,9 @@ def test_two_sheets_that_look_like_tasks(tmp_path: Path) -> None:
 
 
 def test_chart_only(tmp_path: Path) -> None:
-    assert "sheet 'Diagramm' was not read: it is no worksheet but a chart" in refusal(books.chart_only(tmp_path / "chart.xlsx"))
+    assert "sheet 'Diagramm' was not read: it is no worksheet but a chart" in refusal(
+        books.chart_only(tmp_path / "chart.xlsx")
+    )
 
 
 def test_password(tmp_path: Path) -> None:
@@ -207,13 +252,17 @@ def test_password(tmp_path: Path) -> None:
 
 
 def test_truncated_empty_foreign_and_missing_files(tmp_path: Path) -> None:
-    whole = books.sheet(tmp_path / "whole.xlsx", [books.PLAIN_HEADER, *books.PLAIN_ROWS]).read_bytes()
+    whole = books.sheet(
+        tmp_path / "whole.xlsx", [books.PLAIN_HEADER, *books.PLAIN_ROWS]
+    ).read_bytes()
     (tmp_path / "cut.xlsx").write_bytes(whole[: len(whole) // 2])
     assert "cut.xlsx: is damaged or cut off" in refusal(tmp_path / "cut.xlsx")
     (tmp_path / "nil.xlsx").write_bytes(b"")
     assert "nil.xlsx: is empty" in refusal(tmp_path / "nil.xlsx")
     (tmp_path / "page.xls").write_bytes(b"<html><table><tr><td>Task</td></tr></table></html>")
-    assert "page.xls: is no .xls workbook although its name says so" in refusal(tmp_path / "page.xls")
+    assert "page.xls: is no .xls workbook although its name says so" in refusal(
+        tmp_path / "page.xls"
+    )
     (tmp_path / "photo.csv").write_bytes(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + bytes(50))
     assert "photo.csv: is not text" in refusal(tmp_path / "photo.csv")
     assert "gone.xlsx: cannot be read" in refusal(tmp_path / "gone.xlsx")
@@ -222,7 +271,9 @@ def test_truncated_empty_foreign_and_missing_files(tmp_path: Path) -> None:
 
 
 def test_a_hundred_thousand_rows(tmp_path: Path) -> None:
-    (tmp_path / "log.csv").write_text("task,robot [s]\n" + "".join(f"{i},1\n" for i in range(100_000)))
+    (tmp_path / "log.csv").write_text(
+        "task,robot [s]\n" + "".join(f"{i},1\n" for i in range(100_000))
+    )
     assert "log.csv: has more than 10,000 rows" in refusal(tmp_path / "log.csv")
     import openpyxl
 
@@ -256,8 +307,15 @@ def test_columns_can_be_told(tmp_path: Path) -> None:
     rows = [["Was", "Wer weiß", "X", "Y"], ["a", 3, 4, None], ["b", 2, None, "a"]]
     path = books.sheet(tmp_path / "own.xlsx", rows)
     assert "no column holds a time" in refusal(path)
-    cell, _ = import_cell(path, columns={"Wer weiß": "time robot [min]", "C": "time Eva [s]", "Y": "after"}, humans=["eva"])
-    assert {name: dict(task.time) for name, task in cell.tasks.items()} == {"1": {"robot": 180.0, "Eva": 4.0}, "2": {"robot": 120.0}}
+    cell, _ = import_cell(
+        path,
+        columns={"Wer weiß": "time robot [min]", "C": "time Eva [s]", "Y": "after"},
+        humans=["eva"],
+    )
+    assert {name: dict(task.time) for name, task in cell.tasks.items()} == {
+        "1": {"robot": 180.0, "Eva": 4.0},
+        "2": {"robot": 120.0},
+    }
     assert cell.tasks["2"].after == ("1",)
     with pytest.raises(UsageError, match=r"no such column. Did you mean 'Wer weiß'"):
         import_cell(path, columns={"Wer weiss nicht": "after", "C": "time robot"})

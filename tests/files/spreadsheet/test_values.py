@@ -9,7 +9,14 @@ from typing import Any
 import pytest
 
 from tandem.files.spreadsheet.references import References, UnknownTaskError
-from tandem.files.spreadsheet.values import Marks, UnreadableError, cannot, marks_of, number, seconds
+from tandem.files.spreadsheet.values import (
+    Marks,
+    UnreadableError,
+    cannot,
+    marks_of,
+    number,
+    seconds,
+)
 
 
 @pytest.mark.parametrize(
@@ -37,7 +44,20 @@ def test_numbers(value: object, mark: Any, expected: str) -> None:
     assert number(value, Marks(mark, grouped=True) if mark else Marks()).value == Decimal(expected)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("value", ["1.234", "1,234", "12 apples", "10:30", "~5", True, datetime.date(2024, 2, 1), datetime.time(12, 30), "1,2,3x"])
+@pytest.mark.parametrize(
+    "value",
+    [
+        "1.234",
+        "1,234",
+        "12 apples",
+        "10:30",
+        "~5",
+        True,
+        datetime.date(2024, 2, 1),
+        datetime.time(12, 30),
+        "1,2,3x",
+    ],
+)
 def test_doubtful_numbers_are_refused(value: object) -> None:
     with pytest.raises(UnreadableError):
         number(value)  # type: ignore[arg-type]
@@ -69,7 +89,18 @@ def test_thousands_need_evidence_too() -> None:
 
 
 @pytest.mark.parametrize(
-    ("value", "no"), [(0, True), ("", True), ("0,0", True), ("0 s", True), ("–", True), ("k.A.", True), (0.1, False), ("x", False), (True, False)]
+    ("value", "no"),
+    [
+        (0, True),
+        ("", True),
+        ("0,0", True),
+        ("0 s", True),
+        ("–", True),
+        ("k.A.", True),
+        (0.1, False),
+        ("x", False),
+        (True, False),
+    ],
 )
 def test_zero_empty_and_dashes_mean_cannot(value: object, no: bool) -> None:
     assert cannot(value) is no  # type: ignore[arg-type]
@@ -117,12 +148,32 @@ def test_what_is_no_list_of_tasks(value: object, words: str) -> None:
 @pytest.mark.parametrize(
     ("names", "rows", "values", "expected", "said"),
     [
-        (["T1", "T2", "T3"], {"T1": 4, "T2": 5, "T3": 6}, ["1", "1,2"], ["T1", "T2"], "the number at the end"),
-        (["cover", "wheel", "cable"], {"cover": 4, "wheel": 5, "cable": 6}, ["1", "1,2"], ["cover", "wheel"], "places in the list"),
-        (["cover", "wheel", "cable"], {"cover": 4, "wheel": 5, "cable": 6}, ["4", "4,5"], ["cover", "wheel"], "row numbers of the sheet"),
+        (
+            ["T1", "T2", "T3"],
+            {"T1": 4, "T2": 5, "T3": 6},
+            ["1", "1,2"],
+            ["T1", "T2"],
+            "the number at the end",
+        ),
+        (
+            ["cover", "wheel", "cable"],
+            {"cover": 4, "wheel": 5, "cable": 6},
+            ["1", "1,2"],
+            ["cover", "wheel"],
+            "places in the list",
+        ),
+        (
+            ["cover", "wheel", "cable"],
+            {"cover": 4, "wheel": 5, "cable": 6},
+            ["4", "4,5"],
+            ["cover", "wheel"],
+            "row numbers of the sheet",
+        ),
     ],
 )
-def test_numbers_that_are_no_names(names: list[str], rows: dict[str, int], values: list[str], expected: list[str], said: str) -> None:
+def test_numbers_that_are_no_names(
+    names: list[str], rows: dict[str, int], values: list[str], expected: list[str], said: str
+) -> None:
     references = References(names, {}, rows)
     references.agree_on_numbers(values)
     assert references.read(values[1]) == expected

@@ -22,4 +22,8 @@ def test_no_column_but_a_time_speaks_of_who_can_do_the_task(column: str, tmp_pat
     (fault,) = refused.value.faults
     letter = "ABC"[headers.index(column)]
     assert fault.place.endswith(f"!{letter}3")
-    assert fault.message == "holds 'about ten' where a number is expected: write one number, or leave the cell empty if there is none."
+    assert (
+        fault.message
+        == "holds 'about ten' where a number is expected: write one number, or leave the cell empty"
+        " if there is none."
+    )

@@ -1,4 +1,6 @@
-"""`tandem reproduce alessio2022`: the code of the long run at a size that fits here, its exact parts, and what its stored result says."""
+"""`tandem reproduce alessio2022`: the code of the long run at a size that fits here, its exact
+parts, and what its stored result says.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +51,12 @@ def test_a_quick_run_is_kept_goes_on_and_says_that_it_is_one(quick):
 
 def test_a_quick_run_draws_its_figures(quick, tmp_path):
     files = experiment.draw_figures(quick[1], tmp_path)
-    assert {"blocked-crossing.svg", "film-crossing.svg", "success-crossing.svg", "price-of-robustness.png"} <= {file.name for file in files}
+    assert {
+        "blocked-crossing.svg",
+        "film-crossing.svg",
+        "success-crossing.svg",
+        "price-of-robustness.png",
+    } <= {file.name for file in files}
     assert all(file.stat().st_size > 2000 for file in files)
 
 
@@ -60,7 +67,9 @@ def test_a_learned_robot_is_never_better_than_the_exact_values(quick):
         assert record["greedy"]["worst"] is None or record["greedy"]["worst"] >= known["minimax"]
     for row in document["cells"]:
         assert all(
-            pair[0] >= row["trade"][-1][1] and pair[1] >= row["trade"][0][0] for kind in ("untrained", "plain", "adversarial") for pair in row[kind]
+            pair[0] >= row["trade"][-1][1] and pair[1] >= row["trade"][0][0]
+            for kind in ("untrained", "plain", "adversarial")
+            for pair in row[kind]
         )
 
 
@@ -68,12 +77,20 @@ def test_a_learned_robot_is_never_better_than_the_exact_values(quick):
 
 
 def test_adversarial_training_beats_plain_training_against_the_adversary(long):
-    """At least 10 seeds each; the difference is significant, and the p-value is that of the records."""
+    """At least 10 seeds each; the difference is significant, and the p-value is that of the
+    records.
+    """
     grid = long["grids"][0]
     assert (grid["grid"], long["quick"], len(long["seeds"]) >= 10) == ("crossing", False, True)
-    by_name = {name: [record for record in grid["records"] if record["training"] == name] for name in experiment.GRIDS["crossing"]}
+    by_name = {
+        name: [record for record in grid["records"] if record["training"] == name]
+        for name in experiment.GRIDS["crossing"]
+    }
     assert {len(own) for own in by_name.values()} == {len(long["seeds"])}
-    rates = [[record["success"]["adversary"] for record in by_name[name]] for name in (ADVERSARIAL, PLAIN)]
+    rates = [
+        [record["success"]["adversary"] for record in by_name[name]]
+        for name in (ADVERSARIAL, PLAIN)
+    ]
     assert larger(*rates) == pytest.approx(grid["tests"][0]["p"])
     assert grid["tests"][0]["p"] < 0.01
 
@@ -87,21 +104,31 @@ def test_the_stored_summary_and_exact_values_are_those_of_the_records_and_of_thi
 
 
 def test_a_robot_that_is_bounded_exactly_is_hardly_ever_spoiled_by_the_learned_adversary(long):
-    """The learned best response is no stronger than the exact worst case. Draws leave a robot that is sure of itself some slips."""
+    """The learned best response is no stronger than the exact worst case. Draws leave a robot that
+    is sure of itself some slips.
+    """
     for record in long["grids"][0]["records"]:
         if record["greedy"]["worst"] is not None and record["training"] not in DESCRIBED:
             assert record["success"]["adversary"] > 0.5
 
 
 def test_the_stored_games_show_the_claim(long):
-    """Trained against an adversary the robot bars the wrong terminal state and reaches the right one; trained beside a random human it does not."""
+    """Trained against an adversary the robot bars the wrong terminal state and reaches the right
+    one; trained beside a random human it does not.
+    """
     grid = long["grids"][0]
     drawn = layout(grid["grid"])
     for record in grid["records"]:
         last = [drawn.text[place] for place in record["greedy"]["pursued"][-1]]
         assert ("G" in last) == record["greedy"]["barred"]
-    assert any(record["greedy"]["barred"] for record in grid["records"] if record["training"] == ADVERSARIAL)
-    assert not any(record["greedy"]["barred"] for record in grid["records"] if record["training"] == PLAIN)
+    assert any(
+        record["greedy"]["barred"]
+        for record in grid["records"]
+        if record["training"] == ADVERSARIAL
+    )
+    assert not any(
+        record["greedy"]["barred"] for record in grid["records"] if record["training"] == PLAIN
+    )
 
 
 def test_stored_cells_are_those_of_this_code(long):
@@ -123,7 +150,9 @@ def test_the_trade_begins_at_the_minimax_value_and_ends_at_the_planners_optimum(
     assert points[0][0] == pytest.approx(minimax(cell))
     assert points[-1][1] == pytest.approx(plan(cell, time_limit=20, seed=0).points[0][0])
     assert points == sorted(points)
-    assert [nominal for _, nominal in points] == sorted((nominal for _, nominal in points), reverse=True)
+    assert [nominal for _, nominal in points] == sorted(
+        (nominal for _, nominal in points), reverse=True
+    )
 
 
 def test_on_the_thesis_cell_one_robot_has_the_optimum_and_the_least_guarantee():
@@ -138,7 +167,9 @@ def test_a_guarantee_can_cost_nominal_time():
 
 @pytest.mark.parametrize("seed", range(4))
 def test_no_human_makes_a_robot_later_than_it_guarantees(seed):
-    """The guaranteed time is reached by the worst human and by no random one in many games, each played in the thesis's own world."""
+    """The guaranteed time is reached by the worst human and by no random one in many games, each
+    played in the thesis's own world.
+    """
     cell, draw = layered(5, seed=seed), np.random.default_rng(seed)
     nominal, guaranteed = times(cell, nominal_robot(cell))
     assert play(cell, nominal_robot(cell), hostile=False).makespan == pytest.approx(nominal)
@@ -148,14 +179,17 @@ def test_no_human_makes_a_robot_later_than_it_guarantees(seed):
 
 
 def by_chance(cell: Cell, robot, draw) -> float:
-    """Seconds of a game in the thesis's world by decisions, with a human that takes any legal action and the robot asked as in the exact values."""
+    """Seconds of a game in the thesis's world by decisions, with a human that takes any legal
+    action and the robot asked as in the exact values.
+    """
     data, rewards, moves = station(cell), reward_set("appendix"), values(cell, HOSTILE).moves
     state, clock, done = reset(data), 0, False
     while not done:
         mask = decisions.choices(data, state)
         human = int(draw.choice(np.flatnonzero(mask[HUMAN])))
         position = as_position(moves, data, state, human)
-        assert np.array_equal(as_state(moves, data, position, 1)[0].time, state.time)  # there and back
+        # there and back
+        assert np.array_equal(as_state(moves, data, position, 1)[0].time, state.time)
         ways = robot(position)
         action = np.array([moves.task[ways[0]] + 1 if ways else 0, human], np.int32)
         assert decisions.after_human(state, mask, np.int32(human))[action[ROBOT]]
@@ -165,7 +199,9 @@ def by_chance(cell: Cell, robot, draw) -> float:
 
 
 def as_position(moves, data, state, human):
-    """The state of the thesis's world, with the task that the human has just named, as the exact values hold it before the robot's move."""
+    """The state of the thesis's world, with the task that the human has just named, as the exact
+    values hold it before the robot's move.
+    """
     position = moves.root()
     running = []
     for agent, bits in ((ROBOT, moves.everybody & ~moves.human), (HUMAN, moves.human)):
@@ -183,7 +219,12 @@ def as_position(moves, data, state, human):
 
 def test_a_cell_that_the_station_cannot_hold_is_refused_by_name():
     cell = thesis_cell()
-    late = cell.replace(tasks={**cell.tasks, "1": cell.tasks["1"].model_copy(update={"release": 5.0, "deadline": 60.0})})
+    late = cell.replace(
+        tasks={
+            **cell.tasks,
+            "1": cell.tasks["1"].model_copy(update={"release": 5.0, "deadline": 60.0}),
+        }
+    )
     assert experiment.runs_on(layered(6, seed=0)).time.shape == (2, 6)
     with pytest.raises(CellError, match=r"knows no release(.|\n)*knows no deadline"):
         experiment.runs_on(late)
@@ -208,7 +249,10 @@ def test_the_quickest_robot_is_judged_to_fail_and_the_crossing_one_not():
 
 def test_blocking_pays_on_some_random_grids_in_both_formulations():
     counts = grid_runs.formulations(12, first_seed=20)
-    assert all(0 <= count["quickest_fails"] <= count["winnable"] <= count["drawn"] == 12 for count in counts.values())
+    assert all(
+        0 <= count["quickest_fails"] <= count["winnable"] <= count["drawn"] == 12
+        for count in counts.values()
+    )
     assert counts["closing paths"]["winnable"] > 0
 
 

@@ -1,4 +1,6 @@
-"""The exact values of grids: worked out by hand, by a second method, and against what happens when games are played."""
+"""The exact values of grids: worked out by hand, by a second method, and against what happens when
+games are played.
+"""
 
 from __future__ import annotations
 
@@ -8,9 +10,27 @@ import numpy as np
 import pytest
 
 from tandem.errors import NothingFoundError
-from tandem.lab.alessio2022 import exact, grid, layout, legal, random_layout, reset, robots, step, tables
+from tandem.lab.alessio2022 import (
+    exact,
+    grid,
+    layout,
+    legal,
+    random_layout,
+    reset,
+    robots,
+    step,
+    tables,
+)
 from tandem.lab.alessio2022.exact import Place
-from tandem.lab.alessio2022.world import HUMAN, NOWHERE, REACHED_RIGHT, ROBOT, WAIT, Rewards, is_over
+from tandem.lab.alessio2022.world import (
+    HUMAN,
+    NOWHERE,
+    REACHED_RIGHT,
+    ROBOT,
+    WAIT,
+    Rewards,
+    is_over,
+)
 
 RACE = "R.G\n###\nH.W"
 """The robot moves first and needs two moves, as the human does."""
@@ -26,7 +46,9 @@ def test_a_race_is_won_by_who_is_nearer_and_the_robot_moves_first():
 
 
 def test_on_the_built_in_grids_the_quickest_way_loses_and_another_one_is_safe():
-    """The story of the publication: the wrong terminal state is blocked, the right one is reached, at the price of a longer way."""
+    """The story of the publication: the wrong terminal state is blocked, the right one is reached,
+    at the price of a longer way.
+    """
     for name, moves, quick in (("crossing", 23, 15), ("crossing-12", 43, 27)):
         drawn = layout(name)
         best = exact.minimax(drawn)
@@ -41,7 +63,9 @@ def test_on_the_built_in_grids_the_quickest_way_loses_and_another_one_is_safe():
 
 
 def brute(data, state) -> bool:
-    """Whether the robot can be sure of success, by the rules of `world.py` themselves, every game played."""
+    """Whether the robot can be sure of success, by the rules of `world.py` themselves, every game
+    played.
+    """
     mover = int(state.turn)
     results = []
     for action in np.flatnonzero(legal(data, state)[mover]):
@@ -80,17 +104,25 @@ def test_the_worst_human_is_as_bad_as_the_worst_that_can_be_played():
     def worst(state, history):
         if int(state.turn) == ROBOT:
             closed = sum(1 << int(place) for place in np.flatnonzero(state.path.any(0)))
-            actions = [robot(Place(closed, *map(int, state.position), ROBOT, bool(state.waited)), history)]
+            actions = [
+                robot(Place(closed, *map(int, state.position), ROBOT, bool(state.waited)), history)
+            ]
         else:
             actions = np.flatnonzero(legal(data, state)[HUMAN])
         results = []
         for action in actions:
             after, _, over, _ = step(data, FREE, state, np.array([action, action]))
-            results.append(int(after.reached) == REACHED_RIGHT if over else worst(after, (*history, tuple(map(int, after.position)))))
+            results.append(
+                int(after.reached) == REACHED_RIGHT
+                if over
+                else worst(after, (*history, tuple(map(int, after.position))))
+            )
         return all(results)
 
     start = reset(data)
-    assert exact.worst_case(drawn, robot).success == worst(start, (tuple(map(int, start.position)),))
+    assert exact.worst_case(drawn, robot).success == worst(
+        start, (tuple(map(int, start.position)),)
+    )
 
 
 def test_a_state_rebuilt_from_its_history_is_the_state_that_was_played():
@@ -101,7 +133,9 @@ def test_a_state_rebuilt_from_its_history_is_the_state_that_was_played():
         closed = sum(1 << int(place) for place in np.flatnonzero(state.path.any(0)))
         place = Place(closed, *map(int, state.position), int(state.turn), bool(state.waited))
         rebuilt = robots.as_state(len(drawn.text), place, history)
-        assert all(np.array_equal(ours, theirs) for ours, theirs in zip(rebuilt, state, strict=True))
+        assert all(
+            np.array_equal(ours, theirs) for ours, theirs in zip(rebuilt, state, strict=True)
+        )
         action = generator.choice(np.flatnonzero(legal(data, state)[state.turn]))
         state, *_ = step(data, FREE, state, np.array([action, action]))
         history = (*history, tuple(map(int, state.position)))
@@ -116,7 +150,9 @@ def test_a_grid_that_is_too_large_is_said_to_be_so():
 
 
 def open_brute(data):
-    """The minimax value of a grid with open paths by plain recursion over positions, turn and clock."""
+    """The minimax value of a grid with open paths by plain recursion over positions, turn and
+    clock.
+    """
 
     @cache
     def value(robot, human, turn, clock):
@@ -128,7 +164,9 @@ def open_brute(data):
             if there >= 0 and (there != other or action == WAIT):
                 kind = int(data.kind[there])
                 pair = (int(there), human) if turn == ROBOT else (robot, int(there))
-                results.append(kind == REACHED_RIGHT if kind != NOWHERE else value(*pair, 1 - turn, clock + 1))
+                results.append(
+                    kind == REACHED_RIGHT if kind != NOWHERE else value(*pair, 1 - turn, clock + 1)
+                )
         return any(results) if turn == ROBOT else all(results)
 
     return value(*map(int, data.start), int(data.first), 0)
@@ -143,14 +181,22 @@ def test_tables_and_recursion_agree_on_open_paths(seed):
 
 
 def test_with_open_paths_a_human_that_stands_in_the_only_way_bars_it_for_ever():
-    """Why paths close by default: here nobody can be passed, and a human that waits in front of the goal is never punished for it."""
+    """Why paths close by default: here nobody can be passed, and a human that waits in front of the
+    goal is never punished for it.
+    """
     drawn = layout("R.H.G\n#####")
     assert not tables.minimax(grid(drawn, closing=False, limit=40)).success
-    assert tables.value(grid(drawn, closing=False, limit=40), tables.best, tables.by_chance).success > 0.9
+    assert (
+        tables.value(grid(drawn, closing=False, limit=40), tables.best, tables.by_chance).success
+        > 0.9
+    )
 
 
 def test_a_policy_is_worth_between_the_minimax_value_and_the_best_beside_the_same_human():
     data = grid(random_layout(2, size=5), closing=False, limit=30)
     quick = tables.following(tables.quickest(data))
     assert tables.value(data, quick, tables.worst).success <= tables.minimax(data).success
-    assert tables.value(data, quick, tables.by_chance).success <= tables.value(data, tables.best, tables.by_chance).success + 1e-12
+    assert (
+        tables.value(data, quick, tables.by_chance).success
+        <= tables.value(data, tables.best, tables.by_chance).success + 1e-12
+    )

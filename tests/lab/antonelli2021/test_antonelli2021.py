@@ -17,7 +17,9 @@ from tandem.lab.kinat2023.runs import thesis_cell
 
 @pytest.fixture(scope="module")
 def short(tmp_path_factory):
-    """A quick run, smaller still: one seed, the own cell, one p of training. Its settings are shared so that little is compiled."""
+    """A quick run, smaller still: one seed, the own cell, one p of training. Its settings are
+    shared so that little is compiled.
+    """
     folder = tmp_path_factory.mktemp("antonelli")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(experiment, "cells", lambda: {"flanges": experiment.own_cell()})
@@ -32,7 +34,9 @@ def test_a_short_run_fills_every_player_and_says_that_it_is_one(short):
     found = document["cells"]["flanges"]
     assert {row["player"] for row in found["players"]} == {"as described, trained at p = 0", "ours"}
     assert found["states"] == found["with_a_way_to_the_goal"] == 81
-    assert json.loads((folder / "antonelli2021.json").read_text()) == json.loads(json.dumps(document))
+    assert json.loads((folder / "antonelli2021.json").read_text()) == json.loads(
+        json.dumps(document)
+    )
     text = experiment.table(document)
     assert "quick run" in text
     assert "not public" in text
@@ -43,7 +47,9 @@ def test_what_was_found_before_is_not_computed_again_unless_something_else_is_as
     calls = []
 
     def ask(**asked):
-        return experiment._kept(tmp_path / "records" / "x.json", asked, lambda: calls.append(asked) or [len(calls)])
+        return experiment._kept(
+            tmp_path / "records" / "x.json", asked, lambda: calls.append(asked) or [len(calls)]
+        )
 
     assert [ask(seeds=1), ask(seeds=1), ask(seeds=2)] == [[1], [1], [2]]
     assert calls == [{"seeds": 1}, {"seeds": 2}]
@@ -54,7 +60,10 @@ def test_planner_and_value_iteration_agree_on_a_human_who_makes_no_mistakes(shor
     assert found["planned_one_at_a_time"] == found["exact"][0]["expected_s"] == 76
     thesis = thesis_cell()
     assert value_iteration(experiment.runs_on(thesis).process(0.0)).values[0] == 35
-    assert min(mode.time for task in thesis.tasks for mode in experiment.joint(thesis).modes(task)) == 2
+    assert (
+        min(mode.time for task in thesis.tasks for mode in experiment.joint(thesis).modes(task))
+        == 2
+    )
 
 
 def test_what_was_trained_without_mistakes_does_not_know_what_to_do_with_them_and_ours_does(short):
@@ -79,12 +88,19 @@ def test_seven_tasks_are_learned_exactly_in_well_under_a_second(short):
 def test_even_draws_come_nearest(short):
     last = {row["way"]: row["error_s"][-1] for row in short[1]["precision"]}
     assert last["rounds, even draws"] < last["rounds, independent draws"] / 3
-    assert set(last) == {"episodes", "rounds, independent draws", "rounds, even draws", "rounds, even draws, single precision"}
+    assert set(last) == {
+        "episodes",
+        "rounds, independent draws",
+        "rounds, even draws",
+        "rounds, even draws, single precision",
+    }
 
 
 def test_the_figures_are_drawn(short, tmp_path):
     files = experiment.draw_figures(short[1], tmp_path)
-    assert {"product.svg", "time-flanges.svg", "reached-flanges.png", "precision.svg"} <= {file.name for file in files}
+    assert {"product.svg", "time-flanges.svg", "reached-flanges.png", "precision.svg"} <= {
+        file.name for file in files
+    }
     assert all(file.stat().st_size > 2000 for file in files)
 
 
@@ -109,14 +125,23 @@ def test_the_stored_long_run_holds_what_the_page_says():
             exact = value_iteration(world.process(row["p"]))
             assert row["expected_s"] == pytest.approx(exact.values[0], abs=1e-5)
             assert row["sure"] == row["reaches_as_asked"] == found["states"]
-            assert policy_values(world.process(row["p"]), exact.policy)[0] == pytest.approx(exact.values[0])
+            assert policy_values(world.process(row["p"]), exact.policy)[0] == pytest.approx(
+                exact.values[0]
+            )
             assert reaching_states(world.process(row["p"]), exact.policy).all()
         assert found["exact"][0]["expected_s"] == found["planned_one_at_a_time"]
         for row in found["players"]:
-            exact_s = next(exact["expected_s"] for exact in found["exact"] if exact["p"] == row["p"])
-            assert all(value is None or value >= exact_s - 1e-3 for value in row["expected_s"])  # nobody beats the exact policy
+            exact_s = next(
+                exact["expected_s"] for exact in found["exact"] if exact["p"] == row["p"]
+            )
+            # nobody beats the exact policy
+            assert all(value is None or value >= exact_s - 1e-3 for value in row["expected_s"])
         ours = [row for row in found["players"] if row["player"] == "ours"]
         assert np.min([row["reaches_as_asked"] for row in ours]) == 1.0
-    best = {row["p"]: row["error_s"][-1] for row in document["precision"] if row["way"] == "rounds, even draws"}
+    best = {
+        row["p"]: row["error_s"][-1]
+        for row in document["precision"]
+        if row["way"] == "rounds, even draws"
+    }
     assert max(error for p, error in best.items() if p <= 0.3) < 1e-3
     assert document["speed"]["wall_s"] < 1.0

@@ -1,4 +1,6 @@
-"""Finite processes: values by hand, by another method and by trying every policy; what is reached, and what is refused."""
+"""Finite processes: values by hand, by another method and by trying every policy; what is reached,
+and what is refused.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +12,22 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tandem.errors import NothingFoundError
-from tandem.lab.antonelli2021.markov import Outcome, Process, explore, policy_values, reaching_states, sure_states, value_iteration
+from tandem.lab.antonelli2021.markov import (
+    Outcome,
+    Process,
+    explore,
+    policy_values,
+    reaching_states,
+    sure_states,
+    value_iteration,
+)
 
 
 def made(options, actions=2, limit=100):
     """A process whose start is 0 and whose goal is "end"."""
-    return explore(0, lambda node: options[node], lambda node: node == "end", actions=actions, limit=limit)
+    return explore(
+        0, lambda node: options[node], lambda node: node == "end", actions=actions, limit=limit
+    )
 
 
 def retry(chance):
@@ -40,7 +52,10 @@ def test_the_stated_error_holds_when_it_is_large():
 
 
 def test_a_detour_is_taken_when_it_is_cheaper():
-    options = {0: {0: [Outcome("end", 1.0, 10.0)], 1: [Outcome("side", 1.0, 4.0)]}, "side": {0: [Outcome("end", 1.0, 5.0)]}}
+    options = {
+        0: {0: [Outcome("end", 1.0, 10.0)], 1: [Outcome("side", 1.0, 4.0)]},
+        "side": {0: [Outcome("end", 1.0, 5.0)]},
+    }
     process, nodes = made(options)
     found = value_iteration(process)
     assert dict(zip(nodes, found.values, strict=True)) == {0: 9.0, "end": 0.0, "side": 5.0}
@@ -48,29 +63,49 @@ def test_a_detour_is_taken_when_it_is_cheaper():
 
 
 def test_a_policy_that_may_go_on_for_ever_costs_without_end():
-    options = {0: {0: [Outcome("end", 0.5, 1.0), Outcome("loop", 0.5, 1.0)]}, "loop": {0: [Outcome("loop", 1.0, 1.0)], 1: [Outcome("end", 1.0, 1.0)]}}
+    options = {
+        0: {0: [Outcome("end", 0.5, 1.0), Outcome("loop", 0.5, 1.0)]},
+        "loop": {0: [Outcome("loop", 1.0, 1.0)], 1: [Outcome("end", 1.0, 1.0)]},
+    }
     process, nodes = made(options)
     stays, leaves = np.array([0, 0, 0]), np.array([0, 0, 1])
     assert nodes == [0, "end", "loop"]
     assert policy_values(process, stays).tolist() == [np.inf, 0.0, np.inf]
     assert policy_values(process, leaves).tolist() == [1.5, 0.0, 1.0]
     assert sure_states(process, stays).tolist() == [False, True, False]
-    assert reaching_states(process, stays).tolist() == [True, True, False]  # as asked, the first outcome leads to the end
+    # as asked, the first outcome leads to the end
+    assert reaching_states(process, stays).tolist() == [True, True, False]
     assert reaching_states(process).all()
 
 
 def test_a_goal_out_of_reach_is_said_at_once():
-    process, _ = made({0: {0: [Outcome("pit", 1.0, 1.0), Outcome("end", 0.0, 1.0)]}, "pit": {0: [Outcome("pit", 1.0, 1.0)]}})
+    process, _ = made(
+        {
+            0: {0: [Outcome("pit", 1.0, 1.0), Outcome("end", 0.0, 1.0)]},
+            "pit": {0: [Outcome("pit", 1.0, 1.0)]},
+        }
+    )
     with pytest.raises(NothingFoundError, match="no goal can be reached"):
         value_iteration(process)
 
 
 def test_outcomes_without_chance_are_numbered_too_and_too_many_states_are_refused():
-    process, nodes = made({0: {0: [Outcome("end", 1.0, 1.0), Outcome("rare", 0.0, 1.0)]}, "rare": {1: [Outcome("end", 1.0, 1.0)]}})
+    process, nodes = made(
+        {
+            0: {0: [Outcome("end", 1.0, 1.0), Outcome("rare", 0.0, 1.0)]},
+            "rare": {1: [Outcome("end", 1.0, 1.0)]},
+        }
+    )
     assert nodes == [0, "end", "rare"]
     assert process.legal.tolist() == [[True, False], [False, False], [False, True]]
     with pytest.raises(NothingFoundError, match="more than 50 states"):
-        explore(0, lambda node: {0: [Outcome(node + 1, 1.0, 1.0)]}, lambda node: node < 0, actions=1, limit=50)
+        explore(
+            0,
+            lambda node: {0: [Outcome(node + 1, 1.0, 1.0)]},
+            lambda node: node < 0,
+            actions=1,
+            limit=50,
+        )
 
 
 @settings(max_examples=40)
@@ -83,8 +118,17 @@ def test_no_policy_is_better_than_the_exact_one(seed):
     after[:, 0, 0] = states - 1  # the goal can always be reached
     chance = random.dirichlet(np.ones(3), size=(states, actions))
     goal = np.arange(states) == states - 1
-    process = Process(after, chance, random.uniform(1, 9, after.shape), ~goal[:, None] & np.ones(actions, bool), goal)
+    process = Process(
+        after,
+        chance,
+        random.uniform(1, 9, after.shape),
+        ~goal[:, None] & np.ones(actions, bool),
+        goal,
+    )
     found = value_iteration(process, error=1e-11)
-    every = [policy_values(process, np.array([*choice, 0])) for choice in product(range(actions), repeat=states - 1)]
+    every = [
+        policy_values(process, np.array([*choice, 0]))
+        for choice in product(range(actions), repeat=states - 1)
+    ]
     assert np.min(every, axis=0) == pytest.approx(found.values, rel=1e-7)
     assert policy_values(process, found.policy) == pytest.approx(found.values, rel=1e-7)

@@ -1,4 +1,6 @@
-"""Tabular Q-learning: it finds what value iteration finds, how fast, how precisely, and where it has not been it knows nothing."""
+"""Tabular Q-learning: it finds what value iteration finds, how fast, how precisely, and where it
+has not been it knows nothing.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,14 @@ from tandem.errors import UsageError
 from tandem.files.validate import cell_of
 from tandem.lab.antonelli2021 import repair
 from tandem.lab.antonelli2021.markov import policy_values, value_iteration
-from tandem.lab.antonelli2021.qlearning import Config, Episodes, greedy, play, sweep_seeds, train_seeds
+from tandem.lab.antonelli2021.qlearning import (
+    Config,
+    Episodes,
+    greedy,
+    play,
+    sweep_seeds,
+    train_seeds,
+)
 
 LID = cell_of({
     "operators": {"robot": {"kind": "robot"}},
@@ -26,7 +35,15 @@ def lid():
     return repair(LID)
 
 
-ANYWHERE = Config(steps=100_000, horizon=20.0, epsilon=0.3, epsilon_end=0.3, limit=10, exploring_starts=True, stratified=True)
+ANYWHERE = Config(
+    steps=100_000,
+    horizon=20.0,
+    epsilon=0.3,
+    epsilon_end=0.3,
+    limit=10,
+    exploring_starts=True,
+    stratified=True,
+)
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +58,12 @@ def keys(count, seed=0):
 
 def error(process, table):
     """The largest difference of a learned value from the exact one."""
-    return float(np.abs(np.where(process.goal, 0.0, np.asarray(table).min(axis=-1)) - value_iteration(process).values).max())
+    return float(
+        np.abs(
+            np.where(process.goal, 0.0, np.asarray(table).min(axis=-1))
+            - value_iteration(process).values
+        ).max()
+    )
 
 
 def test_with_slips_even_draws_bring_it_within_a_thousandth_and_independent_ones_do_not(lid):
@@ -54,11 +76,15 @@ def test_with_slips_even_draws_bring_it_within_a_thousandth_and_independent_ones
         assert 1e-3 < min(error(process, table) for table in independent.table) < 1.0
 
 
-def test_along_episodes_with_slips_the_values_are_near_and_the_policy_is_the_exact_one(lid, learned):
+def test_along_episodes_with_slips_the_values_are_near_and_the_policy_is_the_exact_one(
+    lid, learned
+):
     process = lid.process(0.2)
     assert max(error(process, table) for table in learned.table) < 0.1
     for table in learned.table:
-        assert policy_values(process, np.asarray(greedy(table)))[0] == pytest.approx(value_iteration(process).values[0])
+        assert policy_values(process, np.asarray(greedy(table)))[0] == pytest.approx(
+            value_iteration(process).values[0]
+        )
 
 
 def test_the_curve_falls_towards_the_exact_values(lid, learned):
@@ -82,9 +108,13 @@ def test_illegal_actions_are_never_taken(lid, learned):
 
 
 def test_what_never_happens_in_training_is_not_learned_and_exploring_starts_mend_it(lid):
-    """Without slips and from the empty table no wrong state is ever seen; the assembly itself (10 + 4 s) is learned all the same."""
+    """Without slips and from the empty table no wrong state is ever seen; the assembly itself (10 +
+    4 s) is learned all the same.
+    """
     process, wrong = lid.process(0.0), np.flatnonzero(lid.wrong)
-    nominal = train_seeds(keys(3), process, replace(ANYWHERE, exploring_starts=False, epsilon=0.0, epsilon_end=0.0))
+    nominal = train_seeds(
+        keys(3), process, replace(ANYWHERE, exploring_starts=False, epsilon=0.0, epsilon_end=0.0)
+    )
     exploring = train_seeds(keys(3), process, ANYWHERE)
     assert np.asarray(nominal.visits)[:, wrong].sum() == 0
     assert np.asarray(nominal.episode_cost)[:, -1].tolist() == [14, 14, 14]
@@ -94,9 +124,19 @@ def test_what_never_happens_in_training_is_not_learned_and_exploring_starts_mend
 
 
 def test_a_discount_and_a_bonus_are_those_of_the_formula():
-    """One part, no slips: Q(mount) = 10 - 100; taking it off wrongly mounted: 5 + 0.9 (10 - 100)."""
-    world = repair(cell_of({"operators": {"robot": {"kind": "robot"}}, "tasks": {"lid": {"time": {"robot": 10}}}}))
-    learned = train_seeds(keys(1), world.process(0.0), Config(steps=2000, gamma=0.9, bonus=100.0, exploring_starts=True))
+    """One part, no slips: Q(mount) = 10 - 100; taking it off wrongly mounted: 5 + 0.9 (10 -
+    100).
+    """
+    world = repair(
+        cell_of(
+            {"operators": {"robot": {"kind": "robot"}}, "tasks": {"lid": {"time": {"robot": 10}}}}
+        )
+    )
+    learned = train_seeds(
+        keys(1),
+        world.process(0.0),
+        Config(steps=2000, gamma=0.9, bonus=100.0, exploring_starts=True),
+    )
     table = np.asarray(learned.table[0])
     assert table[0, 0] == pytest.approx(-90)
     assert table[world.numbers[(2,)], 1] == pytest.approx(5 - 81)
@@ -107,7 +147,11 @@ def test_following_a_policy_costs_its_value_on_average(lid):
     exact = value_iteration(process)
     number = 4000
     episodes: Episodes = jax.jit(play, static_argnames="limit")(
-        jax.random.key(3), process, jnp.asarray(exact.policy), jnp.zeros(number, jnp.int32), limit=400
+        jax.random.key(3),
+        process,
+        jnp.asarray(exact.policy),
+        jnp.zeros(number, jnp.int32),
+        limit=400,
     )
     cost = np.asarray(episodes.cost)
     assert np.all(episodes.reached)
@@ -116,7 +160,9 @@ def test_following_a_policy_costs_its_value_on_average(lid):
 
 
 def test_settings_that_make_no_sense_are_refused_all_at_once():
-    with pytest.raises(UsageError, match=r"epsilon is 2, outside 0 to 1; gamma is -1.*horizon is -3, below 0"):
+    with pytest.raises(
+        UsageError, match=r"epsilon is 2, outside 0 to 1; gamma is -1.*horizon is -3, below 0"
+    ):
         Config(epsilon=2, gamma=-1, horizon=-3)
     with pytest.raises(UsageError, match="steps is 3, less than reports"):
         Config(steps=3)

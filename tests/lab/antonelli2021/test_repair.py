@@ -1,4 +1,6 @@
-"""Parts that sit wrongly and are taken off again: values by hand, rules that always hold, and what a cell may not have."""
+"""Parts that sit wrongly and are taken off again: values by hand, rules that always hold, and what
+a cell may not have.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,13 @@ from tandem.lab.antonelli2021.world import legal, operation_words
 
 ONE = cell_of({"lid": ({"robot": 10}, 0, [])})
 TWO = cell_of({"base": ({"robot": 10}, 0, []), "lid": ({"robot": 10}, 0, ["base"])})
-TOWER = cell_of({"base": ({"robot": 4, "human": 6}, 0, []), "body": ({"human": 8}, 0, ["base"]), "lid": ({"robot": 2}, 0, ["body"])})
+TOWER = cell_of(
+    {
+        "base": ({"robot": 4, "human": 6}, 0, []),
+        "body": ({"human": 8}, 0, ["base"]),
+        "lid": ({"robot": 2}, 0, ["body"]),
+    }
+)
 
 
 @pytest.mark.parametrize("p", [0.0, 0.1, 0.5, 0.9])
@@ -27,42 +35,68 @@ def test_one_part_costs_what_a_person_can_work_out(p):
     """Mounting takes 10 s and goes wrong with p; taking off takes 5 s: V = 10 + p (5 + V)."""
     world = repair(ONE)
     assert sorted(world.nodes) == [(ABSENT,), (RIGHT,), (WRONG,)]
-    assert value_iteration(world.process(p)).values[0] == pytest.approx((10 + 5 * p) / (1 - p), rel=1e-7)
+    assert value_iteration(world.process(p)).values[0] == pytest.approx(
+        (10 + 5 * p) / (1 - p), rel=1e-7
+    )
 
 
 def test_the_slips_of_a_state_are_the_ones_that_are_possible():
-    """Base right, lid absent, the lid is asked for: it can sit wrongly, or the base can be taken off. Out of order there is nothing left."""
+    """Base right, lid absent, the lid is asked for: it can sit wrongly, or the base can be taken
+    off. Out of order there is nothing left.
+    """
     world = repair(TWO)
     state = world.numbers[RIGHT, ABSENT]
     process = world.process(0.2)
     comes = {
         world.nodes[after]: (round(chance, 9), seconds)
-        for after, chance, seconds in zip(process.after[state, 1], process.chance[state, 1], process.cost[state, 1], strict=True)
+        for after, chance, seconds in zip(
+            process.after[state, 1], process.chance[state, 1], process.cost[state, 1], strict=True
+        )
         if chance
     }
-    assert comes == {(RIGHT, RIGHT): (0.8, 10), (RIGHT, WRONG): (0.1, 10), (ABSENT, ABSENT): (0.1, 5)}
+    assert comes == {
+        (RIGHT, RIGHT): (0.8, 10),
+        (RIGHT, WRONG): (0.1, 10),
+        (ABSENT, ABSENT): (0.1, 5),
+    }
     start = world.process(0.2)
-    assert world.nodes[start.after[0, 0, 2]] == (ABSENT, WRONG)  # wrong order: the lid before the base
+    # wrong order: the lid before the base
+    assert world.nodes[start.after[0, 0, 2]] == (ABSENT, WRONG)
 
 
 def test_a_part_in_the_way_must_be_taken_off_first():
     made = product(TOWER)
     assert made.mount == (4, 8, 2)
     assert made.unmount == (2, 4, 1)
-    assert made.below == (frozenset(), {0}, {0, 1})  # the lid sits on the base too, though the cell does not say so
-    assert [operation_words(made, operation) for operation in legal(made, (ABSENT, ABSENT, WRONG))] == ["take off lid"]
-    assert [operation_words(made, operation) for operation in legal(made, (WRONG, ABSENT, ABSENT))] == ["take off base"]
-    assert [operation_words(made, operation) for operation in legal(made, (RIGHT, RIGHT, WRONG))] == ["take off lid"]
+    # the lid sits on the base too, though the cell does not say so
+    assert made.below == (frozenset(), {0}, {0, 1})
+    assert [
+        operation_words(made, operation) for operation in legal(made, (ABSENT, ABSENT, WRONG))
+    ] == ["take off lid"]
+    assert [
+        operation_words(made, operation) for operation in legal(made, (WRONG, ABSENT, ABSENT))
+    ] == ["take off base"]
+    assert [
+        operation_words(made, operation) for operation in legal(made, (RIGHT, RIGHT, WRONG))
+    ] == ["take off lid"]
 
 
 def test_a_precedence_that_says_more_than_it_must_changes_nothing():
-    more = cell_of({"base": ({"robot": 4, "human": 6}, 0, []), "body": ({"human": 8}, 0, ["base"]), "lid": ({"robot": 2}, 0, ["body", "base"])})
+    more = cell_of(
+        {
+            "base": ({"robot": 4, "human": 6}, 0, []),
+            "body": ({"human": 8}, 0, ["base"]),
+            "lid": ({"robot": 2}, 0, ["body", "base"]),
+        }
+    )
     first, again = repair(TOWER).halfway, repair(more).halfway
     assert all(np.array_equal(a, b) for a, b in zip(first, again, strict=True))
 
 
 @pytest.mark.parametrize(
-    "cell", [TOWER, cell_of(THESIS), *(layered(6, seed=seed) for seed in range(4))], ids=lambda cell: cell.name or len(cell.tasks)
+    "cell",
+    [TOWER, cell_of(THESIS), *(layered(6, seed=seed) for seed in range(4))],
+    ids=lambda cell: cell.name or len(cell.tasks),
 )
 def test_from_every_reachable_state_the_goal_is_reached(cell):
     world = repair(cell)
@@ -98,31 +132,67 @@ def test_a_human_who_never_slips_so_brings_no_such_state_about():
 
 
 def test_a_quicker_way_of_taking_off_counts():
-    assert value_iteration(repair(ONE, unmount_share=0.1).process(0.5)).values[0] == pytest.approx((10 + 0.5) / 0.5, rel=1e-7)
+    assert value_iteration(repair(ONE, unmount_share=0.1).process(0.5)).values[0] == pytest.approx(
+        (10 + 0.5) / 0.5, rel=1e-7
+    )
 
 
 @pytest.mark.parametrize(
     ("more", "names"),
     [
         ({"operators": {"robot": {"kind": "robot", "breaks": [[1, 2]]}}}, "breaks"),
-        ({"operators": {"robot": {"kind": "robot"}, "human": {"kind": "human", "stress_limit": 3}}}, "stress limit"),
+        (
+            {
+                "operators": {
+                    "robot": {"kind": "robot"},
+                    "human": {"kind": "human", "stress_limit": 3},
+                }
+            },
+            "stress limit",
+        ),
         ({"tasks": {"a": {"time": {"robot": 3}, "release": 4}}}, "release"),
         ({"tasks": {"a": {"time": {"robot": 3}, "deadline": 4}}}, "deadline"),
         ({"tasks": {"a": {"time": {"robot": 3}, "tool": "driver"}}}, "tool"),
-        ({"tasks": {"a": {"time": {"robot": 3}}, "b": {"time": {"robot": 3}}}, "same_operator": [["a", "b"]]}, "same operator"),
-        ({"operators": {"human": {"kind": "human"}}, "tasks": {"a": {"time": {"human": 3}}}, "stress_of_set": {"a": 1}}, "stress of set"),
+        (
+            {
+                "tasks": {"a": {"time": {"robot": 3}}, "b": {"time": {"robot": 3}}},
+                "same_operator": [["a", "b"]],
+            },
+            "same operator",
+        ),
+        (
+            {
+                "operators": {"human": {"kind": "human"}},
+                "tasks": {"a": {"time": {"human": 3}}},
+                "stress_of_set": {"a": 1},
+            },
+            "stress of set",
+        ),
     ],
 )
 def test_what_it_cannot_express_is_refused_by_name(more, names):
     with pytest.raises(CellError, match=f"knows no {names}"):
-        repair(cell_of({"operators": {"robot": {"kind": "robot"}}, "tasks": {"a": {"time": {"robot": 3}}}, **more}))
+        repair(
+            cell_of(
+                {
+                    "operators": {"robot": {"kind": "robot"}},
+                    "tasks": {"a": {"time": {"robot": 3}}},
+                    **more,
+                }
+            )
+        )
 
 
 def test_everything_that_does_not_fit_is_said_at_once():
     with pytest.raises(CellError) as caught:
         repair(
             cell_of(
-                {"operators": {"robot": {"kind": "robot"}}, "tasks": {"a": {"time": {"robot": 3}, "tool": "driver", "release": 1, "deadline": 9}}}
+                {
+                    "operators": {"robot": {"kind": "robot"}},
+                    "tasks": {
+                        "a": {"time": {"robot": 3}, "tool": "driver", "release": 1, "deadline": 9}
+                    },
+                }
             )
         )
     assert len(caught.value.faults) == 3
@@ -131,7 +201,8 @@ def test_everything_that_does_not_fit_is_said_at_once():
 def test_what_makes_no_difference_one_at_a_time_is_let_through():
     cell = cell_of({
         "operators": {"r": {"kind": "robot"}, "h": {"kind": "human"}, "i": {"kind": "human"}},
-        "tasks": {"a": {"time": {"r": 3, "h": 2, "i": 4}, "zone": "table", "stress": 3}, "b": {"together": [{"operators": ["r", "h"], "time": 5}]}},
+        "tasks": {"a": {"time": {"r": 3, "h": 2, "i": 4}, "zone": "table", "stress": 3},
+        "b": {"together": [{"operators": ["r", "h"], "time": 5}]}},
     })  # fmt: skip
     assert value_iteration(repair(cell).process(0.0)).values[0] == 7
 

@@ -7,13 +7,32 @@ import numpy as np
 import pytest
 from tests.lab.conftest import THESIS, cell_of, random_cell
 
-from tandem.lab.kinat2023 import HUMAN, ROBOT, after_human, choices, decide_step, deciding, legal, reset, reward_set, station, step
+from tandem.lab.kinat2023 import (
+    HUMAN,
+    ROBOT,
+    after_human,
+    choices,
+    decide_step,
+    deciding,
+    legal,
+    reset,
+    reward_set,
+    station,
+    step,
+)
 from tandem.lab.kinat2023.episode import play
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import makespan, stress
 
-CELLS = {"thesis": cell_of(THESIS), **{f"random {n}": random_cell(n, n, 6) for n in (2, 3, 5, 8, 12)}}
-PAID = {f"{name} {stage}": reward_set(name, stress_factor=2.0, stage=stage) for name in ("appendix", "table_5_2") for stage in (1, 2)}
+CELLS = {
+    "thesis": cell_of(THESIS),
+    **{f"random {n}": random_cell(n, n, 6) for n in (2, 3, 5, 8, 12)},
+}
+PAID = {
+    f"{name} {stage}": reward_set(name, stress_factor=2.0, stage=stage)
+    for name in ("appendix", "table_5_2")
+    for stage in (1, 2)
+}
 
 
 def drawn(rng, data, state):
@@ -29,7 +48,9 @@ def drawn(rng, data, state):
 @pytest.mark.parametrize("kind", PAID)
 @pytest.mark.parametrize("name", CELLS)
 def test_a_decision_is_its_ticks(name, kind):
-    """Same state, same rewards, same happenings as that action followed by ticks of naming nothing; and no tick too many."""
+    """Same state, same rewards, same happenings as that action followed by ticks of naming nothing;
+    and no tick too many.
+    """
     data, rng, paid = station(CELLS[name]), np.random.default_rng(0), PAID[kind]
     for _ in range(20):
         state, done = reset(data), False
@@ -40,14 +61,20 @@ def test_a_decision_is_its_ticks(name, kind):
             for tick in range(info.ticks):
                 if tick and any(who.finished.any() for who in seen):
                     assert not deciding(data, ticked).any()
-                ticked, paid_now, ticked_done, what = step(data, paid, ticked, action if tick == 0 else np.zeros(2, int))
+                ticked, paid_now, ticked_done, what = step(
+                    data, paid, ticked, action if tick == 0 else np.zeros(2, int)
+                )
                 total, idle = total + paid_now, idle + what.idle
                 seen.append(what)
             jax.tree.map(np.testing.assert_array_equal, after, ticked)
             np.testing.assert_array_equal(reward, total)
             np.testing.assert_array_equal(info.idle, idle)
-            np.testing.assert_array_equal(info.finished, np.sum([what.finished for what in seen], axis=0))
-            np.testing.assert_array_equal(info.finished_at, np.sum([what.finished_at for what in seen], axis=0))
+            np.testing.assert_array_equal(
+                info.finished, np.sum([what.finished for what in seen], axis=0)
+            )
+            np.testing.assert_array_equal(
+                info.finished_at, np.sum([what.finished_at for what in seen], axis=0)
+            )
             np.testing.assert_array_equal(info.started, seen[0].started)
             assert done == ticked_done
             assert info.illegal.sum() == 0
@@ -62,7 +89,10 @@ def test_every_play_ends_and_makes_a_sound_schedule(name):
         episode = play(cell, PAID["appendix 2"], lambda data, state: drawn(rng, data, state))
         assert episode.done
         assert faults(cell, episode.schedule) == []
-        assert (makespan(episode.schedule), stress(cell, episode.schedule)) == (episode.ticks, episode.stress)
+        assert (makespan(episode.schedule), stress(cell, episode.schedule)) == (
+            episode.ticks,
+            episode.stress,
+        )
         assert len(episode.actions) <= 2 * len(cell.tasks)
 
 
@@ -78,7 +108,9 @@ def test_masks_of_an_agent_with_nothing_to_decide_hold_only_waiting(thesis):
                 np.testing.assert_array_equal(mask[agent, 1:], legal(data, state)[agent, 1:])
                 if not some[agent]:
                     np.testing.assert_array_equal(mask[agent], [True] + [False] * 7)
-            state, _, done, _ = decide_step(data, PAID["appendix 2"], state, drawn(rng, data, state))
+            state, _, done, _ = decide_step(
+                data, PAID["appendix 2"], state, drawn(rng, data, state)
+            )
 
 
 def test_when_all_is_done_both_may_only_wait(thesis):
@@ -99,11 +131,15 @@ def test_the_robot_sees_what_the_human_leaves(pair):
 def test_who_alone_can_go_on_may_not_wait():
     """Nobody works and the robot can do nothing now: the human must begin."""
     cell = cell_of({"a": ({"human": 2}, 1, []), "b": ({"robot": 2}, 0, ["a"])})
-    np.testing.assert_array_equal(choices(station(cell), reset(station(cell))), [[1, 0, 0], [0, 1, 0]])
+    np.testing.assert_array_equal(
+        choices(station(cell), reset(station(cell))), [[1, 0, 0], [0, 1, 0]]
+    )
 
 
 def test_the_human_who_must_wait_eight_seconds_decides_to_once_an_event(thesis):
-    """Table 6-1 at factor 5. At 10 s and 16 s task 5 is legal for the human and must be left to the robot, until 6 can begin at 18 s."""
+    """Table 6-1 at factor 5. At 10 s and 16 s task 5 is legal for the human and must be left to the
+    robot, until 6 can begin at 18 s.
+    """
     script = iter([(1, 3), (2, 0), (0, 0), (4, 0), (5, 6), (7, 0)])
     seen = []
 
@@ -129,10 +165,21 @@ def test_decisions_trace_under_jit_and_vmap_and_compile_once(thesis):
     states = jax.tree.map(lambda part: np.repeat(np.asarray(part)[None], 4, axis=0), first)
     rng = np.random.default_rng(3)
     for _ in range(6):
-        actions = np.stack([drawn(rng, data, jax.tree.map(lambda part, i=i: np.asarray(part)[i], states)) for i in range(4)]).astype(np.int32)
+        actions = np.stack(
+            [
+                drawn(rng, data, jax.tree.map(lambda part, i=i: np.asarray(part)[i], states))
+                for i in range(4)
+            ]
+        ).astype(np.int32)
         batch = go(states, actions)
         for i in range(4):
-            alone = decide_step(data, paid, jax.tree.map(lambda part, i=i: np.asarray(part)[i], states), actions[i])
-            jax.tree.map(lambda whole, one, i=i: np.testing.assert_array_equal(np.asarray(whole)[i], one), batch, alone)
+            alone = decide_step(
+                data, paid, jax.tree.map(lambda part, i=i: np.asarray(part)[i], states), actions[i]
+            )
+            jax.tree.map(
+                lambda whole, one, i=i: np.testing.assert_array_equal(np.asarray(whole)[i], one),
+                batch,
+                alone,
+            )
         states = jax.tree.map(np.asarray, batch[0])
     assert len(traced) == 1

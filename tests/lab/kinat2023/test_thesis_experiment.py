@@ -1,4 +1,6 @@
-"""`tandem reproduce thesis`: the code of the long run at a size that fits here, and what its stored result says."""
+"""`tandem reproduce thesis`: the code of the long run at a size that fits here, and what its stored
+result says.
+"""
 
 from __future__ import annotations
 
@@ -29,9 +31,23 @@ def test_the_packaged_cell_is_the_example():
 
 def test_the_thesis_recipe_is_what_the_thesis_says():
     config = THESIS.config
-    assert (config.horizon, config.clip, config.minibatch, config.epochs, config.gae, config.discount) == (512, 0.2, 128, 4, 0.95, 1.0)
-    assert (config.environments, config.episode_limit, set(config.hidden), config.masked) == (1, 1400, {256}, False)
-    assert [(stage.episodes, stage.entropy, stage.learning_rate, stage.idle) for stage in config.stages] == [
+    assert (
+        config.horizon,
+        config.clip,
+        config.minibatch,
+        config.epochs,
+        config.gae,
+        config.discount,
+    ) == (512, 0.2, 128, 4, 0.95, 1.0)
+    assert (config.environments, config.episode_limit, set(config.hidden), config.masked) == (
+        1,
+        1400,
+        {256},
+        False,
+    )
+    assert [
+        (stage.episodes, stage.entropy, stage.learning_rate, stage.idle) for stage in config.stages
+    ] == [
         (800, 0.7, 1e-4, -10.0),
         (500, 0.7, 1e-4, 0.0),
         (800, 0.01, 1e-4, 0.0),
@@ -64,7 +80,10 @@ def test_the_figures_are_drawn(quick, tmp_path):
 
 def test_runs_that_have_a_record_are_not_run_again(tmp_path, monkeypatch):
     calls = []
-    monkeypatch.setattr("tandem.lab.kinat2023.runs.run_thesis", lambda *arguments: calls.append(arguments) or {"seed": arguments[2]})
+    monkeypatch.setattr(
+        "tandem.lab.kinat2023.runs.run_thesis",
+        lambda *arguments: calls.append(arguments) or {"seed": arguments[2]},
+    )
     first = list(run_all(tmp_path, ["thesis"], range(2), factors=(0, 5)))
     assert calls == [("thesis", 0, 0), ("thesis", 5, 0), ("thesis", 0, 1), ("thesis", 5, 1)]
     assert list(run_all(tmp_path, ["thesis"], range(2), factors=(0, 5))) == first
@@ -90,9 +109,15 @@ def test_the_stored_long_run_is_complete():
     document = experiment.stored()
     assert not document["quick"]
     rows = {(row["variant"], row["factor"]): row for row in document["summary"]}
-    assert set(rows) == {(variant, factor) for variant in ("tandem", *VARIANTS) for factor in FACTORS}
-    assert all(row["seeds"] >= (20 if variant == "tandem" else 10) for (variant, _), row in rows.items())
-    assert all(rows["tandem", factor]["greedy"]["return_optimal"]["count"] == 20 for factor in FACTORS)
+    assert set(rows) == {
+        (variant, factor) for variant in ("tandem", *VARIANTS) for factor in FACTORS
+    }
+    assert all(
+        row["seeds"] >= (20 if variant == "tandem" else 10) for (variant, _), row in rows.items()
+    )
+    assert all(
+        rows["tandem", factor]["greedy"]["return_optimal"]["count"] == 20 for factor in FACTORS
+    )
     again = experiment.assemble(document["records"])
     assert again["summary"] == document["summary"]
     assert again["return_optimal"] == document["return_optimal"]

@@ -1,4 +1,6 @@
-"""The standard faces: the official suites, random players as clients, masks that tell the truth, pictures."""
+"""The standard faces: the official suites, random players as clients, masks that tell the truth,
+pictures.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,18 @@ from tandem.lab.kinat2023.episode import actions_of
 from tandem.schedule.checker import faults
 
 WAYS = [(by, seen) for by in ("ticks", "decisions") for seen in ("thesis", "scaled", "normalised")]
-KEYS = {"action_mask", "time", "makespan", "stress", "stress_rate", "task_started", "task_finished", "idle", "illegal", "is_success"}
+KEYS = {
+    "action_mask",
+    "time",
+    "makespan",
+    "stress",
+    "stress_rate",
+    "task_started",
+    "task_finished",
+    "idle",
+    "illegal",
+    "is_success",
+}
 
 
 @pytest.mark.parametrize(("by", "seen"), WAYS)
@@ -32,7 +45,8 @@ def test_pettingzoos_own_suites_are_green(thesis, by, seen, capsys):
 
     with warnings.catch_warnings():
         warnings.filterwarnings("error", message=".*action_mask.*")
-        warnings.filterwarnings("ignore", message="Observation")  # masks in the observation mean a Dict, which the AEC suite notes
+        # masks in the observation mean a Dict, which the AEC suite notes
+        warnings.filterwarnings("ignore", message="Observation")
         parallel_api_test(make(), num_cycles=500)
         parallel_seed_test(make, num_cycles=100)
         api_test(parallel_to_aec(make()), num_cycles=300)
@@ -43,7 +57,10 @@ def test_pettingzoos_own_suites_are_green(thesis, by, seen, capsys):
 def test_gymnasiums_own_checker_is_green(thesis, by, seen):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        check_env(gymnasium.make("tandem/Thesis-v0", cell=thesis, by=by, observation=seen).unwrapped, skip_render_check=True)
+        check_env(
+            gymnasium.make("tandem/Thesis-v0", cell=thesis, by=by, observation=seen).unwrapped,
+            skip_render_check=True,
+        )
 
 
 @pytest.mark.parametrize("mode", ["ansi", "rgb_array"])
@@ -60,7 +77,10 @@ def test_a_random_player_assembles_the_product(thesis, by):
         for agent in env.agents:
             env.action_space(agent).seed(seed)
         while env.agents:
-            actions = {agent: env.action_space(agent).sample(observations[agent]["action_mask"]) for agent in env.agents}
+            actions = {
+                agent: env.action_space(agent).sample(observations[agent]["action_mask"])
+                for agent in env.agents
+            }
             observations, _, terminated, truncated, infos = env.step(actions)
             assert not any(info["illegal"] for info in infos.values())
             for agent, seen in observations.items():
@@ -85,7 +105,9 @@ def test_a_random_controller_of_both_makes_sound_schedules(seed, by):
         observation, info = env.reset(seed=seed)
         ended, total = False, 0.0
         while not ended:
-            action = int((observation["action_mask"] * rng.random(observation["action_mask"].shape)).argmax())
+            action = int(
+                (observation["action_mask"] * rng.random(observation["action_mask"].shape)).argmax()
+            )
             observation, reward, ended, cut, info = env.step(action)
             total += reward
             assert not info["illegal"]
@@ -124,11 +146,19 @@ def test_one_decision_at_a_time_asks_the_human_first_and_time_stands_still(thesi
     assert observation["observation"][:10].tolist() == [1, 0, 0, 1, 0, 0, 0, 0, 0, 0]
     assert observation["action_mask"].tolist() == [1, 0, 1, 0, 0, 0, 0, 0]
     _, reward, _, _, info = env.step(2)
-    assert (reward, info["time"], info["task_started"], info["task_finished"]) == (-200, 10, ("2", "1"), ("2", "1"))  # nobody can go on at 7 s
+    # nobody can go on at 7 s
+    assert (reward, info["time"], info["task_started"], info["task_finished"]) == (
+        -200,
+        10,
+        ("2", "1"),
+        ("2", "1"),
+    )
 
 
 def test_who_has_only_one_choice_is_not_asked():
-    """The robot can do nothing but task 1: once the human has it, the robot waits without a turn."""
+    """The robot can do nothing but task 1: once the human has it, the robot waits without a
+    turn.
+    """
     env = gymnasium.make("tandem/Thesis-v0", cell=random_cell(0, 1, 3)).unwrapped
     env.reset()
     steps = 0
@@ -161,14 +191,24 @@ def test_a_human_who_names_no_task_is_not_shown_to_the_robot_as_naming_one(pair,
     env = gymnasium.make("tandem/Thesis-v0", cell=pair).unwrapped
     env.reset()
     observation, reward, _, _, info = env.step(action)
-    assert (reward, info["illegal"], observation["observation"][:6].tolist()) == (0, True, [1, 0, 0, 0, 0, 0])
+    assert (reward, info["illegal"], observation["observation"][:6].tolist()) == (
+        0,
+        True,
+        [1, 0, 0, 0, 0, 0],
+    )
     assert env.step(1)[1] == -60 - 10, "three ticks of both, and the rule that the human broke"
 
 
 def test_strict_raises_with_what_is_legal(pair):
     env = tandem.envs.parallel_env("thesis", pair, strict=True)
     env.reset()
-    with pytest.raises(UsageError, match=r"illegal at 0 s: robot_0 named 3 \(c\); legal are 0, 1, 2\. Take an action from action_masks"):
+    with pytest.raises(
+        UsageError,
+        match=(
+            r"illegal at 0 s: robot_0 named 3 \(c\); legal are 0, 1, 2\. Take an action from"
+            r" action_masks"
+        ),
+    ):
         env.step({"robot_0": 3, "human_0": 2})
     single = gymnasium.make("tandem/Thesis-v0", cell=pair, strict=True)
     single.reset()
@@ -214,7 +254,8 @@ def test_the_picture_shows_more_when_more_was_done(thesis):
     env.reset()
     empty = env.render()
     env.step({"robot_0": 1, "human_0": 3})
-    env.step({"robot_0": 2, "human_0": 0})  # illegal: the task in hand stretches, and that can be drawn too
+    # illegal: the task in hand stretches, and that can be drawn too
+    env.step({"robot_0": 2, "human_0": 0})
     begun = env.render()
     assert empty.shape == begun.shape
     assert empty.dtype == np.uint8
@@ -229,7 +270,9 @@ def test_without_a_render_mode_nothing_is_drawn(thesis):
 
 def test_rewards_of_ones_own_and_a_cell_from_a_file(pair, tmp_path):
     dump(pair, tmp_path / "pair.yaml")
-    mine = Rewards(step=0.0, task_done=1.0, illegal=-1.0, idle=-0.5, all_done=0.0, stress_factor=0.0)
+    mine = Rewards(
+        step=0.0, task_done=1.0, illegal=-1.0, idle=-0.5, all_done=0.0, stress_factor=0.0
+    )
     env = tandem.envs.parallel_env("thesis", tmp_path / "pair.yaml", rewards=mine)
     env.reset()
     assert env.step({"robot_0": 1, "human_0": 0})[1] == {"robot_0": 0.0, "human_0": -0.5}

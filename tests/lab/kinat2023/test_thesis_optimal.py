@@ -1,4 +1,6 @@
-"""What is optimal under the rewards: the table that explains the thesis's results, and a second method that confirms it."""
+"""What is optimal under the rewards: the table that explains the thesis's results, and a second
+method that confirms it.
+"""
 
 from __future__ import annotations
 
@@ -27,12 +29,16 @@ TABLE = [
 
 @pytest.mark.parametrize(("name", "stage", "factor", "pairs"), TABLE)
 def test_the_return_optimal_pairs_of_the_thesis(thesis, name, stage, factor, pairs):
-    assert return_optimal(thesis, reward_set(name, stress_factor=factor, stage=stage)).pairs == pairs
+    assert (
+        return_optimal(thesis, reward_set(name, stress_factor=factor, stage=stage)).pairs == pairs
+    )
 
 
 @pytest.mark.parametrize(("name", "step_paid"), [("appendix", 10), ("table_5_2", 1)])
 def test_where_the_optimum_changes(thesis, name, step_paid):
-    """(23, 7) gives way to (24, 3) at a factor of |step| / 4, and (24, 3) to (34, 2) at 10 |step|; both tie in between."""
+    """(23, 7) gives way to (24, 3) at a factor of |step| / 4, and (24, 3) to (34, 2) at 10 |step|;
+    both tie in between.
+    """
 
     def pairs(factor):
         return return_optimal(thesis, reward_set(name, stress_factor=factor)).pairs
@@ -43,14 +49,21 @@ def test_where_the_optimum_changes(thesis, name, step_paid):
 
 
 @pytest.mark.parametrize("factor", [0, 1, 5])
-def test_with_table_5_2_and_its_idle_penalty_the_best_policies_break_rules_on_purpose(thesis, factor):
-    """An illegal action costs 10, idling 11: who has nothing to do names a task that is not allowed."""
+def test_with_table_5_2_and_its_idle_penalty_the_best_policies_break_rules_on_purpose(
+    thesis, factor
+):
+    """An illegal action costs 10, idling 11: who has nothing to do names a task that is not
+    allowed.
+    """
     optimum = return_optimal(thesis, reward_set("table_5_2", stress_factor=factor, stage=1))
     assert min(way.illegal for way in optimum.ways) > 0
 
 
 def test_without_an_idle_penalty_no_optimal_policy_needs_an_illegal_action(thesis):
-    assert all(way.illegal == 0 for way in return_optimal(thesis, reward_set("appendix", stress_factor=5.0)).ways)
+    assert all(
+        way.illegal == 0
+        for way in return_optimal(thesis, reward_set("appendix", stress_factor=5.0)).ways
+    )
 
 
 @pytest.mark.parametrize("stage", [1, 2])
@@ -61,12 +74,19 @@ def test_the_world_pays_what_dynamic_programming_promises(thesis, name, stage, f
     optimum = return_optimal(thesis, paid)
     for way, actions in optimum.actions.items():
         episode = play(thesis, paid, follow(actions), by="ticks")
-        assert (episode.ticks, episode.stress, episode.illegal, episode.done) == (way.makespan, way.stress, way.illegal, True)
+        assert (episode.ticks, episode.stress, episode.illegal, episode.done) == (
+            way.makespan,
+            way.stress,
+            way.illegal,
+            True,
+        )
         assert sum(episode.returns) == optimum.value
 
 
 def largest_return(cell, paid):
-    """The value of the first state by trying every joint action in `world.step`, down to the end; loops that change nothing left out."""
+    """The value of the first state by trying every joint action in `world.step`, down to the end;
+    loops that change nothing left out.
+    """
     data, known = station(cell), {}
     actions = [np.array(pair) for pair in product(range(len(cell.tasks) + 1), repeat=2)]
 
@@ -84,7 +104,10 @@ def largest_return(cell, paid):
     return value(reset(data))
 
 
-@pytest.mark.parametrize(("name", "stage", "factor"), [("appendix", 2, 1), ("appendix", 1, 5), ("table_5_2", 1, 1), ("table_5_2", 2, 0)])
+@pytest.mark.parametrize(
+    ("name", "stage", "factor"),
+    [("appendix", 2, 1), ("appendix", 1, 5), ("table_5_2", 1, 1), ("table_5_2", 2, 0)],
+)
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_trying_every_joint_action_in_the_world_finds_the_same_value(seed, name, stage, factor):
     cell, paid = random_cell(seed, 3, 4), reward_set(name, stress_factor=factor, stage=stage)
@@ -95,7 +118,10 @@ def test_decimals_of_stress_are_exact():
     """Three times 0.1 against 0.3: a tie that floats would miss."""
     tasks = {name: ({"robot": 2, "human": 2}, 0.1, []) for name in "abc"}
     tasks["d"] = ({"robot": 6, "human": 6}, 0.3, [])
-    assert return_optimal(cell_of(tasks), reward_set("appendix", stress_factor=1.0)).ways[0].stress == 0.3
+    assert (
+        return_optimal(cell_of(tasks), reward_set("appendix", stress_factor=1.0)).ways[0].stress
+        == 0.3
+    )
 
 
 def test_times_that_are_no_whole_seconds_keep_their_seconds():
@@ -111,7 +137,12 @@ def test_too_many_states_are_said_so(thesis):
 
 def test_rewards_that_pay_for_doing_nothing_are_refused(thesis):
     with pytest.raises(UsageError, match="pay for doing nothing"):
-        return_optimal(thesis, Rewards(step=0.0, task_done=1.0, illegal=-1.0, idle=0.0, all_done=1.0, stress_factor=0.0))
+        return_optimal(
+            thesis,
+            Rewards(
+                step=0.0, task_done=1.0, illegal=-1.0, idle=0.0, all_done=1.0, stress_factor=0.0
+            ),
+        )
 
 
 def test_a_cell_that_does_not_fit_is_refused():

@@ -1,4 +1,6 @@
-"""Two readings of appendix E, one imperative and one vectorised, agree on random play: state, done and both rewards, in every tick."""
+"""Two readings of appendix E, one imperative and one vectorised, agree on random play: state, done
+and both rewards, in every tick.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,10 @@ CELLS = {
     "random 4": (random_cell(4, 4, 6), "table_5_2", 2000),
     "random 9": (random_cell(9, 9, 5), "appendix", 1500),
 }
-REWARDS = {"appendix": reward_set("appendix", stress_factor=1.0, stage=1), "table_5_2": reward_set("table_5_2", stress_factor=5.0, stage=1)}
+REWARDS = {
+    "appendix": reward_set("appendix", stress_factor=1.0, stage=1),
+    "table_5_2": reward_set("table_5_2", stress_factor=5.0, stage=1),
+}
 LIMIT = 150
 
 
@@ -27,17 +32,26 @@ def test_enough_trajectories_are_played():
 
 
 def drawn(rng, mask):
-    """`[N, 2]` actions: three in four are legal, half of these a task wherever one is; the rest is anything."""
+    """`[N, 2]` actions: three in four are legal, half of these a task wherever one is; the rest is
+    anything.
+    """
     weight = mask * rng.random(mask.shape)
     weight[..., 0] *= np.where(rng.random(mask.shape[:2]) < 0.5, 1.0, 1e-3)
-    return np.where(rng.random(mask.shape[:2]) < 0.75, weight.argmax(axis=-1), rng.integers(0, mask.shape[-1], mask.shape[:2]))
+    return np.where(
+        rng.random(mask.shape[:2]) < 0.75,
+        weight.argmax(axis=-1),
+        rng.integers(0, mask.shape[-1], mask.shape[:2]),
+    )
 
 
 @pytest.mark.parametrize("name", CELLS)
 def test_random_trajectories_are_identical(name):
     cell, kind, count = CELLS[name]
     data, paid = station(cell), REWARDS[kind]
-    ports = [ThesisPort(data.time[0], data.time[1], data.stress, data.needs, paid._asdict()) for _ in range(count)]
+    ports = [
+        ThesisPort(data.time[0], data.time[1], data.stress, data.needs, paid._asdict())
+        for _ in range(count)
+    ]
     for port in ports:
         port.reset()
     first = reset(data)
@@ -63,14 +77,18 @@ def same_state(data, state, ports, alive):
     np.testing.assert_array_equal(state.time[alive], [port.t for port in ports])
     np.testing.assert_array_equal(state.doing[alive], [port.task for port in ports])
     np.testing.assert_array_equal(state.ended[alive], [port.ended for port in ports])
-    np.testing.assert_array_equal(data.needs[None] & ~state.ended[alive][:, None, :], [port.C.astype(bool) for port in ports])
+    np.testing.assert_array_equal(
+        data.needs[None] & ~state.ended[alive][:, None, :], [port.C.astype(bool) for port in ports]
+    )
     np.testing.assert_array_equal(state.clock[alive], [port.clock for port in ports])
     np.testing.assert_array_equal(state.stress[alive], [port.stress for port in ports])
 
 
 @pytest.mark.parametrize("kind", REWARDS)
 def test_the_same_lines_in_numpy_agree_with_the_port(thesis, kind):
-    """The faces play in NumPy, training in JAX: one source, so one more trajectory each shows that both namespaces carry it."""
+    """The faces play in NumPy, training in JAX: one source, so one more trajectory each shows that
+    both namespaces carry it.
+    """
     data, paid, rng = station(thesis), REWARDS[kind], np.random.default_rng(1)
     for _ in range(50):
         port = ThesisPort(data.time[0], data.time[1], data.stress, data.needs, paid._asdict())
@@ -83,4 +101,6 @@ def test_the_same_lines_in_numpy_agree_with_the_port(thesis, kind):
             np.testing.assert_array_equal(reward, expected)
             assert done == port_done
             assert isinstance(state.time, np.ndarray)
-        same_state(data, type(state)(*(np.asarray(part)[None] for part in state)), [port], np.array([0]))
+        same_state(
+            data, type(state)(*(np.asarray(part)[None] for part in state)), [port], np.array([0])
+        )

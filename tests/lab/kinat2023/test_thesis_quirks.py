@@ -10,7 +10,9 @@ from tandem.lab.kinat2023.episode import actions_of, follow, play
 from tandem.schedule.checker import faults
 from tandem.schedule.model import Assignment, Schedule
 
-PAID = Rewards(step=-1.0, task_done=3.0, illegal=-10.0, idle=-100.0, all_done=1000.0, stress_factor=0.0)
+PAID = Rewards(
+    step=-1.0, task_done=3.0, illegal=-10.0, idle=-100.0, all_done=1000.0, stress_factor=0.0
+)
 
 
 def after(cell, *actions, paid=PAID):
@@ -91,7 +93,9 @@ def test_a_busy_human_who_names_it_too_does_not_make_the_robot_yield(pair):
 
 
 def test_a_task_is_legal_only_in_the_tick_after_its_need_ended(pair):
-    """Both are judged before either's time runs: `c` is still blocked in the tick in which `a` ends."""
+    """Both are judged before either's time runs: `c` is still blocked in the tick in which `a`
+    ends.
+    """
     assert after(pair, (1, 0), (0, 0), (0, 3))[2][HUMAN] == -11
     assert after(pair, (1, 0), (0, 0), (0, 0), (0, 3))[1].doing[HUMAN] == 3
 
@@ -145,26 +149,56 @@ def plan_of(*rows):
 
 PUBLISHED = {
     (0, 23, 17): plan_of(
-        *[("robot", "1", 0, 9), ("robot", "4", 9, 11), ("robot", "6", 11, 21), ("robot", "7", 21, 23)],
+        *[
+            ("robot", "1", 0, 9),
+            ("robot", "4", 9, 11),
+            ("robot", "6", 11, 21),
+            ("robot", "7", 21, 23),
+        ],
         *[("human", "2", 0, 8), ("human", "3", 8, 18), ("human", "5", 18, 20)],
     ),
     (1, 23, 7): plan_of(
-        *[("robot", "1", 0, 9), ("robot", "2", 9, 16), ("robot", "4", 16, 18), ("robot", "7", 21, 23)],
+        *[
+            ("robot", "1", 0, 9),
+            ("robot", "2", 9, 16),
+            ("robot", "4", 16, 18),
+            ("robot", "7", 21, 23),
+        ],
         *[("human", "3", 0, 10), ("human", "5", 10, 12), ("human", "6", 18, 21)],
     ),
     (5, 24, 3): plan_of(
-        *[("robot", "1", 0, 9), ("robot", "2", 9, 16), ("robot", "4", 16, 18), ("robot", "5", 18, 22), ("robot", "7", 22, 24)],
+        *[
+            ("robot", "1", 0, 9),
+            ("robot", "2", 9, 16),
+            ("robot", "4", 16, 18),
+            ("robot", "5", 18, 22),
+            ("robot", "7", 22, 24),
+        ],
         *[("human", "3", 0, 10), ("human", "6", 18, 21)],
     ),
 }
-"""(ergonomic factor, makespan, stress) of table 6-1 -> a schedule with the published allocation (the thesis prints who does what)."""
+"""(ergonomic factor, makespan, stress) of table 6-1 -> a schedule with the published allocation
+(the thesis prints who does what).
+"""
 
 
 @pytest.mark.parametrize(("factor", "makespan", "stress"), PUBLISHED)
-def test_the_published_solutions_take_their_published_ticks_and_stress(thesis, factor, makespan, stress):
+def test_the_published_solutions_take_their_published_ticks_and_stress(
+    thesis, factor, makespan, stress
+):
     schedule = PUBLISHED[factor, makespan, stress]
     assert faults(thesis, schedule) == []
-    episode = play(thesis, reward_set("appendix", stress_factor=factor), follow(actions_of(thesis, schedule)), by="ticks")
-    assert (episode.done, episode.ticks, episode.stress, episode.illegal) == (True, makespan, stress, 0)
+    episode = play(
+        thesis,
+        reward_set("appendix", stress_factor=factor),
+        follow(actions_of(thesis, schedule)),
+        by="ticks",
+    )
+    assert (episode.done, episode.ticks, episode.stress, episode.illegal) == (
+        True,
+        makespan,
+        stress,
+        0,
+    )
     assert episode.schedule == schedule
     assert sum(episode.returns) == 2 * (-10 * makespan + 50) + factor * (33 - 2 * stress)

@@ -1,6 +1,8 @@
-"""The thesis's station as its appendix E reads: one object, loops, `if` after `if`, NumPy where it has matrices.
+"""The thesis's station as its appendix E reads: one object, loops, `if` after `if`, NumPy where it
+has matrices.
 
-It shares no line with `tandem.lab.kinat2023`, so that the two can judge each other. Nothing is clever here.
+It shares no line with `tandem.lab.kinat2023`, so that the two can judge each other. Nothing is
+clever here.
 """
 
 from __future__ import annotations
@@ -11,7 +13,9 @@ ROBOT, HUMAN = 0, 1
 
 
 class ThesisPort:
-    """`reset()`, then `step(action)` until `done`. `C[i, j] == 1`: task i + 1 waits for task j + 1."""
+    """`reset()`, then `step(action)` until `done`. `C[i, j] == 1`: task i + 1 waits for task j
+    + 1.
+    """
 
     def __init__(self, t_R, t_H, e, C, rewards):
         self.t_R0, self.t_H0 = np.array(t_R), np.array(t_H)

@@ -1,7 +1,8 @@
-"""The chessboard game told without a board: a piece waits for every piece of a lower row that shares a column with it.
+"""The chessboard game told without a board: a piece waits for every piece of a lower row that
+shares a column with it.
 
-It shares no line with `tandem.lab.yu2020`: nothing falls here, nothing is an array, and who waits for whom is settled before
-the game begins. So the two can judge each other.
+It shares no line with `tandem.lab.yu2020`: nothing falls here, nothing is an array, and who waits
+for whom is settled before the game begins. So the two can judge each other.
 """
 
 from __future__ import annotations
@@ -15,7 +16,10 @@ class OverlapGame:
         self.pieces = {piece.name: piece for piece in board.pieces}
         self.waits_for = {
             high.name: {
-                low.name for low in board.pieces if low.row < high.row and set(range(low.first, low.last + 1)) & set(range(high.first, high.last + 1))
+                low.name
+                for low in board.pieces
+                if low.row < high.row
+                and set(range(low.first, low.last + 1)) & set(range(high.first, high.last + 1))
             }
             for high in board.pieces
         }
@@ -28,7 +32,11 @@ class OverlapGame:
         if self.hands[who] is not None:
             return []
         codes = (3, 4) if who == "human" else (2, 3)
-        return [name for name in self.waiting if self.waits_for[name] <= self.ended and self.pieces[name].who in codes]
+        return [
+            name
+            for name in self.waiting
+            if self.waits_for[name] <= self.ended and self.pieces[name].who in codes
+        ]
 
     def player(self):
         return "human" if self.open_to("human") else "robot"

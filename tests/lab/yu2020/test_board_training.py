@@ -31,17 +31,32 @@ def theirs():
 def test_a_curve_is_read_on_boards_that_are_held_out_and_repeats_for_its_seed(theirs):
     trained, curve = theirs
     assert [point["games"] for point in curve] == [2, 4]
-    assert all(point["held"] >= np.mean([optimum(board).makespan for board in TEST]) for point in curve)
+    assert all(
+        point["held"] >= np.mean([optimum(board).makespan for board in TEST]) for point in curve
+    )
     again, same = board_training.train(TRAINING, THEIRS, seed=999, held=TEST, every=2)
     assert [point["held"] for point in same] == [point["held"] for point in curve]
-    assert all(np.array_equal(a, b) for a, b in zip(jax.tree.leaves(again.parameters), jax.tree.leaves(trained.parameters), strict=True))
+    assert all(
+        np.array_equal(a, b)
+        for a, b in zip(
+            jax.tree.leaves(again.parameters), jax.tree.leaves(trained.parameters), strict=True
+        )
+    )
 
 
 def test_only_the_agent_that_learned_has_changed(theirs):
-    """Two games for the robot, then two for the human: both networks have moved from where they began; after two games the robot's alone has."""
+    """Two games for the robot, then two for the human: both networks have moved from where they
+    began; after two games the robot's alone has.
+    """
     start = board_training.untrained(THEIRS, TRAINING[0], seed=999).parameters
     end = theirs[0].parameters
-    moved = [any(not np.array_equal(a[agent], b[agent]) for a, b in zip(*map(jax.tree.leaves, (start, end)), strict=True)) for agent in (0, 1)]
+    moved = [
+        any(
+            not np.array_equal(a[agent], b[agent])
+            for a, b in zip(*map(jax.tree.leaves, (start, end)), strict=True)
+        )
+        for agent in (0, 1)
+    ]
     assert moved == [True, True]
 
 
@@ -61,8 +76,14 @@ def test_trouble_costs_time():
     assert (calm == calm[:, :1]).all()
     numbers = np.random.default_rng(0).random((3, 4, 3, 4, 5))
     chance = yu2020.Chance(robot_fails=0.5, repair_s=20, human_errs=0.5)
-    fates = [[yu2020.fate(yu2020.layout(board), chance, numbers[row, sample]) for sample in range(4)] for row, board in enumerate(TEST)]
-    stacked = jax.tree.map(lambda *leaves: np.stack(leaves).reshape(3, 4, 4, 5), *[fate for row in fates for fate in row])
+    fates = [
+        [yu2020.fate(yu2020.layout(board), chance, numbers[row, sample]) for sample in range(4)]
+        for row, board in enumerate(TEST)
+    ]
+    stacked = jax.tree.map(
+        lambda *leaves: np.stack(leaves).reshape(3, 4, 4, 5),
+        *[fate for row in fates for fate in row],
+    )
     troubled = board_training.play(untrained, TEST, samples=4, looking=Wander(0.0), fates=stacked)
     assert troubled.mean() > calm.mean() + 5
 

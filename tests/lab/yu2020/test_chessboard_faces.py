@@ -21,7 +21,9 @@ def leftmost(env):
     while env.agents:
         masks = env.action_masks()
         assert sum(mask[0] for mask in masks.values()) == 1
-        observations, rewards, _, _, infos = env.step({agent: int(mask.argmax()) for agent, mask in masks.items()})
+        observations, rewards, _, _, infos = env.step(
+            {agent: int(mask.argmax()) for agent, mask in masks.items()}
+        )
         assert env.observation_space("robot_0").contains(observations["robot_0"])
         total += rewards["human_0"]
     assert infos["robot_0"]["time"] == -total
@@ -61,7 +63,10 @@ def test_a_strict_board_refuses_an_illegal_column_and_the_others_word_does_not_c
     masks = env.action_masks()
     mover = next(agent for agent, mask in masks.items() if not mask[0])
     other = next(agent for agent in masks if agent != mover)
-    with pytest.raises(UsageError, match=rf"illegal at 0 s: {mover} named 0; legal are .* Take an action from action_masks"):
+    with pytest.raises(
+        UsageError,
+        match=rf"illegal at 0 s: {mover} named 0; legal are .* Take an action from action_masks",
+    ):
         env.step({mover: 0, other: 0})
     env.step({mover: int(masks[mover].argmax()), other: 3})
     assert (env.state()[..., 1] == (0 if mover == "robot_0" else 1)).sum() == 1
@@ -73,6 +78,8 @@ def test_troubles_are_drawn_by_the_seed():
         env = tandem.envs.parallel_env("chessboard", SMALL, chance=Chance(0.5, 20, 0.3))
         env.reset(seed=seed)
         while env.agents:
-            _, _, _, _, infos = env.step({agent: int(mask.argmax()) for agent, mask in env.action_masks().items()})
+            _, _, _, _, infos = env.step(
+                {agent: int(mask.argmax()) for agent, mask in env.action_masks().items()}
+            )
         took.append(infos["robot_0"]["time"])
     assert took[0] == took[1] != took[2]

@@ -1,4 +1,6 @@
-"""What is proven about boards: the search over states, with and without waiting, against the planner and against trying everything."""
+"""What is proven about boards: the search over states, with and without waiting, against the
+planner and against trying everything.
+"""
 
 from __future__ import annotations
 
@@ -15,9 +17,51 @@ from tandem.plan.methods import plan
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import makespan
 
-NO_WAITING = (135, 129, 142, 159, 141, 145, 137, 123, 123, 136, 139, 138, 127, 135, 136, 141, 131, 152, 132, 128)
+NO_WAITING = (
+    135,
+    129,
+    142,
+    159,
+    141,
+    145,
+    137,
+    123,
+    123,
+    136,
+    139,
+    138,
+    127,
+    135,
+    136,
+    141,
+    131,
+    152,
+    132,
+    128,
+)
 """The game's optimum on the authors' boards with seeds 0 to 19, known from elsewhere."""
-WAITING = (135, 126, 142, 158, 141, 145, 137, 123, 122, 136, 139, 138, 125, 135, 135, 138, 131, 152, 132, 128)
+WAITING = (
+    135,
+    126,
+    142,
+    158,
+    141,
+    145,
+    137,
+    123,
+    122,
+    136,
+    139,
+    138,
+    125,
+    135,
+    135,
+    138,
+    131,
+    152,
+    132,
+    128,
+)
 """The same boards as cells."""
 
 
@@ -43,7 +87,9 @@ def least(game: OverlapGame, taken: tuple[int, ...]) -> int:
     """The least makespan, by trying every game; games are played again from the start."""
     if not game.columns():
         return game.now
-    return min(least(replayed(game, (*taken, column)), (*taken, column)) for column in game.columns())
+    return min(
+        least(replayed(game, (*taken, column)), (*taken, column)) for column in game.columns()
+    )
 
 
 def replayed(game: OverlapGame, columns: tuple[int, ...]) -> OverlapGame:
@@ -65,18 +111,30 @@ def test_with_waiting_the_planner_agrees(seed):
     board = random_board(5, 5, 5, 3, 5, 8, seed=seed)
     found = optimum(board, waiting=True)
     assert faults(board.to_cell(), found.schedule) == []
-    assert found.makespan == makespan(found.schedule) == plan(board.to_cell(), minimize="makespan", workers=1).results[0].makespan
+    assert (
+        found.makespan
+        == makespan(found.schedule)
+        == plan(board.to_cell(), minimize="makespan", workers=1).results[0].makespan
+    )
     assert found.makespan <= optimum(board).makespan
 
 
 def halves(turn):
-    """A random board of three columns and beside it the same again, shifted or mirrored, under one piece over all six."""
+    """A random board of three columns and beside it the same again, shifted or mirrored, under one
+    piece over all six.
+    """
     left = random_board(4, 3, 3, 2, 4, 6, seed=5).pieces
-    right = [replace(piece, name=piece.name + "b", first=turn(piece)[0], last=turn(piece)[1]) for piece in left]
+    right = [
+        replace(piece, name=piece.name + "b", first=turn(piece)[0], last=turn(piece)[1])
+        for piece in left
+    ]
     return Board("two halves", 5, 6, (*left, *right, Piece("lid", 5, 1, 6, Who.ROBOT, 2)))
 
 
-TURNS = {"shifted": lambda piece: (piece.first + 3, piece.last + 3), "mirrored": lambda piece: (7 - piece.last, 7 - piece.first)}
+TURNS = {
+    "shifted": lambda piece: (piece.first + 3, piece.last + 3),
+    "mirrored": lambda piece: (7 - piece.last, 7 - piece.first),
+}
 
 
 @pytest.mark.parametrize("turn", TURNS)

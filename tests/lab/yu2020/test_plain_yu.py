@@ -1,4 +1,6 @@
-"""Their search, batched and compiled, looks at the same columns as often as a straightforward one in plain Python."""
+"""Their search, batched and compiled, looks at the same columns as often as a straightforward one
+in plain Python.
+"""
 
 from __future__ import annotations
 
@@ -18,12 +20,17 @@ from tandem.learn.env import many
 
 pytestmark = pytest.mark.usefixtures("quickly_compiled")
 
-LOOKS = {name: YuSearch(simulations=20, depth=3, exploration=30.0, unvisited=name) for name in ("first", "zero")}
+LOOKS = {
+    name: YuSearch(simulations=20, depth=3, exploration=30.0, unvisited=name)
+    for name in ("first", "zero")
+}
 
 
 @pytest.mark.parametrize("look", LOOKS.values(), ids=LOOKS)
 def test_the_visits_are_those_of_the_plain_search_throughout_a_game(look):
-    """All positions of a game are searched side by side: their simulations are of different length, and none may disturb another."""
+    """All positions of a game are searched side by side: their simulations are of different length,
+    and none may disturb another.
+    """
     board, network = random_board(5, 5, 3, 4, 4, 6, seed=2), YuNetworks(filters=3, dense=8)
     game = BoardGame.of(board, sees="board")
     parameters = jax.tree.map(np.asarray, network.start(jax.random.key(5), game))
@@ -35,12 +42,16 @@ def test_the_visits_are_those_of_the_plain_search_throughout_a_game(look):
     while play.left:
         number, costs = theirs.visits(play)
         states, tensors = [*states, state], [*tensors, plain.tensor(play)]
-        visits, least = [*visits, [number.get(column, 0) for column in range(board.width)]], [*least, min(costs[at] for at in number if number[at])]
+        visits, least = (
+            [*visits, [number.get(column, 0) for column in range(board.width)]],
+            [*least, min(costs[at] for at in number if number[at])],
+        )
         column = max(sorted(number), key=lambda column: number[column])
         state, play = yu2020.step(game.layout, state, np.int32(column)), plain.step(play, column)
         assert state.clock == play.clock
     assert len(states) == len(board.pieces)
-    wide = jax.tree.map(lambda *leaves: jnp.asarray(np.stack(leaves)), *states, state)  # with the state in which it is over
+    # with the state in which it is over
+    wide = jax.tree.map(lambda *leaves: jnp.asarray(np.stack(leaves)), *states, state)
     games = many(game, len(states) + 1)
     found = jax.jit(lambda: yu_search(jax.random.key(0), network, lively, games, wide, look))()
     seen = jax.jit(jax.vmap(lambda game, state: game.observe(state)))(games, wide)

@@ -1,4 +1,6 @@
-"""Two actors and a shared critic: the parts by hand, worlds whose answer is known, and the same choice in NumPy and under JAX."""
+"""Two actors and a shared critic: the parts by hand, worlds whose answer is known, and the same
+choice in NumPy and under JAX.
+"""
 
 from __future__ import annotations
 
@@ -47,14 +49,27 @@ def returns(world: Any, config: Config) -> list[float]:
     """Sum of both agents' returns of the greedy pair, a seed each."""
     keys = jax.random.split(jax.random.key(0), SEEDS)
     train = jax.jit(jax.vmap(lambda key: ddpg.train(key, world, config)[0].networks)).lower(keys)
-    networks = jax.device_get(train.compile(compiler_options={"xla_backend_optimization_level": 0})(keys))  # compiles faster, runs slower
-    return [_greedy(world, jax.tree.map(lambda leaf, seed=seed: leaf[seed], networks), config) for seed in range(SEEDS)]
+    # compiles faster, runs slower
+    networks = jax.device_get(
+        train.compile(compiler_options={"xla_backend_optimization_level": 0})(keys)
+    )
+    return [
+        _greedy(world, jax.tree.map(lambda leaf, seed=seed: leaf[seed], networks), config)
+        for seed in range(SEEDS)
+    ]
 
 
 def _greedy(world: Any, networks: Any, config: Config) -> float:
     state, total = world.reset(jax.random.key(0)), 0.0
     for _ in range(8):
-        action = choose(np, networks, np.asarray(world.observe(state)), np.asarray(legal_pairs(world, state)), config.candidates, config.activation)
+        action = choose(
+            np,
+            networks,
+            np.asarray(world.observe(state)),
+            np.asarray(legal_pairs(world, state)),
+            config.candidates,
+            config.activation,
+        )
         state, outcome = world.step(state, jnp.asarray(action))
         total += float(outcome.reward.sum())
         if outcome.terminated:
@@ -83,9 +98,13 @@ def test_candidates_are_the_best_legal_choices_and_answers() -> None:
     score = np.array([[0.1, 0.9, 0.5], [0.2, 0.3, 0.8]])
     pairs = np.array([[True, True, False], [True, False, False], [True, False, False]])
     asked = candidates(np, score, pairs, 2)
-    assert asked.first.argmax(1).tolist() == [1, 0], "the first agent's choice 2 leaves no answer: it is not legal"
+    assert asked.first.argmax(1).tolist() == [1, 0], (
+        "the first agent's choice 2 leaves no answer: it is not legal"
+    )
     assert asked.legal.tolist() == [[True, False], [True, True]]
-    assert asked.second[1].argmax(1).tolist() == [1, 2], "its choice 0 leaves all; 1 and 2 score best"
+    assert asked.second[1].argmax(1).tolist() == [1, 2], (
+        "its choice 0 leaves all; 1 and 2 score best"
+    )
     assert asked.second[0, 0].argmax() == 0
 
 
@@ -100,8 +119,15 @@ def test_with_every_choice_a_candidate_the_critic_alone_decides(networks: Any) -
     draw = np.random.default_rng(1)
     seen, pairs = draw.random((2, 93), np.float32), draw.random((20, 20)) < 0.3
     one = np.eye(20, dtype=np.float32)
-    values = {(i, j): value_of(np, networks["critic"], seen, one[i], one[j], "relu") for i in range(20) for j in range(20) if pairs[i, j]}
-    assert tuple(choose(np, networks, seen, pairs, 20, "relu").tolist()) == max(values, key=values.__getitem__)
+    values = {
+        (i, j): value_of(np, networks["critic"], seen, one[i], one[j], "relu")
+        for i in range(20)
+        for j in range(20)
+        if pairs[i, j]
+    }
+    assert tuple(choose(np, networks, seen, pairs, 20, "relu").tolist()) == max(
+        values, key=values.__getitem__
+    )
 
 
 def test_what_the_pairs_have_in_common_changes_no_value(networks: Any) -> None:
@@ -112,7 +138,9 @@ def test_what_the_pairs_have_in_common_changes_no_value(networks: Any) -> None:
     for i in range(3):
         for j in range(3):
             assert table[i, j] == pytest.approx(
-                value_of(np, networks["critic"], seen, asked.second[i, j], asked.first[i], "relu"), rel=1e-4, abs=1e-6
+                value_of(np, networks["critic"], seen, asked.second[i, j], asked.first[i], "relu"),
+                rel=1e-4,
+                abs=1e-6,
             )
 
 
@@ -130,10 +158,27 @@ def test_noise_makes_the_human_do_what_its_actor_says_and_the_robot_answer() -> 
 
 def ring(rewards: list[float], ends: list[bool], rows: int) -> Replay:
     """One environment whose row i saw the number i."""
-    replay = Replay(*[np.zeros((rows, 1, *shape), kind) for shape, kind in (((2, 1), float), ((1, 1), bool), ((2,), int), ((), float), ((), bool))])
+    replay = Replay(
+        *[
+            np.zeros((rows, 1, *shape), kind)
+            for shape, kind in (
+                ((2, 1), float),
+                ((1, 1), bool),
+                ((2,), int),
+                ((), float),
+                ((), bool),
+            )
+        ]
+    )
     put = jax.jit(store)
     for number, (reward, end) in enumerate(zip(rewards, ends, strict=True)):
-        row = Replay(np.full((1, 2, 1), number), np.ones((1, 1, 1), bool), np.zeros((1, 2), int), np.array([reward]), np.array([end]))
+        row = Replay(
+            np.full((1, 2, 1), number),
+            np.ones((1, 1, 1), bool),
+            np.zeros((1, 2), int),
+            np.array([reward]),
+            np.array([end]),
+        )
         replay = put(replay, number, row)
     return replay
 
@@ -163,7 +208,9 @@ def test_the_ring_forgets_the_oldest_and_no_stretch_runs_over_its_seam() -> None
 def test_random_pairs_are_legal_and_all_come_up() -> None:
     pairs = np.zeros((1, 4, 4), bool)
     pairs[0, [0, 2, 3], [1, 2, 0]] = True
-    found = jax.jit(random_pairs)(np.linspace(0, 0.9999, 30), np.broadcast_to(pairs, (30, 4, 4))).tolist()
+    found = jax.jit(random_pairs)(
+        np.linspace(0, 0.9999, 30), np.broadcast_to(pairs, (30, 4, 4))
+    ).tolist()
     assert [found.count(pair) for pair in ([0, 1], [2, 2], [3, 0])] == [10, 10, 10]
 
 
@@ -187,7 +234,12 @@ def test_the_world_moves_under_jax_as_in_numpy_and_the_choice_is_the_same(networ
         seen = rules.observe(data, plain)
         pairs, action, state, outcome = forward(state)
         np.testing.assert_array_equal(pairs, pairs_of(data, plain))
-        assert action.tolist() == choose(np, networks, np.stack([seen, seen]), pairs_of(data, plain), 4, "relu").tolist()
+        assert (
+            action.tolist()
+            == choose(
+                np, networks, np.stack([seen, seen]), pairs_of(data, plain), 4, "relu"
+            ).tolist()
+        )
         plain, paid = rules.step(data, numbers, plain, np.asarray(action))
         np.testing.assert_allclose(outcome.reward, -rules.cost(numbers, paid) / 10, rtol=1e-4)
         jax.tree.map(partial(np.testing.assert_allclose, rtol=1e-4), jax.device_get(state), plain)
@@ -203,7 +255,9 @@ def test_the_human_is_the_second_row_and_names_first() -> None:
     legal = rules.choices(data, state)
     assert legal[ROBOT].sum() == 3, "tasks 1, 2 or waiting"
     assert legal[HUMAN].sum() == 4, "tasks 1, 2, 3; or leaving the beginning to the robot"
-    assert pairs_of(data, state).sum() == 2 + 2 + 3 + 2, "per choice of the human: the tasks that are left, and waiting where something begins"
+    assert pairs_of(data, state).sum() == 2 + 2 + 3 + 2, (
+        "per choice of the human: the tasks that are left, and waiting where something begins"
+    )
 
 
 # --- Words ---
@@ -212,7 +266,13 @@ def test_the_human_is_the_second_row_and_names_first() -> None:
 def test_a_configuration_says_everything_that_is_wrong() -> None:
     with pytest.raises(UsageError) as error:
         Config(environments=0, discount=2.0, actors_learn="relax", noise=-1.0, hidden=(), replay=16)
-    for words in ("environments 0", "discount 2.0", "actors_learn 'relax': choose relaxed or expected", "noise -1.0", "hidden ()"):
+    for words in (
+        "environments 0",
+        "discount 2.0",
+        "actors_learn 'relax': choose relaxed or expected",
+        "noise -1.0",
+        "hidden ()",
+    ):
         assert words in str(error.value)
     with pytest.raises(UsageError, match="replay 32: holds too few steps of 16 environments"):
         Config(replay=32)

@@ -1,4 +1,6 @@
-"""Robot and human side by side: what they may choose, what it costs, what may happen, and what is exact about it. In NumPy."""
+"""Robot and human side by side: what they may choose, what it costs, what may happen, and what is
+exact about it. In NumPy.
+"""
 
 from __future__ import annotations
 
@@ -14,11 +16,30 @@ import tandem
 from tandem.cell.model import Cell
 from tandem.errors import CellError, UsageError
 from tandem.files.validate import cell_of
-from tandem.lab.zhang2022 import Kind, choices, duo, happen, is_done, narrow, observe, possible, reset, setting, step
+from tandem.lab.zhang2022 import (
+    Kind,
+    choices,
+    duo,
+    happen,
+    is_done,
+    narrow,
+    observe,
+    possible,
+    reset,
+    setting,
+    step,
+)
 from tandem.lab.zhang2022.change import Change
 from tandem.lab.zhang2022.setting import HUMAN, RECOVERY, ROBOT
 from tandem.lab.zhang2022.world import chance, cost, now, observation_size, tired
-from tandem.lab.zhang2022.yardstick import as_stress, best_of_rest, best_rule, exact_front, matching, rest
+from tandem.lab.zhang2022.yardstick import (
+    as_stress,
+    best_of_rest,
+    best_rule,
+    exact_front,
+    matching,
+    rest,
+)
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import difficulty, makespan
 from tandem.world import state as events
@@ -28,17 +49,33 @@ CALM = Change(np.int32(NEVER), np.float32(0), np.float32(0))
 
 SMALL = {
     "operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}},
-    "tools": {"press": {"changeover": {"robot": 3, "human": 1}}, "driver": {"changeover": {"robot": 2}}},
+    "tools": {
+        "press": {"changeover": {"robot": 3, "human": 1}},
+        "driver": {"changeover": {"robot": 2}},
+    },
     "tasks": {
-        "a": {"time": {"robot": 5, "human": 4}, "difficulty": {"robot": 1, "human": 3}, "tool": "press"},
-        "b": {"time": {"robot": 6, "human": 5}, "difficulty": {"robot": 1, "human": 2}, "tool": "driver"},
+        "a": {
+            "time": {"robot": 5, "human": 4},
+            "difficulty": {"robot": 1, "human": 3},
+            "tool": "press",
+        },
+        "b": {
+            "time": {"robot": 6, "human": 5},
+            "difficulty": {"robot": 1, "human": 2},
+            "tool": "driver",
+        },
         "c": {
             "time": {"human": 9},
             "together": [{"operators": ["robot", "human"], "time": 4}],
             "difficulty": {"robot": 1, "human": 4},
             "after": ["a"],
         },
-        "d": {"time": {"robot": 7, "human": 7}, "difficulty": {"robot": 2, "human": 2}, "after": ["a", "b"], "tool": "press"},
+        "d": {
+            "time": {"robot": 7, "human": 7},
+            "difficulty": {"robot": 2, "human": 2},
+            "after": ["a", "b"],
+            "tool": "press",
+        },
     },
 }
 
@@ -69,7 +106,10 @@ class Game:
     @property
     def pairs(self) -> list[tuple[int, int]]:
         legal = choices(self.data, self.state)
-        rows = [(int(human), narrow(self.data, self.state, legal, np.int32(human))) for human in np.flatnonzero(legal[HUMAN])]
+        rows = [
+            (int(human), narrow(self.data, self.state, legal, np.int32(human)))
+            for human in np.flatnonzero(legal[HUMAN])
+        ]
         return [(int(robot), human) for human, row in rows for robot in np.flatnonzero(row)]
 
     def way(self, agent: int, choice: int) -> int:
@@ -91,11 +131,15 @@ class Game:
 
     @property
     def schedule(self) -> Any:
-        return self.names.schedule(self.state.assembly.way, self.state.assembly.start_at, self.state.assembly.end_at)
+        return self.names.schedule(
+            self.state.assembly.way, self.state.assembly.start_at, self.state.assembly.end_at
+        )
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_whatever_is_allowed_makes_a_sound_schedule_of_the_stated_cost(alternator: Cell, seed: int) -> None:
+def test_whatever_is_allowed_makes_a_sound_schedule_of_the_stated_cost(
+    alternator: Cell, seed: int
+) -> None:
     game = Game(alternator)
     game.at_random(seed)
     assert faults(alternator, game.schedule) == []
@@ -104,7 +148,9 @@ def test_whatever_is_allowed_makes_a_sound_schedule_of_the_stated_cost(alternato
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_the_allowed_pairs_are_those_of_the_event_world_one_after_the_other(alternator: Cell, seed: int) -> None:
+def test_the_allowed_pairs_are_those_of_the_event_world_one_after_the_other(
+    alternator: Cell, seed: int
+) -> None:
     """The human's operation begins; what is then legal for the robot alone is its row."""
     game, draw = Game(alternator), np.random.default_rng(seed)
     while not is_done(game.state):
@@ -119,7 +165,12 @@ def test_the_allowed_pairs_are_those_of_the_event_world_one_after_the_other(alte
                 expected.add((game.choice(ROBOT, named), human))
                 continue
             after = events.legal(arrays, events.assign(arrays, assembly, np.int32(named)))
-            alone = {game.choice(ROBOT, way) for way in np.flatnonzero(after & ~game.data.joint & arrays.way_uses[:, game.data.row[ROBOT]])}
+            alone = {
+                game.choice(ROBOT, way)
+                for way in np.flatnonzero(
+                    after & ~game.data.joint & arrays.way_uses[:, game.data.row[ROBOT]]
+                )
+            }
             expected |= {(robot, human) for robot in alone}
             if human or running or not (alone or ways.any()):
                 expected.add((0, human))
@@ -143,7 +194,12 @@ def test_a_joint_operation_needs_both_and_is_paid_by_both(small: Cell) -> None:
 def test_the_longest_wait_is_as_long_as_something_goes_on(small: Cell) -> None:
     game = Game(small)
     assert (0, 0) not in game.pairs
-    game.play((game.choice(ROBOT, game.names.way("a", ["robot"])), game.choice(HUMAN, game.names.way("b", ["human"]))))
+    game.play(
+        (
+            game.choice(ROBOT, game.names.way("a", ["robot"])),
+            game.choice(HUMAN, game.names.way("b", ["human"])),
+        )
+    )
     assert not is_done(game.state)
     game.at_random(0)
     assert game.pairs == [(0, 0)]
@@ -169,24 +225,44 @@ def test_every_point_of_the_front_can_be_chosen_step_by_step(alternator: Cell) -
             pair = _as_planned(game, [way for _, way in due if way not in began], result.schedule)
             began |= {game.way(agent, pair[agent]) for agent in (ROBOT, HUMAN) if pair[agent]}
             game.play(pair)
-        assert (game.seconds, game.difficulty) == (pytest.approx(result.makespan, abs=1e-3), result.stress)
+        assert (game.seconds, game.difficulty) == (
+            pytest.approx(result.makespan, abs=1e-3),
+            result.stress,
+        )
         assert difficulty(alternator, result.schedule) == result.stress
 
 
 def _as_planned(game: Game, left: list[int], schedule: Any) -> tuple[int, int]:
-    """Each agent begins its next planned way as soon as it is allowed, but takes no tool that is planned for the other before; else waits."""
+    """Each agent begins its next planned way as soon as it is allowed, but takes no tool that is
+    planned for the other before; else waits.
+    """
     planned = {game.names.way(row.task, row.operators): row.start for row in schedule}
     legal = events.legal(now(game.data, game.state), game.state.assembly)
     tool = {way: game.cell.tasks[task].tool for way, (task, _) in enumerate(game.names.ways)}
     pair = [0, 0]
     for agent in (HUMAN, ROBOT):
         mine = [way for way in left if game.data.arrays.way_uses[way, game.data.row[agent]]]
-        if mine and legal[mine[0]] and not any(tool[way] == tool[mine[0]] is not None and planned[way] < planned[mine[0]] for way in left):
+        if (
+            mine
+            and legal[mine[0]]
+            and not any(
+                tool[way] == tool[mine[0]] is not None and planned[way] < planned[mine[0]]
+                for way in left
+            )
+        ):
             pair[agent] = game.choice(agent, mine[0])
             left = [way for way in left if way != mine[0] or game.data.joint[way]]
-    if pair[ROBOT] and game.data.joint[game.way(ROBOT, pair[ROBOT])] and game.way(HUMAN, pair[HUMAN]) != game.way(ROBOT, pair[ROBOT]):
+    if (
+        pair[ROBOT]
+        and game.data.joint[game.way(ROBOT, pair[ROBOT])]
+        and game.way(HUMAN, pair[HUMAN]) != game.way(ROBOT, pair[ROBOT])
+    ):
         pair[ROBOT] = 0
-    if pair[HUMAN] and game.data.joint[game.way(HUMAN, pair[HUMAN])] and game.way(ROBOT, pair[ROBOT]) != game.way(HUMAN, pair[HUMAN]):
+    if (
+        pair[HUMAN]
+        and game.data.joint[game.way(HUMAN, pair[HUMAN])]
+        and game.way(ROBOT, pair[ROBOT]) != game.way(HUMAN, pair[HUMAN])
+    ):
         pair[HUMAN] = 0
     return pair[0], pair[1]
 
@@ -204,7 +280,9 @@ def test_a_cell_without_difficulty_counts_its_stress() -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_what_was_paid_and_the_best_of_the_rest_never_fall_below_the_optimum_and_meet_it_at_the_start(small: Cell, seed: int) -> None:
+def test_what_was_paid_and_the_best_of_the_rest_never_fall_below_the_optimum_and_meet_it_at_the_start(
+    small: Cell, seed: int
+) -> None:
     optimum = min(t + d for t, d in exact_front(small).points)
     game, draw, lowest = Game(small), np.random.default_rng(seed), []
     while True:
@@ -241,18 +319,36 @@ def test_after_a_change_everything_can_still_be_done(alternator: Cell, seed: int
 def test_a_lost_ability_is_one_that_the_human_has_too(small: Cell) -> None:
     game = Game(small)
     ability, redo, missing = possible(game.data, game.state.assembly)
-    assert ability.tolist() == [True, True, True], "press, driver, and the joint way of c, which the human can do alone"
+    assert ability.tolist() == [
+        True,
+        True,
+        True,
+    ], "press, driver, and the joint way of c, which the human can do alone"
     assert not redo.any()
     assert missing.tolist() == [True, True]
-    after, happened = happen(game.data, game.state.assembly, Change(np.int32(1), np.float32(0.1), np.float32(0.0)), np.int32(9))
+    after, happened = happen(
+        game.data,
+        game.state.assembly,
+        Change(np.int32(1), np.float32(0.1), np.float32(0.0)),
+        np.int32(9),
+    )
     assert happened.kind == Kind.ABILITY_LOST
-    lost = [f"{task} by {' and '.join(mode.operators)}" for way, (task, mode) in enumerate(game.names.ways) if after.refused[way]]
+    lost = [
+        f"{task} by {' and '.join(mode.operators)}"
+        for way, (task, mode) in enumerate(game.names.ways)
+        if after.refused[way]
+    ]
     assert lost == ["a by robot", "d by robot"]
 
 
 def test_a_part_is_redone_only_while_nothing_stands_on_it(small: Cell) -> None:
     game = changing(small, 8, 0.5, 0.0)
-    game.play((game.choice(ROBOT, game.names.way("a", ["robot"])), game.choice(HUMAN, game.names.way("b", ["human"]))))
+    game.play(
+        (
+            game.choice(ROBOT, game.names.way("a", ["robot"])),
+            game.choice(HUMAN, game.names.way("b", ["human"])),
+        )
+    )
     assert (game.seconds, game.state.happened.kind) == (5, Kind.NOTHING)
     game.play((0, game.choice(HUMAN, game.names.way("c", ["human"]))))
     assert game.state.happened.kind == Kind.PART_REDONE
@@ -267,7 +363,9 @@ def test_a_missing_tool_comes_back(small: Cell) -> None:
     assert game.state.happened.kind == Kind.TOOL_MISSING
     assert game.state.happened.back_at.tolist() == [21_000, 0]
     assert game.state.assembly.clock == 21_000, "nobody can do anything before"
-    assert (best_of_rest(small, game.names, game.state.assembly, game.state.happened, 1, 1) or 0) > 0
+    assert (
+        best_of_rest(small, game.names, game.state.assembly, game.state.happened, 1, 1) or 0
+    ) > 0
     game.at_random(0)
     assert min(game.state.assembly.start_at[[0, 3]]) == 21_000
     assert best_of_rest(small, game.names, game.state.assembly, game.state.happened, 1, 1) == 0
@@ -279,13 +377,19 @@ def test_the_rest_is_a_cell_with_what_is_in_hand_and_what_was_lost(small: Cell) 
     for task, who in (("a", "robot"), ("b", "human")):
         assembly = events.assign(arrays, assembly, np.int32(game.names.way(task, [who])))
     assembly = events.advance(arrays, assembly, np.int32(game.names.ticks(2)))
-    assembly, happened = happen(game.data, assembly, Change(np.int32(0), np.float32(0), np.float32(0)), np.int32(0))
+    assembly, happened = happen(
+        game.data, assembly, Change(np.int32(0), np.float32(0), np.float32(0)), np.int32(0)
+    )
     assert happened.kind == Kind.ABILITY_LOST
     left, before = rest(small, game.names, assembly, happened)
     assert left is not None
     assert before == 3, "the longest changeover"
     assert left.tasks["a"].time == {"robot": 3}, "in hand: it goes on for three seconds more"
-    assert (left.tasks["a"].release, left.tasks["a"].deadline, left.tasks["a"].difficulty) == (3, 6, {})
+    assert (left.tasks["a"].release, left.tasks["a"].deadline, left.tasks["a"].difficulty) == (
+        3,
+        6,
+        {},
+    )
     assert left.tasks["d"].time == {"human": 7}
     assert left.operators["robot"].tool == "press"
 
@@ -295,9 +399,15 @@ def test_the_rest_is_a_cell_with_what_is_in_hand_and_what_was_lost(small: Cell) 
 
 def test_fatigue_grows_towards_one_and_fades() -> None:
     rate = np.float32(0.1)
-    assert tired(np.float32(0), rate, np.float32(1), np.float32(10)) == pytest.approx(1 - math.exp(-1))
-    assert tired(np.float32(0.5), rate, np.float32(1), np.float32(10)) == pytest.approx(0.5 + 0.5 * (1 - math.exp(-1)))
-    assert tired(np.float32(0.5), np.float32(0), np.float32(0.2), np.float32(5)) == pytest.approx(0.5 * math.exp(-1))
+    assert tired(np.float32(0), rate, np.float32(1), np.float32(10)) == pytest.approx(
+        1 - math.exp(-1)
+    )
+    assert tired(np.float32(0.5), rate, np.float32(1), np.float32(10)) == pytest.approx(
+        0.5 + 0.5 * (1 - math.exp(-1))
+    )
+    assert tired(np.float32(0.5), np.float32(0), np.float32(0.2), np.float32(5)) == pytest.approx(
+        0.5 * math.exp(-1)
+    )
 
 
 def test_only_the_humans_own_work_tires_and_rest_recovers(small: Cell) -> None:
@@ -305,7 +415,9 @@ def test_only_the_humans_own_work_tires_and_rest_recovers(small: Cell) -> None:
     game.play((game.choice(ROBOT, game.names.way("a", ["robot"])), 0))
     assert game.state.fatigue == 0
     game.play((0, game.choice(HUMAN, game.names.way("c", ["human"]))))
-    assert game.state.fatigue == pytest.approx(1 - math.exp(-0.15 * 9 / 60), rel=1e-4), "the hardest operation"
+    assert game.state.fatigue == pytest.approx(1 - math.exp(-0.15 * 9 / 60), rel=1e-4), (
+        "the hardest operation"
+    )
     before = float(game.state.fatigue)
     game.play((game.choice(ROBOT, game.names.way("b", ["robot"])), 0))
     assert game.state.fatigue == pytest.approx(before * math.exp(-RECOVERY * 6 / 60), rel=1e-4)
@@ -325,7 +437,10 @@ def test_both_pay_half_of_the_time_and_each_its_own_difficulty(small: Cell) -> N
     state = reset(data, np.ones(4, np.float32), CALM)
     numbers = setting(time=2, difficulty=10)
     game = Game(small)
-    pair = game.choice(ROBOT, game.names.way("a", ["robot"])), game.choice(HUMAN, game.names.way("b", ["human"]))
+    pair = (
+        game.choice(ROBOT, game.names.way("a", ["robot"])),
+        game.choice(HUMAN, game.names.way("b", ["human"])),
+    )
     _, paid = step(data, numbers, state, np.array(pair, np.int32))
     assert cost(numbers, paid).tolist() == [5 + 10, 5 + 20]
 
@@ -333,7 +448,10 @@ def test_both_pay_half_of_the_time_and_each_its_own_difficulty(small: Cell) -> N
 def test_real_times_have_the_mean_and_spread_that_were_asked_for(alternator: Cell) -> None:
     data, _ = duo(alternator)
     draw = np.random.default_rng(0)
-    numbers = {"normal": draw.standard_normal((4000, 16)), "uniform": np.array([0.4, 0.5, 0.1, 0.2])}
+    numbers = {
+        "normal": draw.standard_normal((4000, 16)),
+        "uniform": np.array([0.4, 0.5, 0.1, 0.2]),
+    }
     pace, change = chance(numbers, data, setting(spread=0.3, change=0.5, early=0.2, late=0.6))
     assert pace.mean() == pytest.approx(1, abs=0.01)
     assert pace.std() == pytest.approx(0.3, abs=0.01)
@@ -344,22 +462,50 @@ def test_real_times_have_the_mean_and_spread_that_were_asked_for(alternator: Cel
 def test_the_agents_see_the_bill_of_materials_and_not_the_future(small: Cell) -> None:
     game, late = Game(small), Game(small)
     late.state = late.state._replace(pace=np.full(4, 3.0, np.float32))
-    pair = game.choice(ROBOT, game.names.way("b", ["robot"])), game.choice(HUMAN, game.names.way("a", ["human"]))
+    pair = (
+        game.choice(ROBOT, game.names.way("b", ["robot"])),
+        game.choice(HUMAN, game.names.way("a", ["human"])),
+    )
     seen = observe(game.data, game.state)
     assert seen.shape == (observation_size(game.data),)
     assert seen[:4].tolist() == [0, 0, 0, 0]
     game.play(pair)
-    assert observe(game.data, game.state)[:8].tolist() == [1, 0, 0, 0, 0, 1, 0, 0], "a done, b in hand"
+    assert observe(game.data, game.state)[:8].tolist() == [
+        1,
+        0,
+        0,
+        0,
+        0,
+        1,
+        0,
+        0,
+    ], "a done, b in hand"
     late.play(pair)
-    assert late.state.assembly.clock == late.names.ticks(12), "a took 12 s instead of 4; only then can somebody begin"
+    assert late.state.assembly.clock == late.names.ticks(12), (
+        "a took 12 s instead of 4; only then can somebody begin"
+    )
     a = late.names.way("a", ["human"])
     under_way = events.advance(
-        game.data.arrays, events.assign(game.data.arrays, Game(small).state.assembly, np.int32(a), np.int32(12_000)), np.int32(6000)
+        game.data.arrays,
+        events.assign(game.data.arrays, Game(small).state.assembly, np.int32(a), np.int32(12_000)),
+        np.int32(6000),
     )
     seen = observe(game.data, late.state._replace(assembly=under_way))
-    assert seen[4:13].tolist() == [1, 0, 0, 0, 0, 0, 0, 0, 0], "in hand; by its nominal time nothing is left of it"
+    assert seen[4:13].tolist() == [
+        1,
+        0,
+        0,
+        0,
+        0,
+        0,
+        0,
+        0,
+        0,
+    ], "in hand; by its nominal time nothing is left of it"
     early = events.advance(
-        game.data.arrays, events.assign(game.data.arrays, Game(small).state.assembly, np.int32(a), np.int32(12_000)), np.int32(1000)
+        game.data.arrays,
+        events.assign(game.data.arrays, Game(small).state.assembly, np.int32(a), np.int32(12_000)),
+        np.int32(1000),
     )
     assert observe(game.data, late.state._replace(assembly=early))[8] == pytest.approx(3 / 9)
 
@@ -377,7 +523,12 @@ def test_what_cannot_be_expressed_is_named_all_at_once() -> None:
     )
     with pytest.raises(CellError) as error:
         duo(cell)
-    for words in ("0 robots and 2 humans", "stress_of_set", "stress_limit", "leave the deadline out"):
+    for words in (
+        "0 robots and 2 humans",
+        "stress_of_set",
+        "stress_limit",
+        "leave the deadline out",
+    ):
         assert words in str(error.value)
 
 

@@ -1,4 +1,6 @@
-"""Robot and human side by side for PettingZoo: the official suites, and what happens when the two do not fit."""
+"""Robot and human side by side for PettingZoo: the official suites, and what happens when the two
+do not fit.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,11 @@ PAIR = cell_of(
         "operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}},
         "tasks": {
             "a": {"time": {"robot": 3, "human": 4}, "difficulty": {"robot": 1, "human": 2}},
-            "b": {"time": {"human": 5}, "together": [{"operators": ["robot", "human"], "time": 2}], "difficulty": {"robot": 1, "human": 2}},
+            "b": {
+                "time": {"human": 5},
+                "together": [{"operators": ["robot", "human"], "time": 2}],
+                "difficulty": {"robot": 1, "human": 2},
+            },
         },
     }
 )
@@ -30,7 +36,8 @@ def test_pettingzoos_own_suites_are_green(cell: str, capsys: pytest.CaptureFixtu
         return tandem.envs.parallel_env("duo", cell, spread=0.3, change=0.5)
 
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="Observation")  # masks in the observation mean a Dict, which the AEC suite notes
+        # masks in the observation mean a Dict, which the AEC suite notes
+        warnings.filterwarnings("ignore", message="Observation")
         parallel_api_test(make(), num_cycles=100)
         parallel_seed_test(make, num_cycles=50)
         api_test(parallel_to_aec(make()), num_cycles=60)
@@ -38,11 +45,18 @@ def test_pettingzoos_own_suites_are_green(cell: str, capsys: pytest.CaptureFixtu
 
 
 def test_a_random_player_assembles_the_product_and_hears_of_the_change() -> None:
-    env, random, heard = tandem.envs.parallel_env("duo", "examples/alternator.yaml", change=1.0), np.random.default_rng(0), set()
+    env, random, heard = (
+        tandem.envs.parallel_env("duo", "examples/alternator.yaml", change=1.0),
+        np.random.default_rng(0),
+        set(),
+    )
     for seed in range(12):
         observations, infos = env.reset(seed=seed)
         while env.agents:
-            actions = {agent: int(random.choice(np.flatnonzero(seen["action_mask"]))) for agent, seen in observations.items()}
+            actions = {
+                agent: int(random.choice(np.flatnonzero(seen["action_mask"])))
+                for agent, seen in observations.items()
+            }
             observations, _, terminated, _, infos = env.step(actions)
             assert not any(info["illegal"] for info in infos.values())
         assert all(terminated.values())
@@ -70,7 +84,9 @@ def test_what_the_mask_forbids_is_said_and_not_done() -> None:
     env.reset(seed=0)
     env.step({"robot_0": 0, "human_0": 1})
     _, _, _, _, infos = env.step({"robot_0": 0, "human_0": 1})
-    assert infos["human_0"]["illegal"], "a is done; b by the human alone was taken, the lowest that is legal"
+    assert infos["human_0"]["illegal"], (
+        "a is done; b by the human alone was taken, the lowest that is legal"
+    )
     assert infos["human_0"]["time"] == 4 + 5
     assert infos["human_0"]["is_success"]
 
@@ -79,7 +95,10 @@ def test_a_strict_face_refuses_what_the_mask_forbids_and_nothing_happens() -> No
     env = tandem.envs.parallel_env("duo", PAIR, strict=True)
     env.reset(seed=0)
     env.step({"robot_0": 0, "human_0": 1})
-    with pytest.raises(UsageError, match=r"illegal at 4 s: human_0 named 1 \(a by human\); legal are 2, 3\. Take an action"):
+    with pytest.raises(
+        UsageError,
+        match=r"illegal at 4 s: human_0 named 1 \(a by human\); legal are 2, 3\. Take an action",
+    ):
         env.step({"robot_0": 0, "human_0": 1})
     assert env.step({"robot_0": 0, "human_0": 2})[4]["human_0"]["time"] == 4 + 5
 

@@ -1,4 +1,6 @@
-"""`tandem reproduce zhang2022`: the code of the long run at a size that fits here, and what its stored result says."""
+"""`tandem reproduce zhang2022`: the code of the long run at a size that fits here, and what its
+stored result says.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,13 @@ def stored() -> dict[str, Any]:
 def short(stored: dict[str, Any]) -> list[dict[str, Any]]:
     """Our recipe with and without changes in training, a thirtieth as long."""
     front = [tuple(point) for point in stored["exact_front"]]
-    return run(alternator(), [Arm("ours", False, factors=FACTORS), Arm("ours", False, 0.5)], TINY, front, lambda _: None)
+    return run(
+        alternator(),
+        [Arm("ours", False, factors=FACTORS), Arm("ours", False, 0.5)],
+        TINY,
+        front,
+        lambda _: None,
+    )
 
 
 def test_the_packaged_cell_is_the_example_and_says_that_it_is_an_assumption() -> None:
@@ -44,7 +52,9 @@ def test_the_packaged_cell_is_the_example_and_says_that_it_is_an_assumption() ->
     assert 12 <= len(cell.tasks) <= 16
 
 
-def test_a_short_run_finishes_every_episode_and_never_beats_the_front(short: list[dict[str, Any]]) -> None:
+def test_a_short_run_finishes_every_episode_and_never_beats_the_front(
+    short: list[dict[str, Any]],
+) -> None:
     assert [(row["changes"], row["factor"]) for row in short] == [(0, 1), (0, 4), (0.5, 1)]
     for row in short:
         assert row["greedy"]["finished"]
@@ -64,15 +74,28 @@ def test_what_was_done_replays_to_what_was_paid(short: list[dict[str, Any]]) -> 
         assert difficulty(alternator(), played) == row["greedy"]["difficulty"]
 
 
-def test_the_document_of_a_short_run_is_shown_and_drawn(short: list[dict[str, Any]], stored: dict[str, Any], tmp_path: Any) -> None:
+def test_the_document_of_a_short_run_is_shown_and_drawn(
+    short: list[dict[str, Any]], stored: dict[str, Any], tmp_path: Any
+) -> None:
     chance = [stored["random"][f"{factor:g}"] for factor in FACTORS]
-    document = experiment.assemble(short, alternator(), stored["exact_front"], True, chance, quick=True, seeds=1)
+    document = experiment.assemble(
+        short, alternator(), stored["exact_front"], True, chance, quick=True, seeds=1
+    )
     document["other_cells"] = stored["other_cells"]
     text = experiment.table(json.loads(json.dumps(document)))
-    for words in ("not public", "quick run", "exact: the front's matching point", "random player", "What the human is shown", "now: "):
+    for words in (
+        "not public",
+        "quick run",
+        "exact: the front's matching point",
+        "random player",
+        "What the human is shown",
+        "now: ",
+    ):
         assert words in text
     files = experiment.draw_figures(document, tmp_path)
-    assert {"front.svg", "noise.png", "recovery.svg", "curves.svg", "schedule.svg"} <= {file.name for file in files}
+    assert {"front.svg", "noise.png", "recovery.svg", "curves.svg", "schedule.svg"} <= {
+        file.name for file in files
+    }
     assert all(file.stat().st_size > 2000 for file in files)
 
 
@@ -141,21 +164,33 @@ def test_the_stored_front_is_the_exact_one(stored: dict[str, Any]) -> None:
 def test_the_stored_long_run_shows_what_the_issue_asks_for(stored: dict[str, Any]) -> None:
     assert not stored["quick"]
     assert stored["seeds"] == list(range(10))
-    assert {(row["arm"], row["factor"]) for row in stored["records"]} == {(arm.name, factor) for arm in ARMS for factor in arm.factors}
+    assert {(row["arm"], row["factor"]) for row in stored["records"]} == {
+        (arm.name, factor) for arm in ARMS for factor in arm.factors
+    }
     for row in stored["summary"]:
         assert row["seeds"] == row["finished"] == 10
         if row["arm"].startswith("ours"):
-            assert row["gap"]["mean"] + row["gap"]["ci95"] < 0.05, "over ten seeds within 5 % of the front's matching point, with noise and without"
+            assert row["gap"]["mean"] + row["gap"]["ci95"] < 0.05, (
+                "over ten seeds within 5 % of the front's matching point, with noise and without"
+            )
         assert row["changed_episodes"] == row["changed_finished"] == 1000
     assert all(max(row["gaps"]) <= 0.05 for row in stored["other_cells"])
 
 
-def test_the_stored_summary_follows_from_the_records_and_they_replay(stored: dict[str, Any]) -> None:
-    optimum = {float(factor): point[0] + float(factor) * point[1] for factor, point in stored["matching"].items()}
+def test_the_stored_summary_follows_from_the_records_and_they_replay(
+    stored: dict[str, Any],
+) -> None:
+    optimum = {
+        float(factor): point[0] + float(factor) * point[1]
+        for factor, point in stored["matching"].items()
+    }
     assert json.loads(json.dumps(summary(stored["records"], optimum))) == stored["summary"]
     for row in stored["records"]:
         if row["seed"] == 0:
             played = episode(alternator(), row["greedy"]["action"]).schedule
-            assert (makespan(played), difficulty(alternator(), played)) == (row["greedy"]["makespan"], row["greedy"]["difficulty"])
+            assert (makespan(played), difficulty(alternator(), played)) == (
+                row["greedy"]["makespan"],
+                row["greedy"]["difficulty"],
+            )
     assert faults(alternator(), Schedule.from_list(stored["display"]["assignments"])) == []
     assert OURS.to_dict()["ahead"] == 4

@@ -1,4 +1,6 @@
-"""`auto`: whoever is best of those who can answer in time, and a rule when nobody can. It always answers."""
+"""`auto`: whoever is best of those who can answer in time, and a rule when nobody can. It always
+answers.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +47,9 @@ class Auto:
     name: str = "auto"
 
     def decide(self, situation: Situation) -> Decision:
-        """The answer of the first who has one. A decider that fails is passed over; the sentence says so."""
+        """The answer of the first who has one. A decider that fails is passed over; the sentence
+        says so.
+        """
         began = perf_counter()
         failed: list[str] = []
         for policy in self.chain:
@@ -54,9 +58,14 @@ class Auto:
             try:
                 return self._signed(policy.decide(situation), began, failed)
             except (TandemError, ArithmeticError, LookupError, ValueError) as error:
-                failed.append(f"{policy.name} could not decide, {type(error).__name__}: {str(error).rstrip('.')}")
+                failed.append(
+                    f"{policy.name} could not decide, {type(error).__name__}:"
+                    f" {str(error).rstrip('.')}"
+                )
         return self._signed(self.rule.decide(situation), began, failed)
 
     def _signed(self, decision: Decision, began: float, failed: Sequence[str]) -> Decision:
         why = f"{decision.why} ({'; '.join(failed)}.)" if failed else decision.why
-        return replace(decision, by=f"auto: {decision.by}", why=why, latency_ms=1000 * (perf_counter() - began))
+        return replace(
+            decision, by=f"auto: {decision.by}", why=why, latency_ms=1000 * (perf_counter() - began)
+        )

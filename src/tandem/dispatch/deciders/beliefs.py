@@ -1,4 +1,6 @@
-"""A situation, which is in names and seconds, as a position in whole numbers, under a belief about paces."""
+"""A situation, which is in names and seconds, as a position in whole numbers, under a belief about
+paces.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +15,13 @@ from tandem.dispatch.situation.legal import legal
 from tandem.dispatch.situation.model import Running, Situation
 
 AWAY_S = 60.0
-"""ASSUMPTION: who is absent or failed is planned for as being back in so many seconds from now, whenever one asks."""
+"""ASSUMPTION: who is absent or failed is planned for as being back in so many seconds from now,
+whenever one asks.
+"""
 OVERDUE = 0.05
-"""ASSUMPTION: what should have ended already is expected to take this share of its stated time still."""
+"""ASSUMPTION: what should have ended already is expected to take this share of its stated time
+still.
+"""
 MOST_MODELS = 64
 """So many cells with different paces and refusals are kept at hand."""
 
@@ -33,23 +39,35 @@ class Models:
     _kept: dict[tuple[object, ...], Moves] = field(default_factory=dict)
 
     def of(self, situation: Situation, factor: float | Mapping[str, float]) -> Moves:
-        """The moves when every human needs `factor` times the stated time, or each its own; ways that somebody refuses now are left out."""
-        pace = dict.fromkeys(self.cell.humans, factor) if isinstance(factor, int | float) else dict(factor)
+        """The moves when every human needs `factor` times the stated time, or each its own; ways
+        that somebody refuses now are left out.
+        """
+        pace = (
+            dict.fromkeys(self.cell.humans, factor)
+            if isinstance(factor, int | float)
+            else dict(factor)
+        )
         refused = frozenset(pair for pair in situation.refused if situation.is_refused(*pair))
         key = (tuple(sorted(pace.items())), situation.taking_apart, refused)
         if key not in self._kept:
             if len(self._kept) >= MOST_MODELS:
                 del self._kept[next(iter(self._kept))]
-            moves = Moves.of(self.cell, pace, taking_apart=situation.taking_apart, max_stress=self.max_stress)
+            moves = Moves.of(
+                self.cell, pace, taking_apart=situation.taking_apart, max_stress=self.max_stress
+            )
             if refused:
                 named = ((way, *moves.named(way)) for row in moves.ways for way in row)
-                moves = moves.without(way for way, task, who in named if any((one, task) in refused for one in who))
+                moves = moves.without(
+                    way for way, task, who in named if any((one, task) in refused for one in who)
+                )
             self._kept[key] = moves
         return self._kept[key]
 
 
 def position(moves: Moves, situation: Situation, factor: Mapping[str, float]) -> Position:
-    """Where the assembly stands when each human needs `factor` times the stated time (1 for who is not named). What is overdue ends soon."""
+    """Where the assembly stands when each human needs `factor` times the stated time (1 for who is
+    not named). What is overdue ends soon.
+    """
     cell, bit = moves.instance, {name: 1 << t for t, name in enumerate(moves.instance.tasks)}
     wrong = sum(bit[task] for task in situation.wrong)
     done = sum(bit[task] for task in situation.done) | wrong
@@ -59,7 +77,9 @@ def position(moves: Moves, situation: Situation, factor: Mapping[str, float]) ->
     for task, at in situation.running.items():
         way = moves.flat(task, at.operators)
         if way is not None:
-            running.append((way + moves.count if at.undoing else way, ticks_left(moves, situation, at, factor)))
+            running.append(
+                (way + moves.count if at.undoing else way, ticks_left(moves, situation, at, factor))
+            )
     busy = {who for at in situation.running.values() for who in at.operators}
     for number, name in enumerate(cell.operators):
         if name in (situation.absent | situation.failed) - busy:
@@ -69,17 +89,26 @@ def position(moves: Moves, situation: Situation, factor: Mapping[str, float]) ->
         tuple(sorted(running)),
         wrong & done,
         0 if moves.timeless else round(situation.now * moves.per_second),
-        tuple(cell.tools.index(situation.in_hand[name]) if name in situation.in_hand else -1 for name in cell.operators) if moves.swaps else (),
-        tuple(round(situation.load.get(name, 0.0) * cell.per_stress) for name in cell.operators) if moves.limited else (),
+        tuple(
+            cell.tools.index(situation.in_hand[name]) if name in situation.in_hand else -1
+            for name in cell.operators
+        )
+        if moves.swaps
+        else (),
+        tuple(round(situation.load.get(name, 0.0) * cell.per_stress) for name in cell.operators)
+        if moves.limited
+        else (),
         _teams(moves, situation) if max(moves.team, default=-1) >= 0 else (),
     )
 
 
 def allowed(moves: Moves, situation: Situation) -> frozenset[int]:
-    """The ways, of doing and of taking apart, that the situation lets begin now: what deciders choose among.
+    """The ways, of doing and of taking apart, that the situation lets begin now: what deciders
+    choose among.
 
-    `Moves.legal` says more where nobody is left for a task but who refuses it, or where what is left
-    would break a limit of stress; and less of a changeover, whose idle time before it does not credit.
+    `Moves.legal` says more where nobody is left for a task but who refuses it, or where what is
+    left would break a limit of stress; and less of a changeover, whose idle time before it does not
+    credit.
     """
     return frozenset(numbered(moves, situation, legal(situation)))
 
@@ -87,13 +116,21 @@ def allowed(moves: Moves, situation: Situation) -> frozenset[int]:
 def numbered(moves: Moves, situation: Situation, starts: Iterable[Start]) -> tuple[int, ...]:
     """The ways as `Moves` numbers them; of a task that is mounted wrongly, its taking apart."""
     named = ((task, moves.flat(task, operators)) for task, operators in starts)
-    return tuple(way + moves.count if task in situation.wrong else way for task, way in named if way is not None)
+    return tuple(
+        way + moves.count if task in situation.wrong else way
+        for task, way in named
+        if way is not None
+    )
 
 
 def if_all_return(moves: Moves, here: Position) -> Position:
     """The position if everybody who is away came back at once: what bounds are reckoned from."""
     away = round(AWAY_S * moves.per_second)
-    running = tuple((way, max(1, left - away) if left > away else left) for way, left in here.running if way < 2 * moves.count)
+    running = tuple(
+        (way, max(1, left - away) if left > away else left)
+        for way, left in here.running
+        if way < 2 * moves.count
+    )
     return here._replace(running=running)
 
 
@@ -103,7 +140,11 @@ def ticks_left(moves: Moves, situation: Situation, at: Running, factor: Mapping[
     since = situation.now if at.rests_since is None else at.rests_since
     left = at.stated * slowest - (since - at.start - at.rested)
     away = AWAY_S if at.rests_since is not None else 0.0
-    return max(1, round((left if left > 0 else OVERDUE * at.stated) * moves.per_second) + round(away * moves.per_second))
+    return max(
+        1,
+        round((left if left > 0 else OVERDUE * at.stated) * moves.per_second)
+        + round(away * moves.per_second),
+    )
 
 
 def cost_so_far(objective: Objective, situation: Situation) -> float:
@@ -116,5 +157,9 @@ def _teams(moves: Moves, situation: Situation) -> tuple[tuple[int, int], ...]:
     place = {name: t for t, name in enumerate(moves.instance.tasks)}
     begun = {task: work.operators for task, work in situation.done.items()}
     begun |= {task: at.operators for task, at in situation.running.items() if not at.undoing}
-    found = {moves.team[place[task]]: sum(1 << number[who] for who in operators) for task, operators in begun.items() if moves.team[place[task]] >= 0}
+    found = {
+        moves.team[place[task]]: sum(1 << number[who] for who in operators)
+        for task, operators in begun.items()
+        if moves.team[place[task]] >= 0
+    }
     return tuple(sorted(found.items()))

@@ -1,4 +1,6 @@
-"""Dispatch rules live: the rule builds a schedule of the rest at each event, and what starts at once in it begins."""
+"""Dispatch rules live: the rule builds a schedule of the rest at each event, and what starts at
+once in it begins.
+"""
 
 from __future__ import annotations
 
@@ -42,10 +44,21 @@ class ByRule:
         moves = self.models.of(situation, 1.0)
         here = position(moves, situation, {})
         choice = self.choose(moves, here, situation)
-        return reply(self.name, moves, situation, here, choice, [(choice, None)], began=began, because=f"by the rule {self.name!r}")
+        return reply(
+            self.name,
+            moves,
+            situation,
+            here,
+            choice,
+            [(choice, None)],
+            began=began,
+            because=f"by the rule {self.name!r}",
+        )
 
     def choose(self, moves: Moves, here: Position, situation: Situation) -> tuple[int, ...]:
-        """The ways that start at once in the rule's schedule; the best of those that may when it starts none and nothing runs."""
+        """The ways that start at once in the rule's schedule; the best of those that may when it
+        starts none and nothing runs.
+        """
         left = rest(moves, here, with_running=False)
         if left is None:
             return ()
@@ -55,13 +68,28 @@ class ByRule:
         random = Random(f"{self.seed} {situation.now!r}")
         found: list[State] = []
         for sample in range(rule.samples):
-            state = build(layout, rule, random, stress=self._stress(layout) if rule.sweeps else None, temperature=rule.temperature if sample else 0.0)
+            state = build(
+                layout,
+                rule,
+                random,
+                stress=self._stress(layout) if rule.sweeps else None,
+                temperature=rule.temperature if sample else 0.0,
+            )
             if state is not None:
                 found.append(state)
         if not found:
             return _anything(moves, here, legal)
-        best = min(found, key=lambda state: self.objective.cost(state.makespan / moves.per_second, moves.instance.stress(state.stress)))
-        begins = tuple(left.ways[t][way] for t, (way, start) in enumerate(best.starts()) if _begins(layout, best, t, start))
+        best = min(
+            found,
+            key=lambda state: self.objective.cost(
+                state.makespan / moves.per_second, moves.instance.stress(state.stress)
+            ),
+        )
+        begins = tuple(
+            left.ways[t][way]
+            for t, (way, start) in enumerate(best.starts())
+            if _begins(layout, best, t, start)
+        )
         kept = _compatible(moves, here, [_apart(moves, here, way) for way in begins], legal)
         return kept or (() if here.running else _anything(moves, here, legal))
 
@@ -69,7 +97,12 @@ class ByRule:
         """What a unit of stress weighs against a tick, by the objective."""
         if not self.objective.time:
             return 1e6
-        return self.objective.stress / self.objective.time * layout.instance.per_second / layout.instance.per_stress
+        return (
+            self.objective.stress
+            / self.objective.time
+            * layout.instance.per_second
+            / layout.instance.per_stress
+        )
 
 
 def _begins(layout: Layout, state: State, task: int, start: int) -> bool:
@@ -96,4 +129,8 @@ def _compatible(moves: Moves, here: Position, ways: list[int], legal: Set[int]) 
 
 def _anything(moves: Moves, here: Position, legal: Set[int]) -> tuple[int, ...]:
     """The legal way with the longest chain behind it: better than standing still."""
-    return () if not legal or here.running else (max(legal, key=lambda way: (moves.tails[moves.task[way]], -moves.ticks[way], -way)),)
+    return (
+        ()
+        if not legal or here.running
+        else (max(legal, key=lambda way: (moves.tails[moves.task[way]], -moves.ticks[way], -way)),)
+    )

@@ -1,4 +1,6 @@
-"""`expected` and `minimax`: the exact value functions of small cells as deciders. What has been valued once is looked up."""
+"""`expected` and `minimax`: the exact value functions of small cells as deciders. What has been
+valued once is looked up.
+"""
 
 from __future__ import annotations
 
@@ -18,13 +20,16 @@ from tandem.dispatch.situation.model import Situation
 from tandem.errors import NothingFoundError, UsageError
 
 TIES = 1e-6
-"""Where time alone counts, a unit of stress weighs so many seconds: of equally quick choices the easiest is taken."""
+"""Where time alone counts, a unit of stress weighs so many seconds: of equally quick choices the
+easiest is taken.
+"""
 MOST_TASKS = 14
 """Cells with more tasks are refused at once: their values would take minutes."""
 
 
 def expected(cell: Cell, objective: Objective, options: Options) -> Table:
-    """Beside a human who picks any legal task with probability `options.random`, and else does what it is asked; in the stated times.
+    """Beside a human who picks any legal task with probability `options.random`, and else does what
+    it is asked; in the stated times.
 
     Raises:
       CellError: as `exact.values` does.
@@ -39,7 +44,9 @@ def minimax(cell: Cell, objective: Objective, options: Options) -> Table:
 
 
 def repairing(cell: Cell, forgets: float, *, taking_apart: float = 1.0) -> Table:
-    """The optimal decider beside a compliant human who errs, as value iteration has it. For small cells."""
+    """The optimal decider beside a compliant human who errs, as value iteration has it. For small
+    cells.
+    """
     found = repair_values(cell, forgets, taking_apart=taking_apart)
     found.prepare(found.moves.root())
     return Table("repairing", Models(cell), found, SECONDS)
@@ -47,7 +54,10 @@ def repairing(cell: Cell, forgets: float, *, taking_apart: float = 1.0) -> Table
 
 def _table(name: str, cell: Cell, human: Human, objective: Objective) -> Table:
     if len(cell.tasks) > MOST_TASKS:
-        raise UsageError(f"{name}: exact values are for cells of at most {MOST_TASKS} tasks, this one has {len(cell.tasks)}; take replan-robust.")
+        raise UsageError(
+            f"{name}: exact values are for cells of at most {MOST_TASKS} tasks, this one has"
+            f" {len(cell.tasks)}; take replan-robust."
+        )
     found = values(cell, human, objective)
     if not objective.stress:
         found.weights = (found.weights[0], TIES / found.moves.instance.per_stress)
@@ -73,7 +83,9 @@ class Table:
     _by_moves: dict[int, Values] = field(default_factory=dict)
 
     def decide(self, situation: Situation) -> Decision:
-        """What is best now by the table. Positions that it has not met, because a time was not as stated, are valued when they come."""
+        """What is best now by the table. Positions that it has not met, because a time was not as
+        stated, are valued when they come.
+        """
         began = perf_counter()
         moves = self.models.of(situation, STATED)
         here = position(moves, situation, dict.fromkeys(situation.cell.humans, STATED))
@@ -83,7 +95,16 @@ class Table:
         base = cost_so_far(self.objective, situation)
         ground = "whatever the human does" if found.human.spoils else "on average"
         because = f"the least cost {ground}, {self.objective.words(base + ranked[0][1])}"
-        return reply(self.name, moves, situation, here, choice, [(ways, base + cost) for ways, cost in ranked], began=began, because=because)
+        return reply(
+            self.name,
+            moves,
+            situation,
+            here,
+            choice,
+            [(ways, base + cost) for ways, cost in ranked],
+            began=began,
+            because=because,
+        )
 
     def _with(self, moves: Moves) -> Values:
         """The same values where somebody refuses something."""
@@ -92,7 +113,9 @@ class Table:
         return self._by_moves[id(moves)]
 
 
-def best(found: Values, here: Position, may: frozenset[int]) -> tuple[tuple[int, ...], list[tuple[tuple[int, ...], float]]]:
+def best(
+    found: Values, here: Position, may: frozenset[int]
+) -> tuple[tuple[int, ...], list[tuple[tuple[int, ...], float]]]:
     """The best choice among the allowed ways, humans asked first and then the robots.
 
     With it, what the humans can be asked for, or else what the robots can begin, with the values.
@@ -101,16 +124,28 @@ def best(found: Values, here: Position, may: frozenset[int]) -> tuple[tuple[int,
     ranked: list[tuple[tuple[int, ...], float]] = []
     moves, after = found.moves, here
     for turn, operator in enumerate(found.humans):
-        legal = [] if moves.busy(after) >> operator & 1 else [way for way in moves.legal(after, 1 << operator) if way in may]
+        legal = (
+            []
+            if moves.busy(after) >> operator & 1
+            else [way for way in moves.legal(after, 1 << operator) if way in may]
+        )
         if not legal:
             continue
-        wishes = found.wishes(after, turn, legal) if not found.human.spoils else [(way, found.if_human(after, turn, way)) for way in legal]
+        wishes = (
+            found.wishes(after, turn, legal)
+            if not found.human.spoils
+            else [(way, found.if_human(after, turn, way)) for way in legal]
+        )
         way, _ = min(wishes, key=lambda wish: wish[1])
-        ranked = ranked or _sorted([(() if one is None else (one,), value) for one, value in wishes])
+        ranked = ranked or _sorted(
+            [(() if one is None else (one,), value) for one, value in wishes]
+        )
         if way is not None:
             after = moves.begin(after, way)
             asked.append(way)
-    options = _sorted([(ways, value) for ways, value in found.robot_choices(after) if may.issuperset(ways)])
+    options = _sorted(
+        [(ways, value) for ways, value in found.robot_choices(after) if may.issuperset(ways)]
+    )
     return (*asked, *options[0][0]), ranked or options
 
 

@@ -1,4 +1,6 @@
-"""The exact plan for the stated times, carried out: who does what in which order stays, only the clock gives way."""
+"""The exact plan for the stated times, carried out: who does what in which order stays, only the
+clock gives way.
+"""
 
 from __future__ import annotations
 
@@ -19,11 +21,14 @@ from tandem.plan.methods import plan
 from tandem.plan.result import Result
 
 PLANNING_S = 20.0
-"""The plan is made once, before the shift, and takes until it is proven; so many seconds at the most."""
+"""The plan is made once, before the shift, and takes until it is proven; so many seconds at the
+most.
+"""
 
 
 def fixed(cell: Cell, objective: Objective, options: Options) -> Fixed:
-    """Plans the cell as `tandem plan` does, once. One thread: a plan that is proven in time repeats.
+    """Plans the cell as `tandem plan` does, once. One thread: a plan that is proven in time
+    repeats.
 
     Raises:
       CellError: as `Moves.of` does.
@@ -38,7 +43,13 @@ def fixed(cell: Cell, objective: Objective, options: Options) -> Fixed:
 
 
 def _basis(best: Result, objective: Objective) -> Basis:
-    return Basis(best.makespan, best.stress, objective.is_proven(best), best.bound.makespan, best.bound.stress)
+    return Basis(
+        best.makespan,
+        best.stress,
+        objective.is_proven(best),
+        best.bound.makespan,
+        best.bound.stress,
+    )
 
 
 @dataclass(frozen=True)
@@ -65,12 +76,26 @@ class Fixed:
         moves = self.models.of(situation, 1.0)
         begins, because = self._due(moves, situation), "the next in the fixed plan"
         if not begins and _stands_still(situation):
-            begins, because = self._anything(situation), "what the fixed plan leads to cannot begin, and nothing else would"
+            begins, because = (
+                self._anything(situation),
+                "what the fixed plan leads to cannot begin, and nothing else would",
+            )
         choice = numbered(moves, situation, begins)
-        return reply(self.name, moves, situation, position(moves, situation, {}), choice, [(choice, None)], began=began, because=because)
+        return reply(
+            self.name,
+            moves,
+            situation,
+            position(moves, situation, {}),
+            choice,
+            [(choice, None)],
+            began=began,
+            because=because,
+        )
 
     def _due(self, moves: Moves, situation: Situation) -> list[Start]:
-        """What is next for all that it needs, and may begin now; wrong work comes off first, last in the plan first."""
+        """What is next for all that it needs, and may begin now; wrong work comes off first, last
+        in the plan first.
+        """
         order = [start for start in self.order if start[0] in situation.open]
         comes_off = [start for start in reversed(order) if start[0] in situation.wrong]
         begins: list[Start] = []
@@ -91,11 +116,15 @@ class Fixed:
 
 
 Need = tuple[str, str | int]
-"""Something that one task at a time, or only so many, can have: an operator by name, a tool or a zone by number."""
+"""Something that one task at a time, or only so many, can have: an operator by name, a tool or a
+zone by number.
+"""
 
 
 def _willing(situation: Situation, task: str, planned: tuple[str, ...]) -> tuple[str, ...]:
-    """Who is planned; where somebody of them refuses, the quickest others who can, if there are any."""
+    """Who is planned; where somebody of them refuses, the quickest others who can, if there are
+    any.
+    """
 
     def refuses(operators: tuple[str, ...]) -> bool:
         return any(situation.is_refused(who, task) for who in operators)
@@ -107,7 +136,9 @@ def _willing(situation: Situation, task: str, planned: tuple[str, ...]) -> tuple
 
 
 def _needs(moves: Moves, task: str, operators: tuple[str, ...]) -> Iterator[Need]:
-    """Its operators, and its tool and zone where these have fewer places than there are operators."""
+    """Its operators, and its tool and zone where these have fewer places than there are
+    operators.
+    """
     yield from (("operator", who) for who in operators)
     number, instance = moves.instance.tasks.index(task), moves.instance
     tool, zone = instance.tool[number], instance.zone[number]
@@ -118,5 +149,12 @@ def _needs(moves: Moves, task: str, operators: tuple[str, ...]) -> Iterator[Need
 
 
 def _stands_still(situation: Situation) -> bool:
-    """Nothing is under way or to come, not even the return of somebody: people have done what the plan did not foresee."""
-    return not situation.running and not situation.absent and not situation.failed and next_change(situation) is None
+    """Nothing is under way or to come, not even the return of somebody: people have done what the
+    plan did not foresee.
+    """
+    return (
+        not situation.running
+        and not situation.absent
+        and not situation.failed
+        and next_change(situation) is None
+    )

@@ -1,4 +1,6 @@
-"""`learned`: a trained best response to many people (`tandem train CELL --recipe response`), a network in NumPy."""
+"""`learned`: a trained best response to many people (`tandem train CELL --recipe response`), a
+network in NumPy.
+"""
 
 from __future__ import annotations
 
@@ -30,14 +32,17 @@ AWAY_S = 60.0
 
 
 def learned(cell: Cell, objective: Objective, options: Options) -> Learned:
-    """The best response in `options.learned`: a policy's file, or the folder of its run (the first seed then).
+    """The best response in `options.learned`: a policy's file, or the folder of its run (the first
+    seed then).
 
     Raises:
       UsageError: none is named, or it was trained on a cell of another shape.
       CellError: the file is no policy, or the world cannot hold the cell.
     """
     if options.learned is None:
-        raise UsageError("learned: name a trained policy with --learned FILE. Train one with: tandem train CELL")
+        raise UsageError(
+            "learned: name a trained policy with --learned FILE. Train one with: tandem train CELL"
+        )
     path = Path(options.learned)
     if path.is_dir():
         run = RunFolder(path)
@@ -45,8 +50,12 @@ def learned(cell: Cell, objective: Objective, options: Options) -> Learned:
             raise UsageError(f"{path}: holds no trained policy. Train one with: tandem train CELL")
         path = run.policy(run.seeds[0])
     policy = Policy.load(path)
-    if policy.notes.get("kind") not in ("ppo", "response"):  # files of earlier versions say "response"
-        raise UsageError(f"{path}: was trained on the thesis's station, which knows no events. Train one for dispatch with: tandem train CELL")
+    # files of earlier versions say "response"
+    if policy.notes.get("kind") not in ("ppo", "response"):
+        raise UsageError(
+            f"{path}: was trained on the thesis's station, which knows no events. Train one for"
+            " dispatch with: tandem train CELL"
+        )
     names = Names.of(cell)
     arrays = names.arrays(undo=1.0)
     if policy.notes.get("digest") == cell.digest:
@@ -57,7 +66,9 @@ def learned(cell: Cell, objective: Objective, options: Options) -> Learned:
 
 @dataclass(frozen=True)
 class Learned:
-    """A trained best response. Whose turn it is at a moment: the humans first, then the robots, each seeing what those before were asked for."""
+    """A trained best response. Whose turn it is at a moment: the humans first, then the robots,
+    each seeing what those before were asked for.
+    """
 
     policy: Policy
     names: Names
@@ -74,9 +85,20 @@ class Learned:
         if ranked:
             because += f" ({100 * ranked[0][1]:.0f} % of its belief among {len(ranked)} choices)"
         costless: Ranked = [(ways, None) for ways, _ in ranked]
-        return reply(self.name, moves, situation, position(moves, situation, {}), choice, costless, began=began, because=because)
+        return reply(
+            self.name,
+            moves,
+            situation,
+            position(moves, situation, {}),
+            choice,
+            costless,
+            began=began,
+            because=because,
+        )
 
-    def _choose(self, moves: Moves, situation: Situation) -> tuple[tuple[int, ...], list[tuple[tuple[int, ...], float]]]:
+    def _choose(
+        self, moves: Moves, situation: Situation
+    ) -> tuple[tuple[int, ...], list[tuple[tuple[int, ...], float]]]:
         """The ways to begin, and the first one's alternatives with the network's belief in each."""
         arrays, state = self.arrays, state_of(self.names, self.arrays, situation)
         may, waiting = allowed(moves, situation), len(self.names.ways)
@@ -88,7 +110,11 @@ class Learned:
             if turn < 0:
                 break
             sure = worth(self.policy, arrays, state, mask, turn)
-            barred = [way for way in np.flatnonzero(mask).tolist() if self._number(moves, state, way) not in may]
+            barred = [
+                way
+                for way in np.flatnonzero(mask).tolist()
+                if self._number(moves, state, way) not in may
+            ]
             sure[barred] = -np.inf
             way = int(np.argmax(sure)) if (sure > -np.inf).any() else waiting
             ranked = ranked or self._ranked(moves, state, sure)
@@ -103,10 +129,15 @@ class Learned:
         share = np.exp(sure - sure.max())
         share = share / share.sum()
         order = [way for way in np.argsort(-share, kind="stable").tolist() if sure[way] > -np.inf]
-        return [(() if way == len(sure) - 1 else (self._number(moves, state, way),), float(share[way])) for way in order]
+        return [
+            (() if way == len(sure) - 1 else (self._number(moves, state, way),), float(share[way]))
+            for way in order
+        ]
 
     def _number(self, moves: Moves, state: State, way: int) -> int:
-        """The world's way as `moves` counts it; of a task that has to come off, its taking apart."""
+        """The world's way as `moves` counts it; of a task that has to come off, its taking
+        apart.
+        """
         task, mode = self.names.ways[way]
         number = moves.flat(task, mode.operators)
         assert number is not None  # both count the ways of the same cell
@@ -114,10 +145,15 @@ class Learned:
 
 
 def state_of(names: Names, arrays: Arrays, situation: Situation) -> State:
-    """The situation as the world holds it. The end of work in hand is not known: it lies after the clock, by the stated time or a tick from now."""
+    """The situation as the world holds it. The end of work in hand is not known: it lies after the
+    clock, by the stated time or a tick from now.
+    """
     clock, state = names.ticks(situation.now), world.reset(arrays)
     free, away = state.free_at.copy(), state.away_until.copy()
-    way, start, end, bad, undoing = (part.copy() for part in (state.way, state.start_at, state.end_at, state.bad_at, state.undoing))
+    way, start, end, bad, undoing = (
+        part.copy()
+        for part in (state.way, state.start_at, state.end_at, state.bad_at, state.undoing)
+    )
     for task, work in {**situation.done, **situation.wrong}.items():
         t = names.tasks.index(task)
         way[t] = names.way(task, work.operators)
@@ -128,12 +164,17 @@ def state_of(names: Names, arrays: Arrays, situation: Situation) -> State:
     for task, running in situation.running.items():
         t = names.tasks.index(task)
         way[t], undoing[t] = names.way(task, running.operators), running.undoing
-        start[t], end[t] = names.ticks(running.start + running.rested), max(clock + 1, names.ticks(running.expected_end))
+        start[t], end[t] = (
+            names.ticks(running.start + running.rested),
+            max(clock + 1, names.ticks(running.expected_end)),
+        )
         for who in running.operators:
             free[names.operators.index(who)] = end[t]
     for who in situation.absent | situation.failed:
         away[names.operators.index(who)] = clock + names.ticks(AWAY_S)
-    refused = [any(situation.is_refused(who, task) for who in mode.operators) for task, mode in names.ways]
+    refused = [
+        any(situation.is_refused(who, task) for who in mode.operators) for task, mode in names.ways
+    ]
     tools = _tools(names.cell)
     return state._replace(
         clock=np.int32(clock),
@@ -142,8 +183,17 @@ def state_of(names: Names, arrays: Arrays, situation: Situation) -> State:
         end_at=end,
         free_at=free,
         away_until=away,
-        in_hand=np.array([tools.index(situation.in_hand[who]) if who in situation.in_hand else -1 for who in names.operators], np.int32),
-        load=np.array([round(situation.load.get(who, 0.0) * names.per_stress) for who in names.operators], np.int32),
+        in_hand=np.array(
+            [
+                tools.index(situation.in_hand[who]) if who in situation.in_hand else -1
+                for who in names.operators
+            ],
+            np.int32,
+        ),
+        load=np.array(
+            [round(situation.load.get(who, 0.0) * names.per_stress) for who in names.operators],
+            np.int32,
+        ),
         refused=np.array(refused),
         bad_at=bad,
         undoing=undoing,
@@ -152,5 +202,9 @@ def state_of(names: Names, arrays: Arrays, situation: Situation) -> State:
 
 def _tools(cell: Cell) -> list[str]:
     """In the order in which the world counts them."""
-    named = [*(task.tool for task in cell.tasks.values()), *cell.tools, *(operator.tool for operator in cell.operators.values())]
+    named = [
+        *(task.tool for task in cell.tasks.values()),
+        *cell.tools,
+        *(operator.tool for operator in cell.operators.values()),
+    ]
     return list(dict.fromkeys(filter(None, named)))

@@ -1,4 +1,6 @@
-"""Memory beside the clock: no decision waits for Python to look through all that was made before it."""
+"""Memory beside the clock: no decision waits for Python to look through all that was made before
+it.
+"""
 
 from __future__ import annotations
 
@@ -9,13 +11,14 @@ from contextlib import contextmanager
 
 @contextmanager
 def settled_memory() -> Iterator[Callable[[], None]]:
-    """Within it garbage is collected only when what is yielded is called: between decisions, when nobody waits.
+    """Within it garbage is collected only when what is yielded is called: between decisions, when
+    nobody waits.
 
-    Libraries and what deciders have valued are a million objects. A full collection, which comes when
-    it likes, goes through them for a tenth of a second in the midst of a decision. Here each call goes
-    through what came since the one before, a millisecond's work, and sets it aside; what was set
-    aside and is not needed any more goes as always, but for what refers to itself in a circle: that
-    waits for the end.
+    Libraries and what deciders have valued are a million objects. A full collection, which comes
+    when it likes, goes through them for a tenth of a second in the midst of a decision. Here each
+    call goes through what came since the one before, a millisecond's work, and sets it aside; what
+    was set aside and is not needed any more goes as always, but for what refers to itself in a
+    circle: that waits for the end.
     """
     was_enabled = gc.isenabled()
     gc.disable()

@@ -1,7 +1,8 @@
 """Who decides live: one protocol, one decision, and what may be set.
 
-A decider looks at a `Situation`, which holds what has been seen and nothing more, and says what begins now. It keeps no memory that
-matters: the same situation gives the same decision (within the same budget), so that a journal can be replayed.
+A decider looks at a `Situation`, which holds what has been seen and nothing more, and says what
+begins now. It keeps no memory that matters: the same situation gives the same decision (within the
+same budget), so that a journal can be replayed.
 """
 
 from __future__ import annotations
@@ -26,8 +27,10 @@ class Options:
     Attributes:
       budget_ms: the most milliseconds that a decision may take.
       seed: of whatever a decider draws.
-      random: how often, as a share, the model of the human picks any legal task (`expected` plans for it).
-      prior: pace factor -> probability: how slow a human may turn out to be (2 = needs twice the stated time), before anything was seen.
+      random: how often, as a share, the model of the human picks any legal task (`expected` plans
+        for it).
+      prior: pace factor -> probability: how slow a human may turn out to be (2 = needs twice the
+        stated time), before anything was seen.
       frozen_s: what was announced to a human within so many seconds is not changed any more.
       change_penalty: seconds that a better plan must gain before an announced task is changed.
       learned: a file or folder with a trained policy, for `learned` and `auto`; None for none.
@@ -36,7 +39,9 @@ class Options:
     budget_ms: float = 50.0
     seed: int = 0
     random: float = 0.0
-    prior: Mapping[float, float] = field(default_factory=lambda: {0.6: 0.1, 0.8: 0.2, 1.0: 0.3, 1.5: 0.2, 2.0: 0.1, 3.0: 0.1})
+    prior: Mapping[float, float] = field(
+        default_factory=lambda: {0.6: 0.1, 0.8: 0.2, 1.0: 0.3, 1.5: 0.2, 2.0: 0.1, 3.0: 0.1}
+    )
     frozen_s: float = 0.0
     change_penalty: float = 0.0
     learned: str | None = None
@@ -46,10 +51,20 @@ class Options:
             raise UsageError(f"budget {self.budget_ms:g} ms: must be more than 0.")
         if not 0 <= self.random <= 1:
             raise UsageError(f"random {self.random:g}: a share lies between 0 and 1.")
-        if not self.prior or any(not (pace > 0 and share >= 0) for pace, share in self.prior.items()) or not sum(self.prior.values()) > 0:
-            raise UsageError(f"prior {prior_words(self.prior)}: needs pace factors above 0, each with a probability of 0 or more.")
+        if (
+            not self.prior
+            or any(not (pace > 0 and share >= 0) for pace, share in self.prior.items())
+            or not sum(self.prior.values()) > 0
+        ):
+            raise UsageError(
+                f"prior {prior_words(self.prior)}: needs pace factors above 0, each with a"
+                " probability of 0 or more."
+            )
         if self.frozen_s < 0 or self.change_penalty < 0:
-            raise UsageError(f"frozen {self.frozen_s:g} s, change penalty {self.change_penalty:g} s: neither can be negative.")
+            raise UsageError(
+                f"frozen {self.frozen_s:g} s, change penalty {self.change_penalty:g} s: neither can"
+                " be negative."
+            )
 
 
 def prior_words(prior: Mapping[float, float]) -> str:
@@ -79,8 +94,9 @@ class Basis:
         if self.proven:
             return ""
         return (
-            f"the plan of {self.makespan:g} s and a stress of {self.stress:g} is the best found in the time given, not proven the best: "
-            f"no plan is shorter than {self.least_makespan:g} s or has less stress than {self.least_stress:g}."
+            f"the plan of {self.makespan:g} s and a stress of {self.stress:g} is the best found in"
+            f" the time given, not proven the best: no plan is shorter than {self.least_makespan:g}"
+            f" s or has less stress than {self.least_stress:g}."
         )
 
 
@@ -96,7 +112,8 @@ class Alternative:
 
     Attributes:
       starts: what would begin now; empty for waiting.
-      expected_cost: of the whole assembly, in the objective's measure; None when it was not reckoned.
+      expected_cost: of the whole assembly, in the objective's measure; None when it was not
+        reckoned.
     """
 
     starts: tuple[Start, ...]
@@ -108,17 +125,23 @@ class Decision:
     """What begins now, and why.
 
     Attributes:
-      starts: tasks that robots begin now, alone or with a human who is asked for it too; empty when all of them wait or are busy.
-      announced: human -> the task that they are asked to do now or next; who is missing is asked to wait.
+      starts: tasks that robots begin now, alone or with a human who is asked for it too; empty when
+        all of them wait or are busy.
+      announced: human -> the task that they are asked to do now or next; who is missing is asked to
+        wait.
       alternatives: the choices that were open, best first, the one taken included.
-      bound: seconds that the remaining work takes at least from now on, whoever does it (times as the decider believes them).
+      bound: seconds that the remaining work takes at least from now on, whoever does it (times as
+        the decider believes them).
       why: one sentence for the people beside the robot.
       by: name of the decider that answered.
       latency_ms: how long it took; no part of what makes two decisions equal.
-      expected_cost: of the choice taken; None when it was not reckoned. With `bound` it gives the gap.
-      look_again: when (s) the decider wants to be asked again although nothing has happened: a human who has not finished by then is slower
-        than it takes for granted. None: at the next event only.
-      asks: what humans are asked to begin now, with all who are to take part; of `announced` the part that is for now.
+      expected_cost: of the choice taken; None when it was not reckoned. With `bound` it gives the
+        gap.
+      look_again: when (s) the decider wants to be asked again although nothing has happened: a
+        human who has not finished by then is slower than it takes for granted. None: at the next
+        event only.
+      asks: what humans are asked to begin now, with all who are to take part; of `announced` the
+        part that is for now.
     """
 
     starts: tuple[Start, ...]
@@ -134,7 +157,9 @@ class Decision:
 
 
 class Policy(Protocol):
-    """A decider. Reads the situation, never changes it, and answers always, even when nothing can begin."""
+    """A decider. Reads the situation, never changes it, and answers always, even when nothing can
+    begin.
+    """
 
     @property
     def name(self) -> str:

@@ -1,9 +1,11 @@
-"""Planning the rest anew at each event. Plain: CP-SAT on the stated times, the first plan found. Robust: with each person's estimated pace, and
-of the choices that are as good as each other by the plan, the one that is best on average over what may come.
+"""Planning the rest anew at each event. Plain: CP-SAT on the stated times, the first plan found.
+Robust: with each person's estimated pace, and of the choices that are as good as each other by the
+plan, the one that is best on average over what may come.
 
-Ties are many and matter: plans that are equally short for the stated times differ by a quarter when the human is slower than stated. So the
-robust decider does not take a plan but values every choice that is open now: under each pace that is still believed, the least cost of
-the rest after that choice (a hindsight optimum: Littman et al. 1995 call it QMDP), weighed by belief.
+Ties are many and matter: plans that are equally short for the stated times differ by a quarter when
+the human is slower than stated. So the robust decider does not take a plan but values every choice
+that is open now: under each pace that is still believed, the least cost of the rest after that
+choice (a hindsight optimum: Littman et al. 1995 call it QMDP), weighed by belief.
 """
 
 from __future__ import annotations
@@ -30,16 +32,23 @@ from tandem.dispatch.situation.pace import Pace, estimates
 TIE = 1e-6
 """Costs closer than this are equal."""
 STRETCHED = (0.85, 1.2)
-"""Equally good choices are compared under these further factors on the humans' times. ASSUMPTION."""
+"""Equally good choices are compared under these further factors on the humans' times.
+ASSUMPTION.
+"""
 ALL_PACES, ONE_PACE, PLANNED = 0.5, 0.65, 0.85
-"""Shares of the budget by which the choices must be valued under every belief, or else under the mean pace alone, or else
-CP-SAT must have planned; what is left is for a rule."""
+"""Shares of the budget by which the choices must be valued under every belief, or else under the
+mean pace alone, or else CP-SAT must have planned; what is left is for a rule.
+"""
 DEAR = 0.2
-"""Where the numbers of the cell under one pace take a larger share of the budget, stated times have to do."""
+"""Where the numbers of the cell under one pace take a larger share of the budget, stated times have
+to do.
+"""
 MOST_SEARCHES = 40
 """So many beliefs' values are kept at hand."""
 OVERDUE_TICKS = 2
-"""A robot looks again so many ticks after a human could have finished: who finishes just then is heard of first."""
+"""A robot looks again so many ticks after a human could have finished: who finishes just then is
+heard of first.
+"""
 MOST_SCENARIOS = 7
 """So many beliefs about several humans' paces are looked at."""
 
@@ -47,24 +56,41 @@ MOST_SCENARIOS = 7
 def plain(cell: Cell, objective: Objective, options: Options) -> Replan:
     """Re-planning by the stated times. Raises CellError as `Moves.of` does."""
     models = _models(cell, objective)
-    return Replan(models, objective, options, ByRule("longest-tail", models, objective, options.seed), _building_s(models))
+    return Replan(
+        models,
+        objective,
+        options,
+        ByRule("longest-tail", models, objective, options.seed),
+        _building_s(models),
+    )
 
 
 def robust(cell: Cell, objective: Objective, options: Options) -> Robust:
-    """Re-planning with estimated paces and ties broken. Raises CellError as `Moves.of` does. Values the first choices before the shift begins."""
+    """Re-planning with estimated paces and ties broken. Raises CellError as `Moves.of` does. Values
+    the first choices before the shift begins.
+    """
     models = _models(cell, objective)
     moves_s = _least_s(lambda: Models(cell, objective.max_stress).of(Situation.of(cell), 1.0))
-    made = Robust(models, objective, options, ByRule("longest-tail", models, objective, options.seed), _building_s(models), moves_s)
+    made = Robust(
+        models,
+        objective,
+        options,
+        ByRule("longest-tail", models, objective, options.seed),
+        _building_s(models),
+        moves_s,
+    )
     made.warm_up()
     return made
 
 
 @dataclass(frozen=True)
 class Replan:
-    """Plans the rest anew at each event, with the stated times; the first plan found is carried out.
+    """Plans the rest anew at each event, with the stated times; the first plan found is carried
+    out.
 
     Attributes:
-      building_s: what the model of the whole cell takes to be put together, which nothing can cut short.
+      building_s: what the model of the whole cell takes to be put together, which nothing can cut
+        short.
       clock: seconds, what the budget is counted by.
     """
 
@@ -84,34 +110,72 @@ class Replan:
         return by_plan(self, moves, situation, here, began)
 
 
-def by_plan(policy: Replan | Robust, moves: Moves, situation: Situation, here: Position, began: float) -> Decision:
+def by_plan(
+    policy: Replan | Robust, moves: Moves, situation: Situation, here: Position, began: float
+) -> Decision:
     """The decision of the first plan that CP-SAT finds in the time; the rule's where it finds none.
 
     `began`: the moment by the policy's clock at which the decision's budget began.
     """
     until = began + PLANNED * policy.options.budget_ms / 1000
     left = rest(moves, here)
-    is_time_to_build = left is not None and policy.clock() + policy.building_s * len(left.tasks) / len(moves.ways) < until
+    is_time_to_build = (
+        left is not None
+        and policy.clock() + policy.building_s * len(left.tasks) / len(moves.ways) < until
+    )
     plan = None
     if left is not None and is_time_to_build:
-        plan = solve(left, _weights(policy.objective, moves), seconds=until - policy.clock(), seed=policy.options.seed)
+        plan = solve(
+            left,
+            _weights(policy.objective, moves),
+            seconds=until - policy.clock(),
+            seed=policy.options.seed,
+        )
     choice = None if plan is None else starting(moves, here, plan, allowed(moves, situation))
     if plan is None or choice is None:
         choice = policy.rule.choose(moves, here, situation)
         because = f"by a rule, because no plan was found in {policy.options.budget_ms:g} ms"
-        return reply(policy.name, moves, situation, here, choice, [(choice, None)], began=began, because=because)
+        return reply(
+            policy.name,
+            moves,
+            situation,
+            here,
+            choice,
+            [(choice, None)],
+            began=began,
+            because=because,
+        )
     cost = cost_so_far(policy.objective, situation) + _cost(policy.objective, moves, plan)
     end = situation.now + plan.ticks / moves.per_second
-    because = f"so that all is done at {end:.4g} s, {'at the earliest' if plan.proven else 'the best plan found'}"
-    return reply(policy.name, moves, situation, here, choice, [(choice, cost)], began=began, because=because, later=next_tasks(moves, here, plan))
+    because = (
+        f"so that all is done at {end:.4g} s,"
+        f" {'at the earliest' if plan.proven else 'the best plan found'}"
+    )
+    return reply(
+        policy.name,
+        moves,
+        situation,
+        here,
+        choice,
+        [(choice, cost)],
+        began=began,
+        because=because,
+        later=next_tasks(moves, here, plan),
+    )
 
 
 def starting(moves: Moves, here: Position, plan: Plan, legal: Set[int]) -> tuple[int, ...] | None:
-    """Of the legal ways those that the plan begins now, taking apart first; None when it would begin nothing although nothing runs."""
+    """Of the legal ways those that the plan begins now, taking apart first; None when it would
+    begin nothing although nothing runs.
+    """
     chosen: list[int] = []
     for start, way in plan.begins:
         first = way + moves.count if here.wrong >> moves.task[way] & 1 else way
-        change = max((row[o] for row in moves.changeover for o in range(len(row))), default=0) if moves.swaps else 0
+        change = (
+            max((row[o] for row in moves.changeover for o in range(len(row))), default=0)
+            if moves.swaps
+            else 0
+        )
         if start <= change and first in legal and first in moves.legal(here):
             here = moves.begin(here, first)
             chosen.append(first)
@@ -124,14 +188,20 @@ def next_tasks(moves: Moves, here: Position, plan: Plan) -> dict[str, str]:
     busy = moves.busy(here)
     for _, way in plan.begins:
         for o, name in enumerate(moves.instance.operators):
-            if moves.who[way] >> o & 1 and moves.human >> o & 1 and busy >> o & 1 and name not in found:
+            if (
+                moves.who[way] >> o & 1
+                and moves.human >> o & 1
+                and busy >> o & 1
+                and name not in found
+            ):
                 found[name] = moves.named(way)[0]
     return found
 
 
 @dataclass(frozen=True)
 class Robust:
-    """Values every choice that is open now under each pace that is still believed, and takes the one that is best on average.
+    """Values every choice that is open now under each pace that is still believed, and takes the
+    one that is best on average.
 
     Attributes:
       building_s, clock: as of `Replan`.
@@ -149,7 +219,9 @@ class Robust:
     _searches: dict[int, Search] = field(default_factory=dict)
 
     def warm_up(self) -> None:
-        """Values the first choices, so that the shift's first decision is as quick as the others; a few seconds at the most."""
+        """Values the first choices, so that the shift's first decision is as quick as the others; a
+        few seconds at the most.
+        """
         until = self.clock() + 3.0
         situation = Situation.of(self.models.cell)
         with contextlib.suppress(OutOfTimeError):
@@ -165,10 +237,15 @@ class Robust:
         here = position(moves, situation, likely)
         if not allowed(moves, situation).intersection(moves.legal(here)):
             because = "nothing can begin before something has ended or somebody is there"
-            return reply(self.name, moves, situation, here, (), [((), None)], began=began, because=because)
+            return reply(
+                self.name, moves, situation, here, (), [((), None)], began=began, because=because
+            )
         if is_dear:
             return by_plan(self, moves, situation, here, began)
-        for beliefs, share in ((paces, ALL_PACES), ({name: _as_one(pace) for name, pace in paces.items()}, ONE_PACE)):
+        for beliefs, share in (
+            (paces, ALL_PACES),
+            ({name: _as_one(pace) for name, pace in paces.items()}, ONE_PACE),
+        ):
             try:
                 ranked, look = self.ranked(situation, beliefs, began + budget * share)
                 break
@@ -178,23 +255,42 @@ class Robust:
             return by_plan(self, moves, situation, here, began)
         choice = ranked[0][0]
         look_again = None if look is None else situation.now + look / moves.per_second
-        return reply(self.name, moves, situation, here, choice, ranked, began=began, because=self._because(ranked, paces), look_again=look_again)
+        return reply(
+            self.name,
+            moves,
+            situation,
+            here,
+            choice,
+            ranked,
+            began=began,
+            because=self._because(ranked, paces),
+            look_again=look_again,
+        )
 
-    def ranked(self, situation: Situation, paces: Mapping[str, Pace], until: float) -> tuple[list[tuple[tuple[int, ...], float]], int | None]:
-        """The choices that matter, best first, each with the expected cost of the whole assembly; and the ticks after which a robot that waits in
-        the best one should look again although nothing has happened (None: it need not).
+    def ranked(
+        self, situation: Situation, paces: Mapping[str, Pace], until: float
+    ) -> tuple[list[tuple[tuple[int, ...], float]], int | None]:
+        """The choices that matter, best first, each with the expected cost of the whole assembly;
+        and the ticks after which a robot that waits in the best one should look again although
+        nothing has happened (None: it need not).
 
         Raises OutOfTimeError when it is later than `until` by the clock.
         """
-        beliefs = [(share, *self._under(situation, factor, until)) for factor, share in scenarios(paces)]
+        beliefs = [
+            (share, *self._under(situation, factor, until)) for factor, share in scenarios(paces)
+        ]
         found = self._values(situation, beliefs, None)
         if len(found) > 1 and found[1][1] <= found[0][1] + TIE:
             ties = [choice for choice, cost in found if cost <= found[0][1] + TIE]
             found = self._untied(situation, paces, found, ties, until)
         base = cost_so_far(self.objective, situation)
-        return [(choice, base + cost) for choice, cost in found], _look(beliefs, found[0][0]) if found else None
+        return [(choice, base + cost) for choice, cost in found], (
+            _look(beliefs, found[0][0]) if found else None
+        )
 
-    def _under(self, situation: Situation, factor: tuple[tuple[str, float], ...], until: float) -> tuple[Search, Position]:
+    def _under(
+        self, situation: Situation, factor: tuple[tuple[str, float], ...], until: float
+    ) -> tuple[Search, Position]:
         if self.clock() > until:
             raise OutOfTimeError("the beliefs were not looked at in time.")
         moves = self.models.of(situation, dict(factor))
@@ -202,19 +298,29 @@ class Robust:
         if search is None or search.moves is not moves:
             search = Search(moves, _weights(self.objective, moves), clock=self.clock)
         if len(self._searches) >= MOST_SEARCHES:
-            del self._searches[next(iter(self._searches))]  # the one not used for longest; all at once would take too long
+            # the one not used for longest; all at once would take too long
+            del self._searches[next(iter(self._searches))]
         self._searches[id(moves)] = search
         return search.by(until), position(moves, situation, dict(factor))
 
     def _values(
-        self, situation: Situation, beliefs: Sequence[Belief], among: Iterable[tuple[int, ...]] | None
+        self,
+        situation: Situation,
+        beliefs: Sequence[Belief],
+        among: Iterable[tuple[int, ...]] | None,
     ) -> list[tuple[tuple[int, ...], float]]:
-        """(choice, expected cost still to come), best first; a choice that is surely worse than the best may be missing or stand with a bound."""
+        """(choice, expected cost still to come), best first; a choice that is surely worse than the
+        best may be missing or stand with a bound.
+        """
         _, leading, here = beliefs[0]
         first = leading.moves
         if among is None:
             legal = allowed(first, situation)
-            among = (choice for choice in first.choices(here, look=leading.look) if legal.issuperset(choice))
+            among = (
+                choice
+                for choice in first.choices(here, look=leading.look)
+                if legal.issuperset(choice)
+            )
         announced = self._announced(situation, first, here)
         bounds = []
         for choice in self._kept(announced, list(among)):
@@ -247,11 +353,15 @@ class Robust:
         ties: list[tuple[int, ...]],
         until: float,
     ) -> list[tuple[tuple[int, ...], float]]:
-        """The same list, equally good choices in the order of what they come to when people are somewhat quicker or slower than believed."""
+        """The same list, equally good choices in the order of what they come to when people are
+        somewhat quicker or slower than believed.
+        """
         extra: dict[tuple[int, ...], float] = dict.fromkeys(ties, 0.0)
         try:
             for stretch in STRETCHED:
-                factor = tuple((name, round(pace.mean * stretch, 3)) for name, pace in paces.items())
+                factor = tuple(
+                    (name, round(pace.mean * stretch, 3)) for name, pace in paces.items()
+                )
                 search, there = self._under(situation, factor, until)
                 costs = dict(self._values(situation, [(1.0, search, there)], ties))
                 extra = {choice: cost + costs.get(choice, 1e9) for choice, cost in extra.items()}
@@ -261,17 +371,26 @@ class Robust:
         announced = self._announced(situation, moves, position(moves, situation, {}))
         keeps = {choice: _changes(announced, choice) for choice in ties}
         stress = {choice: sum(moves.units[way] for way in choice) for choice in ties}
-        first = sorted(ties, key=lambda choice: (extra[choice], keeps[choice], stress[choice], -len(choice)))
+        first = sorted(
+            ties, key=lambda choice: (extra[choice], keeps[choice], stress[choice], -len(choice))
+        )
         value = dict(found)
-        return [*((choice, value[choice]) for choice in first), *(row for row in found if row[0] not in extra)]
+        return [
+            *((choice, value[choice]) for choice in first),
+            *(row for row in found if row[0] not in extra),
+        ]
 
     def _announced(self, situation: Situation, moves: Moves, here: Position) -> frozenset[int]:
         """The ways that were announced to idle humans and could begin now."""
         asked = {(task, (human,)) for human, task in situation.announced.items()}
         return frozenset(way for way in moves.legal(here) if moves.named(way) in asked)
 
-    def _kept(self, announced: frozenset[int], choices: list[tuple[int, ...]]) -> list[tuple[int, ...]]:
-        """Without the choices that change what was announced to a human and is due within the frozen horizon."""
+    def _kept(
+        self, announced: frozenset[int], choices: list[tuple[int, ...]]
+    ) -> list[tuple[int, ...]]:
+        """Without the choices that change what was announced to a human and is due within the
+        frozen horizon.
+        """
         if not self.options.frozen_s:
             return choices
         return [choice for choice in choices if announced.issubset(choice)] or choices
@@ -280,17 +399,25 @@ class Robust:
         changes = _changes(announced, choice) if self.options.change_penalty else 0
         return self.options.change_penalty * self.objective.time * changes
 
-    def _because(self, ranked: Sequence[tuple[tuple[int, ...], float]], paces: Mapping[str, Pace]) -> str:
+    def _because(
+        self, ranked: Sequence[tuple[tuple[int, ...], float]], paces: Mapping[str, Pace]
+    ) -> str:
         _, cost = ranked[0]
         known = ", ".join(f"{name} takes {pace.words}" for name, pace in paces.items() if pace.seen)
         ground = f"with what is known ({known})" if known else "over the paces that are likely"
         others = [other for _, other in ranked[1:] if other > cost + TIE]
-        gain = f", {self.objective.words(others[0] - cost, 3)} less than the next best" if others else ", as good as any other choice"
+        gain = (
+            f", {self.objective.words(others[0] - cost, 3)} less than the next best"
+            if others
+            else ", as good as any other choice"
+        )
         return f"expected cost {self.objective.words(cost)} {ground}{gain}"
 
 
 def _changes(announced: frozenset[int], choice: tuple[int, ...]) -> int:
-    """How many tasks that were announced to idle humans, and could begin now, they are not to begin now."""
+    """How many tasks that were announced to idle humans, and could begin now, they are not to begin
+    now.
+    """
     return len(announced.difference(choice))
 
 
@@ -300,9 +427,19 @@ def _as_one(pace: Pace) -> Pace:
 
 
 def scenarios(paces: Mapping[str, Pace]) -> list[tuple[tuple[tuple[str, float], ...], float]]:
-    """Beliefs about all humans together: (human and factor for each, probability); the most likely ones where there are many."""
-    rows = [[(name, factor, share) for factor, share in pace.shares] for name, pace in paces.items()]
-    joint = [(tuple((name, factor) for name, factor, _ in combo), _product(share for _, _, share in combo)) for combo in product(*rows)]
+    """Beliefs about all humans together: (human and factor for each, probability); the most likely
+    ones where there are many.
+    """
+    rows = [
+        [(name, factor, share) for factor, share in pace.shares] for name, pace in paces.items()
+    ]
+    joint = [
+        (
+            tuple((name, factor) for name, factor, _ in combo),
+            _product(share for _, _, share in combo),
+        )
+        for combo in product(*rows)
+    ]
     joint.sort(key=lambda row: -row[1])
     kept = joint[:MOST_SCENARIOS]
     total = sum(share for _, share in kept)
@@ -318,10 +455,14 @@ Step = tuple[float, Search, float, float, Position]
 def _steps(beliefs: Sequence[Belief], choice: tuple[int, ...]) -> list[Step] | None:
     """Where the choice leads under each belief; None when nothing would ever happen.
 
-    Until the next event; when a robot is left idle, until the next event of whichever belief has it soonest, for then it may look again.
+    Until the next event; when a robot is left idle, until the next event of whichever belief has it
+    soonest, for then it may look again.
     """
     begun = [_begun(search.moves, here, choice) for _, search, here in beliefs]
-    ticks = [search.moves.next_event(after) for (_, search, _), (after, _) in zip(beliefs, begun, strict=True)]
+    ticks = [
+        search.moves.next_event(after)
+        for (_, search, _), (after, _) in zip(beliefs, begun, strict=True)
+    ]
     if any(one is None for one in ticks):
         return None
     if _is_robot_idle(beliefs[0][1].moves, begun[0][0]):
@@ -335,7 +476,9 @@ def _steps(beliefs: Sequence[Belief], choice: tuple[int, ...]) -> list[Step] | N
 
 
 def _look(beliefs: Sequence[Belief], choice: tuple[int, ...]) -> int | None:
-    """Ticks after which a robot that is left idle should look again: a human could have finished by then, or is overdue."""
+    """Ticks after which a robot that is left idle should look again: a human could have finished by
+    then, or is overdue.
+    """
     ends = []
     for _, search, here in beliefs:
         after, _ = _begun(search.moves, here, choice)
@@ -371,7 +514,9 @@ def _building_s(models: Models) -> float:
 
 
 def _least_s(work: Callable[[], object]) -> float:
-    """Seconds that the work takes here, the least of a few times: what else the machine does is not counted."""
+    """Seconds that the work takes here, the least of a few times: what else the machine does is not
+    counted.
+    """
     spent = []
     for _ in range(3):
         began = perf_counter()

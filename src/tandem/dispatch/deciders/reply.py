@@ -13,7 +13,9 @@ from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.situation.transitions import beginning
 
 Ranked = Sequence[tuple[tuple[int, ...], float | None]]
-"""Choices (sets of ways that could begin now), best first, each with the cost of the whole assembly that it is reckoned to come to."""
+"""Choices (sets of ways that could begin now), best first, each with the cost of the whole assembly
+that it is reckoned to come to.
+"""
 
 MOST_ALTERNATIVES = 8
 
@@ -31,9 +33,11 @@ def reply(
     later: Mapping[str, str] | None = None,
     look_again: float | None = None,
 ) -> Decision:
-    """The decision to begin these ways now: robots are told, humans are asked, and `why` names what begins.
+    """The decision to begin these ways now: robots are told, humans are asked, and `why` names what
+    begins.
 
-    What the situation does not allow is left out here at the latest, of what begins and of what is said alike.
+    What the situation does not allow is left out here at the latest, of what begins and of what is
+    said alike.
 
     Args:
       because: what follows what begins in `why`, without the full stop.
@@ -43,16 +47,29 @@ def reply(
     wanted = [moves.named(way) for way in choice]
     begins = beginning(situation, wanted)
     humans = set(situation.cell.humans)
-    announced = {who: task for who, task in (later or {}).items() if _may_be_next(situation, begins, who, task)}
+    announced = {
+        who: task
+        for who, task in (later or {}).items()
+        if _may_be_next(situation, begins, who, task)
+    }
     announced |= {who: task for task, operators in begins for who in operators if who in humans}
-    ticks, _ = moves.floor(if_all_return(moves, position) if situation.absent or situation.failed else position)
+    ticks, _ = moves.floor(
+        if_all_return(moves, position) if situation.absent or situation.failed else position
+    )
     whole = begins == wanted
-    cost = next((cost for ways, cost in ranked if tuple(ways) == tuple(choice)), None) if whole else None
+    cost = (
+        next((cost for ways, cost in ranked if tuple(ways) == tuple(choice)), None)
+        if whole
+        else None
+    )
     ground = because if whole else "what is allowed now of the choice of " + by
     return Decision(
         starts=tuple(start for start in begins if not humans.issuperset(start[1])),
         announced=announced,
-        alternatives=tuple(Alternative(tuple(moves.named(way) for way in ways), cost) for ways, cost in ranked[:MOST_ALTERNATIVES]),
+        alternatives=tuple(
+            Alternative(tuple(moves.named(way) for way in ways), cost)
+            for ways, cost in ranked[:MOST_ALTERNATIVES]
+        ),
         bound=ticks / moves.per_second,
         why=f"{phrase(situation, begins)}: {ground}.",
         by=by,
@@ -64,6 +81,8 @@ def reply(
 
 
 def _may_be_next(situation: Situation, begins: Sequence[Start], who: str, task: str) -> bool:
-    """Whether the human can be asked for the task later: it is open, nobody begins it now, and it was not refused."""
+    """Whether the human can be asked for the task later: it is open, nobody begins it now, and it
+    was not refused.
+    """
     taken = any(task == other for other, _ in begins)
     return task in situation.open and not taken and not situation.is_refused(who, task)

@@ -1,1 +1,3 @@
-"""How good deciders are: many simulated episodes beside people who deviate, held against the exact optimum."""
+"""How good deciders are: many simulated episodes beside people who deviate, held against the exact
+optimum.
+"""

@@ -1,7 +1,8 @@
-"""Many episodes at once under a decider in Python: the world moves them all together in JAX, the decider is asked for each distinct situation once.
+"""Many episodes at once under a decider in Python: the world moves them all together in JAX, the
+decider is asked for each distinct situation once.
 
-A decider's answer depends on what it sees alone, so episodes that look alike get the same answer. Where times are certain, a thousand
-episodes meet a few hundred situations.
+A decider's answer depends on what it sees alone, so episodes that look alike get the same answer.
+Where times are certain, a thousand episodes meet a few hundred situations.
 """
 
 from __future__ import annotations
@@ -31,8 +32,10 @@ class Outcome:
     """What came of `E` episodes.
 
     Attributes:
-      makespan: `[E]` seconds; `stress`: `[E]`, the cell's measure; of an episode that did not finish, what it had come to.
-      changes: `[E]`, how often a human was asked for another task although the one before was still open.
+      makespan: `[E]` seconds; `stress`: `[E]`, the cell's measure; of an episode that did not
+        finish, what it had come to.
+      changes: `[E]`, how often a human was asked for another task although the one before was still
+        open.
       done: `[E]` bool, all was done.
       latency_ms: of each decision that was really made.
     """
@@ -60,18 +63,37 @@ class Stage:
 
     @classmethod
     def of(cls, names: Names, arrays: Arrays, draw: Draw, people: Person, seed: int) -> Stage:
-        """Draws the chances of as many episodes as there are people; the same seed gives the same ones, whoever decides."""
+        """Draws the chances of as many episodes as there are people; the same seed gives the same
+        ones, whoever decides.
+        """
         import jax
 
-        return cls(names, arrays, fates(jax.random.key(seed), draw, arrays, people.pace.shape[0]), people, draw.chance.undo)
+        return cls(
+            names,
+            arrays,
+            fates(jax.random.key(seed), draw, arrays, people.pace.shape[0]),
+            people,
+            draw.chance.undo,
+        )
 
-    def play(self, policy: Policy, count: int | None = None, *, between: Callable[[], None] = lambda: None) -> Outcome:
-        """Plays all episodes under the decider, or the first `count` of them: the others stand still, so that nothing is compiled anew.
+    def play(
+        self,
+        policy: Policy,
+        count: int | None = None,
+        *,
+        between: Callable[[], None] = lambda: None,
+    ) -> Outcome:
+        """Plays all episodes under the decider, or the first `count` of them: the others stand
+        still, so that nothing is compiled anew.
 
         `between`: called after each decision, when nobody waits.
         """
         count = len(self.people.pace) if count is None else min(count, len(self.people.pace))
-        stage = self if count > FEW else replace(self, fates=rows(self.fates, count), people=rows(self.people, count))
+        stage = (
+            self
+            if count > FEW
+            else replace(self, fates=rows(self.fates, count), people=rows(self.people, count))
+        )
         return _Play(stage, policy, count, between).run()
 
 
@@ -107,7 +129,11 @@ class _Play:
                 decision = self._decision(seen, int(number))
                 turn = int(turns[number])
                 ways[number] = self._way(decision, turn, seen.mask[number])
-                until[number] = NEVER if decision.look_again is None else max(names.ticks(decision.look_again), int(seen.clock[number]) + 1)
+                until[number] = (
+                    NEVER
+                    if decision.look_again is None
+                    else max(names.ticks(decision.look_again), int(seen.clock[number]) + 1)
+                )
                 changes[number] += _announce(names, decision, asked[number], seen.open[number])
             shift, over, off = tick(stage.arrays, stage.fates, stage.people, shift, ways, until)
         return self._outcome(end(stage.arrays, shift), changes)
@@ -131,14 +157,24 @@ class _Play:
                 return way
         if who in decision.announced:
             task = decision.announced[who]
-            mine = [way for way, (name, mode) in enumerate(names.ways) if name == task and who in mode.operators and mask[way]]
+            mine = [
+                way
+                for way, (name, mode) in enumerate(names.ways)
+                if name == task and who in mode.operators and mask[way]
+            ]
             return min(mine, key=lambda way: len(names.ways[way][1].operators), default=-1)
         return -1
 
     def _outcome(self, told: tuple[Any, Any, Any], changes: Any) -> Outcome:
         names, mine = self.stage.names, slice(self.count)
         makespan, stress, done = (np.asarray(part)[mine] for part in told)
-        return Outcome(makespan / names.per_second, stress / names.per_stress, changes[mine], done, np.array(self.latency_ms))
+        return Outcome(
+            makespan / names.per_second,
+            stress / names.per_stress,
+            changes[mine],
+            done,
+            np.array(self.latency_ms),
+        )
 
 
 @dataclass(frozen=True)
@@ -152,16 +188,29 @@ class _Seen:
     @classmethod
     def of(cls, shift: Shift, asked: Any, off: Any) -> _Seen:
         state = shift.state
-        names = ("clock", "way", "start_at", "end_at", "away_until", "in_hand", "load", "refused", "undoing")
+        names = (
+            "clock",
+            "way",
+            "start_at",
+            "end_at",
+            "away_until",
+            "in_hand",
+            "load",
+            "refused",
+            "undoing",
+        )
         fields = {name: np.asarray(getattr(state, name)) for name in names}
         clock = fields["clock"][:, None]
         running = (fields["way"] >= 0) & (fields["end_at"] > clock)
-        fields["end_at"] = np.where(running, NEVER, fields["end_at"])  # how long it will still take is not to be seen
+        # how long it will still take is not to be seen
+        fields["end_at"] = np.where(running, NEVER, fields["end_at"])
         fields["away_until"] = np.where(fields["away_until"] > clock, NEVER, 0)
         fields |= {"off": np.asarray(off), "asked": asked.copy()}
         episodes = len(fields["clock"])
         columns = [part.reshape(episodes, -1).astype(np.int32) for part in fields.values()]
-        return cls(fields, np.asarray(shift.mask), np.ascontiguousarray(np.concatenate(columns, axis=1)))
+        return cls(
+            fields, np.asarray(shift.mask), np.ascontiguousarray(np.concatenate(columns, axis=1))
+        )
 
     @property
     def clock(self) -> Any:
@@ -178,7 +227,9 @@ class _Seen:
 
 
 def _announce(names: Names, decision: Decision, asked: Any, still_open: Any) -> int:
-    """Writes down what was announced; gives how many humans are asked for another task although the one before is open."""
+    """Writes down what was announced; gives how many humans are asked for another task although the
+    one before is open.
+    """
     changes = 0
     for human, task in decision.announced.items():
         operator, number = names.operators.index(human), names.tasks.index(task)

@@ -1,4 +1,6 @@
-"""What the best response to a known person comes to: the exact optimum that deciders are held against, where it can be computed."""
+"""What the best response to a known person comes to: the exact optimum that deciders are held
+against, where it can be computed.
+"""
 
 from __future__ import annotations
 
@@ -17,14 +19,18 @@ from tandem.plan.methods import plan
 from tandem.world.people import Person
 
 PLANNING_S = 20.0
-"""Seconds for proving the optimum of a cell that is too large for dynamic programming, beside somebody who does all that is asked."""
+"""Seconds for proving the optimum of a cell that is too large for dynamic programming, beside
+somebody who does all that is asked.
+"""
 
 
 def optimum(cell: Cell, objective: Objective, person: Person) -> float | None:
-    """The least expected cost beside this person, of a decider who knows all about it; times certain. None where it cannot be computed.
+    """The least expected cost beside this person, of a decider who knows all about it; times
+    certain. None where it cannot be computed.
 
-    People whose times or habits change during the shift, or who make mistakes or refuse for good, have none. Beside whoever complies it is the
-    cell's proven optimum at their pace, whatever the size; beside others the cell must be small.
+    People whose times or habits change during the shift, or who make mistakes or refuse for good,
+    have none. Beside whoever complies it is the cell's proven optimum at their pace, whatever the
+    size; beside others the cell must be small.
     """
     human = as_modelled(person)
     if human is None:
@@ -41,7 +47,12 @@ def optimum(cell: Cell, objective: Objective, person: Person) -> float | None:
 
 def as_modelled(person: Person) -> Human | None:
     """The person as the exact methods model it; None when they cannot."""
-    changes = (person.learning, person.forgets, person.refuses, person.slows * (person.fatigue + np.max(person.tires, initial=0.0)))
+    changes = (
+        person.learning,
+        person.forgets,
+        person.refuses,
+        person.slows * (person.fatigue + np.max(person.tires, initial=0.0)),
+    )
     if any(float(one) > 0 for one in changes):
         return None
     taste: Any = np.asarray(person.taste, float)
@@ -57,25 +68,39 @@ def as_modelled(person: Person) -> Human | None:
 def complies(human: Human) -> bool:
     """Does all that is asked."""
     free = not human.random and not human.postpones and not human.spoils and human.obeys
-    return free and human.follows + SLIGHTLY > (max(human.taste) - min(human.taste) if human.taste else 0.0)
+    return free and human.follows + SLIGHTLY > (
+        max(human.taste) - min(human.taste) if human.taste else 0.0
+    )
 
 
 def _planned(cell: Cell, objective: Objective, pace: dict[str, float]) -> float | None:
-    """The proven optimum of the plan at this pace, deadlines aside; None when it was not proven in time."""
+    """The proven optimum of the plan at this pace, deadlines aside; None when it was not proven in
+    time.
+    """
     if all(factor == 1 for factor in pace.values()):
         return _as_stated(cell, objective)
     moves = Moves.of(cell, pace, max_stress=objective.max_stress)
     left = rest(moves, moves.root())
     assert left is not None  # a cell has a task
-    found = solve(left, (objective.time / moves.per_second, objective.stress / moves.instance.per_stress), seconds=PLANNING_S)
+    found = solve(
+        left,
+        (objective.time / moves.per_second, objective.stress / moves.instance.per_stress),
+        seconds=PLANNING_S,
+    )
     if found is None or not found.proven:
         return None
     return objective.cost(found.ticks / moves.per_second, moves.instance.stress(found.units))
 
 
 def _as_stated(cell: Cell, objective: Objective) -> float | None:
-    """The same at the stated times, for which the planner itself can be asked. Deadlines rule out nothing on the floor."""
-    free = cell.replace(tasks={name: task.model_copy(update={"deadline": None}) for name, task in cell.tasks.items()})
+    """The same at the stated times, for which the planner itself can be asked. Deadlines rule out
+    nothing on the floor.
+    """
+    free = cell.replace(
+        tasks={
+            name: task.model_copy(update={"deadline": None}) for name, task in cell.tasks.items()
+        }
+    )
     try:
         best = plan(free, objective.question(), time_limit=PLANNING_S, workers=1)[0]
     except (InfeasibleError, NothingFoundError):

@@ -1,4 +1,6 @@
-"""What a decider may see of a simulated episode: a row of the event world's state as a `Situation`. Ends that are still to come stay hidden."""
+"""What a decider may see of a simulated episode: a row of the event world's state as a `Situation`.
+Ends that are still to come stay hidden.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +13,9 @@ from tandem.dispatch.situation.model import Running, Situation, Work
 from tandem.world.arrays import NEVER, Arrays, Names
 
 Row = dict[str, Any]
-"""One episode's fields as lists and numbers, keyed as in `State`, with `asked` (per operator, the task last announced, -1 for none) and `off` (per
-task, it must come off)."""
+"""One episode's fields as lists and numbers, keyed as in `State`, with `asked` (per operator, the
+task last announced, -1 for none) and `off` (per task, it must come off).
+"""
 
 
 @dataclass(frozen=True)
@@ -20,7 +23,8 @@ class Observer:
     """Turns rows into situations.
 
     Attributes:
-      names, arrays: of the cell. `taking_apart`: the share of its time that taking a task apart takes.
+      names, arrays: of the cell. `taking_apart`: the share of its time that taking a task apart
+        takes.
     """
 
     names: Names
@@ -33,7 +37,9 @@ class Observer:
         return Facts.of(self.names.cell)
 
     def situation(self, row: Row) -> Situation:
-        """What can be seen: work that ended with its real times, work in hand by its stated times, who is there, what was refused and announced."""
+        """What can be seen: work that ended with its real times, work in hand by its stated times,
+        who is there, what was refused and announced.
+        """
         cell, clock = self.names.cell, row["clock"]
         done, running, wrong, past = {}, {}, {}, []
         for number, task in enumerate(self.names.tasks):
@@ -44,19 +50,45 @@ class Observer:
             undoing = bool(row["undoing"] and row["undoing"][number])
             ticks = int(self.arrays.undo[way] if undoing else self.arrays.way_ticks[way])
             if end > clock or undoing:
-                away = any(row["away_until"][self.names.operators.index(who)] > clock for who in operators)
+                away = any(
+                    row["away_until"][self.names.operators.index(who)] > clock for who in operators
+                )
                 since = self.names.seconds(clock) if away else None
-                running[task] = Running(operators, self.names.seconds(start), self.names.seconds(start + ticks), undoing, rests_since=since)
+                running[task] = Running(
+                    operators,
+                    self.names.seconds(start),
+                    self.names.seconds(start + ticks),
+                    undoing,
+                    rests_since=since,
+                )
                 continue
-            work = Work(task, operators, self.names.seconds(start), self.names.seconds(end), self.names.seconds(ticks), 0.0, "done")
+            work = Work(
+                task,
+                operators,
+                self.names.seconds(start),
+                self.names.seconds(end),
+                self.names.seconds(ticks),
+                0.0,
+                "done",
+            )
             past.append(work)
             if row["off"] and row["off"][number]:
                 wrong[task] = work
             else:
                 done[task] = work
-        off = [name for number, name in enumerate(self.names.operators) if row["away_until"][number] > clock]
+        off = [
+            name
+            for number, name in enumerate(self.names.operators)
+            if row["away_until"][number] > clock
+        ]
         tools = list(
-            dict.fromkeys([*(x.tool for x in cell.tasks.values() if x.tool), *cell.tools, *(x.tool for x in cell.operators.values() if x.tool)])
+            dict.fromkeys(
+                [
+                    *(x.tool for x in cell.tasks.values() if x.tool),
+                    *cell.tools,
+                    *(x.tool for x in cell.operators.values() if x.tool),
+                ]
+            )
         )
         return Situation(
             cell,
@@ -67,9 +99,17 @@ class Observer:
             absent=frozenset(name for name in off if name in cell.humans),
             failed=frozenset(name for name in off if name in cell.robots),
             refused=self._refused(row),
-            announced={name: self.names.tasks[task] for name, task in zip(self.names.operators, row["asked"], strict=True) if task >= 0},
+            announced={
+                name: self.names.tasks[task]
+                for name, task in zip(self.names.operators, row["asked"], strict=True)
+                if task >= 0
+            },
             wrong=wrong,
-            in_hand={name: tools[tool] for name, tool in zip(self.names.operators, row["in_hand"], strict=True) if 0 <= tool < NEVER},
+            in_hand={
+                name: tools[tool]
+                for name, tool in zip(self.names.operators, row["in_hand"], strict=True)
+                if 0 <= tool < NEVER
+            },
             taking_apart=self.taking_apart,
             known=self.facts,
         )

@@ -1,4 +1,6 @@
-"""One tick of many episodes: whose turn it is decides, or time runs on. Compiled for many episodes, by hand in NumPy for a few."""
+"""One tick of many episodes: whose turn it is decides, or time runs on. Compiled for many episodes,
+by hand in NumPy for a few.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,8 @@ T = TypeVar("T", bound=tuple[Any, ...])
 class Ticking(NamedTuple):
     """Functions over a leading axis of `E` episodes.
 
-    begin: `(arrays, people)`; tick: `(arrays, fates, people, shifts, ways, until)`. Each gives the shifts, `[E]` whether they are over, and
+    begin: `(arrays, people)`; tick: `(arrays, fates, people, shifts, ways, until)`. Each gives the
+    shifts, `[E]` whether they are over, and
       `[E, M]` which tasks must come off. `until`: ticks at which time stops though nothing happens.
     end: `(arrays, shifts)` -> `[E]` makespan in ticks, stress in units, and whether all was done.
     """
@@ -37,13 +40,26 @@ def compiled() -> Ticking:
     import jax
     import jax.numpy as jnp
 
-    def tick(arrays: Arrays, fate: Fate, person: Person, shift: Shift, way: Any, until: Any) -> tuple[Shift, Any, Any]:
+    def tick(
+        arrays: Arrays, fate: Fate, person: Person, shift: Shift, way: Any, until: Any
+    ) -> tuple[Shift, Any, Any]:
         mine = episode.decide(arrays, fate, crew(arrays, person), shift, way)
         ours = shift.turn >= 0
-        return told(arrays, jax.tree.map(lambda one, other: jnp.where(ours, one, other), mine, later(arrays, fate, shift, until)))
+        return told(
+            arrays,
+            jax.tree.map(
+                lambda one, other: jnp.where(ours, one, other),
+                mine,
+                later(arrays, fate, shift, until),
+            ),
+        )
 
     each = jax.vmap(tick, in_axes=(None, 0, 0, 0, 0, 0))
-    return Ticking(jax.jit(jax.vmap(begun, in_axes=(None, 0))), jax.jit(each), jax.jit(jax.vmap(ended, in_axes=(None, 0))))
+    return Ticking(
+        jax.jit(jax.vmap(begun, in_axes=(None, 0))),
+        jax.jit(each),
+        jax.jit(jax.vmap(ended, in_axes=(None, 0))),
+    )
 
 
 def by_hand() -> Ticking:
@@ -52,14 +68,23 @@ def by_hand() -> Ticking:
     def begin(arrays: Arrays, people: Person) -> Any:
         return _stacked([begun(arrays, row(people, number)) for number in range(len(people.pace))])
 
-    def tick(arrays: Arrays, fates: Fate, people: Person, shifts: Shift, ways: Any, until: Any) -> Any:
+    def tick(
+        arrays: Arrays, fates: Fate, people: Person, shifts: Shift, ways: Any, until: Any
+    ) -> Any:
         found = []
         for number in range(len(ways)):
             shift, fate = row(shifts, number), row(fates, number)
             if episode.is_over(arrays, shift):
                 found.append(told(arrays, shift))
             elif shift.turn >= 0:
-                found.append(told(arrays, episode.decide(arrays, fate, crew(arrays, row(people, number)), shift, ways[number])))
+                found.append(
+                    told(
+                        arrays,
+                        episode.decide(
+                            arrays, fate, crew(arrays, row(people, number)), shift, ways[number]
+                        ),
+                    )
+                )
             else:
                 found.append(told(arrays, later(arrays, fate, shift, until[number])))
         return _stacked(found)
@@ -76,25 +101,41 @@ def begun(arrays: Arrays, person: Person) -> tuple[Shift, Any, Any]:
 
 
 def later(arrays: Arrays, fate: Fate, shift: Shift, until: Any) -> Shift:
-    """Time runs on to the next event, or to the moment at which the decider wants to look again; one that has passed is none."""
+    """Time runs on to the next event, or to the moment at which the decider wants to look again;
+    one that has passed is none.
+    """
     xp, clock = namespace(shift.mask), shift.state.clock
     until = xp.where(until > clock, until, NEVER)
-    state = world.advance(arrays, shift.state, xp.minimum(until, next_absence(fate, clock)) if fate.away_from.shape[0] else until)
+    state = world.advance(
+        arrays,
+        shift.state,
+        xp.minimum(until, next_absence(fate, clock)) if fate.away_from.shape[0] else until,
+    )
     if fate.away_from.shape[0]:
         state = state._replace(away_until=away_until(fate, state.clock))
     mask = world.legal(arrays, state)
-    return shift._replace(state=state, mask=mask, turn=world.turn(arrays, mask), events=shift.events + 1)
+    return shift._replace(
+        state=state, mask=mask, turn=world.turn(arrays, mask), events=shift.events + 1
+    )
 
 
 def told(arrays: Arrays, shift: Shift) -> tuple[Shift, Any, Any]:
     """The shift, whether it is over, and which tasks must come off."""
-    off = world.to_undo(arrays, shift.state) if arrays.undo.shape[0] else namespace(shift.mask).zeros(0, bool)
+    off = (
+        world.to_undo(arrays, shift.state)
+        if arrays.undo.shape[0]
+        else namespace(shift.mask).zeros(0, bool)
+    )
     return shift, episode.is_over(arrays, shift), off
 
 
 def ended(arrays: Arrays, shift: Shift) -> tuple[Any, Any, Any]:
     """Makespan in ticks, stress in units, whether all was done."""
-    return world.makespan(shift.state), world.stress(arrays, shift.state), world.is_done(shift.state)
+    return (
+        world.makespan(shift.state),
+        world.stress(arrays, shift.state),
+        world.is_done(shift.state),
+    )
 
 
 def row(tree: T, number: int) -> T:

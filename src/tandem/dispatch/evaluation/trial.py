@@ -1,6 +1,7 @@
 """The judge: deciders beside people, many episodes, the same chances for all of them.
 
-Every decider meets the same episodes (common random numbers), so differences between deciders are known far better than their means.
+Every decider meets the same episodes (common random numbers), so differences between deciders are
+known far better than their means.
 """
 
 from __future__ import annotations
@@ -26,7 +27,9 @@ from tandem.world.population import Crowd, crowd
 from tandem.world.randomness import OFF, Chance, Draw
 
 MOST_PERSONS = 64
-"""A crowd of more different people gets no exact optimum: it would be one dynamic programme for each."""
+"""A crowd of more different people gets no exact optimum: it would be one dynamic programme for
+each.
+"""
 Z = 1.96
 """Half the width of a 95 % interval in standard errors."""
 
@@ -39,8 +42,10 @@ class Trial:
       policies: names of deciders; the first one is what the others are compared with.
       people: one or more descriptions, each judged by itself.
       episodes: per description and decider. `seed`: of chance, and of who is drawn from a crowd.
-      objective, chance, options: see there. Where all people of a description pick at random alike, `expected` is told how often.
-      fewer: decider -> its own, smaller number of episodes, for those who take long; they are compared over these.
+      objective, chance, options: see there. Where all people of a description pick at random alike,
+        `expected` is told how often.
+      fewer: decider -> its own, smaller number of episodes, for those who take long; they are
+        compared over these.
     """
 
     policies: tuple[str, ...]
@@ -59,7 +64,9 @@ class Trial:
             raise UsageError(f"policy {', '.join(sorted(doubled))}: named twice. Name each once.")
         known = Known(POLICIES)
         if unknown := [name for name in self.policies if name not in known]:
-            faults = " ".join(f"There is no policy {name!r}. {known.hint(name)}" for name in unknown)
+            faults = " ".join(
+                f"There is no policy {name!r}. {known.hint(name)}" for name in unknown
+            )
             raise UsageError(f"{faults} `tandem policies` lists them.")
         if min([self.episodes, *self.fewer.values()]) < 2:
             raise UsageError(f"episodes {self.episodes}: an interval needs 2 at least.")
@@ -70,10 +77,14 @@ class NobodyLeftError(TandemError):
 
     def __init__(self, causes: Mapping[str, TandemError]):
         self.exit_code = next(iter(causes.values())).exit_code
-        super().__init__("\n".join(f"- {name}: {_reason(name, error)}" for name, error in causes.items()))
+        super().__init__(
+            "\n".join(f"- {name}: {_reason(name, error)}" for name, error in causes.items())
+        )
 
 
-def judge(cell: Cell, trial: Trial, tell: Callable[[str], None] = lambda _: None) -> list[dict[str, Any]]:
+def judge(
+    cell: Cell, trial: Trial, tell: Callable[[str], None] = lambda _: None
+) -> list[dict[str, Any]]:
     """One document for each description of people; see `docs/dispatch.md` for what stands in it.
 
     A decider that cannot hold the cell is left out, and the document says why.
@@ -90,14 +101,22 @@ def judge(cell: Cell, trial: Trial, tell: Callable[[str], None] = lambda _: None
 
 
 def _document(
-    cell: Cell, names: Names, trial: Trial, people: Crowd, made: dict[tuple[str, float], Policy], tell: Callable[[str], None]
+    cell: Cell,
+    names: Names,
+    trial: Trial,
+    people: Crowd,
+    made: dict[tuple[str, float], Policy],
+    tell: Callable[[str], None],
 ) -> dict[str, Any]:
     arrays = names.arrays(undo=trial.chance.undo if people.makes_mistakes else None)
     draw = Draw.of(names, arrays, trial.chance)
     persons = people.draw(np.random.default_rng(trial.seed), trial.episodes)
     best = best_of(cell, trial, persons)
     stage = Stage.of(names, arrays, draw, persons, trial.seed)
-    told = replace(trial.options, random=float(persons.random[0]) if np.ptp(persons.random) == 0 else trial.options.random)
+    told = replace(
+        trial.options,
+        random=float(persons.random[0]) if np.ptp(persons.random) == 0 else trial.options.random,
+    )
     costs: dict[str, Any] = {}
     rows, left_out = [], dict[str, TandemError]()
     for name in trial.policies:
@@ -129,18 +148,26 @@ def _document(
         "optimum": None if best is None else _rounded(best.mean()),
         "compared_with": rows[0]["policy"],
         "policies": rows,
-        "left_out": [{"policy": name, "reason": _reason(name, error)} for name, error in left_out.items()],
+        "left_out": [
+            {"policy": name, "reason": _reason(name, error)} for name, error in left_out.items()
+        ],
     }
 
 
 def _reason(name: str, error: TandemError) -> str:
     """Why the decider cannot take part, in one line; it is named elsewhere."""
-    said = "; ".join(map(str, error.faults)) if isinstance(error, CellError) else " ".join(str(error).split("\n"))
+    said = (
+        "; ".join(map(str, error.faults))
+        if isinstance(error, CellError)
+        else " ".join(str(error).split("\n"))
+    )
     return said.removeprefix(f"{name}: ")
 
 
 def _planned(basis: Basis | None) -> dict[str, Any]:
-    """What is said of the plan that a decider carries out, as in a plan's own document; nothing of who has none."""
+    """What is said of the plan that a decider carries out, as in a plan's own document; nothing of
+    who has none.
+    """
     if basis is None:
         return {}
     return {
@@ -155,9 +182,15 @@ def _planned(basis: Basis | None) -> dict[str, Any]:
 
 def best_of(cell: Cell, trial: Trial, persons: Person) -> Any:
     """`[E]`, per episode the exact optimum beside its person; None where it cannot be computed."""
-    if trial.chance.spread != "off" or trial.chance.failure_s is not None or trial.chance.absence_s is not None:
+    if (
+        trial.chance.spread != "off"
+        or trial.chance.failure_s is not None
+        or trial.chance.absence_s is not None
+    ):
         return None
-    rows = np.concatenate([np.asarray(part, np.float64).reshape(len(persons.pace), -1) for part in persons], axis=1)
+    rows = np.concatenate(
+        [np.asarray(part, np.float64).reshape(len(persons.pace), -1) for part in persons], axis=1
+    )
     distinct, which = np.unique(rows, axis=0, return_inverse=True)
     if len(distinct) > MOST_PERSONS:
         return None
@@ -178,7 +211,11 @@ def _row(name: str, found: Outcome, costs: Mapping[str, Any], best: Any) -> dict
         "makespan": _measure(found.makespan),
         "stress": _measure(found.stress),
         "changes": _rounded(found.changes.mean()),
-        "latency_ms": {"p50": _quantile(found.latency_ms, 0.5), "p99": _quantile(found.latency_ms, 0.99), "decisions": len(found.latency_ms)},
+        "latency_ms": {
+            "p50": _quantile(found.latency_ms, 0.5),
+            "p99": _quantile(found.latency_ms, 0.99),
+            "decisions": len(found.latency_ms),
+        },
         "regret": None,
         "regret_ci95": None,
         "regret_share": None,
@@ -196,13 +233,23 @@ def _row(name: str, found: Outcome, costs: Mapping[str, Any], best: Any) -> dict
     if name != compared_with:
         count = min(len(cost), len(costs[compared_with]))
         difference = cost[:count] - costs[compared_with][:count]
-        row["difference"] = {"mean": _rounded(difference.mean()), "ci95": [_rounded(edge) for edge in _interval(difference)]}
+        row["difference"] = {
+            "mean": _rounded(difference.mean()),
+            "ci95": [_rounded(edge) for edge in _interval(difference)],
+        }
     return row
 
 
 def _measure(values: Any) -> dict[str, Any]:
-    quantiles = {f"p{round(100 * share)}": _quantile(values, share) for share in (0.05, 0.25, 0.5, 0.75, 0.95)}
-    return {"mean": _rounded(values.mean()), "ci95": [_rounded(edge) for edge in _interval(values)], **quantiles}
+    quantiles = {
+        f"p{round(100 * share)}": _quantile(values, share)
+        for share in (0.05, 0.25, 0.5, 0.75, 0.95)
+    }
+    return {
+        "mean": _rounded(values.mean()),
+        "ci95": [_rounded(edge) for edge in _interval(values)],
+        **quantiles,
+    }
 
 
 def _interval(values: Any) -> tuple[float, float]:
@@ -220,7 +267,8 @@ def _rounded(value: float, digits: int = 4) -> float:
 
 
 def split_people(text: Sequence[str]) -> tuple[str, ...]:
-    """Descriptions of people from the command line: several options, or one with commas. A comma within a description stays in it.
+    """Descriptions of people from the command line: several options, or one with commas. A comma
+    within a description stays in it.
 
     `("compliant,prefers:3,1",)` -> `("compliant", "prefers:3,1")`.
     """

@@ -1,7 +1,9 @@
-"""The least cost of what is left, when everybody does what is planned and times are as believed: branch and bound over positions.
+"""The least cost of what is left, when everybody does what is planned and times are as believed:
+branch and bound over positions.
 
-Depth first, the most promising continuation first. What has been valued stays known, so that a shift's later decisions, and the next
-shift's, find most of it. Shares nothing with the constraint solver.
+Depth first, the most promising continuation first. What has been valued stays known, so that a
+shift's later decisions, and the next shift's, find most of it. Shares nothing with the constraint
+solver.
 """
 
 from __future__ import annotations
@@ -15,7 +17,9 @@ from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.errors import TandemError
 
 MOST_KNOWN = 50_000
-"""So many positions are remembered; beyond, the memory begins anew. Forgetting more at once takes longer than a decision may."""
+"""So many positions are remembered; beyond, the memory begins anew. Forgetting more at once takes
+longer than a decision may.
+"""
 EVERY = 8
 """The clock is looked at whenever so many positions were made: about a third of a millisecond."""
 
@@ -44,7 +48,8 @@ class Search:
     _made: int = 0
 
     def value(self, position: Position, cutoff: float = inf) -> float:
-        """The least cost from here; when that is not below the cutoff, a bound below it that is not below the cutoff either.
+        """The least cost from here; when that is not below the cutoff, a bound below it that is not
+        below the cutoff either.
 
         Infinite when limits leave no way to get it done. Raises OutOfTimeError.
         """
@@ -71,7 +76,9 @@ class Search:
         return best
 
     def steps(self, position: Position) -> Iterable[tuple[float, float, tuple[int, ...], Position]]:
-        """(bound, cost until the next event, ways begun now, position then) of everything that can be begun together now."""
+        """(bound, cost until the next event, ways begun now, position then) of everything that can
+        be begun together now.
+        """
         legal = self.moves.legal(position) if self.moves.plain and not self.weights[1] else []
         for chosen in self.moves.choices(position, look=self.look):
             self._look_at_times()
@@ -80,15 +87,25 @@ class Search:
                 yield found
 
     def _wastes(self, legal: Sequence[int], chosen: Sequence[int], paid: float) -> bool:
-        """Somebody waits who could have done a task that nobody begins, and be free again by the next event: then doing it is no worse."""
+        """Somebody waits who could have done a task that nobody begins, and be free again by the
+        next event: then doing it is no worse.
+        """
         moves, most = self.moves, paid / self.weights[0] + 0.5
         who = task = 0
         for way in chosen:
             who |= moves.who[way]
             task |= 1 << moves.task[way]
-        return any(moves.ticks[way] <= most and not moves.who[way] & who and not task >> moves.task[way] & 1 for way in legal if way < moves.count)
+        return any(
+            moves.ticks[way] <= most
+            and not moves.who[way] & who
+            and not task >> moves.task[way] & 1
+            for way in legal
+            if way < moves.count
+        )
 
-    def step(self, position: Position, chosen: tuple[int, ...]) -> tuple[float, float, tuple[int, ...], Position] | None:
+    def step(
+        self, position: Position, chosen: tuple[int, ...]
+    ) -> tuple[float, float, tuple[int, ...], Position] | None:
         """One of `steps`; None when nothing would ever happen then."""
         after, units = position, 0
         for way in chosen:

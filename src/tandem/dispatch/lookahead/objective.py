@@ -24,9 +24,17 @@ class Objective:
     max_stress: float | None = None
 
     def __post_init__(self) -> None:
-        if any(not math.isfinite(weight) or weight < 0 for weight in (self.time, self.stress)) or not self.time + self.stress:
-            raise UsageError(f"weights {self.time:g}, {self.stress:g}: both must be 0 or more, and one of them more than 0.")
-        if self.max_stress is not None and not (math.isfinite(self.max_stress) and self.max_stress >= 0):
+        if (
+            any(not math.isfinite(weight) or weight < 0 for weight in (self.time, self.stress))
+            or not self.time + self.stress
+        ):
+            raise UsageError(
+                f"weights {self.time:g}, {self.stress:g}: both must be 0 or more, and one of them"
+                " more than 0."
+            )
+        if self.max_stress is not None and not (
+            math.isfinite(self.max_stress) and self.max_stress >= 0
+        ):
             raise UsageError(f"max_stress {self.max_stress:g}: must be a number, 0 or more.")
 
     @property
@@ -43,7 +51,9 @@ class Objective:
         return f"{cost:.{digits}g} {self.unit}" if math.isfinite(cost) else "no end in sight"
 
     def question(self) -> Question:
-        """What a planner is asked: the least of the objective; where one measure alone counts, the least of the other at that value."""
+        """What a planner is asked: the least of the objective; where one measure alone counts, the
+        least of the other at that value.
+        """
         if not self.stress:
             return Question("makespan", max_stress=self.max_stress)
         if not self.time:
@@ -53,7 +63,9 @@ class Objective:
     def is_proven(self, found: Result) -> bool:
         """Whether no plan is better by the objective than this answer to its `question`."""
         low = found.bound
-        return found.status == Status.OPTIMAL or self.cost(found.makespan, found.stress) <= self.cost(low.makespan, low.stress)
+        return found.status == Status.OPTIMAL or self.cost(
+            found.makespan, found.stress
+        ) <= self.cost(low.makespan, low.stress)
 
     def cost(self, makespan: float, stress: float) -> float:
         """Seconds and stress as one number."""

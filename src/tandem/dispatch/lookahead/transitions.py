@@ -1,7 +1,9 @@
-"""The cell in motion in plain whole numbers: what may begin, and what the next event leaves. For exact values and for live search.
+"""The cell in motion in plain whole numbers: what may begin, and what the next event leaves. For
+exact values and for live search.
 
-Written apart from `tandem.world`, so that each can judge the other. A position knows no clock where none is needed (no release, no
-break): two moments of an assembly that lie alike before it are one position.
+Written apart from `tandem.world`, so that each can judge the other. A position knows no clock where
+none is needed (no release, no break): two moments of an assembly that lie alike before it are one
+position.
 """
 
 from __future__ import annotations
@@ -20,9 +22,11 @@ class Position(NamedTuple):
     Attributes:
       done: bits of the tasks that have ended.
       running: `(way, ticks left)` of what is being done, sorted; at least 1 tick is left.
-      wrong: bits of the tasks, among those that have ended, that must be taken apart and done again.
+      wrong: bits of the tasks, among those that have ended, that must be taken apart and done
+        again.
       clock: ticks since the start; 0 where no rule of the cell looks at the clock.
-      hand: per operator, the tool in hand, -1 for none yet; empty where changing tools costs nothing.
+      hand: per operator, the tool in hand, -1 for none yet; empty where changing tools costs
+        nothing.
       load: stress units per operator so far; empty where nobody has a limit.
       teams: `(team, operators)` of the `same_operator` teams that have begun, sorted.
     """
@@ -42,7 +46,9 @@ def _go_on() -> None:
 
 @dataclass(frozen=True)
 class Moves(Numbers):
-    """The moves of one cell in these numbers; what is ready, and what is left, is remembered by the set of tasks."""
+    """The moves of one cell in these numbers; what is ready, and what is left, is remembered by the
+    set of tasks.
+    """
 
     _ready: dict[tuple[int, int, int], tuple[int, ...]] = field(default_factory=dict)
     _rest: dict[int, tuple[int, int, int]] = field(default_factory=dict)
@@ -50,7 +56,11 @@ class Moves(Numbers):
     def root(self) -> Position:
         """Nothing has begun."""
         operators = len(self.instance.operators)
-        hand = tuple(-1 if tool is None else tool for tool in self.instance.in_hand) if self.swaps else ()
+        hand = (
+            tuple(-1 if tool is None else tool for tool in self.instance.in_hand)
+            if self.swaps
+            else ()
+        )
         return Position(0, (), 0, 0, hand, (0,) * operators if self.limited else ())
 
     def is_over(self, position: Position) -> bool:
@@ -75,21 +85,34 @@ class Moves(Numbers):
         """The ways that may begin now; with `among`, those that need one of these operators."""
         begun, busy = self.begun(position), self.busy(position)
         who = self.who
-        found = [way for way in self.ready(position.done, begun, position.wrong) if not who[way] & busy and (among is None or who[way] & among)]
+        found = [
+            way
+            for way in self.ready(position.done, begun, position.wrong)
+            if not who[way] & busy and (among is None or who[way] & among)
+        ]
         if position.wrong:
             going = {self.task[way] for way, _ in position.running}
             found = [way for way in found if self.task[way] not in going]
         return found if self.plain else [way for way in found if self._may(position, way)]
 
     def ready(self, done: int, begun: int, wrong: int = 0) -> tuple[int, ...]:
-        """The ways of tasks that have not begun and whose predecessors have ended, and of taking apart what is wrong and bears nothing."""
+        """The ways of tasks that have not begun and whose predecessors have ended, and of taking
+        apart what is wrong and bears nothing.
+        """
         known = self._ready.get((done, begun, wrong))
         if known is None:
             fine = done & ~wrong
-            tasks = [t for t, need in enumerate(self.need) if not begun >> t & 1 and need & fine == need]
+            tasks = [
+                t for t, need in enumerate(self.need) if not begun >> t & 1 and need & fine == need
+            ]
             found = [way for t in tasks for way in self.ways[t]]
             if wrong:
-                found += [self.count + way for t, row in enumerate(self.ways) if wrong >> t & 1 and not self.behind_task[t] & begun for way in row]
+                found += [
+                    self.count + way
+                    for t, row in enumerate(self.ways)
+                    if wrong >> t & 1 and not self.behind_task[t] & begun
+                    for way in row
+                ]
             known = self._ready[done, begun, wrong] = tuple(found)
         return known
 
@@ -111,7 +134,9 @@ class Moves(Numbers):
         return Position(position.done, running, position.wrong, position.clock, hand, load, teams)
 
     def next_event(self, position: Position) -> int | None:
-        """Ticks until something happens: a task ends, or, where the clock matters, a release or a break comes or goes. None for never."""
+        """Ticks until something happens: a task ends, or, where the clock matters, a release or a
+        break comes or goes. None for never.
+        """
         least = min([left for _, left in position.running], default=None)
         if self.timeless:
             return least
@@ -134,10 +159,14 @@ class Moves(Numbers):
         if self.plain:
             return Position(done, tuple(running), wrong)
         clock = 0 if self.timeless else position.clock + ticks
-        return Position(done, tuple(running), wrong, clock, position.hand, position.load, position.teams)
+        return Position(
+            done, tuple(running), wrong, clock, position.hand, position.load, position.teams
+        )
 
     def spoiled(self, position: Position, task: int) -> Position:
-        """It is noticed that the task, which has ended, was done wrongly: it and all that stands on it must come off."""
+        """It is noticed that the task, which has ended, was done wrongly: it and all that stands on
+        it must come off.
+        """
         wrong, pending = position.wrong, [task]
         while pending:
             one = pending.pop()
@@ -147,15 +176,21 @@ class Moves(Numbers):
         return position._replace(wrong=wrong)
 
     def without(self, ways: Iterable[int]) -> Moves:
-        """The same cell, in which nobody does a task in one of these ways; tasks that would be left without any keep theirs."""
+        """The same cell, in which nobody does a task in one of these ways; tasks that would be left
+        without any keep theirs.
+        """
         gone = set(ways)
         kept = tuple(tuple(way for way in row if way not in gone) or row for row in self.ways)
         return replace(self, ways=kept, _ready={}, _rest={})
 
-    def choices(self, position: Position, among: int | None = None, look: Callable[[], None] = _go_on) -> Iterator[tuple[int, ...]]:
-        """Every set of ways that may begin together now, the empty one last; with `among`, only ways within these operators.
+    def choices(
+        self, position: Position, among: int | None = None, look: Callable[[], None] = _go_on
+    ) -> Iterator[tuple[int, ...]]:
+        """Every set of ways that may begin together now, the empty one last; with `among`, only
+        ways within these operators.
 
-        There may be very many. `look` is called again and again while they are put together, and may raise.
+        There may be very many. `look` is called again and again while they are put together, and
+        may raise.
         """
         legal = self.legal(position)
         if among is not None:
@@ -186,22 +221,36 @@ class Moves(Numbers):
     def flat(self, task: str, operators: Sequence[str]) -> int | None:
         """The number of the way in which these operators do the task; None when there is none."""
         bits = sum(1 << self.instance.operators.index(name) for name in operators)
-        return next((way for way in self.ways[self.instance.tasks.index(task)] if self.who[way] == bits), None)
+        return next(
+            (way for way in self.ways[self.instance.tasks.index(task)] if self.who[way] == bits),
+            None,
+        )
 
     def named(self, way: int) -> tuple[str, tuple[str, ...]]:
         """The way of doing or taking apart as people say it: the task and its operators."""
-        return self.instance.tasks[self.task[way]], tuple(name for o, name in enumerate(self.instance.operators) if self.who[way] >> o & 1)
+        return self.instance.tasks[self.task[way]], tuple(
+            name for o, name in enumerate(self.instance.operators) if self.who[way] >> o & 1
+        )
 
     @cached_property
     def _moments(self) -> list[int]:
         """Ticks at which the clock alone changes what is allowed, sorted."""
-        return sorted({moment for row in self.breaks for pair in row for moment in pair} | set(self.release) - {0})
+        return sorted(
+            {moment for row in self.breaks for pair in row for moment in pair}
+            | set(self.release) - {0}
+        )
 
     def _of_rest(self, begun: int) -> tuple[int, int, int]:
-        """Of the tasks that have not begun: cheapest work at the prices, longest chain, least stress."""
+        """Of the tasks that have not begun: cheapest work at the prices, longest chain, least
+        stress.
+        """
         left = [t for t in range(len(self.ways)) if not begun >> t & 1]
         chain = max((self.tails[t] for t in left), default=0)
-        self._rest[begun] = known = (sum(self.work[t] for t in left), chain, sum(self.ease[t] for t in left))
+        self._rest[begun] = known = (
+            sum(self.work[t] for t in left),
+            chain,
+            sum(self.ease[t] for t in left),
+        )
         return known
 
     def _plain_sets(self, legal: Sequence[int], look: Callable[[], None]) -> list[tuple[int, ...]]:
@@ -211,20 +260,32 @@ class Moves(Numbers):
         for way in legal:
             look()
             mine, bit = who[way], 1 << task[way]
-            sets += [((*chosen, way), busy | mine, begun | bit) for chosen, busy, begun in sets if not busy & mine and not begun & bit]
+            sets += [
+                ((*chosen, way), busy | mine, begun | bit)
+                for chosen, busy, begun in sets
+                if not busy & mine and not begun & bit
+            ]
         return [chosen for chosen, _, _ in sets[::-1]]
 
-    def _sets(self, position: Position, legal: Sequence[int], chosen: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+    def _sets(
+        self, position: Position, legal: Sequence[int], chosen: tuple[int, ...]
+    ) -> Iterator[tuple[int, ...]]:
         for place, way in enumerate(legal):
             after = self.begin(position, way)
-            rest = [other for other in legal[place + 1 :] if not self.who[other] & self.who[way] and self.task[other] != self.task[way]]
+            rest = [
+                other
+                for other in legal[place + 1 :]
+                if not self.who[other] & self.who[way] and self.task[other] != self.task[way]
+            ]
             if not self.plain:
                 rest = [other for other in rest if self._may(after, other)]
             yield from self._sets(after, rest, (*chosen, way))
         yield chosen
 
     def _may(self, position: Position, way: int) -> bool:
-        """Whether clock, breaks, tools, zones, limits and teams allow the way now. Assumes that it is ready and its operators are free."""
+        """Whether clock, breaks, tools, zones, limits and teams allow the way now. Assumes that it
+        is ready and its operators are free.
+        """
         task, who = self.task[way], self.who[way]
         if self.release[task] > position.clock:
             return False
@@ -237,18 +298,34 @@ class Moves(Numbers):
         ):
             return False
         if not self.timeless:
-            end = position.clock + self.ticks[way] + (self._change(position, way) if self.swaps else 0)
-            if any(off < end and position.clock < back for o in operators for off, back in self.breaks[o]):
+            end = (
+                position.clock
+                + self.ticks[way]
+                + (self._change(position, way) if self.swaps else 0)
+            )
+            if any(
+                off < end and position.clock < back
+                for o in operators
+                for off, back in self.breaks[o]
+            ):
                 return False
-        return self._has_place(position, self.instance.tool, self.tool_places, task, len(operators)) and self._has_place(
-            position, self.instance.zone, self.zone_places, task, len(operators)
-        )
+        return self._has_place(
+            position, self.instance.tool, self.tool_places, task, len(operators)
+        ) and self._has_place(position, self.instance.zone, self.zone_places, task, len(operators))
 
-    def _has_place(self, position: Position, thing: Sequence[int | None], places: Sequence[int], task: int, count: int) -> bool:
+    def _has_place(
+        self,
+        position: Position,
+        thing: Sequence[int | None],
+        places: Sequence[int],
+        task: int,
+        count: int,
+    ) -> bool:
         mine = thing[task]
         if mine is None or not places[mine]:
             return True
-        at_work = (way for way, _ in position.running if way < 2 * self.count)  # what comes after are absences, which take no place
+        # what comes after are absences, which take no place
+        at_work = (way for way, _ in position.running if way < 2 * self.count)
         taken = sum(self.who[way].bit_count() for way in at_work if thing[self.task[way]] == mine)
         return taken + count <= places[mine]
 
@@ -257,4 +334,8 @@ class Moves(Numbers):
         tool = self.instance.tool[self.task[way]]
         if tool is None:
             return 0
-        return max(self.changeover[tool][o] if position.hand[o] not in (-1, tool) else 0 for o in range(len(self.prices)) if self.who[way] >> o & 1)
+        return max(
+            self.changeover[tool][o] if position.hand[o] not in (-1, tool) else 0
+            for o in range(len(self.prices))
+            if self.who[way] >> o & 1
+        )

@@ -1,8 +1,9 @@
 """A decision in time: whatever the decider does, an answer comes within the budget.
 
-The decider works in a thread that ends with its answer. When it is not ready in time, fails, or says something that is not
-allowed, a rule answers instead, and should that fail, a plain one which needs nothing but the situation. The decision says so
-(`Answered.instead`), and a replay asks the same ones again.
+The decider works in a thread that ends with its answer. When it is not ready in time, fails, or
+says something that is not allowed, a rule answers instead, and should that fail, a plain one which
+needs nothing but the situation. The decision says so (`Answered.instead`), and a replay asks the
+same ones again.
 """
 
 from __future__ import annotations
@@ -29,7 +30,9 @@ FOR_THE_DECIDER = 0.75
 
 @dataclass(frozen=True)
 class Answered:
-    """A decision, and why the rule gave it and not the decider: it was "late", or it "failed" (`fault` says how); "" when the decider gave it."""
+    """A decision, and why the rule gave it and not the decider: it was "late", or it "failed"
+    (`fault` says how); "" when the decider gave it.
+    """
 
     decision: Decision
     instead: Instead = ""
@@ -49,7 +52,9 @@ class InTime:
         self._late: threading.Thread | None = None  # still at an earlier question
 
     def warm_up(self, situation: Situation) -> None:
-        """Asks both once without a budget: what they load or reckon once belongs before the shift. What they say counts for nothing."""
+        """Asks both once without a budget: what they load or reckon once belongs before the shift.
+        What they say counts for nothing.
+        """
         self._stand_in(situation)
         self._heard(partial(self.policy.decide, situation))
 
@@ -57,8 +62,15 @@ class InTime:
         """What begins now, within the budget."""
         began = perf_counter()
         said = self._ask(situation, self.budget_ms / 1000 * FOR_THE_DECIDER)
-        answered = Answered(self._stand_in(situation), "late") if said is None else self._judged(situation, said)
-        return replace(answered, decision=replace(answered.decision, latency_ms=(perf_counter() - began) * 1000))
+        answered = (
+            Answered(self._stand_in(situation), "late")
+            if said is None
+            else self._judged(situation, said)
+        )
+        return replace(
+            answered,
+            decision=replace(answered.decision, latency_ms=(perf_counter() - began) * 1000),
+        )
 
     def again(self, situation: Situation, instead: Instead) -> Answered:
         """The same once more, without a budget: by the rule when the decider was late then."""
@@ -67,14 +79,22 @@ class InTime:
         return self._judged(situation, self._heard(partial(self.policy.decide, situation)))
 
     def _judged(self, situation: Situation, said: Decision | Exception) -> Answered:
-        fault = fault_of(situation, said) if isinstance(said, Decision) else f"{type(said).__name__}: {said}"
+        fault = (
+            fault_of(situation, said)
+            if isinstance(said, Decision)
+            else f"{type(said).__name__}: {said}"
+        )
         if isinstance(said, Decision) and not fault:
             return Answered(said)
         return Answered(self._stand_in(situation), "failed", fault)
 
     def _stand_in(self, situation: Situation) -> Decision:
         said = self._heard(partial(self.rule.decide, situation))
-        return said if isinstance(said, Decision) and not fault_of(situation, said) else plainly(situation)
+        return (
+            said
+            if isinstance(said, Decision) and not fault_of(situation, said)
+            else plainly(situation)
+        )
 
     def _heard(self, decide: Callable[[], Decision]) -> Decision | Exception:
         try:
@@ -83,11 +103,17 @@ class InTime:
             return error
 
     def _ask(self, situation: Situation, seconds: float) -> Decision | Exception | None:
-        """What the decider says; None when that is not there in time, or when it is still at an earlier question."""
+        """What the decider says; None when that is not there in time, or when it is still at an
+        earlier question.
+        """
         if self._late is not None and self._late.is_alive():
             return None
         said: queue.SimpleQueue[Decision | Exception] = queue.SimpleQueue()
-        thread = threading.Thread(target=lambda: said.put(self._heard(partial(self.policy.decide, situation))), name="decider", daemon=True)
+        thread = threading.Thread(
+            target=lambda: said.put(self._heard(partial(self.policy.decide, situation))),
+            name="decider",
+            daemon=True,
+        )
         thread.start()
         try:
             answer = said.get(timeout=seconds)
@@ -99,16 +125,24 @@ class InTime:
 
 
 def plainly(situation: Situation) -> Decision:
-    """The last resort: whoever is idle begins, or is asked for, the first thing that is allowed, in the cell's order; humans first."""
+    """The last resort: whoever is idle begins, or is asked for, the first thing that is allowed, in
+    the cell's order; humans first.
+    """
     humans = set(situation.cell.humans)
-    begins = beginning(situation, sorted(legal(situation), key=lambda start: not humans.intersection(start[1])))
+    begins = beginning(
+        situation, sorted(legal(situation), key=lambda start: not humans.intersection(start[1]))
+    )
     return Decision(
         starts=tuple(start for start in begins if not humans.issuperset(start[1])),
         announced={who: task for task, operators in begins for who in operators if who in humans},
         alternatives=(),
         bound=0.0,
         why=f"{phrase(situation, begins)}: "
-        + ("the first that is allowed, for neither the decider nor the rule could answer." if begins else "nothing is allowed."),
+        + (
+            "the first that is allowed, for neither the decider nor the rule could answer."
+            if begins
+            else "nothing is allowed."
+        ),
         by="plain",
         asks=tuple(start for start in begins if humans.intersection(start[1])),
     )
@@ -120,11 +154,16 @@ def fault_of(situation: Situation, decision: Decision) -> str:
     possible = beginning(situation, begins)
     for task, operators in begins:
         if (task, operators) not in possible:
-            return f"{decision.by} wants {' and '.join(operators)} to begin task {task!r}, which is not allowed now."
+            return (
+                f"{decision.by} wants {' and '.join(operators)} to begin task {task!r}, which is"
+                " not allowed now."
+            )
     for human, task in decision.announced.items():
         if human not in situation.cell.humans or task not in situation.cell.tasks:
             return f"{decision.by} announces task {task!r} to {human!r}, which makes no sense."
-        other = next((name for name, operators in begins if human in operators and name != task), None)
+        other = next(
+            (name for name, operators in begins if human in operators and name != task), None
+        )
         if other is not None:
             return f"{decision.by} asks {human!r} for task {other!r} and announces task {task!r}."
     return ""

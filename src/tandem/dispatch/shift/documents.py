@@ -30,18 +30,35 @@ def document(situation: Situation, answered: Answered, number: int) -> Document:
     """A decision as the floor hears it and as the journal keeps it."""
     decision = answered.decision
     now = ordered(situation, decision, number)
-    looks = [time for time in (decision.look_again, next_change(situation)) if time is not None and time > situation.now]
+    looks = [
+        time
+        for time in (decision.look_again, next_change(situation))
+        if time is not None and time > situation.now
+    ]
     made = {
         "type": "decision",
         "number": number,
         "at": situation.now,
-        "starts": [{"task": task, "operators": list(order.operators), "order": order.number} for task, order in now.orders.items()],
+        "starts": [
+            {"task": task, "operators": list(order.operators), "order": order.number}
+            for task, order in now.orders.items()
+        ],
         "announced": dict(now.announced),
-        "asks": [{"task": task, "operators": list(who)} for task, who in _asked(situation, decision)],
-        "take_apart": [task for task in situation.wrong if task in now.orders or task in now.announced.values()],
-        "revoked": [{"task": task, "operators": list(order.operators), "order": order.number} for task, order in revoked(situation, now).items()],
+        "asks": [
+            {"task": task, "operators": list(who)} for task, who in _asked(situation, decision)
+        ],
+        "take_apart": [
+            task for task in situation.wrong if task in now.orders or task in now.announced.values()
+        ],
+        "revoked": [
+            {"task": task, "operators": list(order.operators), "order": order.number}
+            for task, order in revoked(situation, now).items()
+        ],
         "alternatives": [
-            {"starts": [{"task": task, "operators": list(who)} for task, who in other.starts], "expected_cost": _number(other.expected_cost)}
+            {
+                "starts": [{"task": task, "operators": list(who)} for task, who in other.starts],
+                "expected_cost": _number(other.expected_cost),
+            }
             for other in decision.alternatives[:MOST_ALTERNATIVES]
         ],
         "expected_cost": _number(decision.expected_cost),
@@ -53,25 +70,40 @@ def document(situation: Situation, answered: Answered, number: int) -> Document:
         "over": situation.is_over,
         "latency_ms": round(decision.latency_ms, 3),
     }
-    return {**made, **({"fault": answered.fault} if answered.fault else {}), **({"stuck": held} if (held := stuck(situation)) else {})}
+    return {
+        **made,
+        **({"fault": answered.fault} if answered.fault else {}),
+        **({"stuck": held} if (held := stuck(situation)) else {}),
+    }
 
 
 def _asked(situation: Situation, decision: Decision) -> Iterable[Start]:
     """What humans are asked to begin now, also where a robot was told to begin it with them."""
     humans = set(situation.cell.humans)
-    return dict.fromkeys((*decision.asks, *(start for start in decision.starts if humans.intersection(start[1]))))
+    return dict.fromkeys(
+        (*decision.asks, *(start for start in decision.starts if humans.intersection(start[1])))
+    )
 
 
 def over(situation: Situation) -> Answered:
     """The last decision: there is nothing left to do."""
-    why = f"Everything is done, after {situation.makespan:g} s; the humans have collected {situation.stress:g} of stress."
+    why = (
+        f"Everything is done, after {situation.makespan:g} s; the humans have collected"
+        f" {situation.stress:g} of stress."
+    )
     return Answered(Decision((), {}, (), 0.0, why, "shift"))
 
 
 def summary(situation: Situation, entries: Iterable[Entry]) -> Document:
-    """The last line of a shift, or of the part of it that was seen: how it went, and how quickly it was decided upon."""
+    """The last line of a shift, or of the part of it that was seen: how it went, and how quickly it
+    was decided upon.
+    """
     rows = list(entries)
-    decisions = [entry.decision for entry in rows if entry.decision is not None and entry.decision["by"] != "shift"]
+    decisions = [
+        entry.decision
+        for entry in rows
+        if entry.decision is not None and entry.decision["by"] != "shift"
+    ]
     spent = sorted(decision["latency_ms"] for decision in decisions)
     return {
         "type": "summary",
@@ -85,26 +117,49 @@ def summary(situation: Situation, entries: Iterable[Entry]) -> Document:
         "decisions": len(decisions),
         "late": sum(decision["instead"] == "late" for decision in decisions),
         "failed": sum(decision["instead"] == "failed" for decision in decisions),
-        "latency_ms": {"p50": _quantile(spent, 0.5), "p99": _quantile(spent, 0.99), "max": max(spent, default=0.0)},
+        "latency_ms": {
+            "p50": _quantile(spent, 0.5),
+            "p99": _quantile(spent, 0.99),
+            "max": max(spent, default=0.0),
+        },
     }
 
 
 def _quantile(ordered_numbers: list[float], share: float) -> float:
-    """The smallest number that at least this share of them does not exceed; 0 when there are none."""
-    return ordered_numbers[max(0, math.ceil(share * len(ordered_numbers)) - 1)] if ordered_numbers else 0.0
+    """The smallest number that at least this share of them does not exceed; 0 when there are
+    none.
+    """
+    return (
+        ordered_numbers[max(0, math.ceil(share * len(ordered_numbers)) - 1)]
+        if ordered_numbers
+        else 0.0
+    )
 
 
 def stuck(situation: Situation) -> list[str]:
-    """Why nothing goes on, where nobody is at anything, nothing may begin, and the clock alone will not change that; else an empty list."""
-    if situation.is_over or situation.running or legal(situation) or next_change(situation) is not None:
+    """Why nothing goes on, where nobody is at anything, nothing may begin, and the clock alone will
+    not change that; else an empty list.
+    """
+    if (
+        situation.is_over
+        or situation.running
+        or legal(situation)
+        or next_change(situation) is not None
+    ):
         return []
     idle, reasons = set(situation.idle), dict[str, None]()
     for task in situation.open:
         if is_ready(situation, task):
             for way in situation.facts.ways[task]:
-                away = [f"{who!r} is {'down' if who in situation.failed else 'absent'}" for who in way.operators if who not in idle]
+                away = [
+                    f"{who!r} is {'down' if who in situation.failed else 'absent'}"
+                    for who in way.operators
+                    if who not in idle
+                ]
                 held = [*away, *hindrances(situation, task, way)]
-                reasons[f"task {task!r} by {' and '.join(way.operators)}: {'; '.join(held)}."] = None
+                reasons[f"task {task!r} by {' and '.join(way.operators)}: {'; '.join(held)}."] = (
+                    None
+                )
     return list(reasons)
 
 
@@ -123,13 +178,23 @@ class Told:
 
 def told(decision: Mapping[str, Any]) -> Told:
     """The part of the document that becomes part of the situation."""
-    return Told(tuple((row["task"], tuple(row["operators"])) for row in decision["starts"]), decision["announced"])
+    return Told(
+        tuple((row["task"], tuple(row["operators"])) for row in decision["starts"]),
+        decision["announced"],
+    )
 
 
 def event_of(data: Mapping[str, Any]) -> Event:
     """The inverse of `Event.to_dict`."""
     operators = data.get("operators", [data["operator"]] if "operator" in data else [])
-    return Event(data["event"], data["at"], data.get("task"), tuple(operators), data.get("until"), data.get("id"))
+    return Event(
+        data["event"],
+        data["at"],
+        data.get("task"),
+        tuple(operators),
+        data.get("until"),
+        data.get("id"),
+    )
 
 
 def _number(value: float | None) -> float | None:

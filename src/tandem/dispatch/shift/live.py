@@ -1,7 +1,9 @@
-"""A shift: one assembly under way, told by events and steered by decisions. Journal + situation + decider.
+"""A shift: one assembly under way, told by events and steered by decisions. Journal + situation +
+decider.
 
-`Shift.take(line)` is all that happens: the line is read, judged and answered; what was taken moves the situation on and is decided upon; before
-anybody hears of it, line, answer and decision are in the journal, in one transaction. All but the wall clock is a pure function of the lines.
+`Shift.take(line)` is all that happens: the line is read, judged and answered; what was taken moves
+the situation on and is decided upon; before anybody hears of it, line, answer and decision are in
+the journal, in one transaction. All but the wall clock is a pure function of the lines.
 """
 
 from __future__ import annotations
@@ -17,8 +19,23 @@ from tandem.dispatch.deciders.table import policy
 from tandem.dispatch.journal import Entry, Journal, JournalError
 from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.shift.deadline import Answered, InTime
-from tandem.dispatch.shift.documents import SCHEMA_VERSION, Document, digest, document, event_of, over, told
-from tandem.dispatch.situation.events import LONGEST_LINE, MOST_BYTES, Event, EventError, read_event, start_of
+from tandem.dispatch.shift.documents import (
+    SCHEMA_VERSION,
+    Document,
+    digest,
+    document,
+    event_of,
+    over,
+    told,
+)
+from tandem.dispatch.situation.events import (
+    LONGEST_LINE,
+    MOST_BYTES,
+    Event,
+    EventError,
+    read_event,
+    start_of,
+)
 from tandem.dispatch.situation.model import TAKING_APART, Situation
 from tandem.dispatch.situation.objections import objections, remarks
 from tandem.dispatch.situation.transitions import after, ordered
@@ -36,7 +53,8 @@ class Settings:
 
     Attributes:
       policy: name of the decider, from `POLICIES`.
-      objective, options: handed to the decider. `options.budget_ms` is for each decision, `options.seed` for whatever it draws.
+      objective, options: handed to the decider. `options.budget_ms` is for each decision,
+        `options.seed` for whatever it draws.
       taking_apart: see `TAKING_APART` in `situation/model.py`.
     """
 
@@ -58,7 +76,9 @@ class Settings:
         return cls(data["policy"], Objective(**data["objective"]), options, data["taking_apart"])
 
     def decider(self, cell: Cell, *, patience: float = 1.0) -> InTime:
-        """The decider, with the rule that stands in for it. May take seconds. With `patience` it is told so many times the budget."""
+        """The decider, with the rule that stands in for it. May take seconds. With `patience` it is
+        told so many times the budget.
+        """
         told = replace(self.options, budget_ms=self.options.budget_ms * FOR_PLANNING * patience)
         made = policy(self.policy, cell, self.objective, told)
         return InTime(made, policy(RULE, cell, self.objective, told), self.options.budget_ms)
@@ -77,25 +97,49 @@ class Shift:
       ask: what decides. `basis`: the plan that it carries out; None when it carries out none.
     """
 
-    def __init__(self, journal: Journal, cell: Cell, settings: Settings, start: datetime | None, ask: Callable[[Situation], Answered]) -> None:
+    def __init__(
+        self,
+        journal: Journal,
+        cell: Cell,
+        settings: Settings,
+        start: datetime | None,
+        ask: Callable[[Situation], Answered],
+    ) -> None:
         """Use `Shift.open`."""
-        self.journal, self.cell, self.settings, self.start, self.ask = journal, cell, settings, start, ask
+        self.journal, self.cell, self.settings, self.start, self.ask = (
+            journal,
+            cell,
+            settings,
+            start,
+            ask,
+        )
         self.situation = Situation.of(cell, taking_apart=settings.taking_apart)
         self.number, self.is_resumed, self.decision = -1, False, Document()
         self.event: Event | None = None
         self.basis: Basis | None = None
 
     @classmethod
-    def open(cls, cell: Cell, journal: Journal, settings: Settings, start: datetime | None = None, *, decider: InTime | None = None) -> Self:
-        """Opens a shift in a new journal and decides for the first time, or goes on where the journal ends.
+    def open(
+        cls,
+        cell: Cell,
+        journal: Journal,
+        settings: Settings,
+        start: datetime | None = None,
+        *,
+        decider: InTime | None = None,
+    ) -> Self:
+        """Opens a shift in a new journal and decides for the first time, or goes on where the
+        journal ends.
 
         Args:
           settings: of a new shift. Those of a journal that is there must be the same.
-          start: the moment on the wall clock that is 0 s, for events that tell the time; when None, the first event that does is at 0 s.
+          start: the moment on the wall clock that is 0 s, for events that tell the time; when None,
+            the first event that does is at 0 s.
           decider: instead of the one that the settings name.
 
         Raises:
-          JournalError: the journal is of another cell or of other settings, or does not lead where it says.
+          JournalError: the journal is of another cell or of other settings, or does not lead where
+            it says.
           UsageError, CellError: the decider does not exist, or cannot hold the cell.
         """
         if not journal.is_new:
@@ -115,7 +159,8 @@ class Shift:
         """Takes a line from the floor, as text or as the bytes that came.
 
         Returns:
-          the answer; when the event was taken, the decision after it too. Both are in the journal already.
+          the answer; when the event was taken, the decision after it too. Both are in the journal
+          already.
 
         Raises:
           JournalError: the journal cannot be written. The line counts as not taken.
@@ -127,7 +172,9 @@ class Shift:
             decision = self._decided(moved)
             moved = ordered(moved, told(decision), self.number + 1)
         plain = None if event is None else event.to_dict()
-        entry = Entry(self.number + 1, _wall_clock(), _kept(line), plain, answer, decision, digest(moved))
+        entry = Entry(
+            self.number + 1, _wall_clock(), _kept(line), plain, answer, decision, digest(moved)
+        )
         self.journal.append(entry, None if event is None else event.id)
         self._moved(entry, moved)
         return [answer] if decision is None else [answer, decision]
@@ -158,15 +205,31 @@ class Shift:
         decision = self._decided(self.situation)
         moved = ordered(self.situation, told(decision), 0)
         opening = Entry(0, _wall_clock(), "", None, None, decision, digest(moved))
-        self.journal.begin(self.cell, self.settings.to_dict(), None if self.start is None else self.start.isoformat(), opening)
+        self.journal.begin(
+            self.cell,
+            self.settings.to_dict(),
+            None if self.start is None else self.start.isoformat(),
+            opening,
+        )
         self._moved(opening, moved)
 
     def _go_on(self) -> None:
         for entry in self.journal.entries():
-            moved = self.situation if entry.event is None else after(self.situation, event_of(entry.event))
-            moved = moved if entry.decision is None else ordered(moved, told(entry.decision), entry.number)
+            moved = (
+                self.situation
+                if entry.event is None
+                else after(self.situation, event_of(entry.event))
+            )
+            moved = (
+                moved
+                if entry.decision is None
+                else ordered(moved, told(entry.decision), entry.number)
+            )
             if digest(moved) != entry.situation or entry.number != self.number + 1:
-                raise JournalError(f"{self.journal.path}: entry {entry.number} does not lead where the journal says. It was changed, or is damaged.")
+                raise JournalError(
+                    f"{self.journal.path}: entry {entry.number} does not lead where the journal"
+                    " says. It was changed, or is damaged."
+                )
             self._moved(entry, moved)
 
     def _moved(self, entry: Entry, moved: Situation) -> None:
@@ -182,21 +245,43 @@ class Shift:
         try:
             event = read_event(line, self.cell, start)
             if self.start is None and self.event is not None and start is not None:
-                raise EventError(["the shift counts seconds and has no start on the wall clock; open it with --start to send times."], event.id)
+                raise EventError(
+                    [
+                        "the shift counts seconds and has no start on the wall clock; open it with"
+                        " --start to send times."
+                    ],
+                    event.id,
+                )
         except EventError as error:
             return self._answer(None, error.id, accepted=False, reasons=list(error.reasons)), None
         if event.id is not None and (known := self.journal.with_id(event.id)) is not None:
             earlier, content = known
             if content == event.to_dict():
                 return self._answer(event, event.id, accepted=True, duplicate_of=earlier), None
-            return self._answer(event, event.id, accepted=False, reasons=[f"the id {event.id!r} stands for another event, number {earlier}."]), None
+            return (
+                self._answer(
+                    event,
+                    event.id,
+                    accepted=False,
+                    reasons=[f"the id {event.id!r} stands for another event, number {earlier}."],
+                ),
+                None,
+            )
         if reasons := objections(self.situation, event):
             return self._answer(event, event.id, accepted=False, reasons=reasons), None
-        return self._answer(event, event.id, accepted=True, remarks=remarks(self.situation, event)), event
+        return (
+            self._answer(event, event.id, accepted=True, remarks=remarks(self.situation, event)),
+            event,
+        )
 
     def _answer(self, event: Event | None, id: str | None, **rest: Any) -> Document:
         known = {"event": None if event is None else event.kind, "id": id}
-        return {"type": "answer", "number": self.number + 1, **{key: value for key, value in known.items() if value is not None}, **rest}
+        return {
+            "type": "answer",
+            "number": self.number + 1,
+            **{key: value for key, value in known.items() if value is not None},
+            **rest,
+        }
 
     def _decided(self, situation: Situation) -> Document:
         answered = over(situation) if situation.is_over else self.ask(situation)
@@ -204,19 +289,26 @@ class Shift:
 
 
 def opened_with(journal: Journal, cell: Cell) -> tuple[Settings, datetime | None]:
-    """The settings and the stated start of the shift in the journal. Raises JournalError when it is of another cell."""
+    """The settings and the stated start of the shift in the journal. Raises JournalError when it is
+    of another cell.
+    """
     about = journal.about()
     if about["digest"] != cell.digest:
         name = about["cell"].get("name", "")
         raise JournalError(
-            f"{journal.path}: the journal is of the cell {name!r} (digest {about['digest']}), this one is {cell.name!r} (digest {cell.digest}). "
-            "Give the cell as it was when the shift began, or name another journal."
+            f"{journal.path}: the journal is of the cell {name!r} (digest {about['digest']}), this"
+            f" one is {cell.name!r} (digest {cell.digest}). Give the cell as it was when the shift"
+            " began, or name another journal."
         )
-    return Settings.from_dict(about["settings"]), None if about["start"] is None else datetime.fromisoformat(about["start"])
+    return Settings.from_dict(about["settings"]), (
+        None if about["start"] is None else datetime.fromisoformat(about["start"])
+    )
 
 
 def _kept(line: str | bytes) -> str | bytes:
-    """The line as the journal keeps it: text where it is UTF-8, and no more of it than tells that it is too long."""
+    """The line as the journal keeps it: text where it is UTF-8, and no more of it than tells that
+    it is too long.
+    """
     if isinstance(line, str):
         is_longer = len(line) > LONGEST_LINE
         line = line[: LONGEST_LINE + 1].encode(errors="replace" if is_longer else "surrogatepass")

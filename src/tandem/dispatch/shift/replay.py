@@ -1,4 +1,6 @@
-"""A journal taken anew, line by line: does it lead to the same answers, decisions and situations?"""
+"""A journal taken anew, line by line: does it lead to the same answers, decisions and
+situations?
+"""
 
 from __future__ import annotations
 
@@ -15,13 +17,16 @@ from tandem.dispatch.shift.documents import Document, digest
 from tandem.dispatch.shift.live import Shift, opened_with
 
 PATIENCE = 20.0
-"""Deciders that stop at the clock are given so many times the budget in a replay: what they had time for in the shift they have time for now, however
-busy the machine is."""
+"""Deciders that stop at the clock are given so many times the budget in a replay: what they had
+time for in the shift they have time for now, however busy the machine is.
+"""
 
 
 @dataclass(frozen=True)
 class Replayed:
-    """What replaying a journal showed: how many entries, events taken and decisions there are, and each difference in a sentence."""
+    """What replaying a journal showed: how many entries, events taken and decisions there are, and
+    each difference in a sentence.
+    """
 
     entries: int
     events: int
@@ -30,10 +35,12 @@ class Replayed:
 
 
 def replay(cell: Cell, journal: Journal, *, decider: InTime | None = None) -> Replayed:
-    """Takes every line of the journal anew and compares answers, decisions and situations with what is written there, latencies aside.
+    """Takes every line of the journal anew and compares answers, decisions and situations with what
+    is written there, latencies aside.
 
-    A decision that the rule gave, because the decider was late or failed, is asked of the rule again. What a decider itself left off because its
-    time was over (re-planning falls back on simpler plans) comes out as a difference.
+    A decision that the rule gave, because the decider was late or failed, is asked of the rule
+    again. What a decider itself left off because its time was over (re-planning falls back on
+    simpler plans) comes out as a difference.
 
     Raises JournalError, UsageError and CellError as `Shift.open` does.
     """
@@ -54,7 +61,11 @@ def replay(cell: Cell, journal: Journal, *, decider: InTime | None = None) -> Re
             else:
                 again = shift.take(entry.line)
             differences += _differences(entry, again, digest(shift.situation))
-            entries, events, decisions = entries + 1, events + (entry.event is not None), decisions + (entry.decision is not None)
+            entries, events, decisions = (
+                entries + 1,
+                events + (entry.event is not None),
+                decisions + (entry.decision is not None),
+            )
     return Replayed(entries, events, decisions, tuple(differences))
 
 
@@ -65,7 +76,10 @@ def _differences(entry: Entry, again: list[Document], situation: str) -> Iterato
         old, new = (_lasting(made.get(kind)) for made in (then, now))
         for key in [*dict.fromkeys([*old, *new])]:
             if old.get(key) != new.get(key):
-                yield f"entry {entry.number}: the {kind}'s {key!r} was {json.dumps(old.get(key))}, and is now {json.dumps(new.get(key))}."
+                yield (
+                    f"entry {entry.number}: the {kind}'s {key!r} was {json.dumps(old.get(key))},"
+                    f" and is now {json.dumps(new.get(key))}."
+                )
     if situation != entry.situation:
         yield f"entry {entry.number}: the situation afterwards is another one."
 

@@ -1,4 +1,6 @@
-"""The JSON Schemas of what goes into a shift and what comes out of it, made from the tables that the code itself goes by."""
+"""The JSON Schemas of what goes into a shift and what comes out of it, made from the tables that
+the code itself goes by.
+"""
 
 from __future__ import annotations
 
@@ -16,16 +18,24 @@ SHIPPED = {
 """The same schemas as files of the package; a test keeps both equal."""
 
 HEAD = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
-NAME = {"type": ["string", "integer"], "description": "A name; a whole number is taken as its digits."}
+NAME = {
+    "type": ["string", "integer"],
+    "description": "A name; a whole number is taken as its digits.",
+}
 MOMENT: dict[str, Any] = {
-    "anyOf": [{"type": "number", "minimum": 0, "maximum": LONGEST_SHIFT}, {"type": "string", "format": "date-time"}],
+    "anyOf": [
+        {"type": "number", "minimum": 0, "maximum": LONGEST_SHIFT},
+        {"type": "string", "format": "date-time"},
+    ],
     "description": "Seconds since the start of the shift, or a time with its zone as ISO 8601.",
 }
 TASK_NAMES: dict[str, Any] = {"type": "array", "items": {"type": "string"}}
 
 
 def event_schema() -> dict[str, Any]:
-    """Of one event, a line from the floor. Whether it fits the cell and the shift only the shift can tell."""
+    """Of one event, a line from the floor. Whether it fits the cell and the shift only the shift
+    can tell.
+    """
     return {
         **HEAD,
         "$id": f"urn:tandem:event:{SCHEMA_VERSION}",
@@ -38,29 +48,73 @@ def event_schema() -> dict[str, Any]:
 def decision_schema() -> dict[str, Any]:
     """Of one line that comes out of a shift."""
     start = _table({"task": {"type": "string"}, "operators": TASK_NAMES})
-    order = _table({"task": {"type": "string"}, "operators": TASK_NAMES, "order": _whole("Number of the decision that gave the order first.")})
+    order = _table(
+        {
+            "task": {"type": "string"},
+            "operators": TASK_NAMES,
+            "order": _whole("Number of the decision that gave the order first."),
+        }
+    )
     alternative = _table({"starts": _list(start), "expected_cost": {"type": ["number", "null"]}})
     decision = _table(
         {
             "type": {"const": "decision"},
             "number": _whole("Of the line that led to it; 0 for the opening."),
             "at": _seconds("When."),
-            "starts": _list(order, "What robots are to begin now, alone or with others, if they have not. Replaces all orders of before."),
-            "announced": {"type": "object", "additionalProperties": {"type": "string"}, "description": "Human to the task they are asked for."},
-            "asks": _list(start, "What humans are asked to begin now, with all who are to take part."),
-            "take_apart": {**TASK_NAMES, "description": "Of the tasks named above those that are to be taken apart, being mounted wrongly."},
-            "revoked": _list(order, "Orders of before that do not hold any more and that no start has followed."),
-            "alternatives": _list(alternative, "Choices that were open, best first, this one included."),
-            "expected_cost": {"type": ["number", "null"], "description": "Of the whole assembly by this choice; null when it was not reckoned."},
-            "bound": {"type": ["number", "null"], "description": "Seconds that the rest takes at least, from `at` on."},
+            "starts": _list(
+                order,
+                "What robots are to begin now, alone or with others, if they have not. Replaces all"
+                " orders of before.",
+            ),
+            "announced": {
+                "type": "object",
+                "additionalProperties": {"type": "string"},
+                "description": "Human to the task they are asked for.",
+            },
+            "asks": _list(
+                start, "What humans are asked to begin now, with all who are to take part."
+            ),
+            "take_apart": {
+                **TASK_NAMES,
+                "description": (
+                    "Of the tasks named above those that are to be taken apart, being mounted"
+                    " wrongly."
+                ),
+            },
+            "revoked": _list(
+                order, "Orders of before that do not hold any more and that no start has followed."
+            ),
+            "alternatives": _list(
+                alternative, "Choices that were open, best first, this one included."
+            ),
+            "expected_cost": {
+                "type": ["number", "null"],
+                "description": (
+                    "Of the whole assembly by this choice; null when it was not reckoned."
+                ),
+            },
+            "bound": {
+                "type": ["number", "null"],
+                "description": "Seconds that the rest takes at least, from `at` on.",
+            },
             "why": {"type": "string", "description": "For the people beside the robot."},
             "by": {"type": "string", "description": "Who decided."},
-            "instead": {"enum": ["", "late", "failed"], "description": "Why a rule decided and not the policy: it was late, or failed."},
-            "look_again": {"type": ["number", "null"], "description": "When to send a `tick` should nothing else happen before, seconds."},
+            "instead": {
+                "enum": ["", "late", "failed"],
+                "description": "Why a rule decided and not the policy: it was late, or failed.",
+            },
+            "look_again": {
+                "type": ["number", "null"],
+                "description": "When to send a `tick` should nothing else happen before, seconds.",
+            },
             "over": {"type": "boolean", "description": "Everything is done."},
             "latency_ms": {"type": "number", "minimum": 0, "description": "What deciding took."},
             "fault": {"type": "string", "description": "How the policy failed."},
-            "stuck": {"type": "array", "items": {"type": "string"}, "description": "Why nothing can go on, and time alone will not change it."},
+            "stuck": {
+                "type": "array",
+                "items": {"type": "string"},
+                "description": "Why nothing can go on, and time alone will not change it.",
+            },
         },
         optional=("fault", "stuck"),
     )
@@ -69,11 +123,24 @@ def decision_schema() -> dict[str, Any]:
             "type": {"const": "answer"},
             "number": _whole("Of the line in the journal."),
             "event": {"enum": list(KINDS)},
-            "id": {"type": "string", "description": "The event's own, should it have one that could be read."},
+            "id": {
+                "type": "string",
+                "description": "The event's own, should it have one that could be read.",
+            },
             "accepted": {"type": "boolean"},
-            "reasons": {"type": "array", "items": {"type": "string"}, "description": "Why it was not; it has changed nothing."},
-            "remarks": {"type": "array", "items": {"type": "string"}, "description": "What is odd about an event that was taken."},
-            "duplicate_of": _whole("The number under which the same event was taken before; nothing has changed."),
+            "reasons": {
+                "type": "array",
+                "items": {"type": "string"},
+                "description": "Why it was not; it has changed nothing.",
+            },
+            "remarks": {
+                "type": "array",
+                "items": {"type": "string"},
+                "description": "What is odd about an event that was taken.",
+            },
+            "duplicate_of": _whole(
+                "The number under which the same event was taken before; nothing has changed."
+            ),
         },
         optional=("event", "id", "reasons", "remarks", "duplicate_of"),
     )
@@ -81,7 +148,10 @@ def decision_schema() -> dict[str, Any]:
         **HEAD,
         "$id": f"urn:tandem:decision:{SCHEMA_VERSION}",
         "title": "Tandem dispatch output",
-        "description": "What a shift tells the floor, one line each: `shift` first, then `answer` and `decision` by turns, `summary` at the end.",
+        "description": (
+            "What a shift tells the floor, one line each: `shift` first, then `answer` and"
+            " `decision` by turns, `summary` at the end."
+        ),
         "oneOf": [_hello(), answer, decision, _summary()],
     }
 
@@ -110,14 +180,39 @@ def _event(name: str, kind: Kind) -> dict[str, Any]:
         keys["operators"] = {"type": "array", "items": NAME, "minItems": 1, "uniqueItems": True}
     if kind.until != "no":
         keys["until"] = MOMENT
-    required = ["event", "at", *(["task"] if kind.task == "must" else []), *(["operator"] if kind.operators == "one" else [])]
-    one_of = {"oneOf": [{"required": ["operator"]}, {"required": ["operators"]}]} if kind.operators == "some" else {}
-    either = {"anyOf": [{"required": ["task"]}, {"required": ["operator"]}, {"required": ["operators"]}]} if name == "failed" else {}
-    return {"description": kind.what, "type": "object", "properties": keys, "required": required, "additionalProperties": False, **one_of, **either}
+    required = [
+        "event",
+        "at",
+        *(["task"] if kind.task == "must" else []),
+        *(["operator"] if kind.operators == "one" else []),
+    ]
+    one_of = (
+        {"oneOf": [{"required": ["operator"]}, {"required": ["operators"]}]}
+        if kind.operators == "some"
+        else {}
+    )
+    either = (
+        {"anyOf": [{"required": ["task"]}, {"required": ["operator"]}, {"required": ["operators"]}]}
+        if name == "failed"
+        else {}
+    )
+    return {
+        "description": kind.what,
+        "type": "object",
+        "properties": keys,
+        "required": required,
+        "additionalProperties": False,
+        **one_of,
+        **either,
+    }
 
 
 def _hello() -> dict[str, Any]:
-    people = {"type": "object", "additionalProperties": TASK_NAMES, "description": "Task to who is at it."}
+    people = {
+        "type": "object",
+        "additionalProperties": TASK_NAMES,
+        "description": "Task to who is at it.",
+    }
     return _table(
         {
             "type": {"const": "shift"},
@@ -127,7 +222,10 @@ def _hello() -> dict[str, Any]:
             "policy": {"type": "string"},
             "budget_ms": {"type": "number"},
             "seed": {"type": "integer"},
-            "start": {"type": ["string", "null"], "description": "The moment that is 0 s, ISO 8601; null while none was told."},
+            "start": {
+                "type": ["string", "null"],
+                "description": "The moment that is 0 s, ISO 8601; null while none was told.",
+            },
             "resumed": {"type": "boolean", "description": "The journal held the shift already."},
             "number": _whole("Of the last line in the journal."),
             "at": _seconds("How far the shift has come."),
@@ -141,14 +239,30 @@ def _hello() -> dict[str, Any]:
 
 
 def _summary() -> dict[str, Any]:
-    counts = {name: {"type": "integer", "minimum": 0} for name in ("lines", "events", "refused", "decisions", "late", "failed")}
+    counts = {
+        name: {"type": "integer", "minimum": 0}
+        for name in ("lines", "events", "refused", "decisions", "late", "failed")
+    }
     spent = _table({name: {"type": "number"} for name in ("p50", "p99", "max")})
     numbers = {name: {"type": "number"} for name in ("at", "makespan", "stress")}
-    return _table({"type": {"const": "summary"}, "over": {"type": "boolean"}, **numbers, **counts, "latency_ms": spent})
+    return _table(
+        {
+            "type": {"const": "summary"},
+            "over": {"type": "boolean"},
+            **numbers,
+            **counts,
+            "latency_ms": spent,
+        }
+    )
 
 
 def _table(keys: dict[str, Any], optional: tuple[str, ...] = ()) -> dict[str, Any]:
-    return {"type": "object", "properties": keys, "required": [key for key in keys if key not in optional], "additionalProperties": False}
+    return {
+        "type": "object",
+        "properties": keys,
+        "required": [key for key in keys if key not in optional],
+        "additionalProperties": False,
+    }
 
 
 def _list(items: dict[str, Any], what: str = "") -> dict[str, Any]:
@@ -160,4 +274,8 @@ def _whole(what: str) -> dict[str, Any]:
 
 
 def _seconds(what: str) -> dict[str, Any]:
-    return {"type": "number", "minimum": 0, "description": f"{what} Seconds since the start of the shift."}
+    return {
+        "type": "number",
+        "minimum": 0,
+        "description": f"{what} Seconds since the start of the shift.",
+    }

@@ -1,7 +1,9 @@
-"""A simulated floor: people, robots and chance that drive a shift by its own events, so that everything can be tried without hardware.
+"""A simulated floor: people, robots and chance that drive a shift by its own events, so that
+everything can be tried without hardware.
 
-The floor knows what nobody is told: how slow people are, what goes wrong, when somebody leaves. It hears orders and announcements, and reports what
-happens. The same seed gives the same floor: told the same, it reports the same, so that a shift that was cut off is picked up where it stopped.
+The floor knows what nobody is told: how slow people are, what goes wrong, when somebody leaves. It
+hears orders and announcements, and reports what happens. The same seed gives the same floor: told
+the same, it reports the same, so that a shift that was cut off is picked up where it stopped.
 """
 
 from __future__ import annotations
@@ -27,7 +29,9 @@ from tandem.world.population import crowd
 from tandem.world.randomness import OFF, Chance, Draw, away_until, fate, next_absence
 
 ROUNDS = 10
-"""After so many rounds in which everybody was asked and nothing began or is to come, the floor stands still for good."""
+"""After so many rounds in which everybody was asked and nothing began or is to come, the floor
+stands still for good.
+"""
 
 
 class Floor:
@@ -67,7 +71,14 @@ class Floor:
                 event = self.pending.popleft()
                 if event.kind != "wrong" or event.task in situation.done:
                     self.count += 1
-                    return Event(event.kind, event.at, event.task, event.operators, event.until, f"sim-{self.count}")
+                    return Event(
+                        event.kind,
+                        event.at,
+                        event.task,
+                        event.operators,
+                        event.until,
+                        f"sim-{self.count}",
+                    )
             if is_over(self.arrays, self.episode):
                 return None
             if self.episode.turn >= 0:
@@ -83,7 +94,8 @@ class Floor:
           situation: the start of the shift.
 
         Raises:
-          UsageError: other things happened there than would happen here: it is the journal of another floor.
+          UsageError: other things happened there than would happen here: it is the journal of
+            another floor.
         """
         look_again: float | None = None
         for entry in entries:
@@ -91,8 +103,9 @@ class Floor:
                 event = event_of(entry.event)
                 if event != self.next(situation, look_again):
                     raise UsageError(
-                        f"entry {entry.number} of the journal is not what happens on this simulated floor. Simulate the people, chance and seed that "
-                        "it was begun with, or name another journal."
+                        f"entry {entry.number} of the journal is not what happens on this simulated"
+                        " floor. Simulate the people, chance and seed that it was begun with, or"
+                        " name another journal."
                     )
                 situation = after(situation, event)
             if entry.decision is not None:
@@ -108,7 +121,9 @@ class Floor:
         """Whose turn it is hears what it was told, and begins something, refuses or waits."""
         before = self.episode
         who = self.names.operators[int(before.turn)]
-        self.episode = decide(self.arrays, self.fate, self.people, before, np.int32(self._way_told(situation, who)))
+        self.episode = decide(
+            self.arrays, self.fate, self.people, before, np.int32(self._way_told(situation, who))
+        )
         state = self.episode.state
         for place in np.flatnonzero(state.start_at != before.state.start_at):
             task, way = self.names.ways[int(state.way[place])]
@@ -118,10 +133,21 @@ class Floor:
             self.pending.append(Event("refused", self.now, situation.announced[who], (who,)))
 
     def _way_told(self, situation: Situation, who: str) -> int:
-        """The way that the operator was told to begin, -1 when it was told to wait or cannot do as it was told."""
-        mine = [(number, *self.names.ways[number]) for number in np.flatnonzero(world.legal_of(self.arrays, self.episode.mask, self.episode.turn))]
+        """The way that the operator was told to begin, -1 when it was told to wait or cannot do as
+        it was told.
+        """
+        mine = [
+            (number, *self.names.ways[number])
+            for number in np.flatnonzero(
+                world.legal_of(self.arrays, self.episode.mask, self.episode.turn)
+            )
+        ]
         asked = situation.announced.get(who)
-        orders = {task: order.operators for task, order in situation.orders.items() if who in order.operators}
+        orders = {
+            task: order.operators
+            for task, order in situation.orders.items()
+            if who in order.operators
+        }
         fitting = [
             (orders.get(task) != way.operators, way.time, number)
             for number, task, way in mine
@@ -130,45 +156,76 @@ class Floor:
         return int(min(fitting)[2]) if fitting else -1
 
     def _is_noticed_when_out_of_turn(self, place: int) -> None:
-        """What is begun before its turn is known to be wrong when it ends: the shift has been told what it stands on."""
+        """What is begun before its turn is known to be wrong when it ends: the shift has been told
+        what it stands on.
+        """
         state = self.episode.state
-        if state.bad_at.shape[0] and not state.undoing[place] and (self.arrays.needs[place] & ~world.mounted(state)).any():
+        if (
+            state.bad_at.shape[0]
+            and not state.undoing[place]
+            and (self.arrays.needs[place] & ~world.mounted(state)).any()
+        ):
             bad_at = state.bad_at.copy()
             bad_at[place] = state.end_at[place]
             self.episode = self.episode._replace(state=state._replace(bad_at=bad_at))
 
     def _time_runs_on(self, look_again: float | None) -> bool:
-        """Time runs to what happens next, or to where somebody wanted to look again; False when it stands still.
+        """Time runs to what happens next, or to where somebody wanted to look again; False when it
+        stands still.
 
-        Where nothing would happen any more because somebody refused, they are asked again, as in the world's own episodes.
+        Where nothing would happen any more because somebody refused, they are asked again, as in
+        the world's own episodes.
         """
         before = self.episode.state
         asked_again = int(world.next_event(self.arrays, before)) == NEVER and not before.waits.any()
-        until = next_absence(self.fate, before.clock) if self.fate.away_from.shape[0] else np.int32(NEVER)
+        until = (
+            next_absence(self.fate, before.clock)
+            if self.fate.away_from.shape[0]
+            else np.int32(NEVER)
+        )
         if look_again is not None:
-            until = np.int32(min(int(until), max(int(before.clock) + 1, math.ceil(look_again * self.names.per_second))))
+            until = np.int32(
+                min(
+                    int(until),
+                    max(int(before.clock) + 1, math.ceil(look_again * self.names.per_second)),
+                )
+            )
         state = world.advance(self.arrays, before, until)
         if self.fate.away_from.shape[0]:
             state = state._replace(away_until=away_until(self.fate, state.clock))
         state = state._replace(refused=before.refused & (not asked_again))
         mask = world.legal(self.arrays, state)
-        self.episode = self.episode._replace(state=state, mask=mask, turn=world.turn(self.arrays, mask))
+        self.episode = self.episode._replace(
+            state=state, mask=mask, turn=world.turn(self.arrays, mask)
+        )
         self.pending.extend(self._reported(before, state))
         if not self.pending and state.clock > before.clock:
             self.pending.append(Event("tick", self.now))
         return bool(state.clock > before.clock)
 
     def _reported(self, before: world.State, state: world.State) -> Iterable[Event]:
-        """What the floor sees of the time that has passed: work that ended, mistakes, who left and who came."""
+        """What the floor sees of the time that has passed: work that ended, mistakes, who left and
+        who came.
+        """
         now, tasks = self.now, self.names.tasks
-        for place in np.flatnonzero((before.way >= 0) & (before.end_at > before.clock) & (before.end_at <= state.clock)):
+        for place in np.flatnonzero(
+            (before.way >= 0) & (before.end_at > before.clock) & (before.end_at <= state.clock)
+        ):
             undone = before.undoing.shape[0] and before.undoing[place]
             yield Event("undone" if undone else "done", now, tasks[place])
         if state.bad_at.shape[0]:
-            yield from (Event("wrong", now, tasks[place]) for place in np.flatnonzero((state.bad_at <= state.clock) & (before.bad_at > before.clock)))
+            yield from (
+                Event("wrong", now, tasks[place])
+                for place in np.flatnonzero(
+                    (state.bad_at <= state.clock) & (before.bad_at > before.clock)
+                )
+            )
         for number, name in enumerate(self.names.operators):
             human = bool(self.arrays.human[number])
-            was_away, is_away = before.away_until[number] > before.clock, state.away_until[number] > state.clock
+            was_away, is_away = (
+                before.away_until[number] > before.clock,
+                state.away_until[number] > state.clock,
+            )
             if is_away and not was_away:
                 yield Event("absent" if human else "failed", now, operators=(name,))
             elif was_away and not is_away:

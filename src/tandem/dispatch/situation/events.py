@@ -1,8 +1,8 @@
 """What the floor reports: events as JSON lines, read strictly.
 
-One line of UTF-8, one event: `{"event": "started", "at": 12.5, "task": "4", "operator": "cobot", "id": "cobot-17"}`.
-What is wrong with a line is said in sentences, all of it at once. Whether an event fits where the shift stands is asked
-in `objections.py`.
+One line of UTF-8, one event: `{"event": "started", "at": 12.5, "task": "4", "operator": "cobot",
+"id": "cobot-17"}`. What is wrong with a line is said in sentences, all of it at once. Whether an
+event fits where the shift stands is asked in `objections.py`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ LONGEST_LINE = 64_000
 MOST_BYTES = 4 * LONGEST_LINE
 """Of a line that is not longer in UTF-8."""
 LOST = "\ufffd"
-"""What programs write in place of a character that they could not read. Different texts become the same by it."""
+"""What programs write in place of a character that they could not read. Different texts become the
+same by it.
+"""
 LONGEST_SHIFT = 1e7
 """Seconds; whoever sends the seconds since 1970 is told so."""
 BEYOND = 10**18
@@ -43,14 +45,30 @@ class Kind:
 
 
 KINDS: dict[str, Kind] = {
-    "started": Kind("the operators have begun the task (or, where it is mounted wrongly, taking it apart), changeover included", "must", "some"),
+    "started": Kind(
+        "the operators have begun the task (or, where it is mounted wrongly, taking it apart),"
+        " changeover included",
+        "must",
+        "some",
+    ),
     "done": Kind("the task has ended well", "must", "may"),
-    "refused": Kind("the operator will not do the task: before `until`, or in the whole shift", "must", "one", "may"),
+    "refused": Kind(
+        "the operator will not do the task: before `until`, or in the whole shift",
+        "must",
+        "one",
+        "may",
+    ),
     "failed": Kind(
-        "with `task`: the attempt is given up, nothing is mounted; with `operator` alone: this robot is down, its work rests", "may", "may"
+        "with `task`: the attempt is given up, nothing is mounted; with `operator` alone: this"
+        " robot is down, its work rests",
+        "may",
+        "may",
     ),
     "repaired": Kind("the robot works again and goes on with its task", "no", "one"),
-    "wrong": Kind("the task turned out to be mounted wrongly: it has to be taken apart, then done again", "must"),
+    "wrong": Kind(
+        "the task turned out to be mounted wrongly: it has to be taken apart, then done again",
+        "must",
+    ),
     "undone": Kind("the task has been taken apart and is open again", "must"),
     "absent": Kind("the human has left; their work rests", "no", "one"),
     "back": Kind("the human is there again and goes on with their task", "no", "one"),
@@ -83,12 +101,22 @@ class Event:
         if self.task is not None:
             made["task"] = self.task
         if self.operators:
-            made |= {"operator": self.operators[0]} if len(self.operators) == 1 else {"operators": list(self.operators)}
-        return made | {key: value for key, value in (("until", self.until), ("id", self.id)) if value is not None}
+            made |= (
+                {"operator": self.operators[0]}
+                if len(self.operators) == 1
+                else {"operators": list(self.operators)}
+            )
+        return made | {
+            key: value
+            for key, value in (("until", self.until), ("id", self.id))
+            if value is not None
+        }
 
 
 class EventError(TandemError):
-    """A line that is no event of this cell. Carries every reason, and the `id` that it gave, should that be readable."""
+    """A line that is no event of this cell. Carries every reason, and the `id` that it gave, should
+    that be readable.
+    """
 
     exit_code = 2
 
@@ -102,7 +130,8 @@ def read_event(line: str | bytes, cell: Cell, start: datetime | None = None) -> 
 
     Args:
       line: as text, or as the bytes that came.
-      start: when the shift started, for times written as ISO 8601; when None, the first such time is taken as 0 s (`start_of`).
+      start: when the shift started, for times written as ISO 8601; when None, the first such time
+        is taken as 0 s (`start_of`).
 
     Raises:
       EventError: it holds none, with every reason.
@@ -116,7 +145,9 @@ def read_event(line: str | bytes, cell: Cell, start: datetime | None = None) -> 
 
 
 def start_of(line: str | bytes) -> datetime | None:
-    """The time at which the line says that it happened, when that is written as ISO 8601 with a time zone: what a shift without a start begins at."""
+    """The time at which the line says that it happened, when that is written as ISO 8601 with a
+    time zone: what a shift without a start begins at.
+    """
     try:
         at = _table(line).get("at")
         moment = datetime.fromisoformat(at) if isinstance(at, str) else None
@@ -136,29 +167,49 @@ def _table(line: str | bytes) -> dict[str, Any]:
     except EventError:
         raise
     except (ValueError, RecursionError) as error:
-        raise EventError([f"this is not JSON ({error}). An event is one line like {json.dumps(EXAMPLE)}."]) from error
+        raise EventError(
+            [f"this is not JSON ({error}). An event is one line like {json.dumps(EXAMPLE)}."]
+        ) from error
     if not isinstance(data, dict):
-        raise EventError([f"this is {_kind_of(data)}, not an event. An event is one line like {json.dumps(EXAMPLE)}."])
+        raise EventError(
+            [
+                f"this is {_kind_of(data)}, not an event. An event is one line like"
+                f" {json.dumps(EXAMPLE)}."
+            ]
+        )
     return data
 
 
 def _too_long() -> EventError:
-    return EventError([f"the line has more than {LONGEST_LINE} characters. An event is one line like {json.dumps(EXAMPLE)}."])
+    return EventError(
+        [
+            f"the line has more than {LONGEST_LINE} characters. An event is one line like"
+            f" {json.dumps(EXAMPLE)}."
+        ]
+    )
 
 
 def _decoded(line: str | bytes) -> str:
     """The line as text, a mark of byte order at its beginning left out.
 
-    Raises EventError where it is not UTF-8: whatever was put in the place of a byte, two ids could become one.
+    Raises EventError where it is not UTF-8: whatever was put in the place of a byte, two ids could
+    become one.
     """
     raw = line if isinstance(line, bytes) else line.encode(errors="surrogatepass")
     if b"\0" in raw:
-        raise EventError(["this line is not UTF-8: it holds zero bytes, as UTF-16 does. Send events as UTF-8."])
+        raise EventError(
+            ["this line is not UTF-8: it holds zero bytes, as UTF-16 does. Send events as UTF-8."]
+        )
     try:
         return raw.decode().removeprefix("\ufeff")
     except UnicodeDecodeError as error:
         what = f"byte {error.start + 1} is 0x{raw[error.start]:02x}"
-        raise EventError([f"this line is not UTF-8: {what}, as in Windows-1252, Latin-1 or UTF-16. Send events as UTF-8."]) from error
+        raise EventError(
+            [
+                f"this line is not UTF-8: {what}, as in Windows-1252, Latin-1 or UTF-16. Send"
+                " events as UTF-8."
+            ]
+        ) from error
 
 
 EXAMPLE = {"event": "done", "at": 12.5, "task": "4"}
@@ -182,9 +233,14 @@ class _Reading:
         operators = self.operators(name, kind.operators)
         until = self.at("until") if "until" in self.data and kind.until != "no" else None
         if at is not None and until is not None and until <= at:
-            self.faults.append(f"until {until:g} s is not after {at:g} s, when it happened. Leave `until` out to refuse for the whole shift.")
+            self.faults.append(
+                f"until {until:g} s is not after {at:g} s, when it happened. Leave `until` out to"
+                " refuse for the whole shift."
+            )
         if name == "failed" and task is None and not operators and not self.faults:
-            self.faults.append("failed: say which `task` was given up, or which `operator` is down.")
+            self.faults.append(
+                "failed: say which `task` was given up, or which `operator` is down."
+            )
         self.faults += _unknown_keys(name, kind, self.data)
         return None if at is None else Event(name, at, task, operators, until, id_)
 
@@ -192,16 +248,29 @@ class _Reading:
         """The time under this key, s since the start."""
         value = self.data.get(key)
         if value is None:
-            self.faults.append(f"`{key}` is missing: when it happened, in seconds since the start of the shift or as ISO 8601.")
+            self.faults.append(
+                f"`{key}` is missing: when it happened, in seconds since the start of the shift or"
+                " as ISO 8601."
+            )
             return None
         if isinstance(value, str):
             return self.moment(key, value)
-        if isinstance(value, bool) or not isinstance(value, int | float) or not -BEYOND < value < BEYOND:
-            self.faults.append(f"`{key}` is {_shown(value)}; it must be seconds since the start of the shift, or a time as ISO 8601.")
+        if (
+            isinstance(value, bool)
+            or not isinstance(value, int | float)
+            or not -BEYOND < value < BEYOND
+        ):
+            self.faults.append(
+                f"`{key}` is {_shown(value)}; it must be seconds since the start of the shift, or a"
+                " time as ISO 8601."
+            )
             return None
         if not 0 <= value <= LONGEST_SHIFT:
             hint = " Seconds since 1970 are not meant: write ISO 8601." if value > 1e9 else ""
-            self.faults.append(f"`{key}` is {value:.10g} s; it must lie between 0 and {LONGEST_SHIFT:.0f} s after the start of the shift.{hint}")
+            self.faults.append(
+                f"`{key}` is {value:.10g} s; it must lie between 0 and {LONGEST_SHIFT:.0f} s after"
+                f" the start of the shift.{hint}"
+            )
             return None
         return round(float(value), 6)
 
@@ -209,32 +278,50 @@ class _Reading:
         try:
             moment = datetime.fromisoformat(text)
         except ValueError:
-            self.faults.append(f"`{key}` is {text!r}, which is no time. Write seconds since the start of the shift, or 2026-03-02T06:00:12.5+01:00.")
+            self.faults.append(
+                f"`{key}` is {text!r}, which is no time. Write seconds since the start of the"
+                " shift, or 2026-03-02T06:00:12.5+01:00."
+            )
             return None
         if moment.tzinfo is None:
-            self.faults.append(f"`{key}` is {text!r} without a time zone. Add one, such as +01:00 or Z.")
+            self.faults.append(
+                f"`{key}` is {text!r} without a time zone. Add one, such as +01:00 or Z."
+            )
             return None
         seconds = (moment - (self.start or moment)).total_seconds()
         if not 0 <= seconds <= LONGEST_SHIFT:
             began = (self.start or moment).isoformat()
             wrong = "before" if seconds < 0 else f"more than {LONGEST_SHIFT:.0f} s after"
-            self.faults.append(f"`{key}` is {text}, {wrong} the start of the shift at {began}. The start is stated with --start when a shift begins.")
+            self.faults.append(
+                f"`{key}` is {text}, {wrong} the start of the shift at {began}. The start is stated"
+                " with --start when a shift begins."
+            )
             return None
         return seconds
 
     def id(self, tell: bool = False) -> str | None:
-        """The id when there is one that can be used; with `tell` it is a fault when there is one that cannot."""
+        """The id when there is one that can be used; with `tell` it is a fault when there is one
+        that cannot.
+        """
         value = self.data.get("id")
         if value is None:
             return None
-        whole = isinstance(value, int) and not isinstance(value, bool) and abs(value) < 10**LONGEST_ID
+        whole = (
+            isinstance(value, int) and not isinstance(value, bool) and abs(value) < 10**LONGEST_ID
+        )
         text = str(value) if isinstance(value, str) or whole else ""
         if 1 <= len(text) <= LONGEST_ID and text.isprintable() and LOST not in text:
             return text
         if tell and LOST in text:
-            self.faults.append(f"`id` is {_shown(value)}: U+FFFD stands for a character that was lost on the way. Send events as UTF-8.")
+            self.faults.append(
+                f"`id` is {_shown(value)}: U+FFFD stands for a character that was lost on the way."
+                " Send events as UTF-8."
+            )
         elif tell:
-            self.faults.append(f"`id` is {_shown(value)}; it must be a text of 1 to {LONGEST_ID} printable characters, or a whole number.")
+            self.faults.append(
+                f"`id` is {_shown(value)}; it must be a text of 1 to {LONGEST_ID} printable"
+                " characters, or a whole number."
+            )
         return None
 
     def task(self, name: str, presence: Presence) -> str | None:
@@ -244,34 +331,58 @@ class _Reading:
         if isinstance(value, int) and not isinstance(value, bool):
             value = str(value)
         if not isinstance(value, str):
-            self.faults.append(f"{name}: `task` is {'missing' if value is None else _shown(value)}; it must be the name of a task.")
+            self.faults.append(
+                f"{name}: `task` is {'missing' if value is None else _shown(value)}; it must be the"
+                " name of a task."
+            )
             return None
         found = _known(value, self.cell.tasks)
         if found is None:
-            self.faults.append(f"the cell has no task {_shown(value)}. {Known(self.cell.tasks).hint(value)}")
+            self.faults.append(
+                f"the cell has no task {_shown(value)}. {Known(self.cell.tasks).hint(value)}"
+            )
         return found
 
-    def operators(self, name: str, presence: Literal["no", "may", "one", "some"]) -> tuple[str, ...]:
+    def operators(
+        self, name: str, presence: Literal["no", "may", "one", "some"]
+    ) -> tuple[str, ...]:
         given = [key for key in ("operator", "operators") if key in self.data]
         if presence == "no" or (presence == "may" and not given):
             return ()
         if len(given) != 1:
-            self.faults.append(f"{name}: give either `operator` or `operators`." if given else f"{name}: `operator` is missing: who it is about.")
+            self.faults.append(
+                f"{name}: give either `operator` or `operators`."
+                if given
+                else f"{name}: `operator` is missing: who it is about."
+            )
             return ()
         value = self.data[given[0]]
         names = value if given[0] == "operators" and isinstance(value, list) else [value]
-        names = [str(who) if isinstance(who, int) and not isinstance(who, bool) else who for who in names]
+        names = [
+            str(who) if isinstance(who, int) and not isinstance(who, bool) else who for who in names
+        ]
         if not names or not all(isinstance(who, str) for who in names):
-            self.faults.append(f"{name}: `{given[0]}` is {_shown(value)}; it must name operators of the cell.")
+            self.faults.append(
+                f"{name}: `{given[0]}` is {_shown(value)}; it must name operators of the cell."
+            )
             return ()
         found = {who: _known(who, self.cell.operators) for who in names}
         unknown = [who for who, known in found.items() if known is None]
-        self.faults += [f"the cell has no operator {_shown(who)}. {Known(self.cell.operators).hint(who)}" for who in unknown]
+        self.faults += [
+            f"the cell has no operator {_shown(who)}. {Known(self.cell.operators).hint(who)}"
+            for who in unknown
+        ]
         named = [found[who] for who in names]
         if len({who or number for number, who in enumerate(named)}) < len(names):
-            self.faults.append(f"{name}: an operator is named twice in {', '.join(map(_shown, names))}; once is enough.")
+            self.faults.append(
+                f"{name}: an operator is named twice in {', '.join(map(_shown, names))}; once is"
+                " enough."
+            )
         if presence == "one" and len(names) > 1:
-            self.faults.append(f"{name}: is about one operator; send an event for each of {', '.join(map(repr, names))}.")
+            self.faults.append(
+                f"{name}: is about one operator; send an event for each of"
+                f" {', '.join(map(repr, names))}."
+            )
         return tuple(who for who in self.cell.operators if who in named)
 
 
@@ -284,7 +395,10 @@ def _no_kind(data: dict[str, Any]) -> str:
     if "event" not in data:
         return f"`event` is missing: what happened. Known: {', '.join(KINDS)}."
     value = data["event"]
-    return f"there is no event {_shown(value)}. {Known(KINDS).hint(value if isinstance(value, str) else '')}"
+    return (
+        f"there is no event {_shown(value)}."
+        f" {Known(KINDS).hint(value if isinstance(value, str) else '')}"
+    )
 
 
 def _unknown_keys(name: str, kind: Kind, data: dict[str, Any]) -> Iterator[str]:
@@ -298,7 +412,13 @@ def keys_of(kind: Kind) -> list[str]:
     """Names of the keys that such an event has of its own."""
     return [
         *(["task"] if kind.task != "no" else []),
-        *(["operator"] if kind.operators == "one" else ["operator", "operators"] if kind.operators != "no" else []),
+        *(
+            ["operator"]
+            if kind.operators == "one"
+            else ["operator", "operators"]
+            if kind.operators != "no"
+            else []
+        ),
         *(["until"] if kind.until != "no" else []),
     ]
 
@@ -317,7 +437,13 @@ def _no_number(word: str) -> Any:
 
 
 def _kind_of(value: Any) -> str:
-    return {list: "a list", str: "a text", bool: "a yes or no", int: "a number", float: "a number"}.get(type(value), "nothing")
+    return {
+        list: "a list",
+        str: "a text",
+        bool: "a yes or no",
+        int: "a number",
+        float: "a number",
+    }.get(type(value), "nothing")
 
 
 def _shown(value: Any) -> str:

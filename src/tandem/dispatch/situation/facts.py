@@ -1,4 +1,6 @@
-"""What follows from a cell and is asked at every moment of a shift: worked out once. Names and seconds, as in the cell."""
+"""What follows from a cell and is asked at every moment of a shift: worked out once. Names and
+seconds, as in the cell.
+"""
 
 from __future__ import annotations
 
@@ -16,12 +18,13 @@ class Facts:
     """Facts of a cell.
 
     Attributes:
-      ways: task -> the modes that a schedule can hold: no more operators than the tool and the zone have places, and none that a partner in
-        `same_operator` lacks.
+      ways: task -> the modes that a schedule can hold: no more operators than the tool and the zone
+        have places, and none that a partner in `same_operator` lacks.
       behind: task -> its direct successors, in the cell's order.
       above: task -> all its successors, direct or not.
       team: task -> the other tasks that the same operators must do.
-      must: task -> operator -> the least stress that it puts on them, however it is done; only what is more than 0.
+      must: task -> operator -> the least stress that it puts on them, however it is done; only what
+        is more than 0.
       sets: the listed sets of tasks done by humans that can come about; None where stress adds up.
     """
 
@@ -38,15 +41,29 @@ class Facts:
         layout = Layout.of(Instance.of(cell))
         names, instance = layout.instance.tasks, layout.instance
         return cls(
-            ways={task: tuple(cell.modes(task)[step.way] for step in steps) for task, steps in zip(names, layout.steps, strict=True)},
-            behind={task: tuple(names[after] for after in row) for task, row in zip(names, instance.behind, strict=True)},
+            ways={
+                task: tuple(cell.modes(task)[step.way] for step in steps)
+                for task, steps in zip(names, layout.steps, strict=True)
+            },
+            behind={
+                task: tuple(names[after] for after in row)
+                for task, row in zip(names, instance.behind, strict=True)
+            },
             above=_above(instance),
             team={
-                task: tuple(other for other, number in zip(names, layout.team, strict=True) if number == mine >= 0 and other != task)
+                task: tuple(
+                    other
+                    for other, number in zip(names, layout.team, strict=True)
+                    if number == mine >= 0 and other != task
+                )
                 for task, mine in zip(names, layout.team, strict=True)
             },
             must={
-                task: {who: instance.stress(units) for who, units in zip(instance.operators, row, strict=True) if units}
+                task: {
+                    who: instance.stress(units)
+                    for who, units in zip(instance.operators, row, strict=True)
+                    if units
+                }
                 for task, row in zip(names, layout.must, strict=True)
             },
             sets=_sets(layout),
@@ -66,4 +83,6 @@ def _sets(layout: Layout) -> tuple[frozenset[str], ...] | None:
     if table is None:
         return None
     feasible = [tasks for tasks in table if not layout.with_humans_at(tasks).impossible()]
-    return tuple(frozenset(layout.instance.tasks[task] for task in tasks) for tasks in feasible or table)
+    return tuple(
+        frozenset(layout.instance.tasks[task] for task in tasks) for tasks in feasible or table
+    )

@@ -1,4 +1,6 @@
-"""What may begin now in a situation, how long it would take, and what stands against the rest. Pure functions."""
+"""What may begin now in a situation, how long it would take, and what stands against the rest. Pure
+functions.
+"""
 
 from __future__ import annotations
 
@@ -10,21 +12,39 @@ from tandem.dispatch.situation.model import Situation, exact, mode
 
 
 def start_of_work(situation: Situation, task: str, operators: Iterable[str]) -> float:
-    """When the task itself would start, were it begun now, s: now, or when the last of them has taken up its tool."""
-    return exact(max([situation.now, *(since + swap for since, swap in _swaps(situation, task, operators).values())]))
+    """When the task itself would start, were it begun now, s: now, or when the last of them has
+    taken up its tool.
+    """
+    return exact(
+        max(
+            [
+                situation.now,
+                *(since + swap for since, swap in _swaps(situation, task, operators).values()),
+            ]
+        )
+    )
 
 
 def seconds(situation: Situation, task: str, operators: tuple[str, ...]) -> float:
-    """How long it would keep them from now on as stated, what is left of a changeover included: to do it, or to take it apart when it is wrong."""
-    return exact(start_of_work(situation, task, operators) - situation.now + _stated(situation, task, mode(situation.cell, task, operators)))
+    """How long it would keep them from now on as stated, what is left of a changeover included: to
+    do it, or to take it apart when it is wrong.
+    """
+    return exact(
+        start_of_work(situation, task, operators)
+        - situation.now
+        + _stated(situation, task, mode(situation.cell, task, operators))
+    )
 
 
 def legal(situation: Situation) -> list[tuple[str, tuple[str, ...]]]:
-    """What may begin now, as (task, operators), in the cell's order. For a task in `situation.wrong` it means taking it apart.
+    """What may begin now, as (task, operators), in the cell's order. For a task in
+    `situation.wrong` it means taking it apart.
 
-    Predecessors have ended (or, to take a task apart, nothing stands on it any more), its release has come, all operators are there and at nothing,
-    tool and zone have room, no break falls into changeover or stated time, and refusals, stress limits (as far as the least stress of what is left
-    tells), `same_operator` and `stress_of_set` are kept. Deadlines rule out nothing: late is better than never.
+    Predecessors have ended (or, to take a task apart, nothing stands on it any more), its release
+    has come, all operators are there and at nothing, tool and zone have room, no break falls into
+    changeover or stated time, and refusals, stress limits (as far as the least stress of what is
+    left tells), `same_operator` and `stress_of_set` are kept. Deadlines rule out nothing: late is
+    better than never.
     """
     idle = frozenset(situation.idle)
     found: dict[tuple[str, tuple[str, ...]], None] = {}
@@ -37,7 +57,9 @@ def legal(situation: Situation) -> list[tuple[str, tuple[str, ...]]]:
 
 
 def may_begin(situation: Situation, task: str, operators: Iterable[str]) -> bool:
-    """Whether these operators may begin the task now: one entry of `legal`, the others left aside."""
+    """Whether these operators may begin the task now: one entry of `legal`, the others left
+    aside.
+    """
     who = frozenset(operators)
     if task not in situation.open or not is_ready(situation, task):
         return False
@@ -48,7 +70,8 @@ def may_begin(situation: Situation, task: str, operators: Iterable[str]) -> bool
 
 
 def is_ready(situation: Situation, task: str) -> bool:
-    """What must come before has come: what the task stands on is in place, and nothing above it is in hand or wrong (begun before its turn).
+    """What must come before has come: what the task stands on is in place, and nothing above it is
+    in hand or wrong (begun before its turn).
 
     Where the task is wrong: all that stands on it is off.
     """
@@ -61,13 +84,17 @@ def is_ready(situation: Situation, task: str) -> bool:
 
 
 def hindrances(situation: Situation, task: str, way: Mode) -> Iterator[str]:
-    """What else stands against the task being begun now in this way, in sentences; none when nothing does."""
+    """What else stands against the task being begun now in this way, in sentences; none when
+    nothing does.
+    """
     for rule in (_release, _refusals, _breaks, _room, _stress_limits, _teams, _listed_sets):
         yield from rule(situation, task, way)
 
 
 def next_change(situation: Situation) -> float | None:
-    """When the clock alone may make something legal, s: a release, the end of a break, the end of a refusal. None when it never will."""
+    """When the clock alone may make something legal, s: a release, the end of a break, the end of a
+    refusal. None when it never will.
+    """
     cell = situation.cell
     times = [cell.tasks[task].release for task in situation.open]
     times += [back for operator in cell.operators.values() for _, back in operator.breaks]
@@ -79,16 +106,25 @@ def _stated(situation: Situation, task: str, way: Mode) -> float:
     return way.time * situation.taking_apart if task in situation.wrong else way.time
 
 
-def _swaps(situation: Situation, task: str, operators: Iterable[str]) -> dict[str, tuple[float, float]]:
-    """Operator -> since when they can have been taking up the task's tool, and how long that takes (s); only who holds another one."""
+def _swaps(
+    situation: Situation, task: str, operators: Iterable[str]
+) -> dict[str, tuple[float, float]]:
+    """Operator -> since when they can have been taking up the task's tool, and how long that takes
+    (s); only who holds another one.
+    """
     tool = situation.cell.tasks[task].tool
     if tool is None or tool not in situation.cell.tools:
         return {}
     swaps = {}
     for who in operators:
         if situation.in_hand.get(who, tool) != tool:
-            over = [back for _, back in situation.cell.operators[who].breaks if back <= situation.now]
-            swaps[who] = (max([situation.since.get(who, 0.0), *over]), situation.cell.tools[tool].changeover.get(who, 0.0))
+            over = [
+                back for _, back in situation.cell.operators[who].breaks if back <= situation.now
+            ]
+            swaps[who] = (
+                max([situation.since.get(who, 0.0), *over]),
+                situation.cell.tools[tool].changeover.get(who, 0.0),
+            )
     return swaps
 
 
@@ -102,13 +138,18 @@ def _refusals(situation: Situation, task: str, way: Mode) -> Iterator[str]:
     for who in way.operators:
         if situation.is_refused(who, task):
             until = situation.refused[who, task]
-            yield f"{who!r} does not want task {task!r}" + ("" if until is None else f" before {until:g} s")
+            yield f"{who!r} does not want task {task!r}" + (
+                "" if until is None else f" before {until:g} s"
+            )
 
 
 def _breaks(situation: Situation, task: str, way: Mode) -> Iterator[str]:
     if not any(situation.cell.operators[who].breaks for who in way.operators):
         return
-    start, swaps = start_of_work(situation, task, way.operators), _swaps(situation, task, way.operators)
+    start, swaps = (
+        start_of_work(situation, task, way.operators),
+        _swaps(situation, task, way.operators),
+    )
     end = exact(start + _stated(situation, task, way))
     for who in way.operators:
         begin = exact(start - swaps.get(who, (0.0, 0.0))[1])
@@ -120,27 +161,49 @@ def _breaks(situation: Situation, task: str, way: Mode) -> Iterator[str]:
 def _room(situation: Situation, task: str, way: Mode) -> Iterator[str]:
     cell = situation.cell
     wanted = cell.tasks[task]
-    tables: tuple[tuple[str, str | None, Mapping[str, Any]], ...] = (("tool", wanted.tool, cell.tools), ("zone", wanted.zone, cell.zones))
+    tables: tuple[tuple[str, str | None, Mapping[str, Any]], ...] = (
+        ("tool", wanted.tool, cell.tools),
+        ("zone", wanted.zone, cell.zones),
+    )
     for kind, name, table in tables:
         if name is not None:
             places = table[name].capacity if name in table else 1
-            taken = sum(len(at.operators) for other, at in situation.running.items() if getattr(cell.tasks[other], kind) == name)
+            taken = sum(
+                len(at.operators)
+                for other, at in situation.running.items()
+                if getattr(cell.tasks[other], kind) == name
+            )
             if taken + len(way.operators) > places:
-                yield f"{kind} {name!r} is taken" if taken else f"{kind} {name!r} has room for {places} only"
+                yield (
+                    f"{kind} {name!r} is taken"
+                    if taken
+                    else f"{kind} {name!r} has room for {places} only"
+                )
 
 
 def _stress_limits(situation: Situation, task: str, way: Mode) -> Iterator[str]:
-    limits = {who: limit for who in way.operators if (limit := situation.cell.operators[who].stress_limit) is not None}
+    limits = {
+        who: limit
+        for who in way.operators
+        if (limit := situation.cell.operators[who].stress_limit) is not None
+    }
     if not limits or task in situation.wrong:
         return  # what has to come off does so, and what mistakes bring on top does not count
-    stands = {name: at.operators for place in (situation.wrong, situation.done, situation.running) for name, at in place.items()}
+    stands = {
+        name: at.operators
+        for place in (situation.wrong, situation.done, situation.running)
+        for name, at in place.items()
+    }
     loads = [mode(situation.cell, name, operators).stress for name, operators in stands.items()]
     left = [other for other in situation.open if other != task and other not in situation.wrong]
     for who, limit in limits.items():
         ahead = sum(situation.facts.must[other].get(who, 0.0) for other in left)
         total = exact(sum(load.get(who, 0.0) for load in loads) + way.stress.get(who, 0.0) + ahead)
         if total > limit:
-            yield f"{who!r} would come to {total:g} of stress with what is left, the limit is {limit:g}"
+            yield (
+                f"{who!r} would come to {total:g} of stress with what is left, the limit is"
+                f" {limit:g}"
+            )
 
 
 def _teams(situation: Situation, task: str, way: Mode) -> Iterator[str]:
@@ -153,9 +216,16 @@ def _teams(situation: Situation, task: str, way: Mode) -> Iterator[str]:
 def _listed_sets(situation: Situation, task: str, way: Mode) -> Iterator[str]:
     if situation.facts.sets is None:
         return
-    begun = {name: at.operators for place in (situation.wrong, situation.done, situation.running) for name, at in place.items()}
+    begun = {
+        name: at.operators
+        for place in (situation.wrong, situation.done, situation.running)
+        for name, at in place.items()
+    }
     humans = set(situation.cell.humans)
     by_humans = {name for name, group in begun.items() if humans.intersection(group)}
     possible = [tasks for tasks in situation.facts.sets if not (tasks ^ by_humans) & begun.keys()]
     if not any((task in tasks) == bool(humans.intersection(way.operators)) for tasks in possible):
-        yield f"`stress_of_set` lists no set that holds what was done and task {task!r} by {' and '.join(way.operators)}"
+        yield (
+            f"`stress_of_set` lists no set that holds what was done and task {task!r} by"
+            f" {' and '.join(way.operators)}"
+        )

@@ -1,8 +1,10 @@
-"""Where a shift stands, as far as it has been seen: what deciders look at. Frozen, plain Python; knows no JAX and no solver.
+"""Where a shift stands, as far as it has been seen: what deciders look at. Frozen, plain Python;
+knows no JAX and no solver.
 
-`legal.py` says what may begin; `after.py` moves a situation on. The rules are those of the world (`tandem.world.state`) in other words:
-a test holds both together. Times are seconds since the shift's start. Who was idle has used that time to take up the tool of the next task; what is
-left of a changeover belongs to the work that follows it.
+`legal.py` says what may begin; `after.py` moves a situation on. The rules are those of the world
+(`tandem.world.state`) in other words: a test holds both together. Times are seconds since the
+shift's start. Who was idle has used that time to take up the tool of the next task; what is left of
+a changeover belongs to the work that follows it.
 """
 
 from __future__ import annotations
@@ -19,7 +21,9 @@ from tandem.dispatch.situation.facts import Facts
 Outcome = Literal["done", "taken apart", "broken off"]
 
 TAKING_APART = 1.0
-"""ASSUMPTION: taking apart takes so many times as long as doing, with the same operators, tool and zone. `Situation.taking_apart` sets it."""
+"""ASSUMPTION: taking apart takes so many times as long as doing, with the same operators, tool and
+zone. `Situation.taking_apart` sets it.
+"""
 
 
 @dataclass(frozen=True)
@@ -29,9 +33,11 @@ class Running:
     Attributes:
       operators: who does it, in the cell's order.
       start: when they began, with what was left of a changeover, s.
-      expected_end: by the stated times, s; later when the work has rested. It may have passed: people are slower than stated.
+      expected_end: by the stated times, s; later when the work has rested. It may have passed:
+        people are slower than stated.
       undoing: it is being taken apart, not done.
-      rests_since: since when nobody works on it, an operator being absent or failed; None while it goes on.
+      rests_since: since when nobody works on it, an operator being absent or failed; None while it
+        goes on.
       rested: seconds that it has rested before.
     """
 
@@ -91,16 +97,21 @@ class Situation:
 
     Attributes:
       now: s since the start.
-      done: task -> the work that did it; what turned out wrong or was taken apart is no longer in it.
+      done: task -> the work that did it; what turned out wrong or was taken apart is no longer in
+        it.
       running: task -> who is at it since when.
       past: all work that ended, in the order in which it ended.
       absent: humans who are away. `failed`: robots that are down.
-      refused: (operator, task) -> until when (s) that operator will not do the task; None: for the whole shift.
-      orders: task -> the order of the last decision that no start has followed yet. The next decision replaces it: an order binds nobody.
+      refused: (operator, task) -> until when (s) that operator will not do the task; None: for the
+        whole shift.
+      orders: task -> the order of the last decision that no start has followed yet. The next
+        decision replaces it: an order binds nobody.
       announced: human -> the task that the last decision asked for.
-      wrong: tasks that are mounted wrongly, or on top of something wrong, with the work that did so: they must be taken apart, then done again.
+      wrong: tasks that are mounted wrongly, or on top of something wrong, with the work that did
+        so: they must be taken apart, then done again.
       in_hand: operator -> the tool in hand; who is missing takes up the first one at no cost.
-      since: operator -> since when they could have taken up another tool: the end of the last work or absence; 0 for who is missing.
+      since: operator -> since when they could have taken up another tool: the end of the last work
+        or absence; 0 for who is missing.
       taking_apart: see `TAKING_APART`.
       known: `facts` when they have been worked out; handed on from situation to situation.
     """
@@ -134,8 +145,12 @@ class Situation:
 
     @property
     def open(self) -> tuple[str, ...]:
-        """Tasks that nobody is at and that are not in place, in the cell's order; those that are wrong are among them."""
-        return tuple(task for task in self.cell.tasks if task not in self.running and task not in self.done)
+        """Tasks that nobody is at and that are not in place, in the cell's order; those that are
+        wrong are among them.
+        """
+        return tuple(
+            task for task in self.cell.tasks if task not in self.running and task not in self.done
+        )
 
     @property
     def is_over(self) -> bool:
@@ -146,7 +161,11 @@ class Situation:
     def idle(self) -> tuple[str, ...]:
         """Operators who are there and at nothing, in the cell's order."""
         busy = {who for at in self.running.values() for who in at.operators}
-        return tuple(who for who in self.cell.operators if who not in busy and who not in self.absent and who not in self.failed)
+        return tuple(
+            who
+            for who in self.cell.operators
+            if who not in busy and who not in self.absent and who not in self.failed
+        )
 
     @property
     def makespan(self) -> float:
@@ -155,17 +174,24 @@ class Situation:
 
     @property
     def load(self) -> dict[str, float]:
-        """Human -> stress so far, running work included; every doing and taking apart counts, work that was broken off does not."""
+        """Human -> stress so far, running work included; every doing and taking apart counts, work
+        that was broken off does not.
+        """
         load = dict.fromkeys(self.cell.humans, 0.0)
         work = [(one.task, one.operators) for one in self.past if one.outcome != "broken off"]
-        for task, operators in [*work, *((task, at.operators) for task, at in self.running.items())]:
+        for task, operators in [
+            *work,
+            *((task, at.operators) for task, at in self.running.items()),
+        ]:
             for human, stress in mode(self.cell, task, operators).stress.items():
                 load[human] += stress
         return load
 
     @property
     def stress(self) -> float:
-        """Of all humans together, as a sum over their work (also where the cell has `stress_of_set`)."""
+        """Of all humans together, as a sum over their work (also where the cell has
+        `stress_of_set`).
+        """
         return sum(self.load.values())
 
     def is_refused(self, operator: str, task: str) -> bool:
@@ -194,7 +220,8 @@ class Situation:
 
 
 def mode(cell: Cell, task: str, operators: Iterable[str]) -> Mode:
-    """The way in which these operators do the task: of several the quickest, of these the one of least stress.
+    """The way in which these operators do the task: of several the quickest, of these the one of
+    least stress.
 
     Raises KeyError when they have none.
     """
@@ -211,4 +238,7 @@ def exact(seconds: float) -> float:
 
 
 def _plain(record: Running | Work | Order) -> dict[str, Any]:
-    return {key: list(value) if isinstance(value, tuple) else value for key, value in vars(record).items()}
+    return {
+        key: list(value) if isinstance(value, tuple) else value
+        for key, value in vars(record).items()
+    }

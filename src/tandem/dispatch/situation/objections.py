@@ -1,7 +1,8 @@
 """Which events cannot have happened, as far as the shift is known. Pure functions.
 
-An event that contradicts what is known is refused and changes nothing (`objections`). One that breaks a rule of the cell but may well have
-happened, a person working in their break or before a task's turn for instance, is taken as it is; `remarks` says what is odd.
+An event that contradicts what is known is refused and changes nothing (`objections`). One that
+breaks a rule of the cell but may well have happened, a person working in their break or before a
+task's turn for instance, is taken as it is; `remarks` says what is odd.
 """
 
 from __future__ import annotations
@@ -18,17 +19,28 @@ from tandem.dispatch.situation.transitions import task_of
 def objections(situation: Situation, event: Event) -> list[str]:
     """Why the event cannot have happened, as far as is known; empty when nothing contradicts it."""
     if event.at < situation.now:
-        return [f"it happened at {event.at:.10g} s, but the shift has come to {situation.now:.10g} s; time does not run backwards."]
+        return [
+            f"it happened at {event.at:.10g} s, but the shift has come to {situation.now:.10g} s;"
+            " time does not run backwards."
+        ]
     rule = RULES.get(event.kind)
     return list(rule(situation, event)) if rule else []
 
 
 def remarks(situation: Situation, event: Event) -> list[str]:
-    """What is odd about an event that is taken all the same. Assumes that there are no `objections`."""
+    """What is odd about an event that is taken all the same. Assumes that there are no
+    `objections`.
+    """
     if event.kind != "started":
         return []
     task = task_of(event)
-    early = [] if is_ready(situation, task) else [f"{_not_ready(situation, task)}. What is mounted before its turn will have to come off"]
+    early = (
+        []
+        if is_ready(situation, task)
+        else [
+            f"{_not_ready(situation, task)}. What is mounted before its turn will have to come off"
+        ]
+    )
     way = mode(situation.cell, task, event.operators)
     return [f"{odd}." for odd in (*early, *hindrances(replace(situation, now=event.at), task, way))]
 
@@ -39,26 +51,46 @@ def _against_started(situation: Situation, event: Event) -> Iterator[str]:
         at = situation.running[task]
         yield f"task {task!r} is under way since {at.start:g} s, by {_and(at.operators)}."
     elif task in situation.done:
-        yield f"task {task!r} is done since {situation.done[task].end:g} s. If it is mounted wrongly, report it as wrong first."
-    elif not is_ready(situation, task) and (task in situation.wrong or not any(who in situation.cell.humans for who in event.operators)):
+        yield (
+            f"task {task!r} is done since {situation.done[task].end:g} s. If it is mounted wrongly,"
+            " report it as wrong first."
+        )
+    elif not is_ready(situation, task) and (
+        task in situation.wrong or not any(who in situation.cell.humans for who in event.operators)
+    ):
         yield f"{_not_ready(situation, task)}."
     groups = [way.operators for way in situation.cell.modes(task)]
     if not any(set(group) == set(event.operators) for group in groups):
-        yield f"{_and(event.operators)} cannot do task {task!r}; {' or '.join(map(_and, groups))} can."
+        yield (
+            f"{_and(event.operators)} cannot do task {task!r}; {' or '.join(map(_and, groups))}"
+            " can."
+        )
     for who in event.operators:
         for other, busy in situation.running.items():
             if who in busy.operators and other != task:
-                yield f"{who!r} is still at task {other!r}; report that as {'undone' if busy.undoing else 'done'} or failed first."
+                yield (
+                    f"{who!r} is still at task {other!r}; report that as"
+                    f" {'undone' if busy.undoing else 'done'} or failed first."
+                )
         yield from _not_there(situation, who)
 
 
 def _not_ready(situation: Situation, task: str) -> str:
     if task in situation.wrong:
-        return f"task {task!r} is mounted wrongly and cannot be taken apart before {_and(map(repr, _above(situation, task)))}"
+        return (
+            f"task {task!r} is mounted wrongly and cannot be taken apart before"
+            f" {_and(map(repr, _above(situation, task)))}"
+        )
     missing = [first for first in situation.cell.tasks[task].after if first not in situation.done]
     if not missing:
-        return f"task {task!r} goes below {_and(map(repr, _above(situation, task)))}, begun before its turn: that has to come off first"
-    return f"task {task!r} comes after {_and(map(repr, missing))}, which {'are' if len(missing) > 1 else 'is'} not done"
+        return (
+            f"task {task!r} goes below {_and(map(repr, _above(situation, task)))}, begun before its"
+            " turn: that has to come off first"
+        )
+    return (
+        f"task {task!r} comes after {_and(map(repr, missing))}, which"
+        f" {'are' if len(missing) > 1 else 'is'} not done"
+    )
 
 
 def _against_done(situation: Situation, event: Event) -> Iterator[str]:
@@ -66,12 +98,19 @@ def _against_done(situation: Situation, event: Event) -> Iterator[str]:
     at = situation.running.get(task)
     if at is None:
         ordered = " It was ordered only." if task in situation.orders else ""
-        yield f"task {task!r} is done already." if task in situation.done else f"task {task!r} has not been reported as started.{ordered}"
+        yield (
+            f"task {task!r} is done already."
+            if task in situation.done
+            else f"task {task!r} has not been reported as started.{ordered}"
+        )
     elif at.undoing:
         yield f"task {task!r} is being taken apart; report that as undone."
     else:
         if event.operators and set(event.operators) != set(at.operators):
-            yield f"task {task!r} is being done by {_and(at.operators)}, not by {_and(event.operators)}."
+            yield (
+                f"task {task!r} is being done by {_and(at.operators)}, not by"
+                f" {_and(event.operators)}."
+            )
         for who in at.operators:
             yield from _not_there(situation, who)
 
@@ -93,19 +132,30 @@ def _against_failed(situation: Situation, event: Event) -> Iterator[str]:
         return
     at = situation.running.get(event.task)
     if at is None:
-        yield f"task {event.task!r} {'is done; report it as wrong' if event.task in situation.done else 'is not under way'}."
+        yield (
+            f"task {event.task!r}"
+            f" {'is done; report it as wrong' if event.task in situation.done else 'is not under way'}."
+        )
     elif not set(event.operators) <= set(at.operators):
-        yield f"task {event.task!r} is being done by {_and(at.operators)}, not by {_and(event.operators)}."
+        yield (
+            f"task {event.task!r} is being done by {_and(at.operators)}, not by"
+            f" {_and(event.operators)}."
+        )
 
 
 def _against_absent(situation: Situation, event: Event) -> Iterator[str]:
     yield from _against_leaving(situation, event.operators[0], "human", situation.absent)
 
 
-def _against_leaving(situation: Situation, who: str, kind: str, gone: frozenset[str]) -> Iterator[str]:
+def _against_leaving(
+    situation: Situation, who: str, kind: str, gone: frozenset[str]
+) -> Iterator[str]:
     actual = situation.cell.operators[who].kind
     if actual != kind:
-        yield f"{who!r} is a {actual}; report {'a robot as failed' if actual == 'robot' else 'a human as absent'}."
+        yield (
+            f"{who!r} is a {actual}; report"
+            f" {'a robot as failed' if actual == 'robot' else 'a human as absent'}."
+        )
     elif who in gone:
         yield f"{who!r} was reported as {'failed' if kind == 'robot' else 'absent'} already."
 
@@ -114,7 +164,10 @@ def _against_coming(situation: Situation, event: Event) -> Iterator[str]:
     [who] = event.operators
     kind = situation.cell.operators[who].kind
     if kind != ("robot" if event.kind == "repaired" else "human"):
-        yield f"{who!r} is a {kind}; report {'a robot as repaired' if kind == 'robot' else 'a human as back'}."
+        yield (
+            f"{who!r} is a {kind}; report"
+            f" {'a robot as repaired' if kind == 'robot' else 'a human as back'}."
+        )
     elif who not in situation.failed | situation.absent:
         yield f"{who!r} was not reported as {'failed' if kind == 'robot' else 'absent'}."
 
@@ -131,11 +184,17 @@ def _against_undone(situation: Situation, event: Event) -> Iterator[str]:
     task = task_of(event)
     if task in situation.running:
         if not situation.running[task].undoing:
-            yield f"task {task!r} is being done; report it as failed when nothing is mounted, else as wrong."
+            yield (
+                f"task {task!r} is being done; report it as failed when nothing is mounted, else as"
+                " wrong."
+            )
     elif task not in situation.done and task not in situation.wrong:
         yield f"task {task!r} is not done."
     elif above := _above(situation, task):
-        yield f"{_and(map(repr, above))} {'stand' if len(above) > 1 else 'stands'} on task {task!r}; report that as undone first."
+        yield (
+            f"{_and(map(repr, above))} {'stand' if len(above) > 1 else 'stands'} on task {task!r};"
+            " report that as undone first."
+        )
 
 
 RULES: dict[str, Callable[[Situation, Event], Iterator[str]]] = {
@@ -149,13 +208,19 @@ RULES: dict[str, Callable[[Situation, Event], Iterator[str]]] = {
     "absent": _against_absent,
     "back": _against_coming,
 }
-"""Kind of event -> what speaks against it, in sentences. Only time speaks against a kind that is not here."""
+"""Kind of event -> what speaks against it, in sentences. Only time speaks against a kind that is
+not here.
+"""
 
 
 def _above(situation: Situation, task: str) -> list[str]:
     """What stands on the task, or is being put there."""
     places = (situation.done, situation.wrong, situation.running)
-    return [name for name in situation.cell.tasks if name in situation.facts.above[task] and any(name in place for place in places)]
+    return [
+        name
+        for name in situation.cell.tasks
+        if name in situation.facts.above[task] and any(name in place for place in places)
+    ]
 
 
 def _not_there(situation: Situation, who: str) -> Iterator[str]:

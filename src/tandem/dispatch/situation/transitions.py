@@ -24,11 +24,15 @@ def after(situation: Situation, event: Event) -> Situation:
                 return _ended(now, event.task, "broken off")
             return _rested(replace(now, failed=now.failed.union(event.operators)))
         case "repaired":
-            return _there_again(replace(now, failed=now.failed.difference(event.operators)), event.operators)
+            return _there_again(
+                replace(now, failed=now.failed.difference(event.operators)), event.operators
+            )
         case "absent":
             return _rested(replace(now, absent=now.absent.union(event.operators)))
         case "back":
-            return _there_again(replace(now, absent=now.absent.difference(event.operators)), event.operators)
+            return _there_again(
+                replace(now, absent=now.absent.difference(event.operators)), event.operators
+            )
         case "refused":
             [who] = event.operators
             return replace(now, refused={**now.refused, (who, task_of(event)): event.until})
@@ -49,21 +53,33 @@ class Choice(Protocol):
 
 
 def ordered(situation: Situation, choice: Choice, number: int) -> Situation:
-    """The situation once the decision of this number has been told: robots have their orders, and humans know what they are asked for.
+    """The situation once the decision of this number has been told: robots have their orders, and
+    humans know what they are asked for.
 
-    What robots take part in is an order; what only humans take part in is announced. An order that was there before keeps its number.
+    What robots take part in is an order; what only humans take part in is announced. An order that
+    was there before keeps its number.
     """
     orders, announced = {}, dict(choice.announced)
     for task, operators in choice.starts:
         before = situation.orders.get(task)
         if any(situation.cell.operators[who].kind == "robot" for who in operators):
-            orders[task] = before if before is not None and before.operators == operators else Order(operators, number)
-        announced |= {who: task for who in operators if situation.cell.operators[who].kind == "human"}
+            orders[task] = (
+                before
+                if before is not None and before.operators == operators
+                else Order(operators, number)
+            )
+        announced |= {
+            who: task for who in operators if situation.cell.operators[who].kind == "human"
+        }
     return replace(situation, orders=orders, announced=announced)
 
 
-def beginning(situation: Situation, starts: Iterable[tuple[str, tuple[str, ...]]]) -> list[tuple[str, tuple[str, ...]]]:
-    """Of these (task, operators), in their order, what may begin together now: each when those kept before it have begun."""
+def beginning(
+    situation: Situation, starts: Iterable[tuple[str, tuple[str, ...]]]
+) -> list[tuple[str, tuple[str, ...]]]:
+    """Of these (task, operators), in their order, what may begin together now: each when those kept
+    before it have begun.
+    """
     kept = []
     for task, operators in starts:
         if may_begin(situation, task, operators):
@@ -77,33 +93,54 @@ def revoked(before: Situation, now: Situation) -> dict[str, Order]:
     return {
         task: order
         for task, order in before.orders.items()
-        if now.orders.get(task) != order and (task not in now.running or now.running[task].operators != order.operators)
+        if now.orders.get(task) != order
+        and (task not in now.running or now.running[task].operators != order.operators)
     }
 
 
 def _started(situation: Situation, task: str, operators: tuple[str, ...]) -> Situation:
     now, tool = situation.now, situation.cell.tasks[task].tool
-    at = Running(operators, now, exact(now + seconds(situation, task, operators)), undoing=task in situation.wrong)
+    at = Running(
+        operators,
+        now,
+        exact(now + seconds(situation, task, operators)),
+        undoing=task in situation.wrong,
+    )
     return replace(
         situation,
         running={**situation.running, task: at},
         orders={name: order for name, order in situation.orders.items() if name != task},
-        announced={human: asked for human, asked in situation.announced.items() if human not in operators},
-        refused={pair: until for pair, until in situation.refused.items() if pair[1] != task or pair[0] not in operators},
-        in_hand=situation.in_hand if tool is None else {**situation.in_hand, **dict.fromkeys(operators, tool)},
+        announced={
+            human: asked for human, asked in situation.announced.items() if human not in operators
+        },
+        refused={
+            pair: until
+            for pair, until in situation.refused.items()
+            if pair[1] != task or pair[0] not in operators
+        },
+        in_hand=situation.in_hand
+        if tool is None
+        else {**situation.in_hand, **dict.fromkeys(operators, tool)},
     )
 
 
 def _ended(situation: Situation, task: str, outcome: Outcome, *, wrong: bool = False) -> Situation:
-    """The task's work ends now. What was done while something beneath it is not in place has been mounted wrongly."""
+    """The task's work ends now. What was done while something beneath it is not in place has been
+    mounted wrongly.
+    """
     at = situation.running[task]
-    rested = exact(at.rested + (situation.now - at.rests_since if at.rests_since is not None else 0.0))
+    rested = exact(
+        at.rested + (situation.now - at.rests_since if at.rests_since is not None else 0.0)
+    )
     work = Work(task, at.operators, at.start, situation.now, at.stated, rested, outcome)
     running = {name: other for name, other in situation.running.items() if name != task}
     since = {**situation.since, **dict.fromkeys(at.operators, situation.now)}
     situation = replace(situation, running=running, past=(*situation.past, work), since=since)
     if outcome == "taken apart":
-        return replace(situation, wrong={name: other for name, other in situation.wrong.items() if name != task})
+        return replace(
+            situation,
+            wrong={name: other for name, other in situation.wrong.items() if name != task},
+        )
     if outcome == "broken off":
         return situation
     if wrong or any(first not in situation.done for first in situation.cell.tasks[task].after):
@@ -116,7 +153,10 @@ def _wrong(situation: Situation, task: str) -> Situation:
         return _ended(situation, task, "done", wrong=True)
     off = situation.facts.above[task] | {task}
     done = {name: work for name, work in situation.done.items() if name not in off}
-    wrong = {**situation.wrong, **{name: work for name, work in situation.done.items() if name in off}}
+    wrong = {
+        **situation.wrong,
+        **{name: work for name, work in situation.done.items() if name in off},
+    }
     return replace(situation, done=done, wrong=wrong)
 
 
@@ -137,13 +177,20 @@ def _rested(situation: Situation) -> Situation:
             at = replace(at, rests_since=now)
         elif not gone.intersection(at.operators) and at.rests_since is not None:
             rest = now - at.rests_since
-            at = replace(at, rests_since=None, rested=exact(at.rested + rest), expected_end=exact(at.expected_end + rest))
+            at = replace(
+                at,
+                rests_since=None,
+                rested=exact(at.rested + rest),
+                expected_end=exact(at.expected_end + rest),
+            )
         running[task] = at
     return replace(situation, running=running)
 
 
 def _there_again(situation: Situation, operators: tuple[str, ...]) -> Situation:
-    return _rested(replace(situation, since={**situation.since, **dict.fromkeys(operators, situation.now)}))
+    return _rested(
+        replace(situation, since={**situation.since, **dict.fromkeys(operators, situation.now)})
+    )
 
 
 def task_of(event: Event) -> str:

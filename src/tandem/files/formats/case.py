@@ -1,9 +1,11 @@
-"""Human-robot cases in JSON: agents, tasks with modes, precedence; the sets hrc_case_studies and hrc_battery_cells.
+"""Human-robot cases in JSON: agents, tasks with modes, precedence; the sets hrc_case_studies and
+hrc_battery_cells.
 
-A mode with one agent becomes a time, one with several a group. `name` is the label, `product` the part, `same_agent` the
-pairs of `same_operator`. A table of the Strain Index becomes `stress_of_set`; where there is none, `strain` or `fatigue`
-of a task is its stress, rounded to six decimals. Measured standard deviations to the left and right of the mean become
-the spread: their mean as a share of the mean time.
+A mode with one agent becomes a time, one with several a group. `name` is the label, `product` the
+part, `same_agent` the pairs of `same_operator`. A table of the Strain Index becomes
+`stress_of_set`; where there is none, `strain` or `fatigue` of a task is its stress, rounded to six
+decimals. Measured standard deviations to the left and right of the mean become the spread: their
+mean as a share of the mean time.
 """
 
 from __future__ import annotations
@@ -64,14 +66,19 @@ class _Case(_Part):
 
 def looks_like(text: str) -> bool:
     """Whether it is JSON with agents; a cell file has operators."""
-    return text.lstrip().startswith("{") and re.search(r'"agents"\s*:', text) is not None and re.search(r'"operators"\s*:\s*\{', text) is None
+    return (
+        text.lstrip().startswith("{")
+        and re.search(r'"agents"\s*:', text) is not None
+        and re.search(r'"operators"\s*:\s*\{', text) is None
+    )
 
 
 def read(text: str, source: str) -> Translated:
     """The case as a cell.
 
     Raises:
-      CellError: the file is not JSON, or not of this form; with every value that is not, at its line and column.
+      CellError: the file is not JSON, or not of this form; with every value that is not, at its
+        line and column.
     """
     document = read_json(text, source)
     try:
@@ -79,7 +86,14 @@ def read(text: str, source: str) -> Translated:
     except ValidationError as error:
         flaws = [(item["loc"], item["msg"]) for item in error.errors(include_url=False)]
         raise CellError(
-            [Fault(f"{'.'.join(map(str, path)) or 'the case'}: {message}.", path, document.place(path).text) for path, message in flaws]
+            [
+                Fault(
+                    f"{'.'.join(map(str, path)) or 'the case'}: {message}.",
+                    path,
+                    document.place(path).text,
+                )
+                for path, message in flaws
+            ]
         ) from error
     tasks: dict[str, Any] = {}
     lines: dict[Path, tuple[int, int]] = {}
@@ -88,7 +102,13 @@ def read(text: str, source: str) -> Translated:
     for place, task in enumerate(case.tasks):
         where = document.place(("tasks", place))
         if task.id in tasks:
-            faults.append(Fault(f"task {task.id!r} is stated twice. Rename or remove one of them.", (), where.text))
+            faults.append(
+                Fault(
+                    f"task {task.id!r} is stated twice. Rename or remove one of them.",
+                    (),
+                    where.text,
+                )
+            )
         tasks[task.id] = _task(task, has_table)
         lines["tasks", task.id] = (where.line, where.column)
     for place, (first, then) in enumerate(case.precedence):
@@ -134,13 +154,22 @@ def _task(task: _Task, has_table: bool) -> dict[str, Any]:
 
 
 def _table(table: dict[str, float], order: list[str]) -> dict[str, float]:
-    """The same sets, spelled in the order of the tasks; a set of unknown tasks stays as it is and is refused with the cell."""
+    """The same sets, spelled in the order of the tasks; a set of unknown tasks stays as it is and
+    is refused with the cell.
+    """
     place = {name: number for number, name in enumerate(order)}
-    return {",".join(sorted(map(clean, key.split(",")), key=lambda name: place.get(name, -1))): round(value, 6) for key, value in table.items()}
+    return {
+        ",".join(sorted(map(clean, key.split(",")), key=lambda name: place.get(name, -1))): round(
+            value, 6
+        )
+        for key, value in table.items()
+    }
 
 
 def _other_lines(case: _Case, document: Document) -> dict[Path, tuple[int, int]]:
-    found: dict[Path, Place] = {("stress_of_set",): document.place(("strain_index_of_human_task_set",))}
+    found: dict[Path, Place] = {
+        ("stress_of_set",): document.place(("strain_index_of_human_task_set",))
+    }
     for place, agent in enumerate(case.agents):
         found["operators", agent.id] = document.place(("agents", place))
     for place in range(len(case.same_agent)):

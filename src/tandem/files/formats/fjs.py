@@ -1,8 +1,10 @@
-"""Flexible job shops in the form of FJSPLIB (Brandimarte 1993 and everyone since): machines become robots, jobs chains of tasks.
+"""Flexible job shops in the form of FJSPLIB (Brandimarte 1993 and everyone since): machines become
+robots, jobs chains of tasks.
 
-First line: jobs, machines and sometimes a mean number of machines per operation, which says nothing new. Then a line a
-job: the number of operations, and for each of them how many machines can do it, followed by machine and time of each.
-Machines are counted from 1 in some collections and from 0 in others; whichever fits is meant.
+First line: jobs, machines and sometimes a mean number of machines per operation, which says nothing
+new. Then a line a job: the number of operations, and for each of them how many machines can do it,
+followed by machine and time of each. Machines are counted from 1 in some collections and from 0 in
+others; whichever fits is meant.
 """
 
 from __future__ import annotations
@@ -11,17 +13,37 @@ from collections.abc import Iterator
 from itertools import islice
 from typing import Any
 
-from tandem.files.formats.lines import Row, Translated, broken, few_enough, rows, seconds, title, whole
+from tandem.files.formats.lines import (
+    Row,
+    Translated,
+    broken,
+    few_enough,
+    rows,
+    seconds,
+    title,
+    whole,
+)
 from tandem.files.positions import Path
 
 
 def looks_like(text: str) -> bool:
-    """Whether the first lines are those of a flexible job shop: a header of two or three numbers, then a first operation that adds up."""
+    """Whether the first lines are those of a flexible job shop: a header of two or three numbers,
+    then a first operation that adds up.
+    """
     first = [row.words for row in islice(rows(text[:100_000]), 2)]
-    if len(first) < 2 or len(first[0]) not in (2, 3) or not all(_numeric(word) for words in first for word in words):
+    if (
+        len(first) < 2
+        or len(first[0]) not in (2, 3)
+        or not all(_numeric(word) for words in first for word in words)
+    ):
         return False
     header, job = first
-    return header[0].isdigit() and header[1].isdigit() and len(job) >= 4 and len(job) >= 1 + 3 * int(float(job[0]))
+    return (
+        header[0].isdigit()
+        and header[1].isdigit()
+        and len(job) >= 4
+        and len(job) >= 1 + 3 * int(float(job[0]))
+    )
 
 
 def read(text: str, source: str) -> Translated:
@@ -32,18 +54,32 @@ def read(text: str, source: str) -> Translated:
     """
     lines = rows(text)
     if not lines:
-        raise broken(source, 1, "the first line states the numbers of jobs and machines; this file is empty.")
+        raise broken(
+            source, 1, "the first line states the numbers of jobs and machines; this file is empty."
+        )
     head = lines[0]
     if len(head.words) < 2:
-        raise broken(source, head.line, "the first line states the numbers of jobs and of machines.")
+        raise broken(
+            source, head.line, "the first line states the numbers of jobs and of machines."
+        )
     jobs, machines = (
-        whole(source, head.line, word, what) for word, what in zip(head.words, ("the number of jobs", "the number of machines"), strict=False)
+        whole(source, head.line, word, what)
+        for word, what in zip(
+            head.words, ("the number of jobs", "the number of machines"), strict=False
+        )
     )
     few_enough(source, head.line, machines, 1)
     if len(lines) - 1 != jobs:
-        raise broken(source, head.line, f"the first line states {jobs} jobs, but {len(lines) - 1} lines follow. There is one line for each job.")
+        raise broken(
+            source,
+            head.line,
+            f"the first line states {jobs} jobs, but {len(lines) - 1} lines follow. There is one"
+            " line for each job.",
+        )
     shop = [(row, list(_operations(source, row))) for row in lines[1:]]
-    first = counted_from(source, head.line, machines, [(row.line, ways) for row, job in shop for ways in job])
+    first = counted_from(
+        source, head.line, machines, [(row.line, ways) for row, job in shop for ways in job]
+    )
     tasks: dict[str, Any] = {}
     places: dict[Path, int] = {}
     for number, (row, job) in enumerate(shop, 1):
@@ -55,7 +91,11 @@ def read(text: str, source: str) -> Translated:
                 "after": [f"{number}.{step - 1}"] if step > 1 else [],
             }
             places["tasks", key] = row.line
-    return Translated(source, {"name": title(source), "operators": robots(first, machines), "tasks": tasks}, places)
+    return Translated(
+        source,
+        {"name": title(source), "operators": robots(first, machines), "tasks": tasks},
+        places,
+    )
 
 
 def _operations(source: str, row: Row) -> Iterator[list[tuple[int, float]]]:
@@ -65,7 +105,12 @@ def _operations(source: str, row: Row) -> Iterator[list[tuple[int, float]]]:
         ways, place = operation(source, row, place, f"operation {step}")
         yield ways
     if place != len(row.words):
-        raise broken(source, row.line, f"the line states {count} operations, but {len(row.words) - place} more numbers follow them.")
+        raise broken(
+            source,
+            row.line,
+            f"the line states {count} operations, but {len(row.words) - place} more numbers follow"
+            " them.",
+        )
 
 
 def operation(source: str, row: Row, place: int, what: str) -> tuple[list[tuple[int, float]], int]:
@@ -79,7 +124,11 @@ def operation(source: str, row: Row, place: int, what: str) -> tuple[list[tuple[
     count = whole(source, row.line, row.words[place], f"the number of machines of {what}")
     words = row.words[place + 1 : place + 1 + 2 * count]
     if len(words) < 2 * count or count == 0:
-        problem = "no machine can do it" if count == 0 else f"{count} machines need {2 * count} numbers, but {len(words)} follow"
+        problem = (
+            "no machine can do it"
+            if count == 0
+            else f"{count} machines need {2 * count} numbers, but {len(words)} follow"
+        )
         raise broken(source, row.line, f"{what}: {problem}.")
     ways: dict[int, float] = {}
     for machine, time in zip(words[::2], words[1::2], strict=True):
@@ -90,7 +139,9 @@ def operation(source: str, row: Row, place: int, what: str) -> tuple[list[tuple[
     return list(ways.items()), place + 1 + 2 * count
 
 
-def counted_from(source: str, line: int, machines: int, operations: list[tuple[int, list[tuple[int, float]]]]) -> int:
+def counted_from(
+    source: str, line: int, machines: int, operations: list[tuple[int, list[tuple[int, float]]]]
+) -> int:
     """0 when a machine of that number occurs, else 1.
 
     Args:
@@ -104,7 +155,12 @@ def counted_from(source: str, line: int, machines: int, operations: list[tuple[i
     for where, ways in operations:
         for machine, _ in ways:
             if machine >= machines + first:
-                raise broken(source, where, f"there is no machine {machine}: line {line} states {machines}, counted from {first} here.")
+                raise broken(
+                    source,
+                    where,
+                    f"there is no machine {machine}: line {line} states {machines}, counted from"
+                    f" {first} here.",
+                )
     return first
 
 

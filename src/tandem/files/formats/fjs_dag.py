@@ -1,8 +1,9 @@
-"""Flexible job shops whose operations form any acyclic graph (Birgin et al., Optimization Letters 8, 2014, 1417-1431).
+"""Flexible job shops whose operations form any acyclic graph (Birgin et al., Optimization Letters
+8, 2014, 1417-1431).
 
-First line: operations, arcs, machines; the mini set has a line `0 0` before it. Then a line an arc, `u v`: u goes before v,
-counted from 0; a third column names the job that both belong to. Then a line an operation:
-how many machines can do it, followed by machine and time of each.
+First line: operations, arcs, machines; the mini set has a line `0 0` before it. Then a line an arc,
+`u v`: u goes before v, counted from 0; a third column names the job that both belong to. Then a
+line an operation: how many machines can do it, followed by machine and time of each.
 """
 
 from __future__ import annotations
@@ -16,7 +17,9 @@ from tandem.files.positions import Path
 
 
 def looks_like(text: str) -> bool:
-    """Whether a header of three whole numbers is followed by an arc, or by as many lines as it states."""
+    """Whether a header of three whole numbers is followed by an arc, or by as many lines as it
+    states.
+    """
     first = [row.words for row in islice(rows(text[:100_000]), 3)]
     if first[:1] == [["0", "0"]]:
         first = first[1:]
@@ -24,8 +27,14 @@ def looks_like(text: str) -> bool:
         return False
     operations, arcs, _ = map(int, first[0])
     if arcs:
-        return len(first) > 1 and len(first[1]) in (2, 3) and all(word.isdigit() for word in first[1][:2])
-    return len(rows(text)) - 1 == operations and all(len(words) == 1 + 2 * int(words[0]) for words in first[1:2] if words[0].isdigit())
+        return (
+            len(first) > 1
+            and len(first[1]) in (2, 3)
+            and all(word.isdigit() for word in first[1][:2])
+        )
+    return len(rows(text)) - 1 == operations and all(
+        len(words) == 1 + 2 * int(words[0]) for words in first[1:2] if words[0].isdigit()
+    )
 
 
 def read(text: str, source: str) -> Translated:
@@ -38,12 +47,24 @@ def read(text: str, source: str) -> Translated:
     if lines and lines[0].words == ["0", "0"]:
         lines = lines[1:]
     if not lines or len(lines[0].words) != 3:
-        raise broken(source, lines[0].line if lines else 1, "a line with the numbers of operations, arcs and machines comes first.")
+        raise broken(
+            source,
+            lines[0].line if lines else 1,
+            "a line with the numbers of operations, arcs and machines comes first.",
+        )
     head = lines[0]
-    count, arcs, machines = (whole(source, head.line, word, what) for word, what in zip(head.words, ("operations", "arcs", "machines"), strict=True))
+    count, arcs, machines = (
+        whole(source, head.line, word, what)
+        for word, what in zip(head.words, ("operations", "arcs", "machines"), strict=True)
+    )
     few_enough(source, head.line, machines, 1)
     if len(lines) - 1 != arcs + count:
-        raise broken(source, head.line, f"{arcs} arcs and {count} operations need {arcs + count} lines, but {len(lines) - 1} follow.")
+        raise broken(
+            source,
+            head.line,
+            f"{arcs} arcs and {count} operations need {arcs + count} lines, but {len(lines) - 1}"
+            " follow.",
+        )
     after: dict[int, list[str]] = {number: [] for number in range(count)}
     jobs: dict[int, set[str]] = {number: set() for number in range(count)}
     places: dict[Path, int] = {}
@@ -51,10 +72,17 @@ def read(text: str, source: str) -> Translated:
     for row in lines[1 : arcs + 1]:
         if len(row.words) != 2 + labelled:
             needed = "two numbers and the name of a job" if labelled else "two numbers"
-            raise broken(source, row.line, f"an arc is {needed}, but this line has {len(row.words)} words.")
+            raise broken(
+                source, row.line, f"an arc is {needed}, but this line has {len(row.words)} words."
+            )
         u, v = (whole(source, row.line, word, "an arc's end") for word in row.words[:2])
         if max(u, v) >= count:
-            raise broken(source, row.line, f"there is no operation {max(u, v)}: line {head.line} states {count}, counted from 0.")
+            raise broken(
+                source,
+                row.line,
+                f"there is no operation {max(u, v)}: line {head.line} states {count}, counted"
+                " from 0.",
+            )
         places["tasks", str(v), "after", len(after[v])] = row.line
         after[v].append(str(u))
         for end in (u, v):
@@ -63,15 +91,28 @@ def read(text: str, source: str) -> Translated:
     for number, row in enumerate(lines[arcs + 1 :]):
         found, end = operation(source, row, 0, f"operation {number}")
         if end != len(row.words):
-            raise broken(source, row.line, f"operation {number} states {len(found)} machines, but {len(row.words) - end} more numbers follow them.")
+            raise broken(
+                source,
+                row.line,
+                f"operation {number} states {len(found)} machines, but {len(row.words) - end} more"
+                " numbers follow them.",
+            )
         places["tasks", str(number)] = row.line
         ways.append((row.line, found))
     first = counted_from(source, head.line, machines, ways)
     tasks: dict[str, Any] = {
-        str(n): {"time": {robot(machine): time for machine, time in found}, "part": _only(jobs[n]), "after": after[n]}
+        str(n): {
+            "time": {robot(machine): time for machine, time in found},
+            "part": _only(jobs[n]),
+            "after": after[n],
+        }
         for n, (_, found) in enumerate(ways)
     }
-    return Translated(source, {"name": title(source), "operators": robots(first, machines), "tasks": tasks}, places)
+    return Translated(
+        source,
+        {"name": title(source), "operators": robots(first, machines), "tasks": tasks},
+        places,
+    )
 
 
 def _only(jobs: set[str]) -> str | None:

@@ -1,7 +1,9 @@
-"""Classic job shops in the form of the OR-Library and JSPLIB: machines become robots, jobs chains of tasks.
+"""Classic job shops in the form of the OR-Library and JSPLIB: machines become robots, jobs chains
+of tasks.
 
-First line: jobs and machines. Then a line a job: machine and time of each operation in its order, machines counted from 0 or
-from 1. Every job visits every machine once in the published sets; a line may be shorter or longer when the format is stated.
+First line: jobs and machines. Then a line a job: machine and time of each operation in its order,
+machines counted from 0 or from 1. Every job visits every machine once in the published sets; a line
+may be shorter or longer when the format is stated.
 """
 
 from __future__ import annotations
@@ -14,15 +16,23 @@ from tandem.files.positions import Path
 
 
 def looks_like(text: str) -> bool:
-    """Whether a header of two whole numbers is followed by so many lines of pairs, each of which names every machine once."""
+    """Whether a header of two whole numbers is followed by so many lines of pairs, each of which
+    names every machine once.
+    """
     lines = [row.words for row in rows(text)]
     if not lines or len(lines[0]) != 2 or not all(_is_whole(word) for word in lines[0]):
         return False
     jobs, machines = map(int, lines[0])
-    if len(lines) - 1 != jobs or machines < 1 or any(len(words) != 2 * machines for words in lines[1:]):
+    if (
+        len(lines) - 1 != jobs
+        or machines < 1
+        or any(len(words) != 2 * machines for words in lines[1:])
+    ):
         return False
     visits = [sorted(int(word) for word in words[::2] if _is_whole(word)) for words in lines[1:]]
-    return any(all(visit == list(range(first, machines + first)) for visit in visits) for first in (0, 1))
+    return any(
+        all(visit == list(range(first, machines + first)) for visit in visits) for first in (0, 1)
+    )
 
 
 def read(text: str, source: str) -> Translated:
@@ -33,29 +43,53 @@ def read(text: str, source: str) -> Translated:
     """
     lines = rows(text)
     if not lines or len(lines[0].words) != 2:
-        raise broken(source, lines[0].line if lines else 1, "the first line states the numbers of jobs and of machines, and nothing else.")
+        raise broken(
+            source,
+            lines[0].line if lines else 1,
+            "the first line states the numbers of jobs and of machines, and nothing else.",
+        )
     head = lines[0]
     jobs, machines = (
-        whole(source, head.line, word, what) for word, what in zip(head.words, ("the number of jobs", "the number of machines"), strict=True)
+        whole(source, head.line, word, what)
+        for word, what in zip(
+            head.words, ("the number of jobs", "the number of machines"), strict=True
+        )
     )
     few_enough(source, head.line, machines, 1)
     if len(lines) - 1 != jobs:
-        raise broken(source, head.line, f"the first line states {jobs} jobs, but {len(lines) - 1} lines follow. There is one line for each job.")
+        raise broken(
+            source,
+            head.line,
+            f"the first line states {jobs} jobs, but {len(lines) - 1} lines follow. There is one"
+            " line for each job.",
+        )
     tasks: dict[str, Any] = {}
     places: dict[Path, int] = {}
     visits = []
     for number, row in enumerate(lines[1:], 1):
         if len(row.words) % 2:
-            raise broken(source, row.line, f"a job is pairs of machine and time, but this line has {len(row.words)} numbers.")
+            raise broken(
+                source,
+                row.line,
+                f"a job is pairs of machine and time, but this line has {len(row.words)} numbers.",
+            )
         for step, (word, time) in enumerate(zip(row.words[::2], row.words[1::2], strict=True), 1):
             machine = whole(source, row.line, word, f"the machine of operation {step}")
             duration = seconds(source, row.line, time, f"the time of operation {step}")
             visits.append((row.line, [(machine, duration)]))
             key = f"{number}.{step}"
-            tasks[key] = {"time": {robot(machine): duration}, "part": str(number), "after": [f"{number}.{step - 1}"] if step > 1 else []}
+            tasks[key] = {
+                "time": {robot(machine): duration},
+                "part": str(number),
+                "after": [f"{number}.{step - 1}"] if step > 1 else [],
+            }
             places["tasks", key] = row.line
     first = counted_from(source, head.line, machines, visits)
-    return Translated(source, {"name": title(source), "operators": robots(first, machines), "tasks": tasks}, places)
+    return Translated(
+        source,
+        {"name": title(source), "operators": robots(first, machines), "tasks": tasks},
+        places,
+    )
 
 
 def _is_whole(word: str) -> bool:

@@ -1,4 +1,6 @@
-"""What the formats made of lines of numbers have in common: words with their line, and a cell that knows where it came from."""
+"""What the formats made of lines of numbers have in common: words with their line, and a cell that
+knows where it came from.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ from tandem.files.positions import Path, Place
 
 MOST_OPERATORS = 1_000
 MOST_WAYS = 2_000_000
-NUMBERLIKE = re.compile(r"[-+]?(?:[0-9]+(?:[.,][0-9]*)?|[.,][0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]?[0-9]+,[-+][0-9]+|-?[iI]nf(?:inity)?")
+NUMBERLIKE = re.compile(
+    r"[-+]?(?:[0-9]+(?:[.,][0-9]*)?|[.,][0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]?[0-9]+,[-+][0-9]+|-?[iI]nf(?:inity)?"
+)
 """What a number looks like, one with a decimal comma and a pair such as `1,2` among them."""
 
 
@@ -48,11 +52,21 @@ class Translated:
         return self.data
 
     def place(self, path: Path) -> Place:
-        """The line of the nearest part around the path that has one; the first line for all else."""
+        """The line of the nearest part around the path that has one; the first line for all
+        else.
+        """
         for length in range(len(path), 0, -1):
             if (where := self.lines.get(path[:length])) is not None:
                 line, column = where if isinstance(where, tuple) else (where, 1)
-                return Place(line, column, f"{self.source}:{line}" if isinstance(where, int) else f"{self.source}:{line}:{column}")
+                return Place(
+                    line,
+                    column,
+                    (
+                        f"{self.source}:{line}"
+                        if isinstance(where, int)
+                        else f"{self.source}:{line}:{column}"
+                    ),
+                )
         return Place(1, 1, f"{self.source}:1")
 
 
@@ -63,9 +77,13 @@ def rows(text: str) -> list[Row]:
 
 
 def nearly_numbers(text: str) -> bool:
-    """Whether it is lines of numbers, though a word of them may be no number: three of four words hold a digit and nothing but what numbers need."""
+    """Whether it is lines of numbers, though a word of them may be no number: three of four words
+    hold a digit and nothing but what numbers need.
+    """
     words = [word for row in islice(rows(text[:100_000]), 500) for word in row.words]
-    return len(words) >= 3 and 4 * sum(NUMBERLIKE.fullmatch(word) is not None for word in words) >= 3 * len(words)
+    return len(words) >= 3 and 4 * sum(
+        NUMBERLIKE.fullmatch(word) is not None for word in words
+    ) >= 3 * len(words)
 
 
 def shown(word: str) -> str:
@@ -74,7 +92,9 @@ def shown(word: str) -> str:
 
 
 def title(source: str) -> str:
-    """The cell's name: the file's, without folder and ending. A file's name may hold bytes that are no text; these are shown as "?"."""
+    """The cell's name: the file's, without folder and ending. A file's name may hold bytes that are
+    no text; these are shown as "?".
+    """
     return "".join("?" if harm_in(sign) else sign for sign in PurePath(source).stem)
 
 
@@ -108,7 +128,11 @@ def seconds(source: str, line: int, word: str, what: str) -> float:
         value = math.nan
     if not math.isfinite(value):
         pointed = word.replace(",", ".", 1)
-        remedy = f" Write it with a point: {pointed}." if NUMBERLIKE.fullmatch(pointed) and pointed != word else ""
+        remedy = (
+            f" Write it with a point: {pointed}."
+            if NUMBERLIKE.fullmatch(pointed) and pointed != word
+            else ""
+        )
         raise broken(source, line, f"{what} is {shown(word)}, but a number is needed.{remedy}")
     return value
 
@@ -121,4 +145,9 @@ def few_enough(source: str, line: int, operators: int, tasks: int) -> None:
     """
     if operators > MOST_OPERATORS or operators * tasks > MOST_WAYS:
         most = f"{MOST_OPERATORS:,} operators, and {MOST_WAYS:,} pairs of an operator and a task"
-        raise broken(source, line, f"{operators:,} operators for {tasks:,} tasks are more than Tandem reads: at most {most}.")
+        raise broken(
+            source,
+            line,
+            f"{operators:,} operators for {tasks:,} tasks are more than Tandem reads: at most"
+            f" {most}.",
+        )

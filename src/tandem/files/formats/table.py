@@ -15,7 +15,9 @@ from tandem.files.positions import Path, Place
 
 
 class Readable(Protocol):
-    """A file that was read: plain values keyed as in a cell file, where each of them stands, what is wrong, and what is left out."""
+    """A file that was read: plain values keyed as in a cell file, where each of them stands, what
+    is wrong, and what is left out.
+    """
 
     faults: list[Fault]
     notes: list[Fault]
@@ -31,7 +33,8 @@ class Format:
 
     Attributes:
       what: for lists and help texts.
-      read: text and the file's name in, the values out; raises CellError with file and line when it is not of this form.
+      read: text and the file's name in, the values out; raises CellError with file and line when it
+        is not of this form.
       looks_like: whether a text seems to be of this form; asked in the order of the table.
       numbers: whether it is made of numbers alone, so that remarks in an old encoding do no harm.
     """
@@ -44,11 +47,22 @@ class Format:
 
 FORMATS = {
     "case": Format("human-robot case studies and battery cells, JSON", case.read, case.looks_like),
-    "json": Format("cell file, JSON", json_reader.read, lambda text: text.lstrip()[:1] in ("{", "[")),
+    "json": Format(
+        "cell file, JSON", json_reader.read, lambda text: text.lstrip()[:1] in ("{", "[")
+    ),
     "alb": Format("assembly line balancing, .alb and .IN2", alb.read, alb.looks_like, numbers=True),
-    "alwabp": Format("assembly line worker assignment", alwabp.read, alwabp.looks_like, numbers=True),
-    "fjs-dag": Format("flexible job shop with any acyclic precedence", fjs_dag.read, fjs_dag.looks_like, numbers=True),
-    "jsp": Format("classic job shop, OR-Library and JSPLIB", jsp.read, jsp.looks_like, numbers=True),
+    "alwabp": Format(
+        "assembly line worker assignment", alwabp.read, alwabp.looks_like, numbers=True
+    ),
+    "fjs-dag": Format(
+        "flexible job shop with any acyclic precedence",
+        fjs_dag.read,
+        fjs_dag.looks_like,
+        numbers=True,
+    ),
+    "jsp": Format(
+        "classic job shop, OR-Library and JSPLIB", jsp.read, jsp.looks_like, numbers=True
+    ),
     "fjs": Format("flexible job shop, FJSPLIB", fjs.read, fjs.looks_like, numbers=True),
     "yaml": Format("cell file, YAML", yaml_reader.read, lambda text: True),
 }
@@ -57,10 +71,11 @@ ENDINGS = {".alb": "alb", ".in2": "alb", ".fjs": "fjs", ".jsp": "jsp"}
 
 
 def detected(text: str, source: str = "text") -> str:
-    """The name of the format that a text is of, told by its content; where that leaves it open, by the ending of its name.
+    """The name of the format that a text is of, told by its content; where that leaves it open, by
+    the ending of its name.
 
-    Lines of numbers that are nearly of a form are taken for it, so that the message can name the line and the word that are wrong. What
-    is like nothing else is taken for YAML.
+    Lines of numbers that are nearly of a form are taken for it, so that the message can name the
+    line and the word that are wrong. What is like nothing else is taken for YAML.
 
     Raises:
       CellError: it reads as a classic and as a flexible job shop, and they are not the same.
@@ -77,8 +92,9 @@ def detected(text: str, source: str = "text") -> str:
 
 
 DOUBTFUL = (
-    "this is a classic job shop (pairs of machine and time) or a flexible one (for each operation: how many machines, then machine and "
-    "time of each): every line can be read both ways. State which: --format jsp or --format fjs."
+    "this is a classic job shop (pairs of machine and time) or a flexible one (for each operation:"
+    " how many machines, then machine and time of each): every line can be read both ways. State"
+    " which: --format jsp or --format fjs."
 )
 
 
@@ -91,7 +107,9 @@ def _reads_as_flexible(text: str, source: str) -> bool:
 
 
 def _nearest_shape(text: str) -> str:
-    """Which form lines of numbers are most like, by how many stand in the first lines; YAML when they are like none."""
+    """Which form lines of numbers are most like, by how many stand in the first lines; YAML when
+    they are like none.
+    """
     lines = [row.words for row in rows(text)]
     head, below = lines[0], [len(words) for words in lines[1:]]
     if len(head) == 1 and below:

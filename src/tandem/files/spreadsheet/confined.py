@@ -1,10 +1,12 @@
 """Opens a workbook in a process of its own, with limits of memory and time.
 
-A workbook is a program for its reader: a few bytes may claim a sheet of a billion rows, and the libraries that unpack such files allocate, panic
-or abort on damaged ones. In here that ends a child process and becomes one message. The child gets the file's bytes on its standard input and
-answers in lines of JSON, a sheet a line; nothing that either side reads is ever executed.
+A workbook is a program for its reader: a few bytes may claim a sheet of a billion rows, and the
+libraries that unpack such files allocate, panic or abort on damaged ones. In here that ends a child
+process and becomes one message. The child gets the file's bytes on its standard input and answers
+in lines of JSON, a sheet a line; nothing that either side reads is ever executed.
 
-The child is this file, started as a script. It imports nothing but the reader of workbooks: see `_bare_packages`.
+The child is this file, started as a script. It imports nothing but the reader of workbooks: see
+`_bare_packages`.
 """
 
 from __future__ import annotations
@@ -24,7 +26,9 @@ if TYPE_CHECKING:
     from tandem.files.spreadsheet.grid import Book
 
 MOST_MEMORY = 2 * 1024**3
-"""Bytes of address space that the child may take; where the system cannot limit it (Windows, macOS), only time is limited."""
+"""Bytes of address space that the child may take; where the system cannot limit it (Windows,
+macOS), only time is limited.
+"""
 MOST_CPU_S = 20
 MOST_WALL_S = 90
 PACKAGES = ("tandem", "tandem.cell", "tandem.files", "tandem.files.spreadsheet")
@@ -38,10 +42,16 @@ def open_apart(path: Path, content: bytes) -> Book:
     """The book that the content holds; `path` gives it a name.
 
     Raises:
-      RefusedError: it is damaged, or opening it takes more memory or time than a planner's workbook does.
+      RefusedError: it is damaged, or opening it takes more memory or time than a planner's workbook
+        does.
     """
     try:
-        child = subprocess.run([sys.executable, "-P", __file__, path.name], input=content, capture_output=True, timeout=MOST_WALL_S)
+        child = subprocess.run(
+            [sys.executable, "-P", __file__, path.name],
+            input=content,
+            capture_output=True,
+            timeout=MOST_WALL_S,
+        )
     except subprocess.TimeoutExpired as error:
         raise RefusedError(f"takes longer than {MOST_WALL_S} s to open. {REMEDY}") from error
     lines = child.stdout.splitlines()
@@ -54,14 +64,18 @@ def open_apart(path: Path, content: bytes) -> Book:
     return _book(path, [json.loads(line, object_hook=_marked) for line in lines[:-1]], last["book"])
 
 
-REMEDY = "Open it where it was made, copy the sheet with the tasks into a new workbook, and save that."
+REMEDY = (
+    "Open it where it was made, copy the sheet with the tasks into a new workbook, and save that."
+)
 
 
-# --- on the wire --------------------------------------------------------------------------------------------------------------
+# --- on the wire ----------------------------------------------------------------------------------
 
 
 def _plain(value: Any) -> Any:
-    """A value of a grid as JSON can hold it: what JSON does not know is a mapping of one key that says what it is."""
+    """A value of a grid as JSON can hold it: what JSON does not know is a mapping of one key that
+    says what it is.
+    """
     if isinstance(value, Mapping):
         return {"map": [[_plain(key), _plain(item)] for key, item in value.items()]}
     if isinstance(value, tuple | list):
@@ -99,15 +113,20 @@ def _frozen(value: Any) -> Any:
 def _book(path: Path, sheets: list[dict[str, Any]], rest: dict[str, Any]) -> Book:
     from tandem.files.spreadsheet.grid import Book, Grid
 
-    grids = [Grid(**{key: value if key == "name" else _frozen(value) for key, value in sheet.items()}) for sheet in sheets]
+    grids = [
+        Grid(**{key: value if key == "name" else _frozen(value) for key, value in sheet.items()})
+        for sheet in sheets
+    ]
     return Book(path, tuple(grids), **{key: _frozen(value) for key, value in rest.items()})
 
 
-# --- the child ----------------------------------------------------------------------------------------------------------------
+# --- the child ------------------------------------------------------------------------------------
 
 
 def _bare_packages() -> None:
-    """Puts packages without content in place of ours, so that importing one file does not import what their faces show: it saves 0.3 s a book."""
+    """Puts packages without content in place of ours, so that importing one file does not import
+    what their faces show: it saves 0.3 s a book.
+    """
     above_tandem = Path(__file__).resolve().parents[3]
     for name in PACKAGES:
         package = ModuleType(name)
@@ -121,10 +140,16 @@ def _limit() -> None:
         import resource
     except ImportError:  # Windows has no such limits
         return
-    for what, most in ((resource.RLIMIT_AS, MOST_MEMORY), (resource.RLIMIT_CPU, MOST_CPU_S), (resource.RLIMIT_CORE, 0)):
+    for what, most in (
+        (resource.RLIMIT_AS, MOST_MEMORY),
+        (resource.RLIMIT_CPU, MOST_CPU_S),
+        (resource.RLIMIT_CORE, 0),
+    ):
         with contextlib.suppress(ValueError, OSError):
             hard = resource.getrlimit(what)[1]
-            resource.setrlimit(what, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+            resource.setrlimit(
+                what, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard)
+            )
 
 
 def _answer(name: str, content: bytes) -> None:
@@ -143,7 +168,11 @@ def _answer(name: str, content: bytes) -> None:
         return
     for grid in book.grids:
         _say({field.name: _plain(getattr(grid, field.name)) for field in fields(grid)})
-    rest = {field.name: getattr(book, field.name) for field in fields(book) if field.name not in ("path", "grids")}
+    rest = {
+        field.name: getattr(book, field.name)
+        for field in fields(book)
+        if field.name not in ("path", "grids")
+    }
     _say({"book": rest})
 
 

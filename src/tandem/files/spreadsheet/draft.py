@@ -1,4 +1,6 @@
-"""The way in: a planner's workbook becomes a cell, or a list of everything that stands in the way, each with its sheet and cell."""
+"""The way in: a planner's workbook becomes a cell, or a list of everything that stands in the way,
+each with its sheet and cell.
+"""
 
 from __future__ import annotations
 
@@ -18,9 +20,22 @@ from tandem.files.spreadsheet.grid import Book, Grid, shown
 from tandem.files.spreadsheet.header import TIMED, Column, Table, amounts_of, find_table
 from tandem.files.spreadsheet.joint import with_joint_ways
 from tandem.files.spreadsheet.mapping import check_overrides, overrides_from, settled
-from tandem.files.spreadsheet.other_sheets import Beside, lists_operators, operators_named, read_beside, read_sets, role_of, tables_beside
+from tandem.files.spreadsheet.other_sheets import (
+    Beside,
+    lists_operators,
+    operators_named,
+    read_beside,
+    read_sets,
+    role_of,
+    tables_beside,
+)
 from tandem.files.spreadsheet.outline import with_outline
-from tandem.files.spreadsheet.precedence import ABOUT_PRECEDENCE, is_about_precedence, listed_headers, with_precedence
+from tandem.files.spreadsheet.precedence import (
+    ABOUT_PRECEDENCE,
+    is_about_precedence,
+    listed_headers,
+    with_precedence,
+)
 from tandem.files.spreadsheet.repeats import once_a_column
 from tandem.files.spreadsheet.scores import without_scores
 from tandem.files.spreadsheet.tasks import Tasks, read_tasks, unit_of
@@ -74,7 +89,8 @@ def import_cell(
     humans: Iterable[str] = (),
     robots: Iterable[str] = (),
 ) -> tuple[Cell, tuple[Note, ...]]:
-    """The cell in a workbook, and everything that was left out or assumed on the way. The arguments are those of `read_workbook`.
+    """The cell in a workbook, and everything that was left out or assumed on the way. The arguments
+    are those of `read_workbook`.
 
     Raises:
       CellError: with every fault and its place in the workbook; nothing is imported by halves.
@@ -92,18 +108,22 @@ def read_workbook(
     humans: Iterable[str] = (),
     robots: Iterable[str] = (),
 ) -> Draft:
-    """Reads xlsx, xlsm, xls, xlsb, ods and csv as planners keep them; faults in the content are in the draft, not raised.
+    """Reads xlsx, xlsm, xls, xlsb, ods and csv as planners keep them; faults in the content are in
+    the draft, not raised.
 
     Args:
       sheet: the one with the tasks, when several look like it.
-      columns: header or column letters -> what it means, such as `{"Spalte 4": "time robot [s]", "F": "ignore"}`.
+      columns: header or column letters -> what it means, such as `{"Spalte 4": "time robot [s]",
+        "F": "ignore"}`.
       humans, robots: operators whose names do not say what they are.
 
     Raises:
       CellError: the file cannot be opened, or no sheet or several look like tasks.
       UsageError: a sheet, column or operator that the workbook does not have.
     """
-    return read_book(open_book(Path(path)), sheet=sheet, columns=columns, humans=humans, robots=robots)
+    return read_book(
+        open_book(Path(path)), sheet=sheet, columns=columns, humans=humans, robots=robots
+    )
 
 
 def read_book(
@@ -115,7 +135,10 @@ def read_book(
     robots: Iterable[str] = (),
 ) -> Draft:
     """The same for an open book; see `read_workbook`."""
-    kinds: dict[str, Kind] = {**dict.fromkeys(map(clean, humans), "human"), **dict.fromkeys(map(clean, robots), "robot")}
+    kinds: dict[str, Kind] = {
+        **dict.fromkeys(map(clean, humans), "human"),
+        **dict.fromkeys(map(clean, robots), "robot"),
+    }
     overrides = overrides_from(columns or {})
     findings = Findings()
     for remark in book.remarks:
@@ -125,13 +148,17 @@ def read_book(
     known = tuple(dict.fromkeys([*operators_named(sheets_beside), *kinds]))
     raw, abilities = _task_table(book, sheet, known, overrides)
     check_overrides(overrides, raw)
-    findings.marks = marks_of(value for table in (raw, *tables_beside(sheets_beside)) for value in amounts_of(table))
+    findings.marks = marks_of(
+        value for table in (raw, *tables_beside(sheets_beside)) for value in amounts_of(table)
+    )
     beside = read_beside(sheets_beside, findings)
     raw = with_time_of_each(raw, abilities)
     raw = without_scores(raw, overrides, findings)
     raw = with_joint_ways(with_precedence(with_outline(raw), findings), known, findings)
     table = settled(raw, tuple(beside.operators), findings)
-    others = _other_sheets(book, [table.grid.name, *(able.grid.name for able in abilities)], table, findings)
+    others = _other_sheets(
+        book, [table.grid.name, *(able.grid.name for able in abilities)], table, findings
+    )
     tasks = read_tasks(table, findings, others, known)
     for able in abilities:
         restrict(tasks.tasks, able, findings)
@@ -153,11 +180,13 @@ def read_book(
     )
 
 
-# --- which sheet --------------------------------------------------------------------------------------------------------------
+# --- which sheet ----------------------------------------------------------------------------------
 
 
 def _is_beside(grid: Grid) -> bool:
-    """The sheet's name says that it does not hold the tasks. One called "Station" or "Operators" may do so all the same."""
+    """The sheet's name says that it does not hold the tasks. One called "Station" or "Operators"
+    may do so all the same.
+    """
     role = role_of(grid)
     if role not in ("operators", "cell"):
         return role is not None
@@ -167,31 +196,48 @@ def _is_beside(grid: Grid) -> bool:
     return table is None or not table.holds_tasks
 
 
-def _task_table(book: Book, sheet: str | None, known: tuple[str, ...], overrides: Mapping[str, Meaning | None]) -> tuple[Table, list[Table]]:
+def _task_table(
+    book: Book, sheet: str | None, known: tuple[str, ...], overrides: Mapping[str, Meaning | None]
+) -> tuple[Table, list[Table]]:
     """The table of tasks, and those that say who can do them."""
     candidates = [grid for grid in book.grids if not grid.hidden and not _is_beside(grid)]
-    tables = [table for grid in candidates if (table := find_table(grid, known, overrides)) and table.holds_tasks]
+    tables = [
+        table
+        for grid in candidates
+        if (table := find_table(grid, known, overrides)) and table.holds_tasks
+    ]
     abilities = [table for table in tables if is_table_of_abilities(table)]
     if sheet is not None:
-        return _named_sheet(book, sheet, known, overrides), [table for table in abilities if table.grid.name != sheet]
+        return _named_sheet(book, sheet, known, overrides), [
+            table for table in abilities if table.grid.name != sheet
+        ]
     if not tables:
         raise _no_task_sheet(book, known, overrides)
     tables = [table for table in tables if table not in abilities] or tables
     if len(tables) > 1:
         names = [table.grid.name for table in tables]
         places = " and ".join(table.grid.place(table.header_row, 0) for table in tables)
-        raise refused(book.path, f"holds several sheets that look like tasks ({places}). Choose one, such as --sheet {names[0]!r}.")
+        raise refused(
+            book.path,
+            f"holds several sheets that look like tasks ({places}). Choose one, such as --sheet"
+            f" {names[0]!r}.",
+        )
     return tables[0], [table for table in abilities if table is not tables[0]]
 
 
 def _other_sheets(book: Book, read: Sequence[str], table: Table, findings: Findings) -> list[Grid]:
-    """The sheets that may say what comes before what; the rest, apart from those beside the tasks, is noted as not read."""
+    """The sheets that may say what comes before what; the rest, apart from those beside the tasks,
+    is noted as not read.
+    """
     found = []
     for grid in book.grids:
         if grid.name in read or _is_beside(grid) or not grid.rows:
             continue
         if grid.hidden and ABOUT_PRECEDENCE.search(key(grid.name)):
-            message = f"sheet {grid.name!r} is hidden and was not read, though by its name it says what comes before what. Show it to have it read."
+            message = (
+                f"sheet {grid.name!r} is hidden and was not read, though by its name it says what"
+                " comes before what. Show it to have it read."
+            )
             if table.having("after", "after rows", "before"):
                 findings.note("sheet", message, f"{grid.name}!A1")
             else:
@@ -199,7 +245,11 @@ def _other_sheets(book: Book, read: Sequence[str], table: Table, findings: Findi
         elif not grid.hidden and is_about_precedence(grid):
             found.append(grid)
         else:
-            findings.note("sheet", f"sheet {grid.name!r} {'is hidden and ' if grid.hidden else ''}was not read.", f"{grid.name}!A1")
+            findings.note(
+                "sheet",
+                f"sheet {grid.name!r} {'is hidden and ' if grid.hidden else ''}was not read.",
+                f"{grid.name}!A1",
+            )
     for name, why in book.passed_over.items():
         message = f"sheet {name!r} was not read: {why}."
         if ABOUT_PRECEDENCE.search(key(name)):
@@ -209,19 +259,26 @@ def _other_sheets(book: Book, read: Sequence[str], table: Table, findings: Findi
     return found
 
 
-def _named_sheet(book: Book, sheet: str, known: tuple[str, ...], overrides: Mapping[str, Meaning | None]) -> Table:
+def _named_sheet(
+    book: Book, sheet: str, known: tuple[str, ...], overrides: Mapping[str, Meaning | None]
+) -> Table:
     grid = next((grid for grid in book.grids if clean(grid.name) == clean(sheet)), None)
     if grid is None and sheet in book.passed_over:
         raise refused(book.path, f"sheet {sheet!r} cannot be read: {book.passed_over[sheet]}.")
     if grid is None:
-        raise UsageError(f"--sheet {sheet!r}: {book.path.name} has no such sheet. {Known(grid.name for grid in book.grids).hint(sheet)}")
+        raise UsageError(
+            f"--sheet {sheet!r}: {book.path.name} has no such sheet."
+            f" {Known(grid.name for grid in book.grids).hint(sheet)}"
+        )
     table = find_table(grid, known, overrides)
     if table is None or not table.holds_tasks:
         raise CellError([Fault(_what_is_missing(table), place=f"{grid.name}!A1")])
     return table
 
 
-def _no_task_sheet(book: Book, known: tuple[str, ...], overrides: Mapping[str, Meaning | None]) -> CellError:
+def _no_task_sheet(
+    book: Book, known: tuple[str, ...], overrides: Mapping[str, Meaning | None]
+) -> CellError:
     if not book.grids and not book.passed_over:
         return refused(book.path, "holds no sheet.")
     faults = []
@@ -229,9 +286,15 @@ def _no_task_sheet(book: Book, known: tuple[str, ...], overrides: Mapping[str, M
         faults.append(Fault(f"sheet {name!r} was not read: {why}.", place=book.path.name))
     for grid in book.grids:
         if role_of(grid) is None or len(book.grids) == 1:
-            hidden = f" The sheet is hidden; --sheet {grid.name!r} reads it all the same." if grid.hidden else ""
+            hidden = (
+                f" The sheet is hidden; --sheet {grid.name!r} reads it all the same."
+                if grid.hidden
+                else ""
+            )
             table = find_table(grid, known, overrides)
-            message = "the sheet is empty." if not grid.rows and not grid.odd else _what_is_missing(table)
+            message = (
+                "the sheet is empty." if not grid.rows and not grid.odd else _what_is_missing(table)
+            )
             if grid.hidden and table is not None and table.holds_tasks:
                 message = "holds the only tasks, but"
             faults.append(Fault(message + hidden, place=f"{grid.name}!A1"))
@@ -241,27 +304,50 @@ def _no_task_sheet(book: Book, known: tuple[str, ...], overrides: Mapping[str, M
 def _what_is_missing(table: Table | None) -> str:
     if table is None:
         return (
-            "no row reads like the header of a task list. One row must name the columns, such as 'Task', 'Time human [s]', 'Time robot [s]', "
-            "'Predecessors'. `tandem template` writes an example; --map says what a column means."
+            "no row reads like the header of a task list. One row must name the columns, such as"
+            " 'Task', 'Time human [s]', 'Time robot [s]', 'Predecessors'. `tandem template` writes"
+            " an example; --map says what a column means."
         )
     place = table.grid.place(table.header_row, 0).rpartition("!")[2]
-    read = listed(f"{column.header!r} as {column.meaning}" for column in table.columns if column.meaning)
-    missing = "names the tasks" if not table.having("number", "task", "label") else "holds a time, such as 'Time robot [s]'"
-    return f'in the header at {place} no column {missing}. Understood were: {read}. Say what a column means with --map "header=time robot [s]".'
+    read = listed(
+        f"{column.header!r} as {column.meaning}" for column in table.columns if column.meaning
+    )
+    missing = (
+        "names the tasks"
+        if not table.having("number", "task", "label")
+        else "holds a time, such as 'Time robot [s]'"
+    )
+    return (
+        f"in the header at {place} no column {missing}. Understood were: {read}. Say what a column"
+        ' means with --map "header=time robot [s]".'
+    )
 
 
-# --- the document -------------------------------------------------------------------------------------------------------------
+# --- the document ---------------------------------------------------------------------------------
 
 
 def _document(
-    book: Book, table: Table, tasks: Tasks, beside: Beside, kinds: dict[str, Kind], roles: Mapping[str, Grid], findings: Findings
+    book: Book,
+    table: Table,
+    tasks: Tasks,
+    beside: Beside,
+    kinds: dict[str, Kind],
+    roles: Mapping[str, Grid],
+    findings: Findings,
 ) -> dict[str, Any]:
-    operators: dict[str, dict[str, Any]] = {name: dict(data) for name, data in beside.operators.items()}
+    operators: dict[str, dict[str, Any]] = {
+        name: dict(data) for name, data in beside.operators.items()
+    }
     for name, place in tasks.operators.items():
         operators.setdefault(name, {})
         findings.places.setdefault(("operators", name), place)
     _kinds(operators, kinds, findings)
-    document: dict[str, Any] = {"format": 1, "name": _name(book, table, beside, findings), "operators": operators, "tasks": tasks.tasks}
+    document: dict[str, Any] = {
+        "format": 1,
+        "name": _name(book, table, beside, findings),
+        "operators": operators,
+        "tasks": tasks.tasks,
+    }
     if beside.tools:
         document["tools"] = beside.tools
     if beside.zones:
@@ -279,16 +365,25 @@ def _name(book: Book, table: Table, beside: Beside, findings: Findings) -> str:
     if beside.name is not None:
         return beside.name
     if table.title:
-        findings.note("assumed", f"the cell is called {table.title!r}, after the line above the header.", f"{table.grid.name}!A1")
+        findings.note(
+            "assumed",
+            f"the cell is called {table.title!r}, after the line above the header.",
+            f"{table.grid.name}!A1",
+        )
         return table.title
     return book.path.stem
 
 
-def _kinds(operators: dict[str, dict[str, Any]], kinds: dict[str, Kind], findings: Findings) -> None:
+def _kinds(
+    operators: dict[str, dict[str, Any]], kinds: dict[str, Kind], findings: Findings
+) -> None:
     by_key = {key(name): name for name in operators}
     for name, kind in kinds.items():
         if (own := by_key.get(key(name))) is None:
-            raise UsageError(f"--{kind} {name!r}: the workbook has no such operator. {Known(operators).hint(name)}")
+            raise UsageError(
+                f"--{kind} {name!r}: the workbook has no such operator."
+                f" {Known(operators).hint(name)}"
+            )
         operators[own]["kind"] = kind
     unclear, guessed = [], []
     for name, data in operators.items():
@@ -303,25 +398,31 @@ def _kinds(operators: dict[str, dict[str, Any]], kinds: dict[str, Kind], finding
     for name in unclear:
         if is_machine(name):
             findings.fault(
-                f"operator {name!r} is a machine by its name. One that works on its own, such as a press or an oven, is no operator of a cell: leave "
-                f'it out (--map "HEADER=ignore" leaves out a column). If it is a robot, say --robot {_quoted(name)}.',
+                f"operator {name!r} is a machine by its name. One that works on its own, such as a"
+                " press or an oven, is no operator of a cell: leave "
+                'it out (--map "HEADER=ignore" leaves out a column). If it is a robot, say --robot'
+                f" {_quoted(name)}.",
                 findings.places.get(("operators", name), ""),
             )
             continue
         findings.fault(
-            f"operator {name!r}: is this a human or a robot? Say it with --human {_quoted(name)} or --robot {_quoted(name)}, "
-            "or in a sheet 'Operators' with the columns 'operator' and 'kind'.",
+            f"operator {name!r}: is this a human or a robot? Say it with --human {_quoted(name)} or"
+            f" --robot {_quoted(name)}, or in a sheet 'Operators' with the columns 'operator' and"
+            " 'kind'.",
             findings.places.get(("operators", name), ""),
         )
     if guessed:
-        findings.note("assumed", f"by their names: {listed(guessed)}. --human NAME and --robot NAME say otherwise.")
+        findings.note(
+            "assumed",
+            f"by their names: {listed(guessed)}. --human NAME and --robot NAME say otherwise.",
+        )
 
 
 def _quoted(name: str) -> str:
     return f'"{name}"' if " " in name else name
 
 
-# --- notes and faults at the end ----------------------------------------------------------------------------------------------
+# --- notes and faults at the end ------------------------------------------------------------------
 
 
 def _stress(table: Table, document: Mapping[str, Any], findings: Findings) -> None:
@@ -329,11 +430,26 @@ def _stress(table: Table, document: Mapping[str, Any], findings: Findings) -> No
     humans = {name for name, data in document["operators"].items() if data["kind"] == "human"}
     columns = table.having("stress")
     by_humans = [name for name, task in document["tasks"].items() if humans & _who_can(task)]
-    bare = [name for name in by_humans if not any("stress" in way for way in (document["tasks"][name], *document["tasks"][name].get("together", ())))]
+    bare = [
+        name
+        for name in by_humans
+        if not any(
+            "stress" in way
+            for way in (document["tasks"][name], *document["tasks"][name].get("together", ()))
+        )
+    ]
     if not columns and by_humans and "stress_of_set" not in document:
-        findings.note("assumed", "no column states the ergonomic stress: it is 0 for every task. A column 'Stress' or 'EAWS points' makes it count.")
+        findings.note(
+            "assumed",
+            "no column states the ergonomic stress: it is 0 for every task. A column 'Stress' or"
+            " 'EAWS points' makes it count.",
+        )
     elif columns and bare:
-        findings.note("assumed", f"no stress is stated for tasks that a human can do, so it is 0: {listed(bare)}.", columns[0].place)
+        findings.note(
+            "assumed",
+            f"no stress is stated for tasks that a human can do, so it is 0: {listed(bare)}.",
+            columns[0].place,
+        )
 
 
 def _precedence(table: Table, tasks: Tasks, findings: Findings) -> None:
@@ -343,42 +459,78 @@ def _precedence(table: Table, tasks: Tasks, findings: Findings) -> None:
     columns = table.having("after", "after rows", "before")
     if columns:
         hold = "holds" if len(columns) == 1 else "hold"
-        message = f"{listed_headers(columns)} {hold} no task: nothing comes before anything, every task may begin at once."
+        message = (
+            f"{listed_headers(columns)} {hold} no task: nothing comes before anything, every task"
+            " may begin at once."
+        )
         findings.note("assumed", message, columns[0].place)
     else:
         findings.note(
             "assumed",
-            "no column states what comes before what: every task may begin at once. A column 'Predecessors' or 'Vorgänger' makes it count.",
+            "no column states what comes before what: every task may begin at once. A column"
+            " 'Predecessors' or 'Vorgänger' makes it count.",
         )
 
 
 def _who_can(task: Mapping[str, Any]) -> set[str]:
-    return {*task.get("time", ()), *(who for joint in task.get("together", ()) for who in joint["operators"])}
+    return {
+        *task.get("time", ()),
+        *(who for joint in task.get("together", ()) for who in joint["operators"]),
+    }
 
 
 def _more_notes(book: Book, table: Table, findings: Findings) -> None:
     if findings.rounded:
         findings.note("assumed", f"rounded, times to 0.001 s: {listed(findings.rounded, 20)}.")
-    hidden = [column.header for column in table.columns if column.meaning and column.index in table.grid.hidden_columns]
+    hidden = [
+        column.header
+        for column in table.columns
+        if column.meaning and column.index in table.grid.hidden_columns
+    ]
     if hidden:
-        findings.note("assumed", f"hidden columns were read all the same: {listed(map(repr, hidden))}.", table.grid.place(table.header_row, 0))
-    if not book.sees_errors and book.path.suffix.lower() in (".xls", ".xlsb") and any(note.kind == "cannot" for note in findings.notes):
-        findings.note("assumed", f"in {book.path.suffix} files an error such as #REF! cannot be told from an empty cell; save as .xlsx to be sure.")
-    if not book.sees_errors and (silent := [c for c in table.having(*TIMED) if c.meaning and not c.meaning.unit and not table.unit]):
+        findings.note(
+            "assumed",
+            f"hidden columns were read all the same: {listed(map(repr, hidden))}.",
+            table.grid.place(table.header_row, 0),
+        )
+    if (
+        not book.sees_errors
+        and book.path.suffix.lower() in (".xls", ".xlsb")
+        and any(note.kind == "cannot" for note in findings.notes)
+    ):
+        findings.note(
+            "assumed",
+            f"in {book.path.suffix} files an error such as #REF! cannot be told from an empty cell;"
+            " save as .xlsx to be sure.",
+        )
+    if not book.sees_errors and (
+        silent := [
+            c for c in table.having(*TIMED) if c.meaning and not c.meaning.unit and not table.unit
+        ]
+    ):
         findings.fault(
-            f"no unit is stated for {listed(repr(column.header) for column in silent)}, and in {book.path.suffix} files the unit that a number "
-            "format shows cannot be seen. Write [s], [min] or [1/100 min] into the header, or save as .xlsx.",
+            f"no unit is stated for {listed(repr(column.header) for column in silent)}, and in"
+            f" {book.path.suffix} files the unit that a number format shows cannot be seen. Write"
+            " [s], [min] or [1/100 min] into the header, or save as .xlsx.",
             silent[0].place,
         )
     if book.path.suffix.lower() == ".xlsb":
-        findings.note("assumed", "in .xlsb files merged cells and number formats are not seen; save as .xlsx to be sure.")
+        findings.note(
+            "assumed",
+            "in .xlsb files merged cells and number formats are not seen; save as .xlsx to be"
+            " sure.",
+        )
     units = {unit_of(table, column) for column in table.having("time")}
     if units - {"s"}:
-        findings.note("assumed", f"times were converted to seconds from {listed(sorted(units - {'s'}))}.")
+        findings.note(
+            "assumed", f"times were converted to seconds from {listed(sorted(units - {'s'}))}."
+        )
 
 
 def _all_faults(table: Table, document: Mapping[str, Any], findings: Findings) -> tuple[Fault, ...]:
-    """Those of the sheet, and those of the cell that it describes, placed in the sheet; equal ones of a column told once."""
+    """Those of the sheet, and those of the cell that it describes, placed in the sheet; equal ones
+    of a column told once.
+    """
     faults = list(dict.fromkeys(findings.faults))
     touched = {fault.place for fault in faults}
     try:
@@ -393,4 +545,6 @@ def _all_faults(table: Table, document: Mapping[str, Any], findings: Findings) -
         place = findings.place_of(fault.path)
         if not (place and place in touched) and not (not document["tasks"] and faults):
             faults.append(fault.at(place or fault.place))
-    return once_a_column(faults, {(table.grid.name, column.letter): column.header for column in table.columns})
+    return once_a_column(
+        faults, {(table.grid.name, column.letter): column.header for column in table.columns}
+    )

@@ -1,4 +1,6 @@
-"""What comes to light while a sheet is read: remarks, faults, and where in the sheet each part of the cell stands."""
+"""What comes to light while a sheet is read: remarks, faults, and where in the sheet each part of
+the cell stands.
+"""
 
 from __future__ import annotations
 
@@ -32,8 +34,8 @@ class Note:
     """Something that was left out, assumed or understood in one of several ways.
 
     Attributes:
-      kind: "column" or "row" for what was not read, "cannot" for a 0 or an empty time, "assumed" for what the sheet does not say,
-        "sheet" for other sheets.
+      kind: "column" or "row" for what was not read, "cannot" for a 0 or an empty time, "assumed"
+        for what the sheet does not say, "sheet" for other sheets.
       place: where in the workbook; empty for the whole.
     """
 
@@ -47,7 +49,9 @@ class Note:
 
 @dataclass(frozen=True)
 class Percent:
-    """What numbers are multiplied by under a header that says per cent: plain ones, and those that the sheet shows as "30 %" and holds as 0.3."""
+    """What numbers are multiplied by under a header that says per cent: plain ones, and those that
+    the sheet shows as "30 %" and holds as 0.3.
+    """
 
     of_numbers: Decimal
     of_percentages: Decimal
@@ -64,7 +68,8 @@ class Findings:
     Attributes:
       places: path in the cell -> place in the sheet.
       marks: how text numbers are written.
-      shaky: paths whose value could not be read; a stand-in is checked in its stead, and never leaves this room.
+      shaky: paths whose value could not be read; a stand-in is checked in its stead, and never
+        leaves this room.
     """
 
     notes: list[Note] = field(default_factory=list)
@@ -94,18 +99,30 @@ class Findings:
         return True
 
     def text(self, grid: Grid, row: int, column: int | None) -> str:
-        """What stands there as text, the value of its merged area included; "" when nothing does or it is broken."""
+        """What stands there as text, the value of its merged area included; "" when nothing does or
+        it is broken.
+        """
         if column is None or not self.sound(grid, row, column):
             return ""
         top, left, _, _ = grid.spread_of(row, column)
         value = grid.rows[top][left]
         return tidy(value) if isinstance(value, str) else shown(value)
 
-    def time(self, grid: Grid, row: int, column: int, unit: str, *, zero: bool = False, told: bool = False) -> float | None:
+    def time(
+        self,
+        grid: Grid,
+        row: int,
+        column: int,
+        unit: str,
+        *,
+        zero: bool = False,
+        told: bool = False,
+    ) -> float | None:
         """Seconds; None when the cell says "cannot" or is a fault.
 
         Args:
-          unit: for numbers that have none of their own, be it typed behind them or shown by their number format.
+          unit: for numbers that have none of their own, be it typed behind them or shown by their
+            number format.
           zero: lets 0 pass, for moments.
           told: the unit is told by `--map`, which counts more than a number format.
         """
@@ -115,31 +132,51 @@ class Findings:
         def in_seconds(found: Number) -> tuple[Decimal, bool]:
             if words and not unit_named(words):
                 raise UnreadableError(
-                    f"is shown with {words!r} by its number format, which is no unit of time: mend the format, or say the unit with --map"
+                    f"is shown with {words!r} by its number format, which is no unit of time: mend"
+                    " the format, or say the unit with --map"
                 )
             return seconds(found, unit_named(words) or unit)
 
         return self._amount(grid, row, column, in_seconds, "a time", zero, FINEST_TIME)
 
-    def amount(self, grid: Grid, row: int, column: int, what: str, percent: Percent | None = None) -> float | None:
+    def amount(
+        self, grid: Grid, row: int, column: int, what: str, percent: Percent | None = None
+    ) -> float | None:
         """A number that is 0 or more, such as stress; None when the cell is empty or a fault.
 
         Args:
-          percent: what becomes of numbers under a header that says per cent; without it, a percentage is its fraction, 0.3 for 30 %.
+          percent: what becomes of numbers under a header that says per cent; without it, a
+            percentage is its fraction, 0.3 for 30 %.
         """
         row = grid.origin(row, column)
         words = grid.words.get((row, column), "")
 
         def unitless(found: Number) -> tuple[Decimal, bool]:
             if found.unit or unit_named(words):
-                raise UnreadableError(f"holds {shown(grid.rows[row][column])} {words}".rstrip() + f", a time, where {what} is expected")
-            factor = Decimal(1) if percent is None else percent.of_percentages if words == "%" else percent.of_numbers
+                raise UnreadableError(
+                    f"holds {shown(grid.rows[row][column])} {words}".rstrip()
+                    + f", a time, where {what} is expected"
+                )
+            factor = (
+                Decimal(1)
+                if percent is None
+                else percent.of_percentages
+                if words == "%"
+                else percent.of_numbers
+            )
             return rounded(found.value * factor, FINEST_AMOUNT)
 
         return self._amount(grid, row, column, unitless, what, True, FINEST_AMOUNT)
 
     def _amount(
-        self, grid: Grid, row: int, column: int, convert: Callable[[Number], tuple[Decimal, bool]], what: str, zero: bool, finest: Decimal
+        self,
+        grid: Grid,
+        row: int,
+        column: int,
+        convert: Callable[[Number], tuple[Decimal, bool]],
+        what: str,
+        zero: bool,
+        finest: Decimal,
     ) -> float | None:
         if not self.sound(grid, row, column):
             return None
@@ -157,14 +194,18 @@ class Findings:
             self.fault(f"holds {shown(value)}: {what} cannot be negative.", place)
             return None
         if size == 0 and found.value != 0:
-            self.fault(f"holds {shown(value)}: {what} shorter than {finest} cannot be planned.", place)
+            self.fault(
+                f"holds {shown(value)}: {what} shorter than {finest} cannot be planned.", place
+            )
             return None
         if changed:
             self.rounded.append(f"{place} {shown(value)} to {plain(float(size))}")
         return float(size)
 
     def value(self, grid: Grid, row: int, column: int) -> Value | None:
-        """What stands there, the value of the area that is merged downwards included; None when it is broken, which is a fault."""
+        """What stands there, the value of the area that is merged downwards included; None when it
+        is broken, which is a fault.
+        """
         row = grid.origin(row, column)
         return grid.rows[row][column] if self.sound(grid, row, column) else None
 

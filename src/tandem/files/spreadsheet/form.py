@@ -1,4 +1,6 @@
-"""The words of the template, English and German. Every header here is one that `words.meaning` understands; a test holds them to it."""
+"""The words of the template, English and German. Every header here is one that `words.meaning`
+understands; a test holds them to it.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +9,15 @@ from typing import Literal
 Language = Literal["en", "de"]
 
 SHEETS: dict[Language, dict[str, str]] = {
-    "en": {"tasks": "Tasks", "operators": "Operators", "tools": "Tools", "zones": "Zones", "sets": "Stress of sets", "cell": "Cell", "help": "Help"},
+    "en": {
+        "tasks": "Tasks",
+        "operators": "Operators",
+        "tools": "Tools",
+        "zones": "Zones",
+        "sets": "Stress of sets",
+        "cell": "Cell",
+        "help": "Help",
+    },
     "de": {
         "tasks": "Vorgänge",
         "operators": "Bediener",
@@ -82,47 +92,136 @@ HEADERS: dict[Language, dict[str, str]] = {
 
 HELP: dict[Language, tuple[tuple[str, str], ...]] = {
     "en": (
-        ("What this is", "One row a task, one column of times for each operator. Overwrite the example, save, then: tandem import FILE -o cell.yaml"),
+        (
+            "What this is",
+            (
+                "One row a task, one column of times for each operator. Overwrite the example,"
+                " save, then: tandem import FILE -o cell.yaml"
+            ),
+        ),
         ("task", "Short name or number, different for each task. Predecessors refer to it."),
         ("description", "What people call the step; shown in charts and instructions."),
-        ("time ... [s]", "How long this operator needs. 0 or empty: cannot do it. Other units: write [min], [1/100 min] or [TMU] into the header."),
-        ("time A + B [s]", "A way of doing the task that needs both at once. Stress of it: a column 'stress A + B'."),
-        ("stress", "Ergonomic stress on the human who does the task: EAWS points, or any number where more is worse. Per person: 'stress NAME'."),
+        (
+            "time ... [s]",
+            (
+                "How long this operator needs. 0 or empty: cannot do it. Other units: write [min],"
+                " [1/100 min] or [TMU] into the header."
+            ),
+        ),
+        (
+            "time A + B [s]",
+            (
+                "A way of doing the task that needs both at once. Stress of it: a column 'stress A"
+                " + B'."
+            ),
+        ),
+        (
+            "stress",
+            (
+                "Ergonomic stress on the human who does the task: EAWS points, or any number where"
+                " more is worse. Per person: 'stress NAME'."
+            ),
+        ),
         ("predecessors", "Tasks that must have ended before: 1; 2. Empty: none."),
-        ("tool, zone", "Optional. Details such as how many there are stand in sheets of their own."),
+        (
+            "tool, zone",
+            "Optional. Details such as how many there are stand in sheets of their own.",
+        ),
         ("earliest start, latest end", "Optional, seconds since the start of the assembly."),
-        ("Further columns", "difficulty NAME, spread (coefficient of variation of the time), same operator as (a list of tasks), part."),
-        ("Sheet Operators", "kind: human or robot. Breaks: 300-600; 900-1000 in seconds since the start. Stress limit: the most for this human."),
-        ("More operators", "Copy a column of times, write the new name into its header, and add a row in the sheet Operators."),
+        (
+            "Further columns",
+            (
+                "difficulty NAME, spread (coefficient of variation of the time), same operator as"
+                " (a list of tasks), part."
+            ),
+        ),
+        (
+            "Sheet Operators",
+            (
+                "kind: human or robot. Breaks: 300-600; 900-1000 in seconds since the start. Stress"
+                " limit: the most for this human."
+            ),
+        ),
+        (
+            "More operators",
+            (
+                "Copy a column of times, write the new name into its header, and add a row in the"
+                " sheet Operators."
+            ),
+        ),
     ),
     "de": (
-        ("Wozu", "Eine Zeile je Vorgang, eine Spalte Zeiten je Bediener. Beispiel überschreiben, speichern, dann: tandem import DATEI -o zelle.yaml"),
-        ("Vorgang", "Kurzer Name oder Nummer, für jeden Vorgang anders. Vorgänger beziehen sich darauf."),
+        (
+            "Wozu",
+            (
+                "Eine Zeile je Vorgang, eine Spalte Zeiten je Bediener. Beispiel überschreiben,"
+                " speichern, dann: tandem import DATEI -o zelle.yaml"
+            ),
+        ),
+        (
+            "Vorgang",
+            "Kurzer Name oder Nummer, für jeden Vorgang anders. Vorgänger beziehen sich darauf.",
+        ),
         ("Bezeichnung", "Wie der Schritt heißt; steht in Diagrammen und Anweisungen."),
         (
             "Zeit ... [s]",
-            "Wie lange dieser Bediener braucht. 0 oder leer: kann es nicht. Sonst [min], [1/100 min], [TMU] in die Überschrift.",
+            (
+                "Wie lange dieser Bediener braucht. 0 oder leer: kann es nicht. Sonst [min], [1/100"
+                " min], [TMU] in die Überschrift."
+            ),
         ),
-        ("Zeit A + B [s]", "Eine Art, den Vorgang gemeinsam zu tun. Belastung dabei: Spalte 'Belastung A + B'."),
+        (
+            "Zeit A + B [s]",
+            "Eine Art, den Vorgang gemeinsam zu tun. Belastung dabei: Spalte 'Belastung A + B'.",
+        ),
         (
             "Belastung",
-            "Ergonomische Belastung des Menschen, der es tut: EAWS-Punkte o. Ä., mehr ist schlechter. Je Person: 'Belastung NAME'.",
+            (
+                "Ergonomische Belastung des Menschen, der es tut: EAWS-Punkte o. Ä., mehr ist"
+                " schlechter. Je Person: 'Belastung NAME'."
+            ),
         ),
         ("Vorgänger", "Vorgänge, die vorher beendet sein müssen: 1; 2. Leer: keine."),
-        ("Werkzeug, Bereich", "Freiwillig. Einzelheiten wie die Anzahl stehen in eigenen Blättern."),
+        (
+            "Werkzeug, Bereich",
+            "Freiwillig. Einzelheiten wie die Anzahl stehen in eigenen Blättern.",
+        ),
         ("frühester Start, spätestes Ende", "Freiwillig, Sekunden seit Beginn der Montage."),
-        ("Weitere Spalten", "Schwierigkeit NAME, Streuung (Variationskoeffizient der Zeit), gleicher Bediener wie (Liste von Vorgängen), Teil."),
+        (
+            "Weitere Spalten",
+            (
+                "Schwierigkeit NAME, Streuung (Variationskoeffizient der Zeit), gleicher Bediener"
+                " wie (Liste von Vorgängen), Teil."
+            ),
+        ),
         (
             "Blatt Bediener",
-            "Art: Mensch oder Roboter. Pausen: 300-600; 900-1000 (Sekunden). Belastungsgrenze: das Meiste für diesen Menschen.",
+            (
+                "Art: Mensch oder Roboter. Pausen: 300-600; 900-1000 (Sekunden). Belastungsgrenze:"
+                " das Meiste für diesen Menschen."
+            ),
         ),
-        ("Mehr Bediener", "Eine Spalte Zeiten kopieren, den neuen Namen in die Überschrift schreiben, und eine Zeile im Blatt Bediener."),
+        (
+            "Mehr Bediener",
+            (
+                "Eine Spalte Zeiten kopieren, den neuen Namen in die Überschrift schreiben, und"
+                " eine Zeile im Blatt Bediener."
+            ),
+        ),
     ),
 }
 
 CHECKS: dict[Language, dict[str, str]] = {
-    "en": {"number": "A number, 0 or more; empty or 0: cannot.", "name": "This name stands twice.", "see": "See the sheet"},
-    "de": {"number": "Eine Zahl ab 0; leer oder 0: kann es nicht.", "name": "Dieser Name steht zweimal.", "see": "Siehe Blatt"},
+    "en": {
+        "number": "A number, 0 or more; empty or 0: cannot.",
+        "name": "This name stands twice.",
+        "see": "See the sheet",
+    },
+    "de": {
+        "number": "Eine Zahl ab 0; leer oder 0: kann es nicht.",
+        "name": "Dieser Name steht zweimal.",
+        "see": "Siehe Blatt",
+    },
 }
 """What the sheet says when something else is typed."""
 
@@ -136,7 +235,11 @@ EXAMPLE = {
         "4": {"time": {"robot": 2}, "after": ["1", "2"]},
         "5": {"time": {"robot": 4, "human": 2}, "stress": 4, "after": ["3"]},
         "6": {"time": {"robot": 10, "human": 3}, "stress": 1, "after": ["1", "2", "4"]},
-        "7": {"time": {"robot": 2, "human": 4}, "stress": 5, "after": ["1", "2", "3", "4", "5", "6"]},
+        "7": {
+            "time": {"robot": 2, "human": 4},
+            "stress": 5,
+            "after": ["1", "2", "3", "4", "5", "6"],
+        },
     },
 }
 """The filled example of the template."""

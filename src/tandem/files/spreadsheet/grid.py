@@ -1,4 +1,6 @@
-"""A sheet as it lies on the planner's screen: values in a rectangle from A1, and what is odd about some of them."""
+"""A sheet as it lies on the planner's screen: values in a rectangle from A1, and what is odd about
+some of them.
+"""
 
 from __future__ import annotations
 
@@ -26,8 +28,10 @@ class Grid:
       name: of the sheet; of the file without its ending for CSV.
       rows: values from A1 on, every row equally long, empty ones as "".
       merged: merged areas, `(top, left, bottom, right)`, all counted from 0 and included.
-      words: `(row, column)` of numbers -> what their number format writes beside them: "min", "%", "€".
-      odd: `(row, column)` of cells without a usable value -> what they hold, as the end of a sentence and the way out.
+      words: `(row, column)` of numbers -> what their number format writes beside them: "min", "%",
+        "€".
+      odd: `(row, column)` of cells without a usable value -> what they hold, as the end of a
+        sentence and the way out.
       lengths: how many columns each row of a text file has of its own.
       hidden: the sheet itself is hidden.
       hidden_rows, hidden_columns: counted from 0.
@@ -55,7 +59,9 @@ class Grid:
 
     def is_blank(self, row: int) -> bool:
         """Nothing stands in the row, not even a formula without a result."""
-        return all(blank(value) for value in self.rows[row]) and not any(r == row for r, _ in self.odd)
+        return all(blank(value) for value in self.rows[row]) and not any(
+            r == row for r, _ in self.odd
+        )
 
     def spread_of(self, row: int, column: int) -> tuple[int, int, int, int]:
         """The merged area around a cell; the cell itself when it is not merged."""
@@ -63,11 +69,16 @@ class Grid:
 
     @cached_property
     def _areas(self) -> dict[tuple[int, int], tuple[int, int, int, int]]:
-        """Cell -> the merged area that it is part of, as far as the sheet reaches. Areas of a sound file never overlap."""
+        """Cell -> the merged area that it is part of, as far as the sheet reaches. Areas of a sound
+        file never overlap.
+        """
         found: dict[tuple[int, int], tuple[int, int, int, int]] = {}
         for area in self.merged:
             top, left, bottom, right = area
-            rows, columns = range(top, min(bottom + 1, len(self.rows))), range(left, min(right + 1, self.width))
+            rows, columns = (
+                range(top, min(bottom + 1, len(self.rows))),
+                range(left, min(right + 1, self.width)),
+            )
             for cell in itertools.product(rows, columns):
                 if cell in found:
                     break  # so that a damaged file costs no more than its cells
@@ -75,12 +86,16 @@ class Grid:
         return found
 
     def origin(self, row: int, column: int) -> int:
-        """The row whose cell speaks for this one: the top of an area that is merged downwards, else the row itself."""
+        """The row whose cell speaks for this one: the top of an area that is merged downwards, else
+        the row itself.
+        """
         top, left, _, _ = self.spread_of(row, column)
         return top if left == column else row
 
     def value(self, row: int, column: int) -> Value:
-        """What stands there; the value of a merged area counts for every row of it, in its first column."""
+        """What stands there; the value of a merged area counts for every row of it, in its first
+        column.
+        """
         return self.rows[self.origin(row, column)][column]
 
     def filled(self, row: int) -> Iterator[tuple[int, Value]]:
@@ -94,7 +109,8 @@ class Book:
 
     Attributes:
       grids: worksheets in the file's order.
-      passed_over: sheets without rows of their own (charts, macros), and sheets that are too long, name -> why.
+      passed_over: sheets without rows of their own (charts, macros), and sheets that are too long,
+        name -> why.
       remarks: how the file was read, one sentence each.
       sees_errors: error values can be told from empty cells.
     """
@@ -122,7 +138,9 @@ def blank(value: Value) -> bool:
 
 
 def tidy(text: str) -> str:
-    """The text as names are spelled everywhere: single blanks, no unseen signs, letters with their accents in one piece."""
+    """The text as names are spelled everywhere: single blanks, no unseen signs, letters with their
+    accents in one piece.
+    """
     return clean(text)
 
 

@@ -1,7 +1,8 @@
 """Finds the table in a sheet: which rows are its header, and what each column means.
 
-Planners put titles above, merge "Time [s]" over one column per operator, and write units into a row of their own. Every row near the top
-is tried as the header, alone and with the row above it; the one whose columns say most wins.
+Planners put titles above, merge "Time [s]" over one column per operator, and write units into a row
+of their own. Every row near the top is tried as the header, alone and with the row above it; the
+one whose columns say most wins.
 """
 
 from __future__ import annotations
@@ -16,9 +17,30 @@ from tandem.files.spreadsheet.values import cannot, is_number, says_able, unit_n
 from tandem.files.spreadsheet.vocabulary import SCALE, Meaning, key, meaning, split_unit
 
 LAST_HEADER_ROW = 60
-WEIGHTS = {"number": 2.0, "task": 2.0, "label": 2.0, "after": 2.0, "after rows": 2.0, "time": 3.0, "operator": 1.5, "ignore": 0.2}
+WEIGHTS = {
+    "number": 2.0,
+    "task": 2.0,
+    "label": 2.0,
+    "after": 2.0,
+    "after rows": 2.0,
+    "time": 3.0,
+    "operator": 1.5,
+    "ignore": 0.2,
+}
 TIMED = ("time", "release", "deadline")
-TASK_WORDS = {*WEIGHTS, "part", "tool", "zone", "release", "deadline", "same operator", "before", "stress", "difficulty", "spread"}
+TASK_WORDS = {
+    *WEIGHTS,
+    "part",
+    "tool",
+    "zone",
+    "release",
+    "deadline",
+    "same operator",
+    "before",
+    "stress",
+    "difficulty",
+    "spread",
+}
 TASK_WORDS |= {"outline number", "outline level", "milestone", "quantity"}
 """What a column of a task sheet can mean."""
 
@@ -55,7 +77,8 @@ class Table:
       first_row: of the data, counted from 0.
       header_row: the last row of the header proper.
       title: the first text above the header; "" when there is none.
-      unit: the unit of all times, when a line above the header or below the table says so ("all times in min").
+      unit: the unit of all times, when a line above the header or below the table says so ("all
+        times in min").
       doubt: why no unit may be assumed where none is stated; "" when there is no reason.
     """
 
@@ -69,19 +92,27 @@ class Table:
 
     def having(self, *what: str) -> tuple[Column, ...]:
         """Columns with one of these meanings."""
-        return tuple(column for column in self.columns if column.meaning is not None and column.meaning.what in what)
+        return tuple(
+            column
+            for column in self.columns
+            if column.meaning is not None and column.meaning.what in what
+        )
 
     @property
     def holds_tasks(self) -> bool:
         """There is a name for each task, and a time."""
-        return bool(self.having("number", "task", "label", "outline number") and self.having("time"))
+        return bool(
+            self.having("number", "task", "label", "outline number") and self.having("time")
+        )
 
 
 Reader = Callable[[str, int], Meaning | None]
 """Header text and column -> meaning."""
 
 
-def find_table(grid: Grid, known: tuple[str, ...] = (), overrides: Mapping[str, Meaning | None] | None = None) -> Table | None:
+def find_table(
+    grid: Grid, known: tuple[str, ...] = (), overrides: Mapping[str, Meaning | None] | None = None
+) -> Table | None:
     """The task table of a sheet, or None when no row reads like a header.
 
     Args:
@@ -96,10 +127,15 @@ def find_table(grid: Grid, known: tuple[str, ...] = (), overrides: Mapping[str, 
         bare, unit = split_unit(text)
         if (name := next((name for name in (text, place) if name in chosen), None)) is not None:
             return _in_unit(chosen[name], unit)
-        if text and (name := next((name for name in (key(text), key(bare)) if name in by_key), None)) is not None:
+        if (
+            text
+            and (name := next((name for name in (key(text), key(bare)) if name in by_key), None))
+            is not None
+        ):
             return _in_unit(by_key[name], unit)
         found = meaning(text, known) if text else None
-        if found is not None and found.what == "capacity":  # "Anzahl" is how many there are of a tool, and how many pieces a task has
+        # "Anzahl" is how many there are of a tool, and how many pieces a task has
+        if found is not None and found.what == "capacity":
             return replace(found, what="quantity")
         return found if found is None or found.what in TASK_WORDS else None
 
@@ -107,12 +143,18 @@ def find_table(grid: Grid, known: tuple[str, ...] = (), overrides: Mapping[str, 
 
 
 def _in_unit(told: Meaning | None, unit: str | None) -> Meaning | None:
-    """What `--map` says of a column, in the unit that the sheet states unless it states one itself."""
-    return replace(told, unit=told.unit or unit) if told is not None and told.what in TIMED else told
+    """What `--map` says of a column, in the unit that the sheet states unless it states one
+    itself.
+    """
+    return (
+        replace(told, unit=told.unit or unit) if told is not None and told.what in TIMED else told
+    )
 
 
 def best_table(grid: Grid, read: Reader) -> Table | None:
-    """The header whose columns `read` understands best; None when it understands none of any row."""
+    """The header whose columns `read` understands best; None when it understands none of any
+    row.
+    """
     best: tuple[float, Table] | None = None
     for row in range(min(len(grid.rows), LAST_HEADER_ROW)):
         for above in (0, 1):
@@ -139,11 +181,19 @@ def _table(grid: Grid, row: int, above: int, read: Reader) -> Table:
     first, doubt = row + 1, ""
     below = _units_in(grid, first) if first < len(grid.rows) else {}
     if below:
-        said = {column: (split_unit(headers[column])[1], unit_named(text)) for column, text in below.items()}
+        said = {
+            column: (split_unit(headers[column])[1], unit_named(text))
+            for column, text in below.items()
+        }
         contradicted = next((column for column, units in said.items() if _differ(*units)), None)
         if contradicted is not None:
-            doubt = f"{headers[contradicted]!r} and {below[contradicted]!r} below it ({grid.place(first, contradicted)})"
-        headers = [_with_unit(text, below.get(column), bool(doubt)) for column, text in enumerate(headers)]
+            doubt = (
+                f"{headers[contradicted]!r} and {below[contradicted]!r} below it"
+                f" ({grid.place(first, contradicted)})"
+            )
+        headers = [
+            _with_unit(text, below.get(column), bool(doubt)) for column, text in enumerate(headers)
+        ]
         first += 1
     columns = []
     for column, text in enumerate(headers):
@@ -152,9 +202,13 @@ def _table(grid: Grid, row: int, above: int, read: Reader) -> Table:
 
 
 def _units_in(grid: Grid, row: int) -> dict[int, str]:
-    """Column -> unit, for a row that holds units of time, perhaps scales of other things beside them, and nothing else."""
+    """Column -> unit, for a row that holds units of time, perhaps scales of other things beside
+    them, and nothing else.
+    """
     texts = {column: shown(value).strip("[]() ") for column, value in grid.filled(row)}
-    all_units = all(unit_named(text) or SCALE.fullmatch(text.casefold().rstrip(".")) for text in texts.values())
+    all_units = all(
+        unit_named(text) or SCALE.fullmatch(text.casefold().rstrip(".")) for text in texts.values()
+    )
     return texts if all_units and any(map(unit_named, texts.values())) else {}
 
 
@@ -163,7 +217,9 @@ def _differ(stated: str | None, below: str | None) -> bool:
 
 
 def _with_unit(header: str, below: str | None, doubt: bool) -> str:
-    """The header with the unit of the row below it; without any when the two contradict each other somewhere."""
+    """The header with the unit of the row below it; without any when the two contradict each other
+    somewhere.
+    """
     bare, unit = split_unit(header)
     if below is None or (unit and not doubt):
         return header
@@ -176,7 +232,8 @@ def _header(grid: Grid, row: int, above: int, column: int) -> str:
         upper = _text_at(grid, row - 1, column)
         if not upper and texts[0]:
             left = column
-            while left > 0 and not upper:  # "Time [s]" stands over the first of its columns, merged or not
+            # "Time [s]" stands over the first of its columns, merged or not
+            while left > 0 and not upper:
                 left -= 1
                 upper = _text_at(grid, row - 1, left)
         texts.insert(0, upper)
@@ -200,11 +257,25 @@ def _score(grid: Grid, table: Table, row: int) -> float:
             score -= 1.0
             continue
         found.add((what.what, (what.who, what.human)))
-        score += WEIGHTS.get(what.what, 1.0) - (0.0 if what.sure else 1.0) + (0.25 if what.unit else 0.0)
-    naming = next((table.having(what)[0].index for what in ("number", "task", "label", "outline number") if table.having(what)), None)
-    tasks = {shown(grid.value(below, naming)) for below in range(table.first_row, len(grid.rows))} if naming is not None else set()
+        score += (
+            WEIGHTS.get(what.what, 1.0) - (0.0 if what.sure else 1.0) + (0.25 if what.unit else 0.0)
+        )
+    naming = next(
+        (
+            table.having(what)[0].index
+            for what in ("number", "task", "label", "outline number")
+            if table.having(what)
+        ),
+        None,
+    )
+    tasks = (
+        {shown(grid.value(below, naming)) for below in range(table.first_row, len(grid.rows))}
+        if naming is not None
+        else set()
+    )
     numbers = [shown(value) for _, value in grid.filled(row) if is_number(value)]
-    return score - sum(1 for text in numbers if text not in tasks)  # a matrix of precedence is headed by the tasks themselves
+    # a matrix of precedence is headed by the tasks themselves
+    return score - sum(1 for text in numbers if text not in tasks)
 
 
 def _with_context(grid: Grid, table: Table) -> Table:
@@ -216,21 +287,43 @@ def _with_context(grid: Grid, table: Table) -> Table:
                 texts.append(tidy(value))
     header_texts = {column.header for column in table.columns}
     inside = {word for header in header_texts for word in (header,)}
-    titles = [text for text in texts if re.search(r"[^\W\d]{2}", text) and not any(text in header for header in inside)]
+    titles = [
+        text
+        for text in texts
+        if re.search(r"[^\W\d]{2}", text) and not any(text in header for header in inside)
+    ]
     unit, doubt = unit_said(grid, table.header_row, table.first_row, bool(table.having("quantity")))
     columns = tuple(_reconsidered(grid, table, column) for column in table.columns)
     unit, doubt = (None, table.doubt) if table.doubt else (unit, doubt)
-    return replace(table, columns=columns, title=titles[0][:200] if titles else "", unit=unit, doubt=doubt)
+    return replace(
+        table, columns=columns, title=titles[0][:200] if titles else "", unit=unit, doubt=doubt
+    )
 
 
 def amounts_of(table: Table) -> Iterator[Value]:
-    """What stands in the columns of times and amounts: the cells that show how this sheet writes decimals."""
-    for column in table.having(*TIMED, "stress", "difficulty", "spread", "stress limit", "capacity", "quantity", "changeover"):
-        yield from (table.grid.rows[row][column.index] for row in range(table.first_row, len(table.grid.rows)))
+    """What stands in the columns of times and amounts: the cells that show how this sheet writes
+    decimals.
+    """
+    for column in table.having(
+        *TIMED,
+        "stress",
+        "difficulty",
+        "spread",
+        "stress limit",
+        "capacity",
+        "quantity",
+        "changeover",
+    ):
+        yield from (
+            table.grid.rows[row][column.index]
+            for row in range(table.first_row, len(table.grid.rows))
+        )
 
 
 def _reconsidered(grid: Grid, table: Table, column: Column) -> Column:
-    """A column called "Robot" that holds names instead of numbers says who does the task, not how long it takes."""
+    """A column called "Robot" that holds names instead of numbers says who does the task, not how
+    long it takes.
+    """
     if column.meaning is None or column.meaning.sure:
         return column
     values = [grid.rows[row][column.index] for row in range(table.first_row, len(grid.rows))]

@@ -1,8 +1,10 @@
-"""What a reader of values does not show: formulas without a stored result, error values, hidden rows and columns, number formats.
+"""What a reader of values does not show: formulas without a stored result, error values, hidden
+rows and columns, number formats.
 
-Calamine gives an empty text for the first two, so that a broken formula would look like "cannot do it"; 1.5 for what is shown as
-"1.50 min"; and no merged areas of ods. This file looks into the XML of xlsx and ods for them. The binary formats xls and xlsb stay
-closed; `look` says so with its second answer.
+Calamine gives an empty text for the first two, so that a broken formula would look like "cannot do
+it"; 1.5 for what is shown as "1.50 min"; and no merged areas of ods. This file looks into the XML
+of xlsx and ods for them. The binary formats xls and xlsb stay closed; `look` says so with its
+second answer.
 """
 
 from __future__ import annotations
@@ -24,7 +26,8 @@ MOST_REPEATS = 2_000
 
 @dataclass
 class Sight:
-    """One sheet's odd cells, `(row, column)` -> what they hold; its hidden rows and columns, counted from 0.
+    """One sheet's odd cells, `(row, column)` -> what they hold; its hidden rows and columns,
+    counted from 0.
 
     Attributes:
       words: of numbers -> what their format writes beside them, "min" or "%".
@@ -68,16 +71,22 @@ def _tag(element: ElementTree.Element) -> str:
 
 
 def _attribute(element: ElementTree.Element, name: str) -> str | None:
-    return next((value for key, value in element.attrib.items() if key.rpartition("}")[2] == name), None)
+    return next(
+        (value for key, value in element.attrib.items() if key.rpartition("}")[2] == name), None
+    )
 
 
-# --- xlsx ---------------------------------------------------------------------------------------------------------------------
+# --- xlsx -----------------------------------------------------------------------------------------
 
 
 def _book_parts(archive: zipfile.ZipFile) -> tuple[str, list[tuple[str, str, str]]]:
     """The workbook's part, and its relations `(kind, key, part)`; the parts may have any name."""
     book = next(
-        (target for kind, _, target in _relations(archive, "_rels/.rels", "") if kind.endswith("/officeDocument")),
+        (
+            target
+            for kind, _, target in _relations(archive, "_rels/.rels", "")
+            if kind.endswith("/officeDocument")
+        ),
         "xl/workbook.xml",
     )
     folder, name = posixpath.split(book)
@@ -98,20 +107,34 @@ def _sheet_parts(archive: zipfile.ZipFile) -> Iterator[tuple[str, str]]:
 def _relations(archive: zipfile.ZipFile, part: str, folder: str) -> Iterator[tuple[str, str, str]]:
     for element in ElementTree.fromstring(archive.read(part)):
         target = element.attrib.get("Target", "")
-        whole = target.lstrip("/") if target.startswith("/") else posixpath.normpath(posixpath.join(folder, target))
+        whole = (
+            target.lstrip("/")
+            if target.startswith("/")
+            else posixpath.normpath(posixpath.join(folder, target))
+        )
         yield element.attrib.get("Type", ""), element.attrib.get("Id", ""), whole
 
 
 def _formats(archive: zipfile.ZipFile) -> dict[str, str]:
     """Number of a cell's style -> its number format, for those that are not the plain one."""
-    part = next((target for kind, _, target in _book_parts(archive)[1] if kind.endswith("/styles")), "")
+    part = next(
+        (target for kind, _, target in _book_parts(archive)[1] if kind.endswith("/styles")), ""
+    )
     if part not in archive.namelist():
         return {}
     root = ElementTree.fromstring(archive.read(part))
     codes = {str(number): code for number, code in BUILT_IN.items()}
-    codes |= {e.attrib.get("numFmtId", ""): e.attrib.get("formatCode", "") for e in root.iter() if _tag(e) == "numFmt"}
+    codes |= {
+        e.attrib.get("numFmtId", ""): e.attrib.get("formatCode", "")
+        for e in root.iter()
+        if _tag(e) == "numFmt"
+    }
     styles = next((list(element) for element in root if _tag(element) == "cellXfs"), [])
-    return {str(place): code for place, style in enumerate(styles) if (code := codes.get(style.attrib.get("numFmtId", "")))}
+    return {
+        str(place): code
+        for place, style in enumerate(styles)
+        if (code := codes.get(style.attrib.get("numFmtId", "")))
+    }
 
 
 def _xlsx(stream: IO[bytes], formats: Mapping[str, str]) -> Sight:
@@ -163,7 +186,10 @@ def _dressed(cell: ElementTree.Element, code: str, row: int, column: int, sight:
     look = dress(code, value)
     if look.hidden or look.scaled:
         how = "hides" if look.hidden else "shows in thousands"
-        sight.odd[row, column] = f"holds {value:.15g}, which its number format {how}: format the cell as a plain number, or clear it"
+        sight.odd[row, column] = (
+            f"holds {value:.15g}, which its number format {how}: format the cell as a plain number,"
+            " or clear it"
+        )
     elif look.words:
         sight.words[row, column] = look.words
 
@@ -178,7 +204,7 @@ def _column(reference: str, otherwise: int) -> int:
     return number - 1
 
 
-# --- ods ----------------------------------------------------------------------------------------------------------------------
+# --- ods ------------------------------------------------------------------------------------------
 
 
 def _ods(stream: IO[bytes]) -> Iterator[tuple[str, Sight]]:
@@ -230,7 +256,9 @@ def _ods_words(row: ElementTree.Element) -> Iterator[tuple[int, str]]:
     for column, repeats, cell in _ods_cells(row):
         if _attribute(cell, "value-type") in ("float", "percentage", "currency"):
             text = "".join("".join(part.itertext()) for part in cell if _tag(part) == "p")
-            before, _, behind = re.sub(r"[-+−]?\d+(?:[.,'’\s]\d{3})*(?:[.,]\d+)?(?:E[+-]?\d+)?", "\0", text, count=1).partition("\0")
+            before, _, behind = re.sub(
+                r"[-+−]?\d+(?:[.,'’\s]\d{3})*(?:[.,]\d+)?(?:E[+-]?\d+)?", "\0", text, count=1
+            ).partition("\0")
             words = " ".join(f"{before} {behind}".split()).strip("()[]+-–−. ")
             if words and not re.fullmatch(r"[\d/ ]+", words):
                 yield from ((column + i, words) for i in range(min(repeats, MOST_REPEATS)))
@@ -238,7 +266,9 @@ def _ods_words(row: ElementTree.Element) -> Iterator[tuple[int, str]]:
 
 def _ods_merged(row: ElementTree.Element, number: int) -> Iterator[tuple[int, int, int, int]]:
     for column, _, cell in _ods_cells(row):
-        down, across = (int(_attribute(cell, f"number-{what}-spanned") or 1) for what in ("rows", "columns"))
+        down, across = (
+            int(_attribute(cell, f"number-{what}-spanned") or 1) for what in ("rows", "columns")
+        )
         if (down, across) != (1, 1):
             yield number, column, number + down - 1, column + across - 1
 
@@ -247,17 +277,26 @@ def _ods_row(row: ElementTree.Element) -> Iterator[tuple[int, str]]:
     for column, repeats, cell in _ods_cells(row):
         text = "".join(cell.itertext()).strip()
         formula = _attribute(cell, "formula") is not None
-        if formula and re.fullmatch(r"#(REF|N/A|NAME\?|VALUE|DIV/0|NULL|NUM)!?|Err:\d+|#[A-ZÄÖÜ/]+[!?]", text):
+        if formula and re.fullmatch(
+            r"#(REF|N/A|NAME\?|VALUE|DIV/0|NULL|NUM)!?|Err:\d+|#[A-ZÄÖÜ/]+[!?]", text
+        ):
             yield from ((column + i, _error(text)) for i in range(min(repeats, MOST_REPEATS)))
-        elif formula and not text and _attribute(cell, "value") is None and _attribute(cell, "value-type") is None:
+        elif (
+            formula
+            and not text
+            and _attribute(cell, "value") is None
+            and _attribute(cell, "value-type") is None
+        ):
             yield from ((column + i, NO_RESULT) for i in range(min(repeats, MOST_REPEATS)))
 
 
-# --- indents ------------------------------------------------------------------------------------------------------------------
+# --- indents --------------------------------------------------------------------------------------
 
 
 def indented(content: bytes) -> dict[str, dict[tuple[int, int], int]]:
-    """Sheet name -> `(row, column)` -> how far a cell of an xlsx is indented by its format; only cells that are."""
+    """Sheet name -> `(row, column)` -> how far a cell of an xlsx is indented by its format; only
+    cells that are.
+    """
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         names = set(archive.namelist())
         if "xl/styles.xml" not in names or "xl/workbook.xml" not in names:
@@ -278,12 +317,26 @@ def indented(content: bytes) -> dict[str, dict[tuple[int, int], int]]:
 
 def _indents_of_styles(styles: bytes) -> dict[str, int]:
     """The number of a cell's style -> its indent, where it has one."""
-    cells = next((list(element) for element in ElementTree.fromstring(styles) if _tag(element) == "cellXfs"), [])
-    indents = {str(place): part.attrib.get("indent", "0") for place, style in enumerate(cells) for part in style if _tag(part) == "alignment"}
-    return {place: int(indent) for place, indent in indents.items() if indent.isdecimal() and indent != "0"}
+    cells = next(
+        (list(element) for element in ElementTree.fromstring(styles) if _tag(element) == "cellXfs"),
+        [],
+    )
+    indents = {
+        str(place): part.attrib.get("indent", "0")
+        for place, style in enumerate(cells)
+        for part in style
+        if _tag(part) == "alignment"
+    }
+    return {
+        place: int(indent)
+        for place, indent in indents.items()
+        if indent.isdecimal() and indent != "0"
+    }
 
 
-def _indented_cells(stream: IO[bytes], styles: dict[str, int]) -> Iterator[tuple[tuple[int, int], int]]:
+def _indented_cells(
+    stream: IO[bytes], styles: dict[str, int]
+) -> Iterator[tuple[tuple[int, int], int]]:
     for _, element in ElementTree.iterparse(stream):
         if _tag(element) == "c" and (indent := styles.get(element.attrib.get("s", ""))):
             reference = re.fullmatch(r"([A-Z]{1,3})(\d{1,7})", element.attrib.get("r", ""))

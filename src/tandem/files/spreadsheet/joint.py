@@ -1,6 +1,8 @@
-"""Ways of doing a task together, as planners write them: "W1 + W2", "Anna und UR5", "gemeinsam", "beide", "both", "Team".
+"""Ways of doing a task together, as planners write them: "W1 + W2", "Anna und UR5", "gemeinsam",
+"beide", "both", "Team".
 
-A word such as "gemeinsam" names nobody. It means the operators of the sheet where these are clear, two of them; else the import asks.
+A word such as "gemeinsam" names nobody. It means the operators of the sheet where these are clear,
+two of them; else the import asks.
 """
 
 from __future__ import annotations
@@ -26,7 +28,8 @@ class WhoError(ValueError):
 
 
 def ways(text: str, people: Sequence[str]) -> list[tuple[str, ...]]:
-    """The ways that an entry names, each with its operators: "anna / ben" is one or the other, "anna + ben" both at once.
+    """The ways that an entry names, each with its operators: "anna / ben" is one or the other,
+    "anna + ben" both at once.
 
     Args:
       people: everybody whom the sheets name, joint words aside.
@@ -41,9 +44,19 @@ def ways(text: str, people: Sequence[str]) -> list[tuple[str, ...]]:
     if said and not all(key(part) in named for part in re.split(rf"{EITHER}|{BOTH}", text)):
         return [_group(text, rest, said, people)]
     if re.search(r"[,;]", text):
-        raise WhoError("may be either or both: write 'A / B' when one of them does it, 'A + B' when both do it together")
+        raise WhoError(
+            "may be either or both: write 'A / B' when one of them does it, 'A + B' when both do it"
+            " together"
+        )
     choices = [part for part in re.split(EITHER, text) if part]
-    return [tuple(name for name in re.split(BOTH, choice) if name) if key(choice) not in named else (choice,) for choice in choices]
+    return [
+        (
+            tuple(name for name in re.split(BOTH, choice) if name)
+            if key(choice) not in named
+            else (choice,)
+        )
+        for choice in choices
+    ]
 
 
 def _group(text: str, rest: str, said: set[str], people: Sequence[str]) -> tuple[str, ...]:
@@ -56,7 +69,9 @@ def _group(text: str, rest: str, said: set[str], people: Sequence[str]) -> tuple
         return (text,)
     those = f"The sheets name {_and(people)}" if people else "The sheets name nobody"
     example = " + ".join((*people, "A", "B")[:2])
-    raise WhoError(f"does not say who takes part. {those}: write all who do it together, such as '{example}'")
+    raise WhoError(
+        f"does not say who takes part. {those}: write all who do it together, such as '{example}'"
+    )
 
 
 def _without_joint_words(text: str) -> tuple[str, set[str]]:
@@ -66,7 +81,14 @@ def _without_joint_words(text: str) -> tuple[str, set[str]]:
     if not said:
         return text, said
     pieces = re.split(r"(\s+|[/|,;:()+&])", text)
-    return tidy("".join(piece for piece in pieces if key(piece) not in JOINT and key(piece) not in SMALL)), said
+    return (
+        tidy(
+            "".join(
+                piece for piece in pieces if key(piece) not in JOINT and key(piece) not in SMALL
+            )
+        ),
+        said,
+    )
 
 
 def _and(names: Iterable[str]) -> str:
@@ -75,22 +97,33 @@ def _and(names: Iterable[str]) -> str:
 
 
 def people_in(table: Table, known: Iterable[str]) -> list[str]:
-    """Everybody whom the headers, the rows or other sheets name, in that order, joint words aside."""
-    names = [name for column in table.having("time") if column.meaning for name in column.meaning.who]
+    """Everybody whom the headers, the rows or other sheets name, in that order, joint words
+    aside.
+    """
+    names = [
+        name for column in table.having("time") if column.meaning for name in column.meaning.who
+    ]
     for column in table.having("operator"):
         for row in range(table.first_row, len(table.grid.rows)):
-            names += re.split(rf"[,;]|{EITHER}|{BOTH}", _without_joint_words(shown(table.grid.rows[row][column.index]))[0])
+            names += re.split(
+                rf"[,;]|{EITHER}|{BOTH}",
+                _without_joint_words(shown(table.grid.rows[row][column.index]))[0],
+            )
     own = [name for name in map(tidy, names) if name and key(name) not in JOINT and "/" not in name]
     return list({key(name): name for name in reversed([*known, *own])}.values())[::-1]
 
 
-# --- headers ------------------------------------------------------------------------------------------------------------------
+# --- headers --------------------------------------------------------------------------------------
 
 
 def with_joint_ways(table: Table, known: Sequence[str], findings: Findings) -> Table:
-    """The table with operators in the place of joint words: "Zeit gemeinsam [s]" is a time of those whom the other columns name."""
+    """The table with operators in the place of joint words: "Zeit gemeinsam [s]" is a time of those
+    whom the other columns name.
+    """
     people = people_in(table, known)
-    return replace(table, columns=tuple(_with_group(column, people, findings) for column in table.columns))
+    return replace(
+        table, columns=tuple(_with_group(column, people, findings) for column in table.columns)
+    )
 
 
 def _with_group(column: Column, people: Sequence[str], findings: Findings) -> Column:
@@ -100,14 +133,23 @@ def _with_group(column: Column, people: Sequence[str], findings: Findings) -> Co
     named = {key(name) for name in people}
     name = " + ".join(what.who)
     either = [part for part in re.split(EITHER, name) if part]
-    if len(what.who) == 1 and len(either) > 1 and key(name) not in named and all(key(part) in named or kind_of(part) for part in either):
+    if (
+        len(what.who) == 1
+        and len(either) > 1
+        and key(name) not in named
+        and all(key(part) in named or kind_of(part) for part in either)
+    ):
         findings.fault(
-            f"{column.header!r} may be the time of either or of both. Write '{' + '.join(either)}' into the header when they do it together, or give "
-            "each a column of its own.",
+            f"{column.header!r} may be the time of either or of both. Write '{' + '.join(either)}'"
+            " into the header when they do it together, or give each a column of its own.",
             column.place,
         )
         return replace(column, meaning=None, why="it may be a time of either or of both")
-    if all(key(one) in named for one in what.who) or key(name) in named or not _without_joint_words(name)[1]:
+    if (
+        all(key(one) in named for one in what.who)
+        or key(name) in named
+        or not _without_joint_words(name)[1]
+    ):
         return column
     try:
         return replace(column, meaning=replace(what, who=ways(name, people)[0]))

@@ -1,4 +1,6 @@
-"""Settles what the columns of a task table mean together, and says which are not read and what was assumed."""
+"""Settles what the columns of a task table mean together, and says which are not read and what was
+assumed.
+"""
 
 from __future__ import annotations
 
@@ -17,15 +19,37 @@ from tandem.files.spreadsheet.precedence import MATRIX, listed_headers
 from tandem.files.spreadsheet.rows import task_rows
 from tandem.files.spreadsheet.shape import refuse_values_beyond_the_header
 from tandem.files.spreadsheet.stated_units import say_units
-from tandem.files.spreadsheet.vocabulary import Meaning, is_kind_word, key, kind_of, meaning, split_unit, without_scale
+from tandem.files.spreadsheet.vocabulary import (
+    Meaning,
+    is_kind_word,
+    key,
+    kind_of,
+    meaning,
+    split_unit,
+    without_scale,
+)
 
-ONCE = ("part", "tool", "zone", "release", "deadline", "operator", "same operator", "outline number", "outline level", "milestone", "quantity")
+ONCE = (
+    "part",
+    "tool",
+    "zone",
+    "release",
+    "deadline",
+    "operator",
+    "same operator",
+    "outline number",
+    "outline level",
+    "milestone",
+    "quantity",
+)
 JOINED = ("after", "after rows", "before", *MATRIX.values())
 """Lists of tasks: several columns of one kind add to each other."""
 
 
 def settled(table: Table, known: tuple[str, ...], findings: Findings) -> Table:
-    """The same table with one meaning for each column that is read; the others lose theirs and are noted."""
+    """The same table with one meaning for each column that is read; the others lose theirs and are
+    noted.
+    """
     rows = task_rows(table, Findings())
     columns = _with_known_names(table, known, findings)
     columns = _one_name_for_each_task(columns)
@@ -36,14 +60,19 @@ def settled(table: Table, known: tuple[str, ...], findings: Findings) -> Table:
         if column.meaning is None and not _nothing_in(table.grid, table, column):
             _note_unread(column, findings)
         elif column.meaning and column.meaning.what == "ignore":
-            findings.note("column", f"column {column.header!r} was not read: remarks and ignored columns are left out.", column.place)
+            findings.note(
+                "column",
+                f"column {column.header!r} was not read: remarks and ignored columns are left out.",
+                column.place,
+            )
     refuse_values_beyond_the_header(table, columns, rows, findings)
     say_units(table, columns, rows, findings)
     return replace(table, columns=tuple(columns))
 
 
 def overrides_from(texts: Mapping[str, str], grid: Grid | None = None) -> dict[str, Meaning | None]:
-    """`--map` options as meanings: header or column letters -> what it holds, in the words that a header may use.
+    """`--map` options as meanings: header or column letters -> what it holds, in the words that a
+    header may use.
 
     Raises:
       UsageError: a meaning that no header could have, with the nearest that could.
@@ -52,10 +81,13 @@ def overrides_from(texts: Mapping[str, str], grid: Grid | None = None) -> dict[s
     for header, text in texts.items():
         wanted = meaning(text)
         if wanted is None or wanted.what not in TASK_WORDS:
-            canonical = Known([*sorted(TASK_WORDS), "time robot [s]", "time human [s]", "stress human"])
+            canonical = Known(
+                [*sorted(TASK_WORDS), "time robot [s]", "time human [s]", "stress human"]
+            )
             raise UsageError(
-                f"--map {header}={text}: no column can mean {text!r}. {canonical.hint(text)} "
-                "Write for example name, label, 'time robot [s]', after, stress, 'stress anna', tool, operator or ignore."
+                f"--map {header}={text}: no column can mean {text!r}. {canonical.hint(text)} Write"
+                " for example name, label, 'time robot [s]', after, stress, 'stress anna', tool,"
+                " operator or ignore."
             )
         found[header] = replace(wanted, sure=True, told=True)
     return found
@@ -72,11 +104,16 @@ def check_overrides(overrides: Mapping[str, Meaning | None], table: Table) -> No
     known = {key(text) for header in headers for text in (header, split_unit(header)[0])}
     for name in overrides:
         if name not in letters and key(name) not in known:
-            raise UsageError(f"--map {name!r}: sheet {table.grid.name!r} has no such column. {Known(headers).hint(name)}")
+            raise UsageError(
+                f"--map {name!r}: sheet {table.grid.name!r} has no such column."
+                f" {Known(headers).hint(name)}"
+            )
 
 
 def _with_known_names(table: Table, known: tuple[str, ...], findings: Findings) -> list[Column]:
-    """One spelling for each operator; "stress of the human" where no operator is called so is the stress of whoever does it."""
+    """One spelling for each operator; "stress of the human" where no operator is called so is the
+    stress of whoever does it.
+    """
     spelled: dict[str, str] = {key(name): name for name in reversed(known)}
     for name in _names_of_operators(table):
         spelled.setdefault(key(name), name)
@@ -85,9 +122,18 @@ def _with_known_names(table: Table, known: tuple[str, ...], findings: Findings) 
         column = _with_scale(column, spelled, findings)
         if column.meaning and column.meaning.who:
             names = tuple(spelled.get(key(name), name) for name in column.meaning.who)
-            human = column.meaning.human and spelled.get(key(column.meaning.human), column.meaning.human)
-            anybody = column.meaning.what != "time" and len(names) == 1 and key(names[0]) not in spelled and kind_of(names[0]) == "human"
-            column = replace(column, meaning=replace(column.meaning, who=() if anybody else names, human=human))
+            human = column.meaning.human and spelled.get(
+                key(column.meaning.human), column.meaning.human
+            )
+            anybody = (
+                column.meaning.what != "time"
+                and len(names) == 1
+                and key(names[0]) not in spelled
+                and kind_of(names[0]) == "human"
+            )
+            column = replace(
+                column, meaning=replace(column.meaning, who=() if anybody else names, human=human)
+            )
         settled_columns.append(column)
     return settled_columns
 
@@ -98,23 +144,45 @@ def _names_of_operators(table: Table) -> Iterator[str]:
         yield from column.meaning.who if column.meaning else ()
     for column in table.having("operator"):
         for row in range(table.first_row, len(table.grid.rows)):
-            yield from filter(None, map(tidy, re.split(r"[/|+&,;]|\bund\b|\band\b|\boder\b|\bor\b", shown(table.grid.rows[row][column.index]))))
+            yield from filter(
+                None,
+                map(
+                    tidy,
+                    re.split(
+                        r"[/|+&,;]|\bund\b|\band\b|\boder\b|\bor\b",
+                        shown(table.grid.rows[row][column.index]),
+                    ),
+                ),
+            )
 
 
 def _with_scale(column: Column, spelled: Mapping[str, str], findings: Findings) -> Column:
-    """What stands in brackets behind a stress, `Stress (0-10)`, is its scale unless it names an operator, rightly or nearly so."""
+    """What stands in brackets behind a stress, `Stress (0-10)`, is its scale unless it names an
+    operator, rightly or nearly so.
+    """
     what = column.meaning
     if what is None or what.what not in ("stress", "difficulty", "spread"):
         return column
     header, scale = without_scale(column.header)
     bare = meaning(header)
     strangers = [name for name in what.who if key(name) not in spelled]
-    if not scale or what.told or (what.who and not strangers) or bare is None or bare.what != what.what:
+    if (
+        not scale
+        or what.told
+        or (what.who and not strangers)
+        or bare is None
+        or bare.what != what.what
+    ):
         return column
     if is_kind_word(scale) or get_close_matches(key(scale), list(spelled), cutoff=0.75):
         return column
     if strangers:
-        findings.note("assumed", f"{scale!r} in {column.header!r} is taken for its scale; it names no operator of the sheet.", column.place)
+        findings.note(
+            "assumed",
+            f"{scale!r} in {column.header!r} is taken for its scale; it names no operator of the"
+            " sheet.",
+            column.place,
+        )
     percent = bool(re.search(r"%|percent|prozent|pct", scale, re.IGNORECASE))
     return replace(column, meaning=replace(bare, percent=percent, sure=what.sure))
 
@@ -127,13 +195,21 @@ def _one_name_for_each_task(columns: list[Column]) -> list[Column]:
         role = column.meaning.what if column.meaning else ""
         if role in ("number", "task", "label"):
             if role in taken:
-                column = replace(column, meaning=None, why=f"{taken[role].header!r} already says it; choose with --map")
+                column = replace(
+                    column,
+                    meaning=None,
+                    why=f"{taken[role].header!r} already says it; choose with --map",
+                )
             else:
                 taken[role] = column
         found.append(column)
     if len(taken) == 3:
         spare = taken["label"]
-        unread = replace(spare, meaning=None, why=f"the label is taken from {taken['task'].header!r}; choose with --map")
+        unread = replace(
+            spare,
+            meaning=None,
+            why=f"the label is taken from {taken['task'].header!r}; choose with --map",
+        )
         found = [unread if column is spare else column for column in found]
     return found
 
@@ -142,20 +218,36 @@ def _who_takes_the_time(columns: list[Column], findings: Findings) -> list[Colum
     times = [column for column in columns if column.meaning and column.meaning.what == "time"]
     wide = [column for column in times if column.meaning and column.meaning.who]
     nobody = [column for column in times if column.meaning and not column.meaning.who]
-    operators = [column for column in columns if column.meaning and column.meaning.what == "operator"]
+    operators = [
+        column for column in columns if column.meaning and column.meaning.what == "operator"
+    ]
     dropped: dict[int, str] = {}
     if wide:
         for column in operators:
-            dropped[column.index] = "the times have a column for each operator; who does a task is for the plan to say"
-    if nobody and (wide or not operators) and not any(c.meaning and c.meaning.what == "able" for c in columns):
+            dropped[column.index] = (
+                "the times have a column for each operator; who does a task is for the plan to say"
+            )
+    if (
+        nobody
+        and (wide or not operators)
+        and not any(c.meaning and c.meaning.what == "able" for c in columns)
+    ):
         for column in nobody:
             findings.fault(
-                f"{column.header!r} does not say whose time it is. Write the operator into the header, such as 'Time robot [s]', add a column "
-                f"'Operator', or give --map \"{column.header}=time robot [s]\" (=ignore leaves it out).",
+                f"{column.header!r} does not say whose time it is. Write the operator into the"
+                " header, such as 'Time robot [s]', add a column 'Operator', or give --map"
+                f' "{column.header}=time robot [s]" (=ignore leaves it out).',
                 column.place,
             )
             dropped[column.index] = "it does not say whose time it is"
-    return [replace(column, meaning=None, why=dropped[column.index]) if column.index in dropped else column for column in columns]
+    return [
+        (
+            replace(column, meaning=None, why=dropped[column.index])
+            if column.index in dropped
+            else column
+        )
+        for column in columns
+    ]
 
 
 def _each_meaning_once(columns: list[Column], findings: Findings) -> list[Column]:
@@ -164,11 +256,14 @@ def _each_meaning_once(columns: list[Column], findings: Findings) -> list[Column
     for column in columns:
         what = column.meaning
         if what is not None and what.what not in ("number", "task", "label", "ignore", *JOINED):
-            same = (what.what,) if what.what in ONCE else (what.what, frozenset(what.who), what.human)
+            same = (
+                (what.what,) if what.what in ONCE else (what.what, frozenset(what.who), what.human)
+            )
             if same in first:
                 other = first[same]
                 findings.fault(
-                    f"{column.header!r} means the same as {other.header!r} ({other.place.rpartition('!')[2]}): {what}. "
+                    f"{column.header!r} means the same as {other.header!r}"
+                    f" ({other.place.rpartition('!')[2]}): {what}. "
                     f'Rename one, or leave it out with --map "{column.header}=ignore".',
                     column.place,
                 )
@@ -177,18 +272,40 @@ def _each_meaning_once(columns: list[Column], findings: Findings) -> list[Column
                 first[same] = column
         found.append(column)
     for kind in ("after", "before"):
-        several = [column for column in found if column.header and column.meaning and column.meaning.what == kind]
+        several = [
+            column
+            for column in found
+            if column.header and column.meaning and column.meaning.what == kind
+        ]
         if len({column.header for column in several}) > 1:
-            findings.note("assumed", f"the columns {listed_headers(several)} are read together, as one list of tasks.", several[0].place)
+            findings.note(
+                "assumed",
+                f"the columns {listed_headers(several)} are read together, as one list of tasks.",
+                several[0].place,
+            )
     return found
 
 
 def _nothing_in(grid: Grid, table: Table, column: Column) -> bool:
-    return not column.header and all(blank(grid.rows[row][column.index]) for row in range(table.first_row, len(grid.rows)))
+    return not column.header and all(
+        blank(grid.rows[row][column.index]) for row in range(table.first_row, len(grid.rows))
+    )
 
 
 def _note_unread(column: Column, findings: Findings) -> None:
     letter = column.place.rpartition("!")[2].rstrip("0123456789")
-    name = f"column {letter} {column.header!r}" if column.header else f"column {letter}, which has no header,"
-    hint = "" if column.why or not column.header else f' If it matters, say what it means: --map "{column.header}=..."'
-    findings.note("column", f"{name} was not read{': ' + column.why if column.why else ''}.{hint}", column.place)
+    name = (
+        f"column {letter} {column.header!r}"
+        if column.header
+        else f"column {letter}, which has no header,"
+    )
+    hint = (
+        ""
+        if column.why or not column.header
+        else f' If it matters, say what it means: --map "{column.header}=..."'
+    )
+    findings.note(
+        "column",
+        f"{name} was not read{': ' + column.why if column.why else ''}.{hint}",
+        column.place,
+    )

@@ -1,4 +1,6 @@
-"""What a number format writes around a number: `0.00 "min"` shows 1.5 as "1.50 min", so that the planner reads minutes."""
+"""What a number format writes around a number: `0.00 "min"` shows 1.5 as "1.50 min", so that the
+planner reads minutes.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 BUILT_IN = {9: "0%", 10: "0.00%"}
-"""Formats that a workbook names by number alone and that write something around the number (ECMA-376, part 1, 18.8.30)."""
+"""Formats that a workbook names by number alone and that write something around the number
+(ECMA-376, part 1, 18.8.30).
+"""
 
 TOKEN = re.compile(
     r'"(?P<quoted>[^"]*)"?|\\(?P<escaped>.)|(?P<padding>[_*].)|\[\$(?P<currency>[^\]-]*)[^\]]*\]|\[(?P<bracket>[^\]]*)\]'
@@ -18,7 +22,8 @@ TOKEN = re.compile(
 CLOCK = re.compile(r"[ymdhs]|h+|m+|s+", re.IGNORECASE)
 CONDITION = re.compile(r"(<=|>=|<>|<|>|=)\s*(-?[\d.]+)")
 COMPARE: dict[str, Callable[[float, float], bool]] = {
-    "<=": operator.le, ">=": operator.ge, "<>": operator.ne, "<": operator.lt, ">": operator.gt, "=": operator.eq,
+    "<=": operator.le, ">=": operator.ge, "<>": operator.ne, "<": operator.lt, ">": operator.gt,
+    "=": operator.eq,
 }  # fmt: skip
 
 
@@ -27,7 +32,8 @@ class Dress:
     """How a format shows one number.
 
     Attributes:
-      words: what stands around it: "min", "%", "€", ""; padding, signs and brackets of accountants left out.
+      words: what stands around it: "min", "%", "€", ""; padding, signs and brackets of accountants
+        left out.
       hidden: the number itself is not shown.
       scaled: it is shown in thousands or millions.
     """
@@ -38,7 +44,9 @@ class Dress:
 
 
 def dress(code: str, value: float) -> Dress:
-    """What the format makes of the value; nothing for dates and clock times, which are no longer numbers to who reads the sheet."""
+    """What the format makes of the value; nothing for dates and clock times, which are no longer
+    numbers to who reads the sheet.
+    """
     words, digits, scaled = [], False, False
     section = list(TOKEN.finditer(_section(code, value)))
     if any(CLOCK.fullmatch(token["other"] or token["bracket"] or "") for token in section):
@@ -49,15 +57,36 @@ def dress(code: str, value: float) -> Dress:
         elif token["comma"]:
             scaled |= digits
         elif token["bracket"] is None and token["padding"] is None:
-            words.append(next(text for text in (token["quoted"], token["escaped"], token["currency"], token["other"]) if text is not None))
-    return Dress(" ".join("".join(words).split()).strip("()[]+-–−./ "), not digits and value != 0, scaled)
+            words.append(
+                next(
+                    text
+                    for text in (
+                        token["quoted"],
+                        token["escaped"],
+                        token["currency"],
+                        token["other"],
+                    )
+                    if text is not None
+                )
+            )
+    return Dress(
+        " ".join("".join(words).split()).strip("()[]+-–−./ "), not digits and value != 0, scaled
+    )
 
 
 def _section(code: str, value: float) -> str:
     """The part of the format that applies: by its conditions, or by the sign of the value."""
     parts = _sections(code)
     conditions = [
-        next((found for t in TOKEN.finditer(part) if t["bracket"] and (found := CONDITION.fullmatch(t["bracket"]))), None) for part in parts
+        next(
+            (
+                found
+                for t in TOKEN.finditer(part)
+                if t["bracket"] and (found := CONDITION.fullmatch(t["bracket"]))
+            ),
+            None,
+        )
+        for part in parts
     ]
     if any(conditions):
         for part, condition in zip(parts, conditions, strict=True):

@@ -1,4 +1,6 @@
-"""The sheets beside the tasks: operators with their kind, limits and breaks; tools; zones; stress by table; the cell's name."""
+"""The sheets beside the tasks: operators with their kind, limits and breaks; tools; zones; stress
+by table; the cell's name.
+"""
 
 from __future__ import annotations
 
@@ -15,10 +17,14 @@ from tandem.files.spreadsheet.values import UnreadableError, number, seconds
 from tandem.files.spreadsheet.vocabulary import Meaning, key, kind_of, meaning
 
 SHEETS: dict[str, str] = {
-    "operators": "operators|operator|bediener|ressourcen|resources|mitarbeiter|personal|werker|team|staff|workers|people",
+    "operators": (
+        "operators|operator|bediener|ressourcen|resources|mitarbeiter|personal|werker|team|staff|workers|people"
+    ),
     "tools": "tools|tool|werkzeuge|werkzeug",
     "zones": "zones|zone|zonen|bereiche|bereich|areas",
-    "stress of sets": "stress of sets|belastung der mengen|belastung je menge|stress table|belastungstabelle",
+    "stress of sets": (
+        "stress of sets|belastung der mengen|belastung je menge|stress table|belastungstabelle"
+    ),
     "cell": "cell|zelle|station|arbeitsplatz|workstation",
     "help": "help|hilfe|readme|anleitung|lists|listen",
 }
@@ -83,17 +89,29 @@ def _rows(table: Table, name: Column, findings: Findings) -> list[int]:
     for row in range(table.first_row, len(grid.rows)):
         if not blank(grid.value(row, name.index)):
             rows.append(row)
-        elif any(not blank(grid.rows[row][column.index]) for column in table.columns if column.meaning):
+        elif any(
+            not blank(grid.rows[row][column.index]) for column in table.columns if column.meaning
+        ):
             findings.fault(
-                f"is empty: the row has values and no name below {name.header!r}. Give it one, or clear the row.", grid.place(row, name.index)
+                f"is empty: the row has values and no name below {name.header!r}. Give it one, or"
+                " clear the row.",
+                grid.place(row, name.index),
             )
     return rows
 
 
 def tables_beside(grids: Mapping[str, Grid]) -> list[Table]:
     """The sheets beside the tasks that hold numbers, as tables."""
-    words = {"operators": OPERATOR_WORDS, "tools": ("tool", "task", "capacity", "changeover"), "zones": ("zone", "task", "capacity")}
-    return [table for role, wanted in words.items() if role in grids and (table := _table(grids[role], *wanted))]
+    words = {
+        "operators": OPERATOR_WORDS,
+        "tools": ("tool", "task", "capacity", "changeover"),
+        "zones": ("zone", "task", "capacity"),
+    }
+    return [
+        table
+        for role, wanted in words.items()
+        if role in grids and (table := _table(grids[role], *wanted))
+    ]
 
 
 def operators_named(grids: Mapping[str, Grid]) -> list[str]:
@@ -102,10 +120,14 @@ def operators_named(grids: Mapping[str, Grid]) -> list[str]:
     name = _column(table, "operator", "task") if table else None
     if table is None or name is None:
         return []
-    return [shown(value) for row in range(table.first_row, len(table.grid.rows)) if not blank(value := table.grid.value(row, name.index))]
+    return [
+        shown(value)
+        for row in range(table.first_row, len(table.grid.rows))
+        if not blank(value := table.grid.value(row, name.index))
+    ]
 
 
-# --- operators ----------------------------------------------------------------------------------------------------------------
+# --- operators ------------------------------------------------------------------------------------
 
 
 OPERATOR_WORDS = ("operator", "task", "label", "kind", "breaks", "stress limit", "tool")
@@ -114,14 +136,22 @@ OPERATOR_WORDS = ("operator", "task", "label", "kind", "breaks", "stress limit",
 def lists_operators(grid: Grid) -> bool:
     """The sheet has a column of operators and says something about them."""
     table = _table(grid, *OPERATOR_WORDS)
-    return table is not None and bool(table.having("operator", "task")) and bool(table.having("kind", "breaks", "stress limit"))
+    return (
+        table is not None
+        and bool(table.having("operator", "task"))
+        and bool(table.having("kind", "breaks", "stress limit"))
+    )
 
 
 def _operators(grid: Grid, found: Beside, findings: Findings) -> None:
     table = _table(grid, *OPERATOR_WORDS)
     name = _column(table, "operator", "task") if table else None
     if table is None or name is None:
-        findings.note("sheet", f"sheet {grid.name!r} was not read: it has no column 'operator'.", f"{grid.name}!A1")
+        findings.note(
+            "sheet",
+            f"sheet {grid.name!r} was not read: it has no column 'operator'.",
+            f"{grid.name}!A1",
+        )
         return
     _note_columns(table, findings)
     for row in _rows(table, name, findings):
@@ -129,7 +159,10 @@ def _operators(grid: Grid, found: Beside, findings: Findings) -> None:
         if not who:
             continue
         if who in found.operators:
-            findings.fault(f"operator {who!r} stands here a second time. Give each a name of its own.", grid.place(row, name.index))
+            findings.fault(
+                f"operator {who!r} stands here a second time. Give each a name of its own.",
+                grid.place(row, name.index),
+            )
             continue
         found.operators[who] = _operator(table, row, who, findings)
         findings.places["operators", who] = grid.place(row, name.index)
@@ -144,7 +177,10 @@ def _operator(table: Table, row: int, who: str, findings: Findings) -> dict[str,
         if data_kind:
             data["kind"] = data_kind
         elif text:
-            findings.fault(f"holds {text!r}: the kind of {who!r} is 'human' or 'robot'.", grid.place(row, kind.index))
+            findings.fault(
+                f"holds {text!r}: the kind of {who!r} is 'human' or 'robot'.",
+                grid.place(row, kind.index),
+            )
             data["kind"] = "human"
         findings.places["operators", who, "kind"] = grid.place(row, kind.index)
     for what in ("label", "tool"):
@@ -157,7 +193,12 @@ def _operator(table: Table, row: int, who: str, findings: Findings) -> dict[str,
             data["stress_limit"] = limit
             findings.places["operators", who, "stress_limit"] = grid.place(row, column.index)
     if (column := _column(table, "breaks")) and (text := findings.text(grid, row, column.index)):
-        breaks = _breaks(text, (column.meaning.unit if column.meaning else None) or "s", grid.place(row, column.index), findings)
+        breaks = _breaks(
+            text,
+            (column.meaning.unit if column.meaning else None) or "s",
+            grid.place(row, column.index),
+            findings,
+        )
         if breaks:
             data["breaks"] = breaks
             findings.places["operators", who, "breaks"] = grid.place(row, column.index)
@@ -174,18 +215,28 @@ def _breaks(text: str, unit: str, place: str, findings: Findings) -> list[list[f
                 raise UnreadableError(f"holds {part!r}")
             pairs.append([float(seconds(number(end, findings.marks), unit)[0]) for end in ends])
         except UnreadableError:
-            findings.fault(f"holds {part!r}: write breaks as from-to since the start, several with semicolons, such as '300-600; 900-1000'.", place)
+            findings.fault(
+                f"holds {part!r}: write breaks as from-to since the start, several with semicolons,"
+                " such as '300-600; 900-1000'.",
+                place,
+            )
     return pairs
 
 
-# --- tools, zones, sets, name -------------------------------------------------------------------------------------------------
+# --- tools, zones, sets, name ---------------------------------------------------------------------
 
 
-def _things(grid: Grid, role: str, names: tuple[str, ...], found: Beside, findings: Findings) -> None:
+def _things(
+    grid: Grid, role: str, names: tuple[str, ...], found: Beside, findings: Findings
+) -> None:
     table = _table(grid, *names, "capacity", *(["changeover"] if role == "tools" else []))
     name = _column(table, *names) if table else None
     if table is None or name is None:
-        findings.note("sheet", f"sheet {grid.name!r} was not read: it has no column {names[0]!r}.", f"{grid.name}!A1")
+        findings.note(
+            "sheet",
+            f"sheet {grid.name!r} was not read: it has no column {names[0]!r}.",
+            f"{grid.name}!A1",
+        )
         return
     _note_columns(table, findings)
     things = found.tools if role == "tools" else found.zones
@@ -194,7 +245,10 @@ def _things(grid: Grid, role: str, names: tuple[str, ...], found: Beside, findin
         if not thing:
             continue
         if thing in things:
-            findings.fault(f"{role[:-1]} {thing!r} stands here a second time. Keep one of the rows.", grid.place(row, name.index))
+            findings.fault(
+                f"{role[:-1]} {thing!r} stands here a second time. Keep one of the rows.",
+                grid.place(row, name.index),
+            )
             continue
         data = things[thing] = {}
         findings.places[role, thing] = grid.place(row, name.index)
@@ -214,7 +268,11 @@ def _things(grid: Grid, role: str, names: tuple[str, ...], found: Beside, findin
 def _note_columns(table: Table, findings: Findings) -> None:
     for column in table.columns:
         if column.meaning is None and column.header:
-            findings.note("column", f"column {column.header!r} of sheet {table.grid.name!r} was not read.", column.place)
+            findings.note(
+                "column",
+                f"column {column.header!r} of sheet {table.grid.name!r} was not read.",
+                column.place,
+            )
 
 
 def read_sets(grid: Grid, names: list[str], findings: Findings) -> dict[str, float] | None:
@@ -222,7 +280,11 @@ def read_sets(grid: Grid, names: list[str], findings: Findings) -> dict[str, flo
     table = _table(grid, "task", "stress")
     tasks, amounts = (_column(table, "task"), _column(table, "stress")) if table else (None, None)
     if table is None or tasks is None or amounts is None:
-        findings.note("sheet", f"sheet {grid.name!r} was not read: it has no columns 'tasks' and 'stress'.", f"{grid.name}!A1")
+        findings.note(
+            "sheet",
+            f"sheet {grid.name!r} was not read: it has no columns 'tasks' and 'stress'.",
+            f"{grid.name}!A1",
+        )
         return None
     references, sets = References(names), {}
     order = {name: place for place, name in enumerate(names)}
@@ -242,6 +304,12 @@ def read_sets(grid: Grid, names: list[str], findings: Findings) -> dict[str, flo
 def _name(grid: Grid, found: Beside) -> None:
     for row in range(len(grid.rows)):
         filled = [tidy(str(value)) for _, value in grid.filled(row)]
-        if len(filled) >= 2 and key(filled[0]) in ("name", "cell", "zelle", "bezeichnung", "station"):
+        if len(filled) >= 2 and key(filled[0]) in (
+            "name",
+            "cell",
+            "zelle",
+            "bezeichnung",
+            "station",
+        ):
             found.name = filled[1]
             return

@@ -1,7 +1,8 @@
-"""Rows of the task sheet that are no work of their own: summaries of the rows below them, and milestones.
+"""Rows of the task sheet that are no work of their own: summaries of the rows below them, and
+milestones.
 
-Project tools export both. A summary's time is the time of its parts once more, and what comes after it comes after each part; a milestone takes
-no time and passes on what comes before it.
+Project tools export both. A summary's time is the time of its parts once more, and what comes after
+it comes after each part; a milestone takes no time and passes on what comes before it.
 """
 
 from __future__ import annotations
@@ -24,7 +25,10 @@ MILESTONE = re.compile(r"\b(milestone|meilenstein)")
 MOST_LEVELS = 50
 """Levels of an outline; more are no outline that anybody made."""
 MOST_LINKS = 200_000
-TOO_MANY = f"makes more than {MOST_LINKS:,} links between the parts of summaries or beside milestones. Link single tasks instead."
+TOO_MANY = (
+    f"makes more than {MOST_LINKS:,} links between the parts of summaries or beside milestones."
+    " Link single tasks instead."
+)
 
 
 @dataclass(frozen=True)
@@ -32,7 +36,8 @@ class Row:
     """One entry of the task sheet, as far as the outline goes.
 
     Attributes:
-      name: of the task; in quotes in the sheet when `quoted`, which says that it is a task whatever its name looks like.
+      name: of the task; in quotes in the sheet when `quoted`, which says that it is a task whatever
+        its name looks like.
       row: counted from 0.
       times: column -> seconds, of the times that are stated.
       zero: a time of 0 is written, and none other.
@@ -50,7 +55,8 @@ class Outline:
     """What is no work.
 
     Attributes:
-      parts: summary -> the tasks and milestones at the ends of its branches, in the order of the sheet.
+      parts: summary -> the tasks and milestones at the ends of its branches, in the order of the
+        sheet.
       points: milestones.
     """
 
@@ -62,16 +68,22 @@ class Outline:
 
 
 def with_outline(table: Table) -> Table:
-    """The table with the outline's numbers as the names of tasks where nothing else numbers them, or where the lists of tasks use them."""
+    """The table with the outline's numbers as the names of tasks where nothing else numbers them,
+    or where the lists of tasks use them.
+    """
     numbers, codes = table.having("number"), table.having("outline number")
     if not codes or (numbers and not _lists_use(table, codes[0])):
         return table
     columns = (
-        replace(column, meaning=replace(column.meaning, what="number"))
-        if column is codes[0] and column.meaning
-        else replace(column, meaning=None, why=f"the lists of tasks use {codes[0].header!r}")
-        if column in numbers
-        else column
+        (
+            replace(column, meaning=replace(column.meaning, what="number"))
+            if column is codes[0] and column.meaning
+            else (
+                replace(column, meaning=None, why=f"the lists of tasks use {codes[0].header!r}")
+                if column in numbers
+                else column
+            )
+        )
         for column in table.columns
     )
     return replace(table, columns=tuple(columns))
@@ -81,32 +93,48 @@ def _lists_use(table: Table, codes: Column) -> bool:
     """A code of several levels stands in a list of tasks."""
     rows = table.grid.rows[table.first_row :]
     known = {shown(row[codes.index]) for row in rows if "." in shown(row[codes.index])}
-    lists = " ".join(shown(row[column.index]) for row in rows for column in table.having("after", "before"))
+    lists = " ".join(
+        shown(row[column.index]) for row in rows for column in table.having("after", "before")
+    )
     return any(piece in known for piece in re.findall(r"[\w.]+", lists))
 
 
 def outline_codes(table: Table, rows: Sequence[Row]) -> dict[str, str]:
-    """Name -> the number that the outline gives it: its own, the one that it begins with, or that of a column beside it."""
+    """Name -> the number that the outline gives it: its own, the one that it begins with, or that
+    of a column beside it.
+    """
     columns = table.having("outline number")
     if not columns:
-        return {row.name: found[1] if (found := LEADING.match(row.name)) else row.name for row in rows}
-    return {row.name: code for row in rows if (code := shown(table.grid.value(row.row, columns[0].index)))}
+        return {
+            row.name: found[1] if (found := LEADING.match(row.name)) else row.name for row in rows
+        }
+    return {
+        row.name: code
+        for row in rows
+        if (code := shown(table.grid.value(row.row, columns[0].index)))
+    }
 
 
-# --- which rows ---------------------------------------------------------------------------------------------------------------
+# --- which rows -----------------------------------------------------------------------------------
 
 
 def branches(table: Table, rows: Sequence[Row]) -> tuple[dict[str, tuple[str, ...]], bool]:
-    """Summary -> all rows below it, and whether a column made for that says so (else the names or the indents do, which may deceive)."""
+    """Summary -> all rows below it, and whether a column made for that says so (else the names or
+    the indents do, which may deceive).
+    """
     for levels, certain in ((_stated_levels(table, rows), True), (_indents(table, rows), False)):
         if levels is not None:
             return _by_level(rows, levels), certain
-    return _by_code(rows, outline_codes(table, rows)), bool(table.having("outline number")) or _is_code_column(table)
+    return _by_code(rows, outline_codes(table, rows)), bool(
+        table.having("outline number")
+    ) or _is_code_column(table)
 
 
 def _is_code_column(table: Table) -> bool:
     return any(
-        key(column.header) in ("wbs", "psp", "psp code", "wbs code", "outline number", "gliederungsnummer") for column in table.having("number")
+        key(column.header)
+        in ("wbs", "psp", "psp code", "wbs code", "outline number", "gliederungsnummer")
+        for column in table.having("number")
     )
 
 
@@ -115,11 +143,17 @@ def _stated_levels(table: Table, rows: Sequence[Row]) -> list[int] | None:
     if not columns:
         return None
     texts = [shown(table.grid.value(row.row, columns[0].index)) for row in rows]
-    return [int(text) for text in texts] if all(text.isdecimal() and len(text) < 3 for text in texts) else None
+    return (
+        [int(text) for text in texts]
+        if all(text.isdecimal() and len(text) < 3 for text in texts)
+        else None
+    )
 
 
 def _indents(table: Table, rows: Sequence[Row]) -> list[int] | None:
-    """Blanks before the names or descriptions, or the indents of their cells, if they differ and the first row has the least."""
+    """Blanks before the names or descriptions, or the indents of their cells, if they differ and
+    the first row has the least.
+    """
     for column in table.having("task", "label", "number"):
         found = [_indent(table.grid, row.row, column.index) for row in rows]
         if 1 < len(set(found)) <= MOST_LEVELS and found[0] == min(found):
@@ -129,20 +163,29 @@ def _indents(table: Table, rows: Sequence[Row]) -> list[int] | None:
 
 def _indent(grid: Grid, row: int, column: int) -> int:
     value = grid.value(row, column)
-    return grid.indents.get((row, column), 0) + (len(value) - len(value.lstrip()) if isinstance(value, str) else 0)
+    return grid.indents.get((row, column), 0) + (
+        len(value) - len(value.lstrip()) if isinstance(value, str) else 0
+    )
 
 
 def _by_level(rows: Sequence[Row], levels: Sequence[int]) -> dict[str, tuple[str, ...]]:
     found = {}
     for place, row in enumerate(rows):
-        end = next((other for other in range(place + 1, len(rows)) if levels[other] <= levels[place]), len(rows))
+        end = next(
+            (other for other in range(place + 1, len(rows)) if levels[other] <= levels[place]),
+            len(rows),
+        )
         if end > place + 1:
             found[row.name] = tuple(below.name for below in rows[place + 1 : end])
     return found
 
 
 def _by_code(rows: Sequence[Row], codes: Mapping[str, str]) -> dict[str, tuple[str, ...]]:
-    shallow = {name: code for name, code in codes.items() if code.count(".") < MOST_LEVELS and CODE.fullmatch(code)}
+    shallow = {
+        name: code
+        for name, code in codes.items()
+        if code.count(".") < MOST_LEVELS and CODE.fullmatch(code)
+    }
     plain = {row.name: shallow[row.name].rstrip(".") for row in rows if row.name in shallow}
     by_code = {code: name for name, code in plain.items()}
     found: dict[str, list[str]] = {}
@@ -155,15 +198,19 @@ def _by_code(rows: Sequence[Row], codes: Mapping[str, str]) -> dict[str, tuple[s
     return {row.name: tuple(found[row.name]) for row in rows if row.name in found}
 
 
-# --- what they are ------------------------------------------------------------------------------------------------------------
+# --- what they are --------------------------------------------------------------------------------
 
 
 def read_outline(table: Table, rows: Sequence[Row], findings: Findings) -> Outline:
-    """The summaries and milestones among the rows. A row that is above others but takes time of its own is a fault."""
+    """The summaries and milestones among the rows. A row that is above others but takes time of its
+    own is a fault.
+    """
     below, certain = branches(table, rows)
     by_name = {row.name: row for row in rows}
     below = {name: under for name, under in below.items() if not by_name[name].quoted}
-    points = frozenset(row.name for row in rows if row.name not in below and _is_milestone(table, row))
+    points = frozenset(
+        row.name for row in rows if row.name not in below and _is_milestone(table, row)
+    )
     parts: dict[str, tuple[str, ...]] = {}
     for name, under in below.items():
         ends = tuple(part for part in under if part not in below)
@@ -171,7 +218,10 @@ def read_outline(table: Table, rows: Sequence[Row], findings: Findings) -> Outli
         _note_summary(table, by_name[name], [by_name[end] for end in ends], certain, findings)
     for row in rows:
         if row.name in points:
-            message = f"row {row.row + 1} ({row.name!r}) is a milestone and takes no time: what comes after it comes after its predecessors."
+            message = (
+                f"row {row.row + 1} ({row.name!r}) is a milestone and takes no time: what comes"
+                " after it comes after its predecessors."
+            )
             findings.note("row", message, table.grid.place(row.row, 0))
     return Outline(parts, points)
 
@@ -182,35 +232,58 @@ def _is_milestone(table: Table, row: Row) -> bool:
     for column in table.having("milestone"):
         if (marked := is_mark(table.grid.value(row.row, column.index))) is not None:
             return marked
-    words = " ".join(shown(table.grid.value(row.row, column.index)) for column in table.having("number", "task", "label"))
+    words = " ".join(
+        shown(table.grid.value(row.row, column.index))
+        for column in table.having("number", "task", "label")
+    )
     return row.zero or bool(MILESTONE.search(key(words)))
 
 
-def _note_summary(table: Table, row: Row, ends: Sequence[Row], certain: bool, findings: Findings) -> None:
+def _note_summary(
+    table: Table, row: Row, ends: Sequence[Row], certain: bool, findings: Findings
+) -> None:
     place = table.grid.place(row.row, 0)
     names = listed((end.name for end in ends), 12)
     odd = next(_own_times(row, ends, certain), None)
     if odd is not None:
         index, own, parts = odd
         findings.fault(
-            f"task {row.name!r} stands above {names} like their sum, but takes {own:g} s where they add up to {parts:g} s. If it is their "
-            f'summary, clear its time or let it be the sum; if it is work of its own, write its name in double quotes: "{row.name}".',
+            f"task {row.name!r} stands above {names} like their sum, but takes {own:g} s where they"
+            f" add up to {parts:g} s. If it is their "
+            "summary, clear its time or let it be the sum; if it is work of its own, write its"
+            f' name in double quotes: "{row.name}".',
             table.grid.place(row.row, index),
         )
         return
     sums = "its time is the sum of those below it" if row.times else "it stands for those below it"
-    unread = [c.header for c in table.having("tool", "zone", "part", "stress") if not blank(table.grid.value(row.row, c.index))]
-    left_out = f" Its {listed(map(repr, unread))} {'was' if len(unread) == 1 else 'were'} not read." if unread else ""
+    unread = [
+        c.header
+        for c in table.having("tool", "zone", "part", "stress")
+        if not blank(table.grid.value(row.row, c.index))
+    ]
+    left_out = (
+        f" Its {listed(map(repr, unread))} {'was' if len(unread) == 1 else 'were'} not read."
+        if unread
+        else ""
+    )
     message = f"row {row.row + 1} ({row.name!r}) is a summary and no task: {sums} ({names})."
-    findings.note("row", f"{message} What comes before or after it does so for each of them.{left_out}", place)
+    findings.note(
+        "row", f"{message} What comes before or after it does so for each of them.{left_out}", place
+    )
     for column in table.having("release", "deadline", "same operator"):
         if not blank(table.grid.value(row.row, column.index)):
             at = table.grid.place(row.row, column.index)
-            findings.fault(f"stands beside {row.name!r}, a summary of {names}. Write it beside those of them that it holds for.", at)
+            findings.fault(
+                f"stands beside {row.name!r}, a summary of {names}. Write it beside those of them"
+                " that it holds for.",
+                at,
+            )
 
 
 def _own_times(row: Row, ends: Sequence[Row], certain: bool) -> Iterator[tuple[int, float, float]]:
-    """Times that are no sum of the parts: column, own time, sum. A tool's own summary may also lie between the longest part and the sum."""
+    """Times that are no sum of the parts: column, own time, sum. A tool's own summary may also lie
+    between the longest part and the sum.
+    """
     for column, own in row.times.items():
         times = [end.times.get(column, 0.0) for end in ends]
         near = 1e-3 * (len(times) + 1)
@@ -219,16 +292,24 @@ def _own_times(row: Row, ends: Sequence[Row], certain: bool) -> Iterator[tuple[i
             yield column, own, sum(times)
 
 
-# --- what comes before what ---------------------------------------------------------------------------------------------------
+# --- what comes before what -----------------------------------------------------------------------
 
 
 def between_tasks(links: Iterable[Link], outline: Outline, findings: Findings) -> list[Link]:
-    """The links with each summary replaced by its parts, and each milestone by what comes before it."""
+    """The links with each summary replaced by its parts, and each milestone by what comes before
+    it.
+    """
     found: dict[tuple[str, str], Link] = {}
     for link in links:
         firsts, laters = (outline.parts.get(name, (name,)) for name in (link.first, link.later))
-        if (link.first in outline.parts or link.later in outline.parts) and set(firsts) & set(laters):
-            findings.fault(f"puts {link.later!r} after {link.first!r}, though one is a part of the other. Name the parts.", link.place)
+        if (link.first in outline.parts or link.later in outline.parts) and set(firsts) & set(
+            laters
+        ):
+            findings.fault(
+                f"puts {link.later!r} after {link.first!r}, though one is a part of the other. Name"
+                " the parts.",
+                link.place,
+            )
             continue
         if len(found) + len(firsts) * len(laters) > MOST_LINKS:
             findings.fault(TOO_MANY, link.place)
@@ -239,8 +320,12 @@ def between_tasks(links: Iterable[Link], outline: Outline, findings: Findings) -
     return _without_points(list(found.values()), outline.points, findings)
 
 
-def _without_points(links: Sequence[Link], points: Collection[str], findings: Findings) -> list[Link]:
-    """The links that are left when each milestone hands what comes before it to what comes after it."""
+def _without_points(
+    links: Sequence[Link], points: Collection[str], findings: Findings
+) -> list[Link]:
+    """The links that are left when each milestone hands what comes before it to what comes after
+    it.
+    """
     before: dict[str, dict[str, Link]] = {}
     after: dict[str, dict[str, Link]] = {}
     for link in links:
@@ -251,7 +336,9 @@ def _without_points(links: Sequence[Link], points: Collection[str], findings: Fi
         firsts, laters = before.pop(point, {}), after.pop(point, {})
         if (itself := firsts.pop(point, None)) is not None:
             laters.pop(point, None)
-            findings.fault(f"puts milestone {point!r} after itself. Take one of the links out.", itself.place)
+            findings.fault(
+                f"puts milestone {point!r} after itself. Take one of the links out.", itself.place
+            )
         count += len(firsts) * len(laters)
         if count > MOST_LINKS:
             findings.fault(TOO_MANY, next(iter(laters.values())).place)
@@ -265,4 +352,9 @@ def _without_points(links: Sequence[Link], points: Collection[str], findings: Fi
                 after[first].setdefault(later, joined)
         for later in laters:
             before.get(later, {}).pop(point, None)
-    return [link for later in before for link in before[later].values() if not {link.first, link.later} & set(points)]
+    return [
+        link
+        for later in before
+        for link in before[later].values()
+        if not {link.first, link.later} & set(points)
+    ]

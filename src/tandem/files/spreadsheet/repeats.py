@@ -1,4 +1,6 @@
-"""One wrong column is one message: faults that are alike are told once, with the rows that they stand in; a few unlike values each at its cell."""
+"""One wrong column is one message: faults that are alike are told once, with the rows that they
+stand in; a few unlike values each at its cell.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +12,17 @@ from tandem.errors import Fault
 FEWEST = 3
 """Faults of the same words that are told as one; fewer are told each at its place."""
 MANY = 8
-"""Faults alike but for the value that are told as one: so many are no slips of the pen, the column is not what it was taken for."""
+"""Faults alike but for the value that are told as one: so many are no slips of the pen, the column
+is not what it was taken for.
+"""
 PLACE = re.compile(r"(?P<sheet>.+)!(?P<letter>[A-Z]+)(?P<row>\d+)", re.DOTALL)
 
 
-def once_a_column(faults: Iterable[Fault], headers: Mapping[tuple[str, str], str]) -> tuple[Fault, ...]:
-    """The faults, those that are alike in one column as one: at the first of them, with all their rows.
+def once_a_column(
+    faults: Iterable[Fault], headers: Mapping[tuple[str, str], str]
+) -> tuple[Fault, ...]:
+    """The faults, those that are alike in one column as one: at the first of them, with all their
+    rows.
 
     Args:
       headers: sheet and column letters -> what stands above the column.
@@ -23,7 +30,9 @@ def once_a_column(faults: Iterable[Fault], headers: Mapping[tuple[str, str], str
     groups: dict[tuple[str, ...], list[tuple[int, Fault]]] = {}
     for number, fault in enumerate(faults):
         at = PLACE.fullmatch(fault.place)
-        groups.setdefault((at["sheet"], at["letter"], _kind(fault.message)) if at else (str(number),), []).append((number, fault))
+        groups.setdefault(
+            (at["sheet"], at["letter"], _kind(fault.message)) if at else (str(number),), []
+        ).append((number, fault))
     told: list[tuple[int, Fault]] = []
     for key, alike in groups.items():
         said = {fault.message for _, fault in alike}
@@ -37,7 +46,9 @@ def once_a_column(faults: Iterable[Fault], headers: Mapping[tuple[str, str], str
 def _as_one(alike: Sequence[Fault], letter: str, header: str) -> Fault:
     rows = sorted({int(at["row"]) for fault in alike if (at := PLACE.fullmatch(fault.place))})
     column = f"column {letter} {header!r}" if header else f"column {letter}"
-    return Fault(f"{column}, rows {_spans(rows)}, as here: {alike[0].message}", alike[0].path, alike[0].place)
+    return Fault(
+        f"{column}, rows {_spans(rows)}, as here: {alike[0].message}", alike[0].path, alike[0].place
+    )
 
 
 def _spans(rows: Sequence[int]) -> str:
@@ -53,6 +64,10 @@ def _spans(rows: Sequence[int]) -> str:
 
 
 def _kind(message: str) -> str:
-    """What the fault is about, whatever the value: its first sentence without what stands in quotes, and without numbers."""
-    first = re.split(r"[.?;] |[.?]$", re.sub(r"'(?:[^'\\]|\\.)*'|\"[^\"]*\"", "…", message), maxsplit=1)[0]
+    """What the fault is about, whatever the value: its first sentence without what stands in
+    quotes, and without numbers.
+    """
+    first = re.split(
+        r"[.?;] |[.?]$", re.sub(r"'(?:[^'\\]|\\.)*'|\"[^\"]*\"", "…", message), maxsplit=1
+    )[0]
     return re.sub(r"[-−]?\d[\d.,:/-]*", "#", first)

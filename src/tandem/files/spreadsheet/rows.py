@@ -1,4 +1,6 @@
-"""The rows below a header: which are tasks, and which are totals, headings, remarks and blanks that are left out and listed."""
+"""The rows below a header: which are tasks, and which are totals, headings, remarks and blanks that
+are left out and listed.
+"""
 
 from __future__ import annotations
 
@@ -13,15 +15,23 @@ from tandem.files.spreadsheet.vocabulary import TOTALS, key
 
 ANY_MARK = Marks(".", grouped=True)
 """Good enough to see whether a row sums up those above it."""
-AVERAGES = re.compile(r"mittelwerte?|durchschnitt|average|mean|min|max|minimum|maximum|taktzeit|cycle time", re.IGNORECASE)
+AVERAGES = re.compile(
+    r"mittelwerte?|durchschnitt|average|mean|min|max|minimum|maximum|taktzeit|cycle time",
+    re.IGNORECASE,
+)
 
 
 def task_rows(table: Table, findings: Findings) -> list[int]:
-    """Row numbers, from 0, of the rows that hold a task or a further way of doing it; the others are noted."""
+    """Row numbers, from 0, of the rows that hold a task or a further way of doing it; the others
+    are noted.
+    """
     grid = table.grid
     rows: list[int] = []
     blanks: list[int] = []
-    last = max((row for row in range(table.first_row, len(grid.rows)) if _has_a_time(table, row)), default=-1)
+    last = max(
+        (row for row in range(table.first_row, len(grid.rows)) if _has_a_time(table, row)),
+        default=-1,
+    )
     after_blank = False
     for row in range(table.first_row, len(grid.rows)):
         if grid.is_blank(row):
@@ -30,13 +40,23 @@ def task_rows(table: Table, findings: Findings) -> list[int]:
             continue
         why = _no_task(table, row, rows, row > last and after_blank)
         if why:
-            findings.note("row", f"row {row + 1} was not read: {why}.", grid.place(row, next((c for c, _ in grid.filled(row)), 0)))
+            findings.note(
+                "row",
+                f"row {row + 1} was not read: {why}.",
+                grid.place(row, next((c for c, _ in grid.filled(row)), 0)),
+            )
             continue
         if row in grid.hidden_rows:
-            findings.note("assumed", f"row {row + 1} is hidden in the workbook and was read all the same.", grid.place(row, 0))
+            findings.note(
+                "assumed",
+                f"row {row + 1} is hidden in the workbook and was read all the same.",
+                grid.place(row, 0),
+            )
         rows.append(row)
     if inner := [row + 1 for row in blanks if rows and row < rows[-1]]:
-        findings.note("row", f"blank rows were passed over: {listed(inner)}.", grid.place(inner[0] - 1, 0))
+        findings.note(
+            "row", f"blank rows were passed over: {listed(inner)}.", grid.place(inner[0] - 1, 0)
+        )
     return rows
 
 
@@ -62,14 +82,22 @@ def _no_task(table: Table, row: int, before: list[int], below_all: bool) -> str 
 
 
 def _is_called_a_total(table: Table, row: int, before: list[int]) -> bool:
-    """The first word of the row says so; behind a name of its own, as in "14 | Summe", only if its numbers are the sums as well."""
+    """The first word of the row says so; behind a name of its own, as in "14 | Summe", only if its
+    numbers are the sums as well.
+    """
     grid = table.grid
     filled = list(grid.filled(row))
-    first, value = next(((column, value) for column, value in filled if isinstance(value, str)), (-1, ""))
+    first, value = next(
+        ((column, value) for column, value in filled if isinstance(value, str)), (-1, "")
+    )
     if not is_total(str(value)):
         return False
     words = {column.index for column in table.having("number", "task", "label")}
-    return first == filled[0][0] or (first in words and bool(TOTALS.fullmatch(_bare(str(value)))) and _are_sums(table, row, before))
+    return first == filled[0][0] or (
+        first in words
+        and bool(TOTALS.fullmatch(_bare(str(value))))
+        and _are_sums(table, row, before)
+    )
 
 
 def is_total(text: str) -> bool:
@@ -82,13 +110,21 @@ def _bare(text: str) -> str:
 
 
 def _has_a_time(table: Table, row: int) -> bool:
-    return any((row, c.index) in table.grid.odd or not cannot(table.grid.value(row, c.index)) for c in table.having("time"))
+    return any(
+        (row, c.index) in table.grid.odd or not cannot(table.grid.value(row, c.index))
+        for c in table.having("time")
+    )
 
 
 def _repeats_header(table: Table, row: int) -> bool:
     filled = dict(table.grid.filled(row))
     own = [column for column in table.columns if column.index in filled]
-    same = [c for c in own if key(shown(filled[c.index])) and key(shown(filled[c.index])) == key(shown(table.grid.rows[table.header_row][c.index]))]
+    same = [
+        c
+        for c in own
+        if key(shown(filled[c.index]))
+        and key(shown(filled[c.index])) == key(shown(table.grid.rows[table.header_row][c.index]))
+    ]
     return len(same) >= 2 and len(same) == len(own)
 
 
@@ -96,7 +132,9 @@ def _sums_up(table: Table, row: int, before: list[int]) -> bool:
     """No name, no label, and every number is the sum of its column so far."""
     grid = table.grid
     names = table.having("number", "task", "label", "operator")
-    return all(blank(grid.value(row, column.index)) for column in names) and _are_sums(table, row, before)
+    return all(blank(grid.value(row, column.index)) for column in names) and _are_sums(
+        table, row, before
+    )
 
 
 def _are_sums(table: Table, row: int, before: list[int]) -> bool:
@@ -104,10 +142,16 @@ def _are_sums(table: Table, row: int, before: list[int]) -> bool:
     grid = table.grid
     if len(before) < 2:
         return False
-    sums = [(column, _number(grid, row, column.index)) for column in table.having("time", "stress") if not blank(grid.rows[row][column.index])]
+    sums = [
+        (column, _number(grid, row, column.index))
+        for column in table.having("time", "stress")
+        if not blank(grid.rows[row][column.index])
+    ]
     totals = [sum(_number(grid, r, column.index) or 0.0 for r in before) for column, _ in sums]
     pairs = [(value, total) for (_, value), total in zip(sums, totals, strict=True)]
-    return bool(pairs) and all(value is not None and abs(value - total) < 1e-6 * max(1.0, total) for value, total in pairs)
+    return bool(pairs) and all(
+        value is not None and abs(value - total) < 1e-6 * max(1.0, total) for value, total in pairs
+    )
 
 
 def _number(grid: Grid, row: int, column: int) -> float | None:

@@ -11,37 +11,53 @@ from tandem.files.spreadsheet.header import Column, Table
 from tandem.files.spreadsheet.vocabulary import key
 
 ORDINAL = re.compile(
-    r"\b(rula|reba|owas|niosh|lifting index|hebeindex|cli|strain index|ocra|kim|lmm|leitmerkmal\w*|hal|suzanne rodgers|rodgers|risk class|"
+    r"\b(rula|reba|owas|niosh|lifting index|hebeindex|cli|strain"
+    r" index|ocra|kim|lmm|leitmerkmal\w*|hal|suzanne rodgers|rodgers|risk class|"
     r"risikoklasse|risikobereich|risikostufe|ampel|traffic light|borg|rpe)\b"
 )
 """Methods whose numbers are grades, indices or classes of one posture, one lift or one activity."""
 
 
 def without_scores(table: Table, told: Collection[str], findings: Findings) -> Table:
-    """The table without the columns of stress that only rank; asked about, unless another column states stress or `--map` has told so.
+    """The table without the columns of stress that only rank; asked about, unless another column
+    states stress or `--map` has told so.
 
     Args:
       told: headers and column letters that `--map` explains.
     """
     stress = table.having("stress")
-    scores = [column for column in stress if ORDINAL.search(key(re.sub(r'"[^"]*"', " ", column.header)))]  # in quotes it is somebody's name
+    # in quotes it is somebody's name
+    scores = [
+        column for column in stress if ORDINAL.search(key(re.sub(r'"[^"]*"', " ", column.header)))
+    ]
     others = [column for column in stress if column not in scores]
     columns = list(table.columns)
     for column in scores:
         if _is_told(column, told):
             findings.note(
-                "assumed", f"{column.header!r} is added up as stress because --map says so, though it is a score that only ranks.", column.place
+                "assumed",
+                f"{column.header!r} is added up as stress because --map says so, though it is a"
+                " score that only ranks.",
+                column.place,
             )
             continue
-        columns[columns.index(column)] = replace(column, meaning=None, why="it is a score that only ranks, and cannot be added up as stress")
+        columns[columns.index(column)] = replace(
+            column,
+            meaning=None,
+            why="it is a score that only ranks, and cannot be added up as stress",
+        )
         if not others:
             findings.fault(
-                f"{column.header!r} is a score that only ranks: two tasks of 3 are not one of 6, so that it cannot be added up as stress. "
-                f'Leave it out with --map "{column.header}=ignore", or have it added all the same with --map "{column.header}=stress".',
+                f"{column.header!r} is a score that only ranks: two tasks of 3 are not one of 6, so"
+                " that it cannot be added up as stress. "
+                f'Leave it out with --map "{column.header}=ignore", or have it added all the same'
+                f' with --map "{column.header}=stress".',
                 column.place,
             )
     return replace(table, columns=tuple(columns))
 
 
 def _is_told(column: Column, told: Collection[str]) -> bool:
-    return bool({column.header, column.letter} & set(told)) or key(column.header) in {key(name) for name in told}
+    return bool({column.header, column.letter} & set(told)) or key(column.header) in {
+        key(name) for name in told
+    }

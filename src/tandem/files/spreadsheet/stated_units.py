@@ -1,4 +1,6 @@
-"""Says in which units the times of a table are: of the header, of a line of the sheet, or of the cells themselves."""
+"""Says in which units the times of a table are: of the header, of a line of the sheet, or of the
+cells themselves.
+"""
 
 from __future__ import annotations
 
@@ -11,28 +13,47 @@ from tandem.files.spreadsheet.units import unclear_unit
 from tandem.files.spreadsheet.values import cannot, is_number, unit_named, written
 from tandem.files.spreadsheet.vocabulary import PER_PIECE, QUOTES, key, split_unit
 
-UNIT_COLUMN = re.compile(r"|\w*einheit(en)?|(time )?units?( of (time|measure))?|uom|me|dim(ension)?")
+UNIT_COLUMN = re.compile(
+    r"|\w*einheit(en)?|(time )?units?( of (time|measure))?|uom|me|dim(ension)?"
+)
 """How a column of units is called; it may have no header at all."""
 
 
 def say_units(table: Table, columns: list[Column], rows: list[int], findings: Findings) -> None:
-    """Where the unit of each column of times comes from, when its header does not say; refused where the sheet speaks of several."""
+    """Where the unit of each column of times comes from, when its header does not say; refused
+    where the sheet speaks of several.
+    """
     timed = [column for column in columns if column.meaning and column.meaning.what in TIMED]
     for column in timed:
         _refuse_an_unclear_unit(column, findings)
     _refuse_a_column_of_units(table, columns, timed, rows, findings)
     for column in timed:
         _note_units_of_cells(table, column, rows, findings)
-    silent = [c for c in timed if c.meaning and not c.meaning.unit and (_bare_numbers(table, c, rows) or not _units_of_cells(table, c, rows))]
+    silent = [
+        c
+        for c in timed
+        if c.meaning
+        and not c.meaning.unit
+        and (_bare_numbers(table, c, rows) or not _units_of_cells(table, c, rows))
+    ]
     names = listed(repr(column.header) for column in silent)
     if silent and table.unit:
-        findings.note("assumed", f"times are in {table.unit}, as a line of the sheet says.", silent[0].place)
+        findings.note(
+            "assumed", f"times are in {table.unit}, as a line of the sheet says.", silent[0].place
+        )
     elif silent and table.doubt:
-        message = f"no unit is stated for {names}, and none can be assumed beside {table.doubt}. Write the unit into the header."
+        message = (
+            f"no unit is stated for {names}, and none can be assumed beside {table.doubt}. Write"
+            " the unit into the header."
+        )
         findings.fault(message, silent[0].place)
     elif silent:
         hint = "Write [s], [min], [1/100 min] or [TMU] into the header."
-        findings.note("assumed", f"no unit is stated for {names}: seconds are assumed. {hint}", silent[0].place)
+        findings.note(
+            "assumed",
+            f"no unit is stated for {names}: seconds are assumed. {hint}",
+            silent[0].place,
+        )
 
 
 def _refuse_an_unclear_unit(column: Column, findings: Findings) -> None:
@@ -43,14 +64,19 @@ def _refuse_an_unclear_unit(column: Column, findings: Findings) -> None:
     odd = unclear_unit(split_unit(header)[0])
     if odd and what is not None and not (what.told and what.unit):
         message = (
-            f"{column.header!r}: {odd!r} is no one unit that Tandem knows. Write [s], [min], [h], [ms], [1/100 min] or [TMU], or say it "
+            f"{column.header!r}: {odd!r} is no one unit that Tandem knows. Write [s], [min], [h],"
+            " [ms], [1/100 min] or [TMU], or say it "
             f'with --map "{letters(column.index)}=... [s]". A name goes outside the brackets.'
         )
         findings.fault(message, column.place)
 
 
-def _refuse_a_column_of_units(table: Table, columns: list[Column], timed: list[Column], rows: list[int], findings: Findings) -> None:
-    """Units that stand row by row in a column of their own, unless they only repeat what the headers say."""
+def _refuse_a_column_of_units(
+    table: Table, columns: list[Column], timed: list[Column], rows: list[int], findings: Findings
+) -> None:
+    """Units that stand row by row in a column of their own, unless they only repeat what the
+    headers say.
+    """
     for column in columns:
         values = [value for row in rows if not blank(value := table.grid.value(row, column.index))]
         units = {unit_named(value) if isinstance(value, str) else None for value in values}
@@ -58,12 +84,17 @@ def _refuse_a_column_of_units(table: Table, columns: list[Column], timed: list[C
             continue
         stated = {(c.meaning.unit if c.meaning else None) or table.unit for c in timed}
         if stated != units and UNIT_COLUMN.fullmatch(key(column.header)):
-            message = f"{column.header!r} holds units, and the times are not read by it. Write the unit into the headers of the times."
+            message = (
+                f"{column.header!r} holds units, and the times are not read by it. Write the unit"
+                " into the headers of the times."
+            )
             findings.fault(message, table.grid.place(rows[0], column.index))
 
 
 def _note_units_of_cells(table: Table, column: Column, rows: list[int], findings: Findings) -> None:
-    """Units behind numbers, or in their formats, count more than the header; where it states none, the bare ones among them have none."""
+    """Units behind numbers, or in their formats, count more than the header; where it states none,
+    the bare ones among them have none.
+    """
     own = _units_of_cells(table, column, rows)
     unit = (column.meaning.unit if column.meaning else None) or table.unit
     others = {row: name for row, name in own.items() if name != unit}
@@ -71,11 +102,18 @@ def _note_units_of_cells(table: Table, column: Column, rows: list[int], findings
     if own and bare and not unit:
         first = next(iter(own))
         there = f"{letters(column.index)}{first + 1}"
-        message = f"has no unit, {there} has {own[first]}, and the header {column.header!r} has none. Write the unit into the header."
+        message = (
+            f"has no unit, {there} has {own[first]}, and the header {column.header!r} has none."
+            " Write the unit into the header."
+        )
         findings.fault(message, table.grid.place(bare[0], column.index))
     elif others:
         cells = listed(f"{letters(column.index)}{row + 1} {name}" for row, name in others.items())
-        findings.note("assumed", f"the unit that a cell of {column.header!r} shows is the one that counts: {cells}.", column.place)
+        findings.note(
+            "assumed",
+            f"the unit that a cell of {column.header!r} shows is the one that counts: {cells}.",
+            column.place,
+        )
 
 
 def _units_of_cells(table: Table, column: Column, rows: list[int]) -> dict[int, str]:
@@ -85,7 +123,11 @@ def _units_of_cells(table: Table, column: Column, rows: list[int]) -> dict[int, 
     for row in rows:
         value = table.grid.value(row, column.index)
         typed = written(value) if isinstance(value, str) else None
-        shown_with = "" if told else table.grid.words.get((table.grid.origin(row, column.index), column.index), "")
+        shown_with = (
+            ""
+            if told
+            else table.grid.words.get((table.grid.origin(row, column.index), column.index), "")
+        )
         if unit := (typed.unit if typed else None) or unit_named(shown_with):
             found[row] = unit
     return found
@@ -95,4 +137,6 @@ def _bare_numbers(table: Table, column: Column, rows: list[int]) -> list[int]:
     """Rows whose cell is a number, other than 0, without a unit of its own."""
     own = _units_of_cells(table, column, rows)
     values = ((row, table.grid.value(row, column.index)) for row in rows)
-    return [row for row, value in values if row not in own and is_number(value) and not cannot(value)]
+    return [
+        row for row, value in values if row not in own and is_number(value) and not cannot(value)
+    ]

@@ -1,4 +1,6 @@
-"""The task sheet: a table in, the `tasks` of a cell document out. One row a task, or one row for each operator who can do it."""
+"""The task sheet: a table in, the `tasks` of a cell document out. One row a task, or one row for
+each operator who can do it.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +13,20 @@ from tandem.files.spreadsheet.grid import Grid, Value, shown
 from tandem.files.spreadsheet.header import Column, Table
 from tandem.files.spreadsheet.joint import WhoError, people_in, ways
 from tandem.files.spreadsheet.merged import say_what_is_merged
-from tandem.files.spreadsheet.outline import Outline, Row, between_tasks, outline_codes, read_outline
-from tandem.files.spreadsheet.precedence import Link, listed_headers, matrix_links, sentence, sheet_links
+from tandem.files.spreadsheet.outline import (
+    Outline,
+    Row,
+    between_tasks,
+    outline_codes,
+    read_outline,
+)
+from tandem.files.spreadsheet.precedence import (
+    Link,
+    listed_headers,
+    matrix_links,
+    sentence,
+    sheet_links,
+)
 from tandem.files.spreadsheet.references import References, UnknownTaskError, task_name, unquoted
 from tandem.files.spreadsheet.rows import task_rows
 from tandem.files.spreadsheet.values import cannot, says_able
@@ -46,7 +60,8 @@ class Tasks:
     """What a task table holds, as parts of a cell document.
 
     Attributes:
-      operators: named by the columns or rows, in order of appearance, with the place where each was first named.
+      operators: named by the columns or rows, in order of appearance, with the place where each was
+        first named.
       linked: something says what comes before what, or fails to.
       people: everybody whom this table or other sheets name.
     """
@@ -58,7 +73,9 @@ class Tasks:
     people: list[str] = field(default_factory=list)
 
 
-def read_tasks(table: Table, findings: Findings, beside: Sequence[Grid] = (), known: Sequence[str] = ()) -> Tasks:
+def read_tasks(
+    table: Table, findings: Findings, beside: Sequence[Grid] = (), known: Sequence[str] = ()
+) -> Tasks:
     """Every task of the table; what is wrong goes to `findings`.
 
     Args:
@@ -70,7 +87,9 @@ def read_tasks(table: Table, findings: Findings, beside: Sequence[Grid] = (), kn
     rows = task_rows(table, findings)
     if not rows:
         findings.fault("has a header but no task below it.", table.grid.place(table.header_row, 0))
-    long_form = bool(table.having("operator")) and not any(column.meaning and column.meaning.who for column in table.having("time"))
+    long_form = bool(table.having("operator")) and not any(
+        column.meaning and column.meaning.who for column in table.having("time")
+    )
     entries = _entries(table, rows, name, label, long_form, findings)
     outline = _outline(table, entries, long_form, findings)
     work = [entry for entry in entries if entry.name not in outline]
@@ -79,17 +98,23 @@ def read_tasks(table: Table, findings: Findings, beside: Sequence[Grid] = (), kn
         (_long_times if long_form else _wide_times)(table, entry, found, findings)
         _measures(table, entry, long_form, found.people, findings)
         found.tasks[entry.name] = entry.data
-        findings.places["tasks", entry.name] = table.grid.place(entry.rows[0], name.index if name else table.columns[0].index)
+        findings.places["tasks", entry.name] = table.grid.place(
+            entry.rows[0], name.index if name else table.columns[0].index
+        )
     _pieces(table, findings)
     _cannot(table, work, findings)
     _percentages(table, work, findings)
-    say_what_is_merged(table, {row: entry.name for entry in entries for row in entry.rows}, findings)
+    say_what_is_merged(
+        table, {row: entry.name for entry in entries for row in entry.rows}, findings
+    )
     _lists(table, entries, name is None, outline, found, findings, beside)
     return found
 
 
 def _outline(table: Table, entries: list[Entry], long_form: bool, findings: Findings) -> Outline:
-    """The entries that are summaries or milestones, told by their place and their times; faults in the times are told when they are read."""
+    """The entries that are summaries or milestones, told by their place and their times; faults in
+    the times are told when they are read.
+    """
     aside = Findings(marks=findings.marks)
     zero = set()
     for entry in entries:
@@ -98,10 +123,15 @@ def _outline(table: Table, entries: list[Entry], long_form: bool, findings: Find
             times = [_time(table, row, column, aside) for row in entry.rows]
             if stated := [time for time in times if time is not None]:
                 entry.times[column.index] = max(stated)
-            nobody = long_form and not any(aside.text(table.grid, row, table.having("operator")[0].index) for row in entry.rows)
+            nobody = long_form and not any(
+                aside.text(table.grid, row, table.having("operator")[0].index) for row in entry.rows
+            )
             if nobody and all(shown(value)[:1] == "0" for value in cells):
                 zero.add(entry.name)
-    rows = [Row(entry.name, entry.rows[0], entry.quoted, entry.times, entry.name in zero) for entry in entries]
+    rows = [
+        Row(entry.name, entry.rows[0], entry.quoted, entry.times, entry.name in zero)
+        for entry in entries
+    ]
     return read_outline(table, rows, findings)
 
 
@@ -115,29 +145,54 @@ def _naming(table: Table) -> tuple[Column | None, Column | None]:
     return None, labels[0] if labels else None
 
 
-def _entries(table: Table, rows: list[int], name: Column | None, label: Column | None, long_form: bool, findings: Findings) -> list[Entry]:
+def _entries(
+    table: Table,
+    rows: list[int],
+    name: Column | None,
+    label: Column | None,
+    long_form: bool,
+    findings: Findings,
+) -> list[Entry]:
     entries: dict[str, Entry] = {}
     last: Entry | None = None
     for row in rows:
         written = findings.text(table.grid, row, name.index) if name else ""
         text = unquoted(written)
         said = findings.text(table.grid, row, label.index) if label else ""
-        if long_form and last and not text and (name or not said or said == findings.text(table.grid, last.rows[0], label.index if label else None)):
+        if (
+            long_form
+            and last
+            and not text
+            and (
+                name
+                or not said
+                or said == findings.text(table.grid, last.rows[0], label.index if label else None)
+            )
+        ):
             last.rows.append(row)
             continue
         if not name:
             text = str(len(entries) + 1) if said else ""
         if not text:
             place = table.grid.place(row, (name or label or table.columns[0]).index)
-            findings.fault("is empty: the row has values and no task. Give the task a name, or clear the row.", place)
+            findings.fault(
+                "is empty: the row has values and no task. Give the task a name, or clear the row.",
+                place,
+            )
             continue
         if text in entries:
             if long_form:
                 entries[text].rows.append(row)
                 last = entries[text]
                 continue
-            first, here = (table.grid.place(r, name.index if name else 0) for r in (entries[text].rows[0], row))
-            findings.fault(f"task {text!r} stands here a second time, the first is {first}. Give each task a name of its own.", here)
+            first, here = (
+                table.grid.place(r, name.index if name else 0) for r in (entries[text].rows[0], row)
+            )
+            findings.fault(
+                f"task {text!r} stands here a second time, the first is {first}. Give each task a"
+                " name of its own.",
+                here,
+            )
             continue
         last = entries[text] = Entry(task_name(text), [row], text != written)
     return list(entries.values())
@@ -147,16 +202,23 @@ def _texts(table: Table, entry: Entry, label: Column | None, findings: Findings)
     columns = [*table.having(*TEXTS), *([label] if label else [])]
     for column in columns:
         what = column.meaning.what if column is not label and column.meaning else "label"
-        text = next((text for row in entry.rows if (text := findings.text(table.grid, row, column.index))), "")
+        text = next(
+            (text for row in entry.rows if (text := findings.text(table.grid, row, column.index))),
+            "",
+        )
         if text and not (what != "label" and text in ("-", "–", "—", "/")):
             entry.data[what] = text
-            findings.places["tasks", entry.name, what] = table.grid.place(entry.rows[0], column.index)
+            findings.places["tasks", entry.name, what] = table.grid.place(
+                entry.rows[0], column.index
+            )
     for column in table.having("release", "deadline"):
         what = column.meaning.what if column.meaning else ""
         moment = _time(table, entry.rows[0], column, findings, zero=what == "release")
         if moment is not None and not (what == "release" and moment == 0):
             entry.data[what] = moment
-            findings.places["tasks", entry.name, what] = table.grid.place(entry.rows[0], column.index)
+            findings.places["tasks", entry.name, what] = table.grid.place(
+                entry.rows[0], column.index
+            )
 
 
 def unit_of(table: Table, column: Column) -> str:
@@ -164,11 +226,22 @@ def unit_of(table: Table, column: Column) -> str:
     return (column.meaning.unit if column.meaning else None) or table.unit or "s"
 
 
-def _time(table: Table, row: int, column: Column, findings: Findings, *, zero: bool = False) -> float | None:
-    """Seconds in a column of times, those of all pieces together; None for "cannot" and for faults."""
+def _time(
+    table: Table, row: int, column: Column, findings: Findings, *, zero: bool = False
+) -> float | None:
+    """Seconds in a column of times, those of all pieces together; None for "cannot" and for
+    faults.
+    """
     told = column.meaning is not None and column.meaning.told and column.meaning.unit is not None
-    time = findings.time(table.grid, row, column.index, unit_of(table, column), zero=zero, told=told)
-    if time is None or not column.meaning or not column.meaning.per_piece or not (quantities := table.having("quantity")):
+    time = findings.time(
+        table.grid, row, column.index, unit_of(table, column), zero=zero, told=told
+    )
+    if (
+        time is None
+        or not column.meaning
+        or not column.meaning.per_piece
+        or not (quantities := table.having("quantity"))
+    ):
         return time
     faults = len(findings.faults)
     pieces = findings.amount(table.grid, row, quantities[0].index, "a number of pieces")
@@ -176,28 +249,45 @@ def _time(table: Table, row: int, column: Column, findings: Findings, *, zero: b
         return None
     if not pieces:
         place = table.grid.place(row, quantities[0].index)
-        findings.fault(f"does not say how many pieces there are, though {column.header!r} is the time of one. Write a number of 1 or more.", place)
+        findings.fault(
+            f"does not say how many pieces there are, though {column.header!r} is the time of one."
+            " Write a number of 1 or more.",
+            place,
+        )
         return None
     return round(time * pieces, 3)
 
 
 def _pieces(table: Table, findings: Findings) -> None:
     """Says what became of times per piece and of numbers of pieces."""
-    each = [column for column in table.having("time") if column.meaning and column.meaning.per_piece]
+    each = [
+        column for column in table.having("time") if column.meaning and column.meaning.per_piece
+    ]
     quantities = table.having("quantity")
     if each and quantities:
-        findings.note("assumed", f"the times per piece in {listed_headers(each)} are multiplied by {quantities[0].header!r}.", each[0].place)
+        findings.note(
+            "assumed",
+            f"the times per piece in {listed_headers(each)} are multiplied by"
+            f" {quantities[0].header!r}.",
+            each[0].place,
+        )
     elif each:
-        message = f"{listed_headers(each)}: a time per piece, and no column such as 'Quantity' says how many pieces: one for each task."
+        message = (
+            f"{listed_headers(each)}: a time per piece, and no column such as 'Quantity' says how"
+            " many pieces: one for each task."
+        )
         findings.note("assumed", message, each[0].place)
     elif quantities:
         name = quantities[0].header
         findings.note(
-            "column", f"column {name!r} was not read: the times are those of the whole task, as no header says 'per piece'.", quantities[0].place
+            "column",
+            f"column {name!r} was not read: the times are those of the whole task, as no header"
+            " says 'per piece'.",
+            quantities[0].place,
         )
 
 
-# --- one column for each operator ---------------------------------------------------------------------------------------------
+# --- one column for each operator -----------------------------------------------------------------
 
 
 def _wide_times(table: Table, entry: Entry, found: Tasks, findings: Findings) -> None:
@@ -218,20 +308,28 @@ def _wide_times(table: Table, entry: Entry, found: Tasks, findings: Findings) ->
 def _able_ways(table: Table, entry: Entry, found: Tasks, findings: Findings) -> None:
     """Everybody whom a column of abilities marks takes the one time of the task."""
     able = table.having("able")
-    common = [column for column in table.having("time") if able and column.meaning and not column.meaning.who]
+    common = [
+        column
+        for column in table.having("time")
+        if able and column.meaning and not column.meaning.who
+    ]
     time = _time(table, entry.rows[0], common[0], findings) if common else STAND_IN
     for column in able:
         who = column.meaning.who if column.meaning else ()
         for name in who:
             found.operators.setdefault(name, column.place)
-        if time is not None and says_able(findings.value(table.grid, entry.rows[0], column.index) or ""):
+        if time is not None and says_able(
+            findings.value(table.grid, entry.rows[0], column.index) or ""
+        ):
             _way(entry, who, time, table.grid.place(entry.rows[0], column.index), findings)
 
 
 def _way(entry: Entry, who: tuple[str, ...], time: float, place: str, findings: Findings) -> None:
     if len(who) == 1:
         if who[0] in entry.data.setdefault("time", {}):
-            findings.fault(f"gives task {entry.name!r} a second time of {who[0]!r}. Keep one of them.", place)
+            findings.fault(
+                f"gives task {entry.name!r} a second time of {who[0]!r}. Keep one of them.", place
+            )
         entry.data["time"][who[0]] = time
         findings.places["tasks", entry.name, "time", who[0]] = place
     else:
@@ -241,11 +339,17 @@ def _way(entry: Entry, who: tuple[str, ...], time: float, place: str, findings: 
 
 
 def _stand_in(table: Table, entry: Entry, found: Tasks, findings: Findings) -> None:
-    """A task whose times are all faulty gets one to be checked with, so that "nobody can do it" is not said on top."""
+    """A task whose times are all faulty gets one to be checked with, so that "nobody can do it" is
+    not said on top.
+    """
     if entry.data.get("time") or entry.data.get("together"):
         return
     faulty = {fault.place for fault in findings.faults}
-    if any(table.grid.place(row, column.index) in faulty for row in entry.rows for column in table.having("time", "operator", "quantity")):
+    if any(
+        table.grid.place(row, column.index) in faulty
+        for row in entry.rows
+        for column in table.having("time", "operator", "quantity")
+    ):
         who = next(iter(found.operators), "human")
         found.operators.setdefault(who, "")
         entry.data["time"] = {who: STAND_IN}
@@ -260,16 +364,27 @@ def _cannot(table: Table, entries: list[Entry], findings: Findings) -> None:
             (entry.name, row)
             for entry in entries
             for row in entry.rows
-            if (row, column.index) not in table.grid.odd and _says_cannot(table.grid.value(row, column.index), column)
+            if (row, column.index) not in table.grid.odd
+            and _says_cannot(table.grid.value(row, column.index), column)
         ]
         if missing:
-            who = " + ".join(column.meaning.who) or ("nobody" if table.having("able") else "the operator of the row")
-            cells = [f"{name} ({table.grid.place(row, column.index).rpartition('!')[2]} {_as_seen(table, row, column)})" for name, row in missing]
+            who = " + ".join(column.meaning.who) or (
+                "nobody" if table.having("able") else "the operator of the row"
+            )
+            cells = [
+                f"{name} ({table.grid.place(row, column.index).rpartition('!')[2]}"
+                f" {_as_seen(table, row, column)})"
+                for name, row in missing
+            ]
             findings.note("cannot", f"{who} cannot do: {listed(cells)}.", column.place)
 
 
 def _says_cannot(value: Value, column: Column) -> bool:
-    return cannot(value) if column.meaning and column.meaning.what == "time" else says_able(value) is False
+    return (
+        cannot(value)
+        if column.meaning and column.meaning.what == "time"
+        else says_able(value) is False
+    )
 
 
 def _as_seen(table: Table, row: int, column: Column) -> str:
@@ -277,7 +392,7 @@ def _as_seen(table: Table, row: int, column: Column) -> str:
     return f"is {text}" if text else "is empty"
 
 
-# --- one row for each operator ------------------------------------------------------------------------------------------------
+# --- one row for each operator --------------------------------------------------------------------
 
 
 def _long_times(table: Table, entry: Entry, found: Tasks, findings: Findings) -> None:
@@ -288,7 +403,9 @@ def _long_times(table: Table, entry: Entry, found: Tasks, findings: Findings) ->
         time = _time(table, row, time_column, findings)
         if not text:
             if time is not None:
-                findings.fault(f"is empty: nobody is named for the time of task {entry.name!r}.", place)
+                findings.fault(
+                    f"is empty: nobody is named for the time of task {entry.name!r}.", place
+                )
             continue
         for who in _alternatives(text, place, found.people, findings):
             for name in who:
@@ -298,7 +415,9 @@ def _long_times(table: Table, entry: Entry, found: Tasks, findings: Findings) ->
     _stand_in(table, entry, found, findings)
 
 
-def _alternatives(text: str, place: str, people: Sequence[str], findings: Findings) -> list[tuple[str, ...]]:
+def _alternatives(
+    text: str, place: str, people: Sequence[str], findings: Findings
+) -> list[tuple[str, ...]]:
     try:
         return ways(text, people)
     except WhoError as error:
@@ -306,10 +425,12 @@ def _alternatives(text: str, place: str, people: Sequence[str], findings: Findin
         return []
 
 
-# --- stress and the other measures --------------------------------------------------------------------------------------------
+# --- stress and the other measures ----------------------------------------------------------------
 
 
-def _measures(table: Table, entry: Entry, long_form: bool, people: Sequence[str], findings: Findings) -> None:
+def _measures(
+    table: Table, entry: Entry, long_form: bool, people: Sequence[str], findings: Findings
+) -> None:
     for column in table.having("stress", "difficulty", "spread"):
         if column.meaning is None:
             continue
@@ -317,7 +438,9 @@ def _measures(table: Table, entry: Entry, long_form: bool, people: Sequence[str]
         if long_form and not who and what == "stress" and len(entry.rows) > 1:
             _stress_by_row(table, entry, column, people, findings)
             continue
-        amount = findings.amount(table.grid, entry.rows[0], column.index, f"a number for {what}", _percent(column))
+        amount = findings.amount(
+            table.grid, entry.rows[0], column.index, f"a number for {what}", _percent(column)
+        )
         if amount is None:
             continue
         place = table.grid.place(entry.rows[0], column.index)
@@ -327,105 +450,185 @@ def _measures(table: Table, entry: Entry, long_form: bool, people: Sequence[str]
             _per_operator(entry, what, who[0], amount, place, column, findings)
         else:
             if isinstance(entry.data.get(what), dict):
-                findings.fault(f"gives {what} of everybody although task {entry.name!r} has one for each. Keep one of the two.", place)
+                findings.fault(
+                    f"gives {what} of everybody although task {entry.name!r} has one for each. Keep"
+                    " one of the two.",
+                    place,
+                )
                 continue
             entry.data[what] = amount
             findings.places["tasks", entry.name, what] = place
 
 
 def _percent(column: Column) -> Percent | None:
-    """How numbers under "[%]" count: a spread is a fraction of the time, all else is taken as it is shown."""
+    """How numbers under "[%]" count: a spread is a fraction of the time, all else is taken as it is
+    shown.
+    """
     if column.meaning is None or not column.meaning.percent:
         return None
     return AS_FRACTION if column.meaning.what == "spread" else AS_SHOWN
 
 
-def _per_operator(entry: Entry, what: str, who: str, amount: float, place: str, column: Column, findings: Findings) -> None:
+def _per_operator(
+    entry: Entry, what: str, who: str, amount: float, place: str, column: Column, findings: Findings
+) -> None:
     values = entry.data.setdefault(what, {})
     if not isinstance(values, dict):
-        findings.fault(f"gives {what} of {who!r} although task {entry.name!r} has one number for all. Keep one of the two.", place)
+        findings.fault(
+            f"gives {what} of {who!r} although task {entry.name!r} has one number for all. Keep one"
+            " of the two.",
+            place,
+        )
         return
     values[who] = amount
     findings.places["tasks", entry.name, what, who] = place
 
 
-def _joint_stress(entry: Entry, who: tuple[str, ...], human: str, amount: float, place: str, findings: Findings) -> None:
+def _joint_stress(
+    entry: Entry, who: tuple[str, ...], human: str, amount: float, place: str, findings: Findings
+) -> None:
     for way in entry.data.get("together", ()):
         if set(way["operators"]) == set(who):
             stated = way.get("stress")
             if stated is not None and isinstance(stated, dict) != bool(human):
-                both = f"task {entry.name!r} has one number for all of {' + '.join(who)} and one for {human or next(iter(stated))!r} alone"
+                both = (
+                    f"task {entry.name!r} has one number for all of {' + '.join(who)} and one for"
+                    f" {human or next(iter(stated))!r} alone"
+                )
                 findings.fault(f"gives stress a second time: {both}. Keep one of the two.", place)
             elif human:
                 way["stress"] = {**(stated or {}), human: amount}
             else:
                 way["stress"] = amount
             return
-    findings.fault(f"gives stress of {' + '.join(who)}, who have no time for task {entry.name!r} together. Add the time, or clear the cell.", place)
+    findings.fault(
+        f"gives stress of {' + '.join(who)}, who have no time for task {entry.name!r} together. Add"
+        " the time, or clear the cell.",
+        place,
+    )
 
 
-def _stress_by_row(table: Table, entry: Entry, column: Column, people: Sequence[str], findings: Findings) -> None:
+def _stress_by_row(
+    table: Table, entry: Entry, column: Column, people: Sequence[str], findings: Findings
+) -> None:
     """One number for all rows, or one for each: those of the joint rows go to the joint ways."""
     who_column = table.having("operator")[0]
     by_row = {
         row: amount
         for row in entry.rows
-        if (amount := findings.amount(table.grid, row, column.index, "a number for stress", _percent(column))) is not None
+        if (
+            amount := findings.amount(
+                table.grid, row, column.index, "a number for stress", _percent(column)
+            )
+        )
+        is not None
     }
     if not by_row:
         return
-    findings.places["tasks", entry.name, "stress"] = table.grid.place(next(iter(by_row)), column.index)
+    findings.places["tasks", entry.name, "stress"] = table.grid.place(
+        next(iter(by_row)), column.index
+    )
     if len(by_row) == 1 or len(set(by_row.values())) == 1:
         entry.data["stress"] = next(iter(by_row.values()))
         return
     for row, amount in by_row.items():
-        for who in _alternatives(findings.text(table.grid, row, who_column.index), table.grid.place(row, who_column.index), people, Findings()):
+        for who in _alternatives(
+            findings.text(table.grid, row, who_column.index),
+            table.grid.place(row, who_column.index),
+            people,
+            Findings(),
+        ):
             if len(who) > 1:
                 _joint_stress(entry, who, "", amount, table.grid.place(row, column.index), findings)
             elif amount:
-                _per_operator(entry, "stress", who[0], amount, table.grid.place(row, column.index), column, findings)
+                _per_operator(
+                    entry,
+                    "stress",
+                    who[0],
+                    amount,
+                    table.grid.place(row, column.index),
+                    column,
+                    findings,
+                )
 
 
 def _percentages(table: Table, entries: list[Entry], findings: Findings) -> None:
-    """Says how percentages were understood, and refuses a column that mixes them with plain numbers."""
+    """Says how percentages were understood, and refuses a column that mixes them with plain
+    numbers.
+    """
     for column in table.having("stress", "difficulty", "spread"):
-        cells = [(table.grid.origin(row, column.index), column.index) for entry in entries for row in entry.rows]
+        cells = [
+            (table.grid.origin(row, column.index), column.index)
+            for entry in entries
+            for row in entry.rows
+        ]
         marked = [cell for cell in cells if table.grid.words.get(cell) == "%"]
-        plain = [cell for cell in cells if table.grid.words.get(cell) != "%" and not cannot(table.grid.rows[cell[0]][cell[1]])]
+        plain = [
+            cell
+            for cell in cells
+            if table.grid.words.get(cell) != "%" and not cannot(table.grid.rows[cell[0]][cell[1]])
+        ]
         if not marked:
             continue
         if not _percent(column) and plain:
             here, there = table.grid.place(*plain[0]), table.grid.place(*marked[0])
-            findings.fault(f"is no percentage, and {there} is one. Write the column {column.header!r} in one way.", here)
+            findings.fault(
+                f"is no percentage, and {there} is one. Write the column {column.header!r} in one"
+                " way.",
+                here,
+            )
         value = table.grid.rows[marked[0][0]][marked[0][1]]
         size = findings.amount(table.grid, *marked[0], "a number", _percent(column))
         if isinstance(value, int | float) and size is not None:
-            findings.note("assumed", f"percentages in {column.header!r} count so: {value * 100:.15g} % is {size:.15g}.", column.place)
+            findings.note(
+                "assumed",
+                f"percentages in {column.header!r} count so: {value * 100:.15g} % is {size:.15g}.",
+                column.place,
+            )
 
 
-# --- lists of tasks -----------------------------------------------------------------------------------------------------------
+# --- lists of tasks -------------------------------------------------------------------------------
 
 
-def _lists(table: Table, entries: list[Entry], counted: bool, outline: Outline, found: Tasks, findings: Findings, beside: Sequence[Grid]) -> None:
-    """Everything that links tasks: the lists in the columns, a matrix, sheets of pairs, and who must be done by the same operator."""
+def _lists(
+    table: Table,
+    entries: list[Entry],
+    counted: bool,
+    outline: Outline,
+    found: Tasks,
+    findings: Findings,
+    beside: Sequence[Grid],
+) -> None:
+    """Everything that links tasks: the lists in the columns, a matrix, sheets of pairs, and who
+    must be done by the same operator.
+    """
     names = [entry.name for entry in entries]
     labels = {text: entry.name for entry in entries if (text := _label(table, entry))}
     rows = {entry.name: entry.rows[0] + 1 for entry in entries}
-    codes = outline_codes(table, [Row(entry.name, entry.rows[0], entry.quoted) for entry in entries])
+    codes = outline_codes(
+        table, [Row(entry.name, entry.rows[0], entry.quoted) for entry in entries]
+    )
     known = {**labels, **{code: name for name, code in codes.items()}}
     links: list[Link] = []
     already = len(findings.faults)
     for column in table.having(*LISTS):
         what = column.meaning.what if column.meaning else ""
         references = References(names, known, rows, counted)
-        references.agree_on_numbers([table.grid.value(row, column.index) for entry in entries for row in entry.rows], what == "after rows")
+        references.agree_on_numbers(
+            [table.grid.value(row, column.index) for entry in entries for row in entry.rows],
+            what == "after rows",
+        )
         if references.said:
-            findings.note("assumed", f"the numbers in {column.header!r} are {references.said}.", column.place)
+            findings.note(
+                "assumed", f"the numbers in {column.header!r} are {references.said}.", column.place
+            )
         for entry in entries:
             for row in entry.rows:
                 links += _list(table, entry, row, column, what, references, found, findings)
     references = References(names, known, rows, counted)
-    links += matrix_links(table, {entry.name: entry.rows[0] for entry in entries}, references, findings)
+    links += matrix_links(
+        table, {entry.name: entry.rows[0] for entry in entries}, references, findings
+    )
     for grid in beside:
         if (more := sheet_links(grid, references, findings)) is None:
             findings.note("sheet", f"sheet {grid.name!r} was not read.", f"{grid.name}!A1")
@@ -441,7 +644,9 @@ def _lists(table: Table, entries: list[Entry], counted: bool, outline: Outline, 
 
 
 def _label(table: Table, entry: Entry) -> str:
-    """How a task may be called besides its name; a summary has no place in the cell for it, but lists refer to it all the same."""
+    """How a task may be called besides its name; a summary has no place in the cell for it, but
+    lists refer to it all the same.
+    """
     if "label" in entry.data:
         return str(entry.data["label"])
     columns = table.having("task", "label")
@@ -449,7 +654,14 @@ def _label(table: Table, entry: Entry) -> str:
 
 
 def _list(
-    table: Table, entry: Entry, row: int, column: Column, what: str, references: References, found: Tasks, findings: Findings
+    table: Table,
+    entry: Entry,
+    row: int,
+    column: Column,
+    what: str,
+    references: References,
+    found: Tasks,
+    findings: Findings,
 ) -> Iterator[Link]:
     value = findings.value(table.grid, row, column.index)
     if value is None:
@@ -462,10 +674,16 @@ def _list(
         return
     for name in names:
         if what != "same operator":
-            yield Link(entry.name, name, place) if what == "before" else Link(name, entry.name, place)
+            yield (
+                Link(entry.name, name, place) if what == "before" else Link(name, entry.name, place)
+            )
         elif entry.name in found.tasks and name in found.tasks:
             if [entry.name, name] not in found.same_operator:
                 findings.places["same_operator", len(found.same_operator)] = place
                 found.same_operator.append([entry.name, name])
         elif entry.name in found.tasks:
-            findings.fault(f"holds {name!r}, which is a summary or a milestone and nobody's work. Name the tasks below it.", place)
+            findings.fault(
+                f"holds {name!r}, which is a summary or a milestone and nobody's work. Name the"
+                " tasks below it.",
+                place,
+            )

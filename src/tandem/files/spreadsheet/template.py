@@ -1,4 +1,6 @@
-"""A cell as a workbook that planners can fill in and that `tandem import` reads back: the template, and the export of any cell."""
+"""A cell as a workbook that planners can fill in and that `tandem import` reads back: the template,
+and the export of any cell.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,8 @@ class Field:
     Attributes:
       header: as written above it.
       of: task -> what stands in the sheet; None leaves the cell empty.
-      check: "number" for 0 or more, "tool" or "zone" for a list, "text" for what Excel must not turn into numbers or dates.
+      check: "number" for 0 or more, "tool" or "zone" for a list, "text" for what Excel must not
+        turn into numbers or dates.
       width: in characters.
     """
 
@@ -58,7 +61,8 @@ def write_template(path: str | Path, *, lang: Language = "en") -> None:
 
 
 def export_cell(cell: Cell, path: str | Path, *, lang: Language = "en") -> tuple[str, ...]:
-    """Writes the cell in the template's form, and returns what that form could not keep: sentences, none when importing gives the same cell.
+    """Writes the cell in the template's form, and returns what that form could not keep: sentences,
+    none when importing gives the same cell.
 
     Raises:
       OSError: it could not be written; an older file is then as it was.
@@ -81,10 +85,19 @@ def _differences(path: tuple[str, ...], before: Any, after: Any) -> Iterable[str
     if isinstance(before, dict) and isinstance(after, dict):
         for key in dict.fromkeys([*before, *after]):
             yield from _differences((*path, str(key)), before.get(key), after.get(key))
-        if list(before) != list(after) and set(before) == set(after) and path in (("operators",), ("tasks",)):
+        if (
+            list(before) != list(after)
+            and set(before) == set(after)
+            and path in (("operators",), ("tasks",))
+        ):
             yield f"{'.'.join(path)}: the order {', '.join(before)} becomes {', '.join(after)}."
-    elif before != after and not (before in (None, {}) and after in (None, {})):  # a table that names nobody says the same as none
-        yield f"{'.'.join(path)}: {before!r} becomes {after!r}." if after is not None else f"{'.'.join(path)}: {before!r} has no place in the sheet."
+    elif before != after and not (before in (None, {}) and after in (None, {})):
+        # a table that names nobody says the same as none
+        yield (
+            f"{'.'.join(path)}: {before!r} becomes {after!r}."
+            if after is not None
+            else f"{'.'.join(path)}: {before!r} has no place in the sheet."
+        )
 
 
 def to_workbook(cell: Cell, *, lang: Language = "en", every_column: bool = False) -> bytes:
@@ -115,7 +128,10 @@ def workbook_bytes(book: Workbook) -> bytes:
     """The workbook as an xlsx file, the same bytes every time: without the moment of writing."""
     written, steady = io.BytesIO(), io.BytesIO()
     book.save(written)
-    with zipfile.ZipFile(written) as source, zipfile.ZipFile(steady, "w", zipfile.ZIP_DEFLATED) as target:
+    with (
+        zipfile.ZipFile(written) as source,
+        zipfile.ZipFile(steady, "w", zipfile.ZIP_DEFLATED) as target,
+    ):
         for name in source.namelist():
             content = source.read(name)
             if name == "docProps/core.xml":
@@ -124,7 +140,7 @@ def workbook_bytes(book: Workbook) -> bytes:
     return steady.getvalue()
 
 
-# --- tasks --------------------------------------------------------------------------------------------------------------------
+# --- tasks ----------------------------------------------------------------------------------------
 
 
 def _tasks(book: Workbook, cell: Cell, lang: Language, every: bool) -> None:
@@ -149,40 +165,91 @@ def _fields(cell: Cell, lang: Language, every: bool) -> list[Field]:
 
     codes = {name: found[1] if (found := LEADING.match(name)) else name for name in cell.tasks}
     above = {code[: dot.start()] for code in codes.values() for dot in re.finditer(r"\.", code)}
-    fields = [Field(words["name"], lambda name, task: _spelled(name) if _looks_like_no_task(name, task, codes[name], above) else name, "name", 10)]
+    fields = [
+        Field(
+            words["name"],
+            lambda name, task: (
+                _spelled(name) if _looks_like_no_task(name, task, codes[name], above) else name
+            ),
+            "name",
+            10,
+        )
+    ]
     if every or any_task(lambda t: t.label):
         fields.append(Field(words["label"], lambda name, task: task.label, "", 34))
     if any_task(lambda t: t.part):
         fields.append(Field(words["part"], lambda name, task: task.part, "", 18))
     for who in cell.operators:
-        fields.append(Field(_headed(words["time"], "time", (who,), cell), lambda name, task, who=who: task.time.get(who), "number", 16))  # type: ignore[misc]
-    groups = list({frozenset(joint.operators): joint.operators for task in reversed(tasks) for joint in reversed(task.together)}.values())[::-1]
+        fields.append(
+            Field(
+                _headed(words["time"], "time", (who,), cell),
+                lambda name, task, who=who: task.time.get(who),
+                "number",
+                16,
+            )
+        )  # type: ignore[misc]
+    groups = list(
+        {
+            frozenset(joint.operators): joint.operators
+            for task in reversed(tasks)
+            for joint in reversed(task.together)
+        }.values()
+    )[::-1]
     for group in groups:
-        fields.append(Field(_headed(words["time"], "time", group, cell), _joint_time(group), "number", 22))
+        fields.append(
+            Field(_headed(words["time"], "time", group, cell), _joint_time(group), "number", 22)
+        )
     fields += _stress_fields(cell, words, groups, every)
     fields.append(Field(words["after"], lambda name, task: _list(task.after), "text", 20))
     for what in ("tool", "zone"):
         if every or any_task(lambda t, what=what: getattr(t, what)):  # type: ignore[misc]
-            fields.append(Field(words[what], lambda name, task, what=what: getattr(task, what), what, 14))  # type: ignore[misc]
+            fields.append(
+                Field(words[what], lambda name, task, what=what: getattr(task, what), what, 14)
+            )  # type: ignore[misc]
     if every or any_task(lambda t: t.release):
-        fields.append(Field(words["release"], lambda name, task: task.release or None, "number", 16))
+        fields.append(
+            Field(words["release"], lambda name, task: task.release or None, "number", 16)
+        )
     if every or any_task(lambda t: t.deadline is not None):
         fields.append(Field(words["deadline"], lambda name, task: task.deadline, "number", 16))
     fields += _operator_fields(cell, words)
     return fields
 
 
-def _stress_fields(cell: Cell, words: Mapping[str, str], groups: list[tuple[str, ...]], every: bool) -> list[Field]:
+def _stress_fields(
+    cell: Cell, words: Mapping[str, str], groups: list[tuple[str, ...]], every: bool
+) -> list[Field]:
     tasks = cell.tasks.values()
     fields = []
     if every or any(not isinstance(task.stress, Mapping) and task.stress for task in tasks):
-        fields.append(Field(words["stress"], lambda name, task: _for_all(task.stress), "number", 12))
+        fields.append(
+            Field(words["stress"], lambda name, task: _for_all(task.stress), "number", 12)
+        )
     for who in _named(cell, (task.stress for task in tasks)):
-        fields.append(Field(_headed(words["stress of"], "stress", (who,), cell), lambda name, task, who=who: _of(task.stress, who), "number", 16))  # type: ignore[misc]
+        fields.append(
+            Field(
+                _headed(words["stress of"], "stress", (who,), cell),
+                lambda name, task, who=who: _of(task.stress, who),
+                "number",
+                16,
+            )
+        )  # type: ignore[misc]
     for group in groups:
-        values = [joint.stress for task in tasks for joint in task.together if set(joint.operators) == set(group)]
+        values = [
+            joint.stress
+            for task in tasks
+            for joint in task.together
+            if set(joint.operators) == set(group)
+        ]
         if any(value is not None and not isinstance(value, Mapping) for value in values):
-            fields.append(Field(_headed(words["joint stress"], "stress", group, cell), _joint_stress(group, None), "number", 22))
+            fields.append(
+                Field(
+                    _headed(words["joint stress"], "stress", group, cell),
+                    _joint_stress(group, None),
+                    "number",
+                    22,
+                )
+            )
         for who in _members_named(cell, group, values):
             others = " + ".join(_spelled(other) for other in group if other != who)
             header = words["joint stress of"].format(human=_spelled(who), others=others)
@@ -195,14 +262,29 @@ def _operator_fields(cell: Cell, words: Mapping[str, str]) -> list[Field]:
     fields = []
     for who in _named(cell, (task.difficulty for task in tasks)):
         header = _headed(words["difficulty"], "difficulty", (who,), cell)
-        fields.append(Field(header, lambda name, task, who=who: task.difficulty.get(who), "number", 18))  # type: ignore[misc]
+        fields.append(
+            Field(header, lambda name, task, who=who: task.difficulty.get(who), "number", 18)
+        )  # type: ignore[misc]
     if any(not isinstance(task.spread, Mapping) and task.spread for task in tasks):
-        fields.append(Field(words["spread"], lambda name, task: _for_all(task.spread), "number", 12))
+        fields.append(
+            Field(words["spread"], lambda name, task: _for_all(task.spread), "number", 12)
+        )
     for who in _named(cell, (task.spread for task in tasks)):
-        fields.append(Field(_headed(words["spread of"], "spread", (who,), cell), lambda name, task, who=who: _of(task.spread, who), "number", 16))  # type: ignore[misc]
+        fields.append(
+            Field(
+                _headed(words["spread of"], "spread", (who,), cell),
+                lambda name, task, who=who: _of(task.spread, who),
+                "number",
+                16,
+            )
+        )  # type: ignore[misc]
     if cell.same_operator:
-        partners = {name: [other for one, other in cell.same_operator if one == name] for name in cell.tasks}
-        fields.append(Field(words["same operator"], lambda name, task: _list(partners[name]), "text", 20))
+        partners = {
+            name: [other for one, other in cell.same_operator if one == name] for name in cell.tasks
+        }
+        fields.append(
+            Field(words["same operator"], lambda name, task: _list(partners[name]), "text", 20)
+        )
     return fields
 
 
@@ -213,7 +295,9 @@ def _named(cell: Cell, values: Iterable[Any]) -> list[str]:
 
 
 def _members_named(cell: Cell, group: tuple[str, ...], values: list[Any]) -> list[str]:
-    """The humans of a group who need a column of their own; all of them where a table names nobody, so that its 0 is written down."""
+    """The humans of a group who need a column of their own; all of them where a table names nobody,
+    so that its 0 is written down.
+    """
     if any(isinstance(value, Mapping) and not value for value in values):
         return [who for who in cell.humans if who in group]
     return _named(cell, values)
@@ -228,12 +312,16 @@ def _for_all(value: Any) -> float | None:
 
 
 def _joint_time(group: tuple[str, ...]) -> Callable[[str, Task], Any]:
-    return lambda name, task: next((joint.time for joint in task.together if set(joint.operators) == set(group)), None)
+    return lambda name, task: next(
+        (joint.time for joint in task.together if set(joint.operators) == set(group)), None
+    )
 
 
 def _joint_stress(group: tuple[str, ...], who: str | None) -> Callable[[str, Task], Any]:
     def of(name: str, task: Task) -> float | None:
-        stress = next((joint.stress for joint in task.together if set(joint.operators) == set(group)), None)
+        stress = next(
+            (joint.stress for joint in task.together if set(joint.operators) == set(group)), None
+        )
         if who is None:
             return None if isinstance(stress, Mapping) else stress
         return 0.0 if isinstance(stress, Mapping) and not stress else _of(stress, who)
@@ -244,8 +332,13 @@ def _joint_stress(group: tuple[str, ...], who: str | None) -> Callable[[str, Tas
 def _headed(pattern: str, what: str, who: tuple[str, ...], cell: Cell) -> str:
     """The header in plain words, or with the names in quotes where plain words would be misread."""
     simple = pattern.format(who=" + ".join(who))
-    readings = [meaning(simple, known) for known in (tuple(cell.operators), ())]  # the sheets beside the tasks know no operators
-    if all(found is not None and (found.what, found.who, found.human, found.per_piece) == (what, who, "", False) for found in readings):
+    # the sheets beside the tasks know no operators
+    readings = [meaning(simple, known) for known in (tuple(cell.operators), ())]
+    if all(
+        found is not None
+        and (found.what, found.who, found.human, found.per_piece) == (what, who, "", False)
+        for found in readings
+    ):
         return simple
     return pattern.format(who=" + ".join(map(_spelled, who)))
 
@@ -255,16 +348,26 @@ def _spelled(name: str) -> str:
 
 
 def _looks_like_no_task(name: str, task: Task, code: str, above: set[str]) -> bool:
-    """A row that an import would take for a total or for the head of a group of tasks, or a name that is in quotes itself."""
-    return is_total(name) or is_total(task.label or "") or code.rstrip(".") in above or unquoted(name) != name
+    """A row that an import would take for a total or for the head of a group of tasks, or a name
+    that is in quotes itself.
+    """
+    return (
+        is_total(name)
+        or is_total(task.label or "")
+        or code.rstrip(".") in above
+        or unquoted(name) != name
+    )
 
 
 def _list(names: Iterable[str]) -> str | None:
     listed = list(names)
-    return "; ".join(_spelled(name) if len(listed) > 1 and ";" in name else name for name in listed) or None
+    return (
+        "; ".join(_spelled(name) if len(listed) > 1 and ";" in name else name for name in listed)
+        or None
+    )
 
 
-# --- the other sheets ---------------------------------------------------------------------------------------------------------
+# --- the other sheets -----------------------------------------------------------------------------
 
 
 def _operators(book: Workbook, cell: Cell, lang: Language) -> None:
@@ -272,15 +375,31 @@ def _operators(book: Workbook, cell: Cell, lang: Language) -> None:
 
     words = HEADERS[lang]
     sheet = book.create_sheet(SHEETS[lang]["operators"])
-    _header(sheet, [words[key] for key in ("operator", "kind", "label", "stress limit", "breaks", "tool")], [18, 12, 24, 16, 22, 16])
+    _header(
+        sheet,
+        [words[key] for key in ("operator", "kind", "label", "stress limit", "breaks", "tool")],
+        [18, 12, 24, 16, 22, 16],
+    )
     for row, (name, operator) in enumerate(cell.operators.items(), 2):
         breaks = "; ".join(f"{plain(start)}-{plain(end)}" for start, end in operator.breaks)
-        values = [name, words[operator.kind], operator.label, operator.stress_limit, breaks or None, operator.tool]
+        values = [
+            name,
+            words[operator.kind],
+            operator.label,
+            operator.stress_limit,
+            breaks or None,
+            operator.tool,
+        ]
         for column, value in enumerate(values, 1):
             _put(sheet, row, column, value)
     for row in range(2, len(cell.operators) + 12):
         sheet.cell(row, 5).number_format = "@"
-    kinds = DataValidation(type="list", formula1=f'"{words["human"]},{words["robot"]}"', allow_blank=True, showErrorMessage=True)
+    kinds = DataValidation(
+        type="list",
+        formula1=f'"{words["human"]},{words["robot"]}"',
+        allow_blank=True,
+        showErrorMessage=True,
+    )
     kinds.add(f"B2:B{len(cell.operators) + 11}")
     sheet.add_data_validation(kinds)
 
@@ -292,7 +411,11 @@ def _things(book: Workbook, cell: Cell, lang: Language, every: bool) -> None:
         swaps = [_headed(words["changeover"], "changeover", (who,), cell) for who in cell.operators]
         _header(sheet, [words["tool"], words["capacity"], *swaps], [18, 12, *[22] * len(swaps)])
         for row, (name, tool) in enumerate(cell.tools.items(), 2):
-            values = [name, tool.capacity if tool.capacity != 1 else None, *(tool.changeover.get(who) for who in cell.operators)]
+            values = [
+                name,
+                tool.capacity if tool.capacity != 1 else None,
+                *(tool.changeover.get(who) for who in cell.operators),
+            ]
             for column, value in enumerate(values, 1):
                 _put(sheet, row, column, value)
     if every or cell.zones:
@@ -306,7 +429,9 @@ def _things(book: Workbook, cell: Cell, lang: Language, every: bool) -> None:
 def _sets_and_name(book: Workbook, cell: Cell, lang: Language) -> None:
     words = HEADERS[lang]
     if cell.stress_of_set is not None:
-        no_task = next((word for word in ("-", "none", "keine", "n/a", "k.a.") if word not in cell.tasks), None)
+        no_task = next(
+            (word for word in ("-", "none", "keine", "n/a", "k.a.") if word not in cell.tasks), None
+        )
         sheet = book.create_sheet(SHEETS[lang]["sets"])
         _header(sheet, [words["sets"], words["stress"]], [40, 12])
         for row, (names, stress) in enumerate(cell.stress_of_set.items(), 2):
@@ -330,11 +455,13 @@ def _help(book: Workbook, lang: Language) -> None:
         sheet.cell(row, 2).alignment = Alignment(wrap_text=True, vertical="top")
 
 
-# --- how it looks, and what may be typed --------------------------------------------------------------------------------------
+# --- how it looks, and what may be typed ----------------------------------------------------------
 
 
 def _put(sheet: Worksheet, row: int, column: int, value: Any) -> None:
-    """A value as itself: a text that begins with "=" stays a text, a task called 1 is the number 1."""
+    """A value as itself: a text that begins with "=" stays a text, a task called 1 is the
+    number 1.
+    """
     if value is None:
         return
     if isinstance(value, str):
@@ -357,7 +484,9 @@ def _header(sheet: Worksheet, headers: list[str], widths: list[float]) -> None:
         cell.font = Font(name="Calibri", bold=True, color="FFFFFF")
         cell.fill = PatternFill("solid", fgColor="1F4E5F")
         cell.alignment = Alignment(wrap_text=True, vertical="center")
-        sheet.column_dimensions[get_column_letter(column)].width = max(width, min(len(header) + 2, 30))
+        sheet.column_dimensions[get_column_letter(column)].width = max(
+            width, min(len(header) + 2, 30)
+        )
     sheet.row_dimensions[1].height = 32
     sheet.page_setup.orientation, sheet.page_setup.paperSize = "landscape", 9
     sheet.page_setup.fitToWidth, sheet.page_setup.fitToHeight = 1, 0
@@ -370,7 +499,13 @@ def _checks(sheet: Worksheet, fields: list[Field], last: int, lang: Language) ->
     from openpyxl.worksheet.datavalidation import DataValidation
 
     words, sheets = HEADERS[lang], SHEETS[lang]
-    number = DataValidation(type="decimal", operator="greaterThanOrEqual", formula1="0", allow_blank=True, showErrorMessage=True)
+    number = DataValidation(
+        type="decimal",
+        operator="greaterThanOrEqual",
+        formula1="0",
+        allow_blank=True,
+        showErrorMessage=True,
+    )
     number.errorTitle, number.error = "Tandem", CHECKS[lang]["number"]
     sheet.add_data_validation(number)
     for column, field in enumerate(fields, 1):
@@ -382,13 +517,24 @@ def _checks(sheet: Worksheet, fields: list[Field], last: int, lang: Language) ->
                 sheet.cell(row, column).number_format = "@"
         elif field.check == "name":
             once = f"COUNTIF(${letter}$2:${letter}${last},{letter}2)=1"
-            unique = DataValidation(type="custom", formula1=once, allow_blank=True, showErrorMessage=True)
+            unique = DataValidation(
+                type="custom", formula1=once, allow_blank=True, showErrorMessage=True
+            )
             unique.errorTitle, unique.error = "Tandem", CHECKS[lang]["name"]
             unique.add(f"{letter}2:{letter}{last}")
             sheet.add_data_validation(unique)
         elif field.check in ("tool", "zone") and sheets[f"{field.check}s"]:
             there = sheets[f"{field.check}s"]
-            options = DataValidation(type="list", formula1=f"'{there}'!$A$2:$A$100", allow_blank=True, showErrorMessage=False)
-            options.promptTitle, options.prompt, options.showInputMessage = words[field.check], f"{CHECKS[lang]['see']} {there}", True
+            options = DataValidation(
+                type="list",
+                formula1=f"'{there}'!$A$2:$A$100",
+                allow_blank=True,
+                showErrorMessage=False,
+            )
+            options.promptTitle, options.prompt, options.showInputMessage = (
+                words[field.check],
+                f"{CHECKS[lang]['see']} {there}",
+                True,
+            )
             options.add(f"{letter}2:{letter}{last}")
             sheet.add_data_validation(options)

@@ -1,4 +1,6 @@
-"""The unit of all times of a sheet, as a line above the header or a footnote states it: "alle Zeiten in HM", "Unit: min"."""
+"""The unit of all times of a sheet, as a line above the header or a footnote states it: "alle
+Zeiten in HM", "Unit: min".
+"""
 
 from __future__ import annotations
 
@@ -10,12 +12,27 @@ from tandem.files.spreadsheet.grid import Grid, tidy
 from tandem.files.spreadsheet.values import UNITS, unit_named
 from tandem.files.spreadsheet.vocabulary import PER_PIECE
 
-_SPELLINGS = "|".join(re.escape(text) for text in sorted((s for spellings in UNITS.values() for s in spellings), key=len, reverse=True))
-IN_A_UNIT = re.compile(rf"(?:\bin\s+|[\[(]\s*(?:in\s+)?)({_SPELLINGS})\.?(?=[\s.;:,)\]]|$|{PER_PIECE.pattern})", re.IGNORECASE)
-AFTER_A_WORD = re.compile(rf"(?:[:=,]\s*|\s(?:sind|are|is|ist)\s+)({_SPELLINGS})\.?\s*(?:{PER_PIECE.pattern}\s*)?$", re.IGNORECASE)
-OF_TIMES = re.compile(r"\b(\w*zeit(en)?|zeit\w*|times?|dauern?|durations?|angaben|werte|values|\w*einheit(en)?|units?)\b", re.IGNORECASE)
+_SPELLINGS = "|".join(
+    re.escape(text)
+    for text in sorted(
+        (s for spellings in UNITS.values() for s in spellings), key=len, reverse=True
+    )
+)
+IN_A_UNIT = re.compile(
+    rf"(?:\bin\s+|[\[(]\s*(?:in\s+)?)({_SPELLINGS})\.?(?=[\s.;:,)\]]|$|{PER_PIECE.pattern})",
+    re.IGNORECASE,
+)
+AFTER_A_WORD = re.compile(
+    rf"(?:[:=,]\s*|\s(?:sind|are|is|ist)\s+)({_SPELLINGS})\.?\s*(?:{PER_PIECE.pattern}\s*)?$",
+    re.IGNORECASE,
+)
+OF_TIMES = re.compile(
+    r"\b(\w*zeit(en)?|zeit\w*|times?|dauern?|durations?|angaben|werte|values|\w*einheit(en)?|units?)\b",
+    re.IGNORECASE,
+)
 OF_SOMETHING_ELSE = re.compile(
-    r"\b(takt|zyklus|cycle|durchlauf|lead|schicht|shift|pause|break|gesamt|total|sum|rüst|setup|warte|wait|stand|start)\w*", re.IGNORECASE
+    r"\b(takt|zyklus|cycle|durchlauf|lead|schicht|shift|pause|break|gesamt|total|sum|rüst|setup|warte|wait|stand|start)\w*",
+    re.IGNORECASE,
 )
 
 
@@ -45,7 +62,8 @@ OF_OTHER_KINDS = {
 
 
 def unclear_unit(header: str) -> str:
-    """What stands in a header where a unit would, and is none that is known: "0.1 min", "min/Stück", "d", a second unit; "" when nothing does.
+    """What stands in a header where a unit would, and is none that is known: "0.1 min",
+    "min/Stück", "d", a second unit; "" when nothing does.
 
     Args:
       header: without the unit that was understood.
@@ -61,14 +79,20 @@ def _looks_like_a_unit(text: str) -> bool:
     words = re.findall(r"[^\W\d_]+", text.casefold())
     units = [word for word in words if unit_named(word)]
     factors = re.search(r"[/%×*'\"]|\d|\b(per|je|pro|x|in)\b", text.casefold())
-    return not words or (bool(units) and (len(units) == len(words) or bool(factors))) or all(word in OF_OTHER_KINDS for word in words)
+    return (
+        not words
+        or (bool(units) and (len(units) == len(words) or bool(factors)))
+        or all(word in OF_OTHER_KINDS for word in words)
+    )
 
 
 def unit_said(grid: Grid, header_row: int, first_row: int, counted: bool) -> tuple[str | None, str]:
-    """The unit of all times and "", or None and why nothing may be assumed: two lines contradict each other, or one names a unit of something.
+    """The unit of all times and "", or None and why nothing may be assumed: two lines contradict
+    each other, or one names a unit of something.
 
     Args:
-      counted: a column says how many pieces a task has, so that a line must not leave open whether its times are those of one.
+      counted: a column says how many pieces a task has, so that a line must not leave open whether
+        its times are those of one.
     """
     stated: dict[str, str] = {}
     named: dict[str, str] = {}
@@ -91,7 +115,9 @@ def unit_said(grid: Grid, header_row: int, first_row: int, counted: bool) -> tup
 
 
 def _lines(grid: Grid, header_row: int, first_row: int) -> Iterator[tuple[int, str]]:
-    """`(row, text)` of what stands above the header, and alone in its row below it; "Unit" and "min" in two cells are one text."""
+    """`(row, text)` of what stands above the header, and alone in its row below it; "Unit" and
+    "min" in two cells are one text.
+    """
     for row in range(len(grid.rows)):
         texts = [tidy(value) for _, value in grid.filled(row) if isinstance(value, str)]
         if row < header_row:

@@ -1,7 +1,8 @@
 """What planners write above their columns, in English and German, and what it means here.
 
-`meaning("Zeit Mensch [min]")` is a time of the operator "Mensch" in minutes. One table of phrases for columns without an operator, and
-a few measures (time, stress, difficulty, spread) that name one.
+`meaning("Zeit Mensch [min]")` is a time of the operator "Mensch" in minutes. One table of phrases
+for columns without an operator, and a few measures (time, stress, difficulty, spread) that name
+one.
 """
 
 from __future__ import annotations
@@ -21,18 +22,24 @@ Kind = Literal["human", "robot"]
 VOCABULARY = json.loads(resources.files(__package__).joinpath("vocabulary.json").read_text("utf-8"))
 
 PHRASES: dict[str, list[str]] = VOCABULARY["columns"]
-"""What a column means -> how it may be called: casefolded, umlauts spelled out, marks between words as blanks."""
+"""What a column means -> how it may be called: casefolded, umlauts spelled out, marks between words
+as blanks.
+"""
 
 MEANS = {spelling: what for what, spellings in PHRASES.items() for spelling in spellings}
 
-KINDS: dict[str, Kind] = {word: kind for kind, words in VOCABULARY["kinds"].items() for word in words}
+KINDS: dict[str, Kind] = {
+    word: kind for kind, words in VOCABULARY["kinds"].items() for word in words
+}
 """Words in the name of an operator that say whether it is a human or a robot."""
 
 MACHINES = frozenset(VOCABULARY["machines"])
 """Words for what works on its own and is neither a human nor a robot of the cell."""
 
 APPLIANCES = MACHINES | frozenset(VOCABULARY["appliances"])
-"""The same with words that are as likely a tool's name, so that they count only beside a word for time."""
+"""The same with words that are as likely a tool's name, so that they count only beside a word for
+time.
+"""
 
 JOINT = frozenset(VOCABULARY["joint"])
 """Words that say that several do it together, and not who."""
@@ -50,9 +57,13 @@ MEASURES: dict[str, str] = {
     ),
     "difficulty": r"difficulty|schwierigkeit(sgrad)?",
     "spread": r"spread|streuung|cv|variation|variationskoeffizient",
-    "changeover": r"changeover|change|ruestzeit|ruesten|setup|umruesten|werkzeugwechsel|wechselzeit",
+    "changeover": (
+        r"changeover|change|ruestzeit|ruesten|setup|umruesten|werkzeugwechsel|wechselzeit"
+    ),
 }
-"""Words that make a column a measure of an operator. Those of a measure may be mixed: "EAWS points"."""
+"""Words that make a column a measure of an operator. Those of a measure may be mixed: "EAWS
+points".
+"""
 
 NO_OPERATOR = re.compile(
     r"ruest\w*|setup|set-up|wart\w*|wait\w*|idle|leer\w*|cycle|zyklus\w*|takt\w*|gesamt\w*|total|sum|summe|wege\w*|walk\w*|geh\w*|puffer\w*|buffer|"
@@ -61,18 +72,24 @@ NO_OPERATOR = re.compile(
 )
 """Kinds of time that no single operator spends on the task: such columns are listed as not read."""
 
-PER_PIECE = re.compile(r"\s*(?:/|\b(?:je|pro|per)\b)\s*(?:stück|stueck|stk|piece|pieces|pcs?|unit|einheit|teil|part)\b\.?", re.IGNORECASE)
+PER_PIECE = re.compile(
+    r"\s*(?:/|\b(?:je|pro|per)\b)\s*(?:stück|stueck|stk|piece|pieces|pcs?|unit|einheit|teil|part)\b\.?",
+    re.IGNORECASE,
+)
 """Words that make a time that of one piece: "Zeit/Stück", "[s/pc]"."""
 
 ABOUT_LINKS = re.compile(
-    r"\b(anzahl|zahl|count|number of|no of|num|wie viele|how many|typ|type|art|lag|zeitabstand|abstand|time|zeit|dauer|duration|fertig|done|status)\b"
+    r"\b(anzahl|zahl|count|number of|no of|num|wie viele|how"
+    r" many|typ|type|art|lag|zeitabstand|abstand|time|zeit|dauer|duration|fertig|done|status)\b"
 )
 """Words beside "predecessors" that make it something other than a list of tasks."""
 
 QUOTES = re.compile(r'"([^"]+)"')
 """Names in a header that stand for themselves."""
 
-TOTALS = re.compile(r"(zwischen)?summen?|(sub-?|grand )?totals?|sum|σ|∑|Σ|gesamt.*|insgesamt|overall", re.IGNORECASE)
+TOTALS = re.compile(
+    r"(zwischen)?summen?|(sub-?|grand )?totals?|sum|σ|∑|Σ|gesamt.*|insgesamt|overall", re.IGNORECASE
+)
 """What planners write before a total."""
 
 
@@ -82,7 +99,8 @@ class Meaning:
 
     Attributes:
       what: "time", "stress", "after", ... : a key of `PHRASES` or `MEASURES`.
-      who: the operators it speaks of; none for the task as a whole, several for a joint way of doing it.
+      who: the operators it speaks of; none for the task as a whole, several for a joint way of
+        doing it.
       human: the human whose stress it is, within the joint way `who`.
       unit: the unit of time, when the header says one.
       sure: the words say so; a guess from the operator's name alone is not sure.
@@ -108,28 +126,44 @@ class Meaning:
 
 def key(text: str) -> str:
     """Casefolded, umlauts spelled out, marks as blanks: what tables are looked up by."""
-    plain = unicodedata.normalize("NFKC", tidy(text)).casefold().translate({ord("ä"): "ae", ord("ö"): "oe", ord("ü"): "ue"})
+    plain = (
+        unicodedata.normalize("NFKC", tidy(text))
+        .casefold()
+        .translate({ord("ä"): "ae", ord("ö"): "oe", ord("ü"): "ue"})
+    )
     return " ".join(re.sub(r"[^\w#]|_", " ", plain).split())
 
 
 def kind_of(name: str) -> Kind | None:
-    """Human or robot, when the operator's name says so beyond doubt ("Werker 2", "UR5e"), else None."""
+    """Human or robot, when the operator's name says so beyond doubt ("Werker 2", "UR5e"), else
+    None.
+    """
     words = _words(name)
     kinds = {KINDS[word] for word in words if word in KINDS}
     return kinds.pop() if len(kinds) == 1 else None
 
 
 def _words(name: str) -> list[str]:
-    """The name's words without the digits behind them: "Werker1" -> werker; "H1" -> h; but "UR5" stays."""
+    """The name's words without the digits behind them: "Werker1" -> werker; "H1" -> h; but "UR5"
+    stays.
+    """
     words = [word for word in key(name).split() if word]
-    return [piece for word in words for piece in ([word] if word in KINDS else re.split(r"(?<=[a-z])(?=\d+$)", word))]
+    return [
+        piece
+        for word in words
+        for piece in ([word] if word in KINDS else re.split(r"(?<=[a-z])(?=\d+$)", word))
+    ]
 
 
 def is_kind_word(name: str) -> bool:
     """The name consists of nothing but kind words and digits: "Roboter", "robot 2"."""
     words = _words(name)
     kinds = KINDS.keys() | MACHINES
-    return bool(words) and any(word in kinds and len(word) > 1 for word in words) and all(word in kinds or word.isdigit() for word in words)
+    return (
+        bool(words)
+        and any(word in kinds and len(word) > 1 for word in words)
+        and all(word in kinds or word.isdigit() for word in words)
+    )
 
 
 def is_machine(name: str) -> bool:
@@ -138,12 +172,19 @@ def is_machine(name: str) -> bool:
 
 
 def split_unit(text: str) -> tuple[str, str | None]:
-    """The header without its unit, and the unit: `t human [s]`, `Zeit (min)`, `Dauer in Minuten`, `time_s`."""
-    plain = QUOTES.sub(lambda name: "\x00" * len(name[0]), text)  # a name in quotes may hold brackets and units of its own
+    """The header without its unit, and the unit: `t human [s]`, `Zeit (min)`, `Dauer in Minuten`,
+    `time_s`.
+    """
+    # a name in quotes may hold brackets and units of its own
+    plain = QUOTES.sub(lambda name: "\x00" * len(name[0]), text)
     for bracket in re.finditer(r"[\[(]([^\[\]()]*)[\])]", plain):
         if unit := unit_named(re.sub(r"^in ", "", bracket[1].strip(), flags=re.IGNORECASE)):
             return tidy_marks(text[: bracket.start()] + " " + text[bracket.end() :]), unit
-    tail = re.search(r"(?:\s+in\s+|\s*[/,;:]\s*|[\s_]+)([^\s_]+|1/100 ?min\.?|hundertstel minuten)$", plain, re.IGNORECASE)
+    tail = re.search(
+        r"(?:\s+in\s+|\s*[/,;:]\s*|[\s_]+)([^\s_]+|1/100 ?min\.?|hundertstel minuten)$",
+        plain,
+        re.IGNORECASE,
+    )
     if tail and (unit := unit_named(tail[1])):
         return tidy_marks(text[: tail.start()]), unit
     return text, None
@@ -165,7 +206,9 @@ def meaning(header: str, known: tuple[str, ...] = ()) -> Meaning | None:
         return Meaning(what, unit=unit)
     measures, rest = _measures(text)
     who, human = _who(rest, quoted, known)
-    if "changeover" in measures and (measures == {"changeover"} or measures == {"changeover", "time"}):
+    if "changeover" in measures and (
+        measures == {"changeover"} or measures == {"changeover", "time"}
+    ):
         return Meaning("changeover", who, unit=unit)
     if any(NO_OPERATOR.fullmatch(word) for name in rest for word in key(name).split()):
         return None
@@ -174,19 +217,31 @@ def meaning(header: str, known: tuple[str, ...] = ()) -> Meaning | None:
         return Meaning(what, who, human, unit) if what == "stress" or not human else None
     if measures:
         return None
-    if who and (unit or all(name in known or is_kind_word(name) or key(name) in JOINT - {"team", "all", "alle"} for name in who)):
-        return Meaning("time", who, unit=unit, sure=bool(unit) or all(name in known for name in who))
+    if who and (
+        unit
+        or all(
+            name in known or is_kind_word(name) or key(name) in JOINT - {"team", "all", "alle"}
+            for name in who
+        )
+    ):
+        return Meaning(
+            "time", who, unit=unit, sure=bool(unit) or all(name in known for name in who)
+        )
     return None
 
 
 SCALE = re.compile(
     r"(\d+([.,]\d+)?)?\s*(-|–|—|\.\.+|…|/|bis|to|%|‰)\s*(\d+([.,]\d+)?)?|pkte?|punkten?|pts?|prozent|percent|pct|skala|scale|n|nm|kg|kcal|bpm|watt|w"
 )
-"""Words that say in what a stress is counted: "0-10", "%", "Pkt."; a plain number may be somebody's."""
+"""Words that say in what a stress is counted: "0-10", "%", "Pkt."; a plain number may be
+somebody's.
+"""
 
 
 def without_scale(header: str) -> tuple[str, str]:
-    """The header without what stands in brackets and without words of scale, and those: `Stress (0-10)` -> "Stress", "0-10"."""
+    """The header without what stands in brackets and without words of scale, and those: `Stress
+    (0-10)` -> "Stress", "0-10".
+    """
     taken: list[str] = []
 
     def keep(found: re.Match[str]) -> str:
@@ -201,17 +256,25 @@ def without_scale(header: str) -> tuple[str, str]:
 
 
 def _stem(plain: str) -> str | None:
-    """Lists of tasks under a longer header: "Predecessors (row)", "alle Vorgänger laut Graph", "Pred. 2"; their number or kind is none."""
+    """Lists of tasks under a longer header: "Predecessors (row)", "alle Vorgänger laut Graph",
+    "Pred. 2"; their number or kind is none.
+    """
     if re.search(ABOUT_LINKS, plain):
         return None
     numbered = re.fullmatch(r"(.+?) ?\d+", plain)
     if numbered and MEANS.get(numbered[1]) in ("after", "after rows", "before"):
         return MEANS[numbered[1]]
     if re.search(
-        r"\b(predecess|vorgaenger|vorlaeufer|preceding|precedence|prerequis|vorrangbez|depends on|dependenc|abhaengig von|abhaengigk)", plain
+        r"\b(predecess|vorgaenger|vorlaeufer|preceding|precedence|prerequis|vorrangbez|depends"
+        r" on|dependenc|abhaengig von|abhaengigk)",
+        plain,
     ):
         return "after rows" if re.search(r"\b(rows?|zeilen?(nr|nummern?)?)\b", plain) else "after"
-    return "before" if re.search(r"\b(success|nachfolger|precedes|followed by|gefolgt von|folgevorg)", plain) else None
+    return (
+        "before"
+        if re.search(r"\b(success|nachfolger|precedes|followed by|gefolgt von|folgevorg)", plain)
+        else None
+    )
 
 
 def _without_quotes(text: str) -> tuple[str, list[str]]:
@@ -235,13 +298,17 @@ def tidy_marks(text: str) -> str:
 
 
 def _measures(text: str) -> tuple[set[str], list[str]]:
-    """The measures that the words name, and the words that are left, as written; "+" and "with" stay as words."""
+    """The measures that the words name, and the words that are left, as written; "+" and "with"
+    stay as words.
+    """
     if " " not in text:
         text = text.replace("_", " ")
     measures, rest = set(), []
     for word in re.findall(r"[+&]|[^\s\[\](),;:+&]+", text):
         pieces = [word]
-        if re.search(r"[-_./]", word) and any(_measure(key(piece)) for piece in re.split(r"[-_./]", word)):
+        if re.search(r"[-_./]", word) and any(
+            _measure(key(piece)) for piece in re.split(r"[-_./]", word)
+        ):
             pieces = [piece for piece in re.split(r"[-_./]", word) if piece]
         for piece in pieces:
             plain = key(piece)
@@ -259,7 +326,14 @@ def _compound(word: str) -> str | None:
     """The operator in a German compound: "roboterzeit", "maschinenzeit"."""
     if not (found := re.fullmatch(r"(..+)(zeit|dauer)", word)):
         return None
-    return next((found[1].removesuffix(link) for link in ("n", "en", "s", "") if found[1].removesuffix(link) in KINDS.keys() | APPLIANCES), None)
+    return next(
+        (
+            found[1].removesuffix(link)
+            for link in ("n", "en", "s", "")
+            if found[1].removesuffix(link) in KINDS.keys() | APPLIANCES
+        ),
+        None,
+    )
 
 
 def _measure(word: str) -> str | None:
@@ -283,4 +357,7 @@ def _who(rest: list[str], quoted: list[str], known: tuple[str, ...]) -> tuple[tu
 
 
 def _known(name: str, known: tuple[str, ...]) -> str:
-    return next((other for other in known if other == name), next((other for other in known if key(other) == key(name)), name))
+    return next(
+        (other for other in known if other == name),
+        next((other for other in known if key(other) == key(name)), name),
+    )

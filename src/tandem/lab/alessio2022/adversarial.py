@@ -1,9 +1,12 @@
-"""Training against others, on top of PPO (`ppo.py`): against a fixed opponent, against one that learns too, and the best response to a frozen one.
+"""Training against others, on top of PPO (`ppo.py`): against a fixed opponent, against one that
+learns too, and the best response to a frozen one.
 
-Nothing here learns by itself. An opponent is put into the world (`Against`), so that what is left is a world of one agent, which PPO can play;
-what agents grudge each other is put into the rewards (`Envious`). An adversary that learns is one whose policy in the world is exchanged between
-rounds. Sources: Pinto et al. (2017), "Robust adversarial reinforcement learning", arXiv:1703.02702, algorithm 1, for learning in alternation;
-Alessio, Aliev and Antonelli (2022) for the share of the human's reward that the robot's is reduced by.
+Nothing here learns by itself. An opponent is put into the world (`Against`), so that what is left
+is a world of one agent, which PPO can play; what agents grudge each other is put into the rewards
+(`Envious`). An adversary that learns is one whose policy in the world is exchanged between rounds.
+Sources: Pinto et al. (2017), "Robust adversarial reinforcement learning", arXiv:1703.02702,
+algorithm 1, for learning in alternation; Alessio, Aliev and Antonelli (2022) for the share of the
+human's reward that the robot's is reduced by.
 
 Axes as in `ppo.py`; `A` agents of the world itself, of which `Against` leaves one.
 """
@@ -40,7 +43,9 @@ class Draws(NamedTuple):
 
 
 class Opponent(Protocol):
-    """Who plays a seat that does not learn. Data (a JAX pytree), so that it can be exchanged without compiling again."""
+    """Who plays a seat that does not learn. Data (a JAX pytree), so that it can be exchanged
+    without compiling again.
+    """
 
     def choose(self, world: World, state: State, seat: int, legal: Array, draws: Draws) -> Array:
         """`[]` int: the action of the agent in `seat`, one of those that `legal` `[K]` allows."""
@@ -56,7 +61,9 @@ class ByChance:
         return jnp.sum(reached <= draws.moment[seat]).astype(jnp.int32)
 
 
-@partial(jax.tree_util.register_dataclass, data_fields=["actor", "greedy"], meta_fields=["activation"])
+@partial(
+    jax.tree_util.register_dataclass, data_fields=["actor", "greedy"], meta_fields=["activation"]
+)
 @dataclass(frozen=True)
 class Frozen:
     """A trained actor that does not learn.
@@ -71,12 +78,20 @@ class Frozen:
     activation: str = field(default="tanh")
 
     @classmethod
-    def of(cls, parameters: Parameters, config: Config, *, seat: int = 0, greedy: bool = False) -> Self:
+    def of(
+        cls, parameters: Parameters, config: Config, *, seat: int = 0, greedy: bool = False
+    ) -> Self:
         """The actor in that seat of trained parameters, which are not shared."""
-        return cls(jax.tree.map(lambda leaf: leaf[seat], parameters["actor"]), jnp.asarray(greedy), config.activation)
+        return cls(
+            jax.tree.map(lambda leaf: leaf[seat], parameters["actor"]),
+            jnp.asarray(greedy),
+            config.activation,
+        )
 
     def choose(self, world: World, state: State, seat: int, legal: Array, draws: Draws) -> Array:
-        log = masked_log_softmax(jnp, forward(jnp, self.actor, world.observe(state)[seat], self.activation), legal)
+        log = masked_log_softmax(
+            jnp, forward(jnp, self.actor, world.observe(state)[seat], self.activation), legal
+        )
         return jnp.where(self.greedy, jnp.argmax(log, -1), sample(jnp, log, draws.moment[seat]))
 
 
@@ -86,7 +101,8 @@ class OneOf:
     """One of several opponents, drawn for each episode.
 
     Attributes:
-      shares: `[len(opponents)]`, how often each; they add up to 1. As data, so that one compiled training serves every mixture.
+      shares: `[len(opponents)]`, how often each; they add up to 1. As data, so that one compiled
+        training serves every mixture.
     """
 
     opponents: tuple[Any, ...]
@@ -95,15 +111,26 @@ class OneOf:
     def choose(self, world: World, state: State, seat: int, legal: Array, draws: Draws) -> Array:
         until = jnp.cumsum(self.shares)
         drawn = jnp.minimum(jnp.sum(until <= draws.episode[seat]), len(self.opponents) - 1)
-        within = (draws.episode[seat] - until[drawn] + self.shares[drawn]) / jnp.maximum(self.shares[drawn], 1e-9)
-        again = draws._replace(episode=draws.episode.at[seat].set(jnp.clip(within, 0.0, 1.0 - 1e-6)))
-        return jnp.stack([one.choose(world, state, seat, legal, again).astype(jnp.int32) for one in self.opponents])[drawn]
+        within = (draws.episode[seat] - until[drawn] + self.shares[drawn]) / jnp.maximum(
+            self.shares[drawn], 1e-9
+        )
+        again = draws._replace(
+            episode=draws.episode.at[seat].set(jnp.clip(within, 0.0, 1.0 - 1e-6))
+        )
+        return jnp.stack(
+            [
+                one.choose(world, state, seat, legal, again).astype(jnp.int32)
+                for one in self.opponents
+            ]
+        )[drawn]
 
 
 class Seated(NamedTuple):
-    """An episode of `Against`: the world's state, the opponents' numbers of this step, and the key that later ones come from.
+    """An episode of `Against`: the world's state, the opponents' numbers of this step, and the key
+    that later ones come from.
 
-    The numbers are kept because they are asked for several times in a step, and each place that draws compiles for a second.
+    The numbers are kept because they are asked for several times in a step, and each place that
+    draws compiles for a second.
     """
 
     inner: State
@@ -111,10 +138,13 @@ class Seated(NamedTuple):
     key: Array
 
 
-@partial(jax.tree_util.register_dataclass, data_fields=["world", "opponent", "seat"], meta_fields=[])
+@partial(
+    jax.tree_util.register_dataclass, data_fields=["world", "opponent", "seat"], meta_fields=[]
+)
 @dataclass(frozen=True)
 class Against:
-    """The world as the agent in `seat` meets it: a world of one agent, in which `opponent` plays everyone else.
+    """The world as the agent in `seat` meets it: a world of one agent, in which `opponent` plays
+    everyone else.
 
     The seat is data too: one compiled training serves every seat.
     """
@@ -147,7 +177,9 @@ class Against:
         """What is left to the agent, once those that choose before it have chosen."""
         legal = self.world.legal(state.inner)
         own_unknown = jnp.argmax(legal[self.seat])
-        return self.world.narrow(state.inner, legal, self._joint(state, legal, own_unknown))[self.seat][None]
+        return self.world.narrow(state.inner, legal, self._joint(state, legal, own_unknown))[
+            self.seat
+        ][None]
 
     def narrow(self, state: Seated, legal: Array, action: Array) -> Array:
         return legal
@@ -156,7 +188,9 @@ class Against:
         legal = self.world.legal(state.inner)
         narrowed = self.world.narrow(state.inner, legal, self._joint(state, legal, action[0]))
         after, outcome = self.world.step(state.inner, self._joint(state, narrowed, action[0]))
-        mine = Outcome(outcome.reward[self.seat][None], outcome.terminated, outcome.illegal[self.seat][None])
+        mine = Outcome(
+            outcome.reward[self.seat][None], outcome.terminated, outcome.illegal[self.seat][None]
+        )
         draw_key, key = jax.random.split(state.key)
         draws = state.draws._replace(moment=jax.random.uniform(draw_key, state.draws.moment.shape))
         return Seated(after, draws, key), mine
@@ -165,16 +199,23 @@ class Against:
         return replace(self, world=self.world.in_stage(stage))
 
     def _joint(self, state: Seated, legal: Array, own: Array) -> Array:
-        """`[A]` int32: the agent's action among those that the opponent chooses under these masks; the same draws each time it is asked."""
+        """`[A]` int32: the agent's action among those that the opponent chooses under these masks;
+        the same draws each time it is asked.
+        """
         agents = len(self.world.agents)
-        choices = [self.opponent.choose(self.world, state.inner, seat, legal[seat], state.draws) for seat in range(agents)]
+        choices = [
+            self.opponent.choose(self.world, state.inner, seat, legal[seat], state.draws)
+            for seat in range(agents)
+        ]
         return jnp.where(jnp.arange(agents) == self.seat, own, jnp.stack(choices)).astype(jnp.int32)
 
 
 @partial(jax.tree_util.register_dataclass, data_fields=["world", "weights"], meta_fields=[])
 @dataclass(frozen=True)
 class Envious:
-    """The world with each agent's reward a weighted sum of all: `reward' = weights @ reward`, `weights` `[A, A]`."""
+    """The world with each agent's reward a weighted sum of all: `reward' = weights @ reward`,
+    `weights` `[A, A]`.
+    """
 
     world: Any
     weights: Array
@@ -212,12 +253,16 @@ class Envious:
 
 
 def reduced(world: World, share: float | Array = SHARE) -> Envious:
-    """The robot's reward less `share` of the human's; the human's stays its own. Agents are (robot, human)."""
+    """The robot's reward less `share` of the human's; the human's stays its own. Agents are (robot,
+    human).
+    """
     return Envious(world, jnp.array([[1.0, 0.0], [0.0, 1.0]]).at[0, 1].set(-share))
 
 
 def hostile(world: World) -> Envious:
-    """The human's reward is minus the robot's, and nothing else: the purest adversary (zero-sum)."""
+    """The human's reward is minus the robot's, and nothing else: the purest adversary
+    (zero-sum).
+    """
     return Envious(world, jnp.array([[1.0, 0.0], [-1.0, 0.0]]))
 
 
@@ -231,36 +276,61 @@ class Pair(NamedTuple):
     human: Learner
 
 
-def against(key: Array, world: World, opponent: Opponent, config: Config, updates: int, *, seat: Array = 0) -> tuple[Learner, Report]:
-    """One agent learns against an opponent that does not. With an adversary's rewards and a `Frozen` robot: the learned best response to it."""
+def against(
+    key: Array, world: World, opponent: Opponent, config: Config, updates: int, *, seat: Array = 0
+) -> tuple[Learner, Report]:
+    """One agent learns against an opponent that does not. With an adversary's rewards and a
+    `Frozen` robot: the learned best response to it.
+    """
     return ppo.train(key, Against(world, opponent, seat), config, updates)
 
 
-def alternately(key: Array, world: World, config: Config, updates: int, rounds: int, *, mixed: float = 0.0) -> tuple[Pair, tuple[Report, Report]]:
-    """Robot and human learn in turns, each for `updates / rounds` updates against what the other has just become.
+def alternately(
+    key: Array, world: World, config: Config, updates: int, rounds: int, *, mixed: float = 0.0
+) -> tuple[Pair, tuple[Report, Report]]:
+    """Robot and human learn in turns, each for `updates / rounds` updates against what the other
+    has just become.
 
     Args:
       updates: of each, in all.
-      mixed: share of the robot's episodes that it plays against a human that moves by chance, lest it forget those.
+      mixed: share of the robot's episodes that it plays against a human that moves by chance, lest
+        it forget those.
 
     Returns:
       both learners, and their reports `[rounds, updates a round]`.
     """
     robot_key, human_key, key = jax.random.split(key, 3)
     each = max(updates // rounds, 1)
-    nobody = Frozen(jax.tree.map(lambda leaf: leaf[0], ppo.start(key, Against(world, ByChance()), config).parameters["actor"]), jnp.zeros((), bool))
-    as_robot = lambda human: Against(world, OneOf((ByChance(), human), jnp.array([mixed, 1 - mixed])))  # noqa: E731
+    nobody = Frozen(
+        jax.tree.map(
+            lambda leaf: leaf[0],
+            ppo.start(key, Against(world, ByChance()), config).parameters["actor"],
+        ),
+        jnp.zeros((), bool),
+    )
+    as_robot = lambda human: Against(
+        world, OneOf((ByChance(), human), jnp.array([mixed, 1 - mixed]))
+    )  # noqa: E731
     as_human = lambda robot: Against(world, robot, 1)  # noqa: E731
-    pair = Pair(ppo.start(robot_key, as_robot(nobody), config), ppo.start(human_key, as_human(nobody), config))
+    pair = Pair(
+        ppo.start(robot_key, as_robot(nobody), config),
+        ppo.start(human_key, as_human(nobody), config),
+    )
 
     def one(pair: Pair, _: None) -> tuple[Pair, tuple[Report, Report]]:
-        robot, robots = ppo.advance(pair.robot, as_robot(Frozen.of(pair.human.parameters, config)), config, each)
-        human, humans = ppo.advance(pair.human, as_human(Frozen.of(robot.parameters, config)), config, each)
+        robot, robots = ppo.advance(
+            pair.robot, as_robot(Frozen.of(pair.human.parameters, config)), config, each
+        )
+        human, humans = ppo.advance(
+            pair.human, as_human(Frozen.of(robot.parameters, config)), config, each
+        )
         return Pair(robot, human), (robots, humans)
 
     return jax.lax.scan(one, pair, None, rounds)
 
 
 def together(key: Array, world: World, config: Config, updates: int) -> tuple[Learner, Report]:
-    """Robot and human learn at the same time from the same games: independent PPO on a world whose rewards set them against each other."""
+    """Robot and human learn at the same time from the same games: independent PPO on a world whose
+    rewards set them against each other.
+    """
     return ppo.train(key, world, config, updates)

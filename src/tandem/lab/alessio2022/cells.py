@@ -1,8 +1,11 @@
-"""The successor's claim on precedence graphs: done within a bounded time whatever the human does. What that costs, exactly, and what is learned.
+"""The successor's claim on precedence graphs: done within a bounded time whatever the human does.
+What that costs, exactly, and what is learned.
 
-Source: the abstract of the same group's later paper (Applied Sciences 2026, 16(7), 3244): bounded time under an adversary, slower than optimisers.
-Two numbers are held against each other for every robot: its *nominal* time, when the human does what is best for the team, and its *guaranteed*
-time, when the human does the worst that is legal, waiting while the robot works included. Values by `tandem.dispatch.lookahead.dynamic_programming`.
+Source: the abstract of the same group's later paper (Applied Sciences 2026, 16(7), 3244): bounded
+time under an adversary, slower than optimisers. Two numbers are held against each other for every
+robot: its *nominal* time, when the human does what is best for the team, and its *guaranteed* time,
+when the human does the worst that is legal, waiting while the robot works included. Values by
+`tandem.dispatch.lookahead.dynamic_programming`.
 """
 
 from __future__ import annotations
@@ -31,24 +34,38 @@ from tandem.learn.ppo.recipes import longer
 
 HOSTILE = Human(spoils=True)
 RANDOM_TASKS, RANDOM_SEEDS = 7, (1, 3, 14)
-"""The random cells that robots learn on; of seed 14 a human who never waits makes robustness cost nominal time."""
+"""The random cells that robots learn on; of seed 14 a human who never waits makes robustness cost
+nominal time.
+"""
 PRICED_TASKS = (5, 6, 7)
 QUICK = 0.1
 Robots = Callable[[Position], tuple[int, ...]]
-"""A robot: the position, in which idle humans have moved already -> the ways that it begins; empty to wait."""
+"""A robot: the position, in which idle humans have moved already -> the ways that it begins; empty
+to wait.
+"""
 
 
 @dataclass
 class Diligent(Values):
-    """The values beside a human who spoils by the choice of the task alone: it never waits when it could work."""
+    """The values beside a human who spoils by the choice of the task alone: it never waits when it
+    could work.
+    """
 
     def of_human(self, position: Position, turn: int) -> float:
         """The most that the humans from number `turn` on can make of it."""
         moves = self.moves
         if turn == len(self.humans):
             return self.of_robots(position)
-        legal = [] if moves.busy(position) >> self.humans[turn] & 1 else moves.legal(position, 1 << self.humans[turn])
-        return max((self.if_human(position, turn, way) for way in legal), default=-1) if legal else self.of_human(position, turn + 1)
+        legal = (
+            []
+            if moves.busy(position) >> self.humans[turn] & 1
+            else moves.legal(position, 1 << self.humans[turn])
+        )
+        return (
+            max((self.if_human(position, turn, way) for way in legal), default=-1)
+            if legal
+            else self.of_human(position, turn + 1)
+        )
 
 
 @dataclass
@@ -66,9 +83,13 @@ class Following(Values):
 
 
 def times(cell: Cell, robot: Robots) -> tuple[float, float]:
-    """(nominal, guaranteed) seconds of a robot: beside the human that helps it most, and beside the one that spoils most."""
+    """(nominal, guaranteed) seconds of a robot: beside the human that helps it most, and beside the
+    one that spoils most.
+    """
     helped, spoiled = (_following(cell, robot, human) for human in (COMPLIANT, HOSTILE))
-    return _seconds(helped.value(helped.moves.root())), _seconds(spoiled.value(spoiled.moves.root()))
+    return _seconds(helped.value(helped.moves.root())), _seconds(
+        spoiled.value(spoiled.moves.root())
+    )
 
 
 def _following(cell: Cell, robot: Robots, human: Human) -> Following:
@@ -81,7 +102,8 @@ class Game:
     """One assembly of a given robot and a human.
 
     Attributes:
-      makespan: seconds. asked_ms: how long each decision of the robot took. spoiled: how often the human did something else than what helps most.
+      makespan: seconds. asked_ms: how long each decision of the robot took. spoiled: how often the
+        human did something else than what helps most.
     """
 
     makespan: float
@@ -91,7 +113,10 @@ class Game:
 
 def play(cell: Cell, robot: Robots, *, hostile: bool) -> Game:
     """The robot beside the human that helps it most, or beside the one that spoils most."""
-    helpful, human = _following(cell, robot, COMPLIANT), _following(cell, robot, HOSTILE if hostile else COMPLIANT)
+    helpful, human = (
+        _following(cell, robot, COMPLIANT),
+        _following(cell, robot, HOSTILE if hostile else COMPLIANT),
+    )
     moves, position, ticks_so_far, spoiled, asked = human.moves, human.moves.root(), 0, 0, []
     while not moves.is_over(position):
         for turn in range(len(human.humans)):
@@ -108,13 +133,16 @@ def play(cell: Cell, robot: Robots, *, hostile: bool) -> Game:
         for way in chosen:
             position = moves.begin(position, way)
         ticks = moves.next_event(position)
-        assert ticks is not None  # both waiting for ever is worth infinity, and no option of that worth is taken
+        # both waiting for ever is worth infinity, and no option of that worth is taken
+        assert ticks is not None
         position, ticks_so_far = moves.after(position, ticks), ticks_so_far + ticks
     return Game(_seconds(ticks_so_far / moves.per_second), tuple(asked), spoiled)
 
 
 def _options(values: Values, position: Position, turn: int) -> dict[int | None, float]:
-    """What the human of that turn can do, None for waiting, with the value then; nothing that would never end."""
+    """What the human of that turn can do, None for waiting, with the value then; nothing that would
+    never end.
+    """
     legal = values.moves.legal(position, 1 << values.humans[turn])
     found: dict[int | None, float] = {way: values.if_human(position, turn, way) for way in legal}
     found[None] = values.of_human(position, turn + 1)
@@ -122,16 +150,22 @@ def _options(values: Values, position: Position, turn: int) -> dict[int | None, 
 
 
 def nominal_robot(cell: Cell) -> Robots:
-    """The robot of an optimiser: whatever has happened, it begins what is best if the human does its best from now on; the first of equals."""
+    """The robot of an optimiser: whatever has happened, it begins what is best if the human does
+    its best from now on; the first of equals.
+    """
     found = values(cell)
-    return lambda position: min(found.robot_choices(position), key=lambda choice: (choice[1], choice[0]))[0]
+    return lambda position: min(
+        found.robot_choices(position), key=lambda choice: (choice[1], choice[0])
+    )[0]
 
 
 def trade(cell: Cell, hostile: Values | None = None) -> list[tuple[float, float]]:
-    """The exact front of (guaranteed, nominal) seconds over all robots, the smallest guarantee first.
+    """The exact front of (guaranteed, nominal) seconds over all robots, the smallest guarantee
+    first.
 
-    Its first point is the price of robustness: the least guarantee that any robot can give, and the best nominal time with that guarantee. Its last
-    point has the optimum of the cell as nominal time, with the best guarantee that goes with it.
+    Its first point is the price of robustness: the least guarantee that any robot can give, and the
+    best nominal time with that guarantee. Its last point has the optimum of the cell as nominal
+    time, with the best guarantee that goes with it.
     """
     hostile, best = hostile or values(cell, HOSTILE), values(cell)
     moves = hostile.moves
@@ -155,7 +189,9 @@ def trade(cell: Cell, hostile: Values | None = None) -> list[tuple[float, float]
 
 
 class _Guarded:
-    """Nominal ticks still to come when the robot takes no decision after which the worst human could make it miss `left`, ticks from now."""
+    """Nominal ticks still to come when the robot takes no decision after which the worst human
+    could make it miss `left`, ticks from now.
+    """
 
     def __init__(self, hostile: Values):
         self.hostile, self.moves, self.second = hostile, hostile.moves, hostile.moves.per_second
@@ -173,7 +209,11 @@ class _Guarded:
         humans = self.hostile.humans
         if turn == len(humans):
             return self.of_robots(position, left)
-        legal = [] if self.moves.busy(position) >> humans[turn] & 1 else self.moves.legal(position, 1 << humans[turn])
+        legal = (
+            []
+            if self.moves.busy(position) >> humans[turn] & 1
+            else self.moves.legal(position, 1 << humans[turn])
+        )
         begun = [self.of_human(self.moves.begin(position, way), left, turn + 1) for way in legal]
         return min([*begun, self.of_human(position, left, turn + 1)])
 
@@ -191,13 +231,22 @@ class _Guarded:
 
 
 def prices(number: int) -> dict[str, Any]:
-    """On so many random cells: how often one robot has both the least guaranteed and the least nominal time; and where the optimiser's robot stands.
+    """On so many random cells: how often one robot has both the least guaranteed and the least
+    nominal time; and where the optimiser's robot stands.
 
-    `free`: cells in which robustness costs no nominal time. `free_if_diligent`: the same when the human chooses badly but never waits (`Diligent`).
-    `optimiser_misses`: cells in which the optimiser's robot guarantees less than can be guaranteed. `costs`: what it costs in the others,
+    `free`: cells in which robustness costs no nominal time. `free_if_diligent`: the same when the
+    human chooses badly but never waits (`Diligent`). `optimiser_misses`: cells in which the
+    optimiser's robot guarantees less than can be guaranteed. `costs`: what it costs in the others,
     (least guarantee, nominal time with it, least nominal time) in seconds.
     """
-    found: dict[str, Any] = {"cells": number, "tasks": list(PRICED_TASKS), "free": 0, "free_if_diligent": 0, "optimiser_misses": 0, "costs": []}
+    found: dict[str, Any] = {
+        "cells": number,
+        "tasks": list(PRICED_TASKS),
+        "free": 0,
+        "free_if_diligent": 0,
+        "optimiser_misses": 0,
+        "costs": [],
+    }
     for place in range(number):
         cell = layered(PRICED_TASKS[place % len(PRICED_TASKS)], seed=place)
         hostile = values(cell, HOSTILE)
@@ -215,15 +264,30 @@ def prices(number: int) -> dict[str, Any]:
 
 
 def cells() -> dict[str, Cell]:
-    """The thesis's cell and random ones, by name. All have seven tasks, so that one compiled training serves them."""
-    return {"thesis": thesis_cell(), **{f"random, {RANDOM_TASKS} tasks, seed {seed}": layered(RANDOM_TASKS, seed=seed) for seed in RANDOM_SEEDS}}
+    """The thesis's cell and random ones, by name. All have seven tasks, so that one compiled
+    training serves them.
+    """
+    return {
+        "thesis": thesis_cell(),
+        **{
+            f"random, {RANDOM_TASKS} tasks, seed {seed}": layered(RANDOM_TASKS, seed=seed)
+            for seed in RANDOM_SEEDS
+        },
+    }
 
 
 def compare(cell: Cell, name: str, *, seeds: int, quick: bool = False) -> dict[str, Any]:
-    """The exact trade, the optimiser's robot, and per seed the (nominal, guaranteed) seconds of robots learned with and without an adversary."""
+    """The exact trade, the optimiser's robot, and per seed the (nominal, guaranteed) seconds of
+    robots learned with and without an adversary.
+    """
     recipe = longer(STATION, QUICK) if quick else STATION
     learned = {
-        kind: [times(cell, learned_robot(cell, actor)) for actor in learn(cell, adversary=kind == "adversarial", seeds=range(seeds), recipe=recipe)]
+        kind: [
+            times(cell, learned_robot(cell, actor))
+            for actor in learn(
+                cell, adversary=kind == "adversarial", seeds=range(seeds), recipe=recipe
+            )
+        ]
         for kind in ("plain", "adversarial")
     }
     return {
@@ -237,7 +301,9 @@ def compare(cell: Cell, name: str, *, seeds: int, quick: bool = False) -> dict[s
 
 
 def untrained(cell: Cell, *, seeds: int) -> list[tuple[float, float]]:
-    """(nominal, guaranteed) seconds of robots whose networks know nothing: what comes of itself, one a seed."""
+    """(nominal, guaranteed) seconds of robots whose networks know nothing: what comes of itself,
+    one a seed.
+    """
     tasks, hidden = len(cell.tasks), STATION.config.hidden
     data = station(cell, per_second=whole_ticks(cell))
     inputs = observe_normalised(data, reset(data)).shape[1]
@@ -251,7 +317,9 @@ def _diligent(cell: Cell) -> Values:
     return Diligent(hostile.moves, HOSTILE, hostile.weights, hostile.most)
 
 
-def learn(cell: Cell, *, adversary: bool, seeds: Sequence[int], recipe: StationRecipe = STATION) -> list[Network]:
+def learn(
+    cell: Cell, *, adversary: bool, seeds: Sequence[int], recipe: StationRecipe = STATION
+) -> list[Network]:
     """The robot's actor of each seed, trained by decisions for time alone, side by side.
 
     Args:
@@ -269,12 +337,19 @@ def learn(cell: Cell, *, adversary: bool, seeds: Sequence[int], recipe: StationR
     made, config = StationWorld.of(cell, recipe), recipe.config
     world = replace(made, station=_without_stress(made.station))
     paid = Envious(world, jax.numpy.array([[1.0, 0.0], [-1.0, 0.0] if adversary else [0.0, 1.0]]))
-    updates = sum((stage.steps or 0) // (config.environments * config.horizon) for stage in config.stages)
+    updates = sum(
+        (stage.steps or 0) // (config.environments * config.horizon) for stage in config.stages
+    )
     actors = jax.device_get(compiled.together(compiled.keys(seeds, 1)[0], paid, config, updates)[0])
-    return [jax.tree.map(lambda leaf, seed=seed: np.asarray(leaf[seed]), actors) for seed in range(len(seeds))]
+    return [
+        jax.tree.map(lambda leaf, seed=seed: np.asarray(leaf[seed]), actors)
+        for seed in range(len(seeds))
+    ]
 
 
-def learned_robot(cell: Cell, actor: Network, activation: str = STATION.config.activation) -> Robots:
+def learned_robot(
+    cell: Cell, actor: Network, activation: str = STATION.config.activation
+) -> Robots:
     """The greedy robot of an actor from `learn`, as the exact values can follow it."""
     data = _without_stress(station(cell, per_second=whole_ticks(cell)))
     moves = Moves.of(cell)
@@ -293,7 +368,8 @@ def learned_robot(cell: Cell, actor: Network, activation: str = STATION.config.a
 
 
 def as_state(moves: Moves, data: Station, position: Position, per_second: int) -> tuple[State, int]:
-    """The position as the thesis's station holds it before the human's move of this moment, and the task that this move named, 0 for none.
+    """The position as the thesis's station holds it before the human's move of this moment, and the
+    task that this move named, 0 for none.
 
     Stress is left at 0: the worlds here have none.
     """

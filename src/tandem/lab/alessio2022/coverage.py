@@ -1,8 +1,11 @@
-"""The same squares with another task: robot and human cover every free square. The rewards of MathWorks' area coverage, in turns.
+"""The same squares with another task: robot and human cover every free square. The rewards of
+MathWorks' area coverage, in turns.
 
-Source: the MathWorks example "Train Multiple Agents for Area Coverage", from which Alessio et al. (2022) seem to have taken grid, channels and
-moves: +2 for a new square, -0.5 for one that was covered before, -1 for not moving, -1 for an impossible move, +100 when all is covered. There
-three agents move at once; here two take turns, as in the rest of the grid (ASSUMPTION). Nothing closes, and terminal states are free squares.
+Source: the MathWorks example "Train Multiple Agents for Area Coverage", from which Alessio et al.
+(2022) seem to have taken grid, channels and moves: +2 for a new square, -0.5 for one that was
+covered before, -1 for not moving, -1 for an impossible move, +100 when all is covered. There three
+agents move at once; here two take turns, as in the rest of the grid (ASSUMPTION). Nothing closes,
+and terminal states are free squares.
 
 Pure functions over an array namespace; axes as in `world.py`.
 """
@@ -15,7 +18,9 @@ from tandem.lab.alessio2022.world import WAIT, Array, Grid, leads_to, namespace
 
 
 class Rewards(NamedTuple):
-    """What an agent is paid for a move of its own; `full` each agent, with the move that covers the last square."""
+    """What an agent is paid for a move of its own; `full` each agent, with the move that covers the
+    last square.
+    """
 
     new: Array = 2.0
     old: Array = -0.5
@@ -25,7 +30,9 @@ class Rewards(NamedTuple):
 
 
 class State(NamedTuple):
-    """A coverage under way: `position` `[2]` int32, `turn` and `clock` `[]` int32, `covered` `[S]` bool."""
+    """A coverage under way: `position` `[2]` int32, `turn` and `clock` `[]` int32, `covered` `[S]`
+    bool.
+    """
 
     position: Array
     turn: Array
@@ -45,14 +52,19 @@ def legal(grid: Grid, state: State) -> Array:
     xp = namespace(grid.kind)
     there = grid.neighbour[state.position]
     on_turn = (xp.arange(2) == state.turn)[:, None]
-    return (xp.arange(5) == WAIT)[None, :] | ((there >= 0) & (there != state.position[::-1, None]) & on_turn)
+    return (xp.arange(5) == WAIT)[None, :] | (
+        (there >= 0) & (there != state.position[::-1, None]) & on_turn
+    )
 
 
-def step(grid: Grid, rewards: Rewards, state: State, action: Array) -> tuple[State, Array, Array, Array]:
+def step(
+    grid: Grid, rewards: Rewards, state: State, action: Array
+) -> tuple[State, Array, Array, Array]:
     """The agent on turn moves. An impossible move costs `illegal` and, as nothing moves, `still`.
 
     Returns:
-      the next state; reward `[2]` float32; over `[]` bool, all is covered or the clock ran out; illegal `[2]` int32.
+      the next state; reward `[2]` float32; over `[]` bool, all is covered or the clock ran out;
+      illegal `[2]` int32.
     """
     xp = namespace(grid.kind)
     mine = xp.arange(2) == state.turn
@@ -61,12 +73,26 @@ def step(grid: Grid, rewards: Rewards, state: State, action: Array) -> tuple[Sta
     moves = mine & possible & (action != WAIT)
     position = xp.where(moves, there, state.position).astype(xp.int32)
     new = moves & ~state.covered[position]
-    covered = state.covered | xp.any(xp.arange(grid.kind.shape[0])[None, :] == position[:, None], axis=0)
-    after = State(position, (1 - state.turn).astype(xp.int32), (state.clock + 1).astype(xp.int32), covered)
+    covered = state.covered | xp.any(
+        xp.arange(grid.kind.shape[0])[None, :] == position[:, None], axis=0
+    )
+    after = State(
+        position, (1 - state.turn).astype(xp.int32), (state.clock + 1).astype(xp.int32), covered
+    )
     broken = (mine & ~possible) | ~is_action
-    paid = rewards.new * new + rewards.old * (moves & ~new) + rewards.still * (mine & ~moves) + rewards.illegal * broken
+    paid = (
+        rewards.new * new
+        + rewards.old * (moves & ~new)
+        + rewards.still * (mine & ~moves)
+        + rewards.illegal * broken
+    )
     full = is_covered(grid, after)
-    return after, (paid + rewards.full * full).astype(xp.float32), full | (after.clock >= grid.limit), broken.astype(xp.int32)
+    return (
+        after,
+        (paid + rewards.full * full).astype(xp.float32),
+        full | (after.clock >= grid.limit),
+        broken.astype(xp.int32),
+    )
 
 
 def is_covered(grid: Grid, state: State) -> Array:
@@ -84,5 +110,8 @@ def observe(grid: Grid, state: State) -> Array:
     """`[2, 4 S]` float32: obstacles, the own square, the other's square, covered squares."""
     xp = namespace(grid.kind)
     stands = (xp.arange(grid.kind.shape[0])[None, :] == state.position[:, None]) * 1.0
-    seen = [xp.concatenate([grid.obstacle * 1.0, stands[own], stands[1 - own], state.covered * 1.0]) for own in range(2)]
+    seen = [
+        xp.concatenate([grid.obstacle * 1.0, stands[own], stands[1 - own], state.covered * 1.0])
+        for own in range(2)
+    ]
     return xp.stack(seen).astype(xp.float32)

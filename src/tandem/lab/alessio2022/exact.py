@@ -1,8 +1,10 @@
-"""What the best robot reaches against the worst human on a grid whose paths close: the exact value, by searching every game once.
+"""What the best robot reaches against the worst human on a grid whose paths close: the exact value,
+by searching every game once.
 
-A state is (the closed squares, both positions, whose turn, whether the last move was a wait). A move closes a square and two waits in a row end
-the game, so no state comes back and each is valued once, in plain whole numbers. Written on layouts, apart from `world.step`: a judge of learners,
-not their world. `tables.py` is the same for paths that do not close.
+A state is (the closed squares, both positions, whose turn, whether the last move was a wait). A
+move closes a square and two waits in a row end the game, so no state comes back and each is valued
+once, in plain whole numbers. Written on layouts, apart from `world.step`: a judge of learners, not
+their world. `tables.py` is the same for paths that do not close.
 """
 
 from __future__ import annotations
@@ -24,7 +26,8 @@ NEVER = 1 << 30
 class Place(NamedTuple):
     """A state of the game.
 
-    closed: squares that nobody can enter, as bits. robot, human: squares. turn: whose move. waited: the last move was a wait.
+    closed: squares that nobody can enter, as bits. robot, human: squares. turn: whose move. waited:
+    the last move was a wait.
     """
 
     closed: int
@@ -39,8 +42,10 @@ class Worst:
     """What the worst human can do to a robot.
 
     Attributes:
-      moves: moves of both together until a right terminal state, however the human moves; None when the human can prevent it.
-      line: squares (robot, human) after each move of the longest such game, or of one that the human wins.
+      moves: moves of both together until a right terminal state, however the human moves; None when
+        the human can prevent it.
+      line: squares (robot, human) after each move of the longest such game, or of one that the
+        human wins.
       states: how many were valued.
     """
 
@@ -63,19 +68,26 @@ def minimax(layout: Layout, *, first: int = ROBOT, limit: int = 2_000_000) -> Wo
 
 
 Decide = Callable[[Place, tuple[tuple[int, int], ...]], int]
-"""A robot: the state and the squares (robot, human) so far, the starts first -> the action it takes."""
+"""A robot: the state and the squares (robot, human) so far, the starts first -> the action it
+takes.
+"""
 
 
-def worst_case(layout: Layout, robot: Decide, *, first: int = ROBOT, limit: int = 2_000_000) -> Worst:
-    """That robot against the worst human for it, who knows what it will do: every game it can be drawn into is played.
+def worst_case(
+    layout: Layout, robot: Decide, *, first: int = ROBOT, limit: int = 2_000_000
+) -> Worst:
+    """That robot against the worst human for it, who knows what it will do: every game it can be
+    drawn into is played.
 
-    An action that is not possible counts as a wait. The robot may look at the paths, so here a state is a whole history.
+    An action that is not possible counts as a wait. The robot may look at the paths, so here a
+    state is a whole history.
     """
     return _Search(layout, first, limit, robot).worst()
 
 
 def chance_value(layout: Layout, *, first: int = ROBOT, limit: int = 2_000_000) -> float:
-    """The largest probability of success against a human who takes every possible action with the same probability.
+    """The largest probability of success against a human who takes every possible action with the
+    same probability.
 
     Raises NothingFoundError as `minimax`.
     """
@@ -108,7 +120,10 @@ class _Search:
         key = place if self.robot is None else (place, history)
         if key not in self.known:
             if len(self.known) >= self.limit:
-                raise NothingFoundError(f"the grid has more than {self.limit:,} states; take a smaller one or one with more obstacles.")
+                raise NothingFoundError(
+                    f"the grid has more than {self.limit:,} states; take a smaller one or one with"
+                    " more obstacles."
+                )
             self.known[key] = self.search(place, history)
         return self.known[key]
 
@@ -116,7 +131,9 @@ class _Search:
         if place.turn == ROBOT:
             if self.robot is None and not self.can_arrive(place):
                 return NEVER
-            return min(self.after(place, action, history) for action in self.choices(place, history))
+            return min(
+                self.after(place, action, history) for action in self.choices(place, history)
+            )
         most = 0
         for action in self.choices(place, history):
             most = max(most, self.after(place, action, history))
@@ -134,7 +151,14 @@ class _Search:
     def possible(self, place: Place) -> list[int]:
         """The actions of the agent on turn, moves before waiting."""
         here = self.neighbours[place.robot if place.turn == ROBOT else place.human]
-        return [*(action for action in range(1, 5) if here[action] >= 0 and not place.closed >> here[action] & 1), WAIT]
+        return [
+            *(
+                action
+                for action in range(1, 5)
+                if here[action] >= 0 and not place.closed >> here[action] & 1
+            ),
+            WAIT,
+        ]
 
     def after(self, place: Place, action: int, history: tuple[tuple[int, int], ...]) -> int:
         moved = self.move(place, action)
@@ -154,13 +178,20 @@ class _Search:
         return Place(place.closed | 1 << to, *pair, 1 - place.turn, False)
 
     def can_arrive(self, place: Place) -> bool:
-        """Whether open squares lead the robot to a right terminal state, if the human stood still: else the worst human prevents it."""
+        """Whether open squares lead the robot to a right terminal state, if the human stood still:
+        else the worst human prevents it.
+        """
         seen, edge = {place.robot}, [place.robot]
         while edge:
             for near in self.neighbours[edge.pop()][1:]:
                 if near in self.right:
                     return True
-                if near >= 0 and near not in seen and near not in self.wrong and not place.closed >> near & 1:
+                if (
+                    near >= 0
+                    and near not in seen
+                    and near not in self.wrong
+                    and not place.closed >> near & 1
+                ):
                     seen.add(near)
                     edge.append(near)
         return False
@@ -168,17 +199,26 @@ class _Search:
     def line(self, place: Place, history: tuple[tuple[int, int], ...]) -> list[tuple[int, int]]:
         """The squares after each move when both do what `moves` values."""
         pick = min if place.turn == ROBOT else max
-        action = pick(self.choices(place, history), key=lambda action: self.after(place, action, history))
+        action = pick(
+            self.choices(place, history), key=lambda action: self.after(place, action, history)
+        )
         moved = self.move(place, action)
         pair = (moved.robot, moved.human)
-        if self.after(place, action, history) == 1 or pair[place.turn] in self.wrong or (action == WAIT and place.waited):
+        if (
+            self.after(place, action, history) == 1
+            or pair[place.turn] in self.wrong
+            or (action == WAIT and place.waited)
+        ):
             return [pair]
         return [pair, *self.line(moved, history if self.robot is None else (*history, pair))]
 
     def chance(self, place: Place, known: dict[Place, float]) -> float:
         if place not in known:
             if len(known) >= self.limit:
-                raise NothingFoundError(f"the grid has more than {self.limit:,} states; take a smaller one or one with more obstacles.")
+                raise NothingFoundError(
+                    f"the grid has more than {self.limit:,} states; take a smaller one or one with"
+                    " more obstacles."
+                )
             values = [self.chance_after(place, action, known) for action in self.possible(place)]
             known[place] = max(values) if place.turn == ROBOT else sum(values) / len(values)
         return known[place]

@@ -1,7 +1,9 @@
-"""Alessio, Aliev and Antonelli (2022): adversarial PPO in a grid world, beside the exact minimax value; and the successor's claim on cells.
+"""Alessio, Aliev and Antonelli (2022): adversarial PPO in a grid world, beside the exact minimax
+value; and the successor's claim on cells.
 
-What is published is qualitative: the wrong terminal state that the human pursues is blocked by the robot, and the right one is reached. Layout,
-rewards, networks and figures are not public; what stands for them is in `docs/alessio.md`, marked ASSUMPTION.
+What is published is qualitative: the wrong terminal state that the human pursues is blocked by the
+robot, and the right one is reached. Layout, rewards, networks and figures are not public; what
+stands for them is in `docs/alessio.md`, marked ASSUMPTION.
 """
 
 from __future__ import annotations
@@ -29,18 +31,30 @@ if TYPE_CHECKING:
 
 STORED = "alessio2022.json"
 SEEDS, UPDATES = 10, 60
-GRIDS: dict[str, tuple[str, ...]] = {"crossing": (PLAIN, ADVERSARIAL, *DESCRIBED), "crossing-12": ()}
-"""Grid -> what is trained on it, names in `TRAININGS`. The large one has exact values only: a training there takes three times as long."""
+GRIDS: dict[str, tuple[str, ...]] = {
+    "crossing": (PLAIN, ADVERSARIAL, *DESCRIBED),
+    "crossing-12": (),
+}
+"""Grid -> what is trained on it, names in `TRAININGS`. The large one has exact values only: a
+training there takes three times as long.
+"""
 RANDOM_GRIDS, PRICED_CELLS, COVERING_SEEDS = 1000, 100, 3
 QUICK_SEEDS, QUICK_UPDATES = 2, 6
 
 Document = Mapping[str, Any]
 
 
-def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, tell: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
+def reproduce(
+    folder: Path,
+    *,
+    quick: bool = False,
+    seeds: int | None = None,
+    tell: Callable[[str], None] = lambda _: None,
+) -> dict[str, Any]:
     """Trains, judges and returns the document, which is also written to `folder/alessio2022.json`.
 
-    Each training's records are kept in `folder/records` as they come; a run that was stopped goes on from there.
+    Each training's records are kept in `folder/records` as they come; a run that was stopped goes
+    on from there.
 
     Args:
       quick: two seeds, a tenth of the updates, the small grid and two trainings only, one cell.
@@ -51,41 +65,66 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
     kept = _Kept(folder / "records" / f"{'quick-' * quick}{number}", tell)
     document = {
         "schema_version": 1,
-        "command": "tandem reproduce alessio2022" + " --quick" * quick + (f" --seeds {seeds}" if seeds else ""),
+        "command": (
+            "tandem reproduce alessio2022"
+            + " --quick" * quick
+            + (f" --seeds {seeds}" if seeds else "")
+        ),
         "quick": quick,
         "seeds": list(range(number)),
         "updates": QUICK_UPDATES if quick else UPDATES,
         "versions": versions(),
-        "published": "qualitative only: the wrong terminal state that the human pursues is blocked, the right one is reached",
-        "formulations": kept.get("formulations", lambda: grid_runs.formulations(40 if quick else RANDOM_GRIDS)),
+        "published": (
+            "qualitative only: the wrong terminal state that the human pursues is blocked, the"
+            " right one is reached"
+        ),
+        "formulations": kept.get(
+            "formulations", lambda: grid_runs.formulations(40 if quick else RANDOM_GRIDS)
+        ),
         "coverage": kept.get("coverage", lambda: _coverage(number, quick)),
-        "cells": [_of_cell(cell, name, number, quick, kept) for name, cell in list(cells.cells().items())[: 1 if quick else None]],
+        "cells": [
+            _of_cell(cell, name, number, quick, kept)
+            for name, cell in list(cells.cells().items())[: 1 if quick else None]
+        ],
         "price": kept.get("price", lambda: cells.prices(9 if quick else PRICED_CELLS)),
     }
-    document["grids"] = [_of_grid(name, list(_trained(name, trainings, number, quick, kept)), kept) for name, trainings in plan.items()]
+    document["grids"] = [
+        _of_grid(name, list(_trained(name, trainings, number, quick, kept)), kept)
+        for name, trainings in plan.items()
+    ]
     folder.mkdir(parents=True, exist_ok=True)
     store(folder / STORED, json.dumps(document, separators=(",", ":")) + "\n")
     return document
 
 
 def stored() -> dict[str, Any]:
-    """The document of the long run that ships with the package. Raises CellError when this copy has none, or a damaged one."""
+    """The document of the long run that ships with the package. Raises CellError when this copy has
+    none, or a damaged one.
+    """
     return stored_document("alessio2022/results.json", "alessio2022")
 
 
 def runs_on(cell: Cell) -> Station:
     """The cell as the agents learn it: the thesis's station, by decisions.
 
-    The grid itself is no cell; what runs on cells is the training against an adversary, and the exact bound.
+    The grid itself is no cell; what runs on cells is the training against an adversary, and the
+    exact bound.
 
     Raises CellError that names every feature that the station cannot express.
     """
     return station(cell, per_second=whole_ticks(cell))
 
 
-def comparison(records: Sequence[Mapping[str, Any]], first: str, second: str, human: str) -> dict[str, Any]:
-    """Whether `first` succeeds more often than `second` against that human: means, one-sided p (permutation), share of pairs won (Mann-Whitney)."""
-    rates = [[record["success"][human] for record in records if record["training"] == name] for name in (first, second)]
+def comparison(
+    records: Sequence[Mapping[str, Any]], first: str, second: str, human: str
+) -> dict[str, Any]:
+    """Whether `first` succeeds more often than `second` against that human: means, one-sided p
+    (permutation), share of pairs won (Mann-Whitney).
+    """
+    rates = [
+        [record["success"][human] for record in records if record["training"] == name]
+        for name in (first, second)
+    ]
     return {
         "first": first,
         "second": second,
@@ -97,19 +136,29 @@ def comparison(records: Sequence[Mapping[str, Any]], first: str, second: str, hu
 
 
 def summary(records: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """A row per training: success against each human with its 95 % interval over seeds, and the greedy robots judged exactly."""
+    """A row per training: success against each human with its 95 % interval over seeds, and the
+    greedy robots judged exactly.
+    """
     rows = []
     for name in dict.fromkeys(record["training"] for record in records):
         own = [record for record in records if record["training"] == name]
         rates = {human: [record["success"][human] for record in own] for human in own[0]["success"]}
-        sure = [record["greedy"]["worst"] for record in own if record["greedy"]["worst"] is not None]
-        nominal = [record["greedy"]["nominal"] for record in own if record["greedy"]["nominal"] is not None]
+        sure = [
+            record["greedy"]["worst"] for record in own if record["greedy"]["worst"] is not None
+        ]
+        nominal = [
+            record["greedy"]["nominal"] for record in own if record["greedy"]["nominal"] is not None
+        ]
         rows.append(
             {
                 "training": name,
                 "seeds": len(own),
                 "success": {
-                    human: {"mean": round(fmean(each), 4), "ci95": [round(end, 4) for end in interval(each)]} for human, each in rates.items()
+                    human: {
+                        "mean": round(fmean(each), 4),
+                        "ci95": [round(end, 4) for end in interval(each)],
+                    }
+                    for human, each in rates.items()
                 },
                 "bounded": len(sure),
                 "worst": max(sure, default=None),
@@ -127,12 +176,18 @@ def table(document: Document) -> str:
 
 
 def draw_figures(document: Document, folder: Path) -> list[Path]:
-    """The blocked wrong terminal state, the success rates, and the price of robustness, as SVG and PNG; returns the files."""
+    """The blocked wrong terminal state, the success rates, and the price of robustness, as SVG and
+    PNG; returns the files.
+    """
     from tandem.draw.saving import save
     from tandem.lab.alessio2022.figures import figures
 
     folder.mkdir(parents=True, exist_ok=True)
-    return [save(figure, folder / f"{name}{form}", dpi=110) for name, figure in figures(document) for form in (".svg", ".png")]
+    return [
+        save(figure, folder / f"{name}{form}", dpi=110)
+        for name, figure in figures(document)
+        for form in (".svg", ".png")
+    ]
 
 
 # --- Parts of the document ---
@@ -149,7 +204,9 @@ class _Kept:
         self.folder, self.tell = folder, tell
 
     def get(self, name: str, make: Callable[[], Any]) -> Any:
-        file = self.folder / (name.replace(":", "").replace(",", "").replace(" %", "").replace(" ", "-") + ".json")
+        file = self.folder / (
+            name.replace(":", "").replace(",", "").replace(" %", "").replace(" ", "-") + ".json"
+        )
         if not file.exists():
             self.tell(name)
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -157,10 +214,17 @@ class _Kept:
         return read_record(file)
 
 
-def _trained(grid: str, trainings: Sequence[str], number: int, quick: bool, kept: _Kept) -> Iterator[dict[str, Any]]:
+def _trained(
+    grid: str, trainings: Sequence[str], number: int, quick: bool, kept: _Kept
+) -> Iterator[dict[str, Any]]:
     updates, episodes = (QUICK_UPDATES, 50) if quick else (UPDATES, 200)
     for name in trainings:
-        yield from kept.get(f"{grid} {name}", partial(grid_runs.run, name, layout(grid), range(number), updates=updates, episodes=episodes))
+        yield from kept.get(
+            f"{grid} {name}",
+            partial(
+                grid_runs.run, name, layout(grid), range(number), updates=updates, episodes=episodes
+            ),
+        )
 
 
 def _of_grid(name: str, records: Sequence[Mapping[str, Any]], kept: _Kept) -> dict[str, Any]:
@@ -172,22 +236,37 @@ def _of_grid(name: str, records: Sequence[Mapping[str, Any]], kept: _Kept) -> di
         "rows": list(drawn.rows),
         "exact": kept.get(f"{name} exact", lambda: _exact(drawn)),
         "summary": summary(records),
-        "tests": [comparison(records, adversarial, plain, "adversary") for plain, adversarial in pairs if {plain, adversarial} <= there],
+        "tests": [
+            comparison(records, adversarial, plain, "adversary")
+            for plain, adversarial in pairs
+            if {plain, adversarial} <= there
+        ],
         "records": list(records),
     }
 
 
 def _of_cell(cell: Cell, name: str, number: int, quick: bool, kept: _Kept) -> dict[str, Any]:
-    learned = kept.get(f"cell {name}", partial(cells.compare, cell, name, seeds=number, quick=quick))
-    return {**learned, "untrained": kept.get(f"untrained {name}", partial(cells.untrained, cell, seeds=number))}
+    learned = kept.get(
+        f"cell {name}", partial(cells.compare, cell, name, seeds=number, quick=quick)
+    )
+    return {
+        **learned,
+        "untrained": kept.get(f"untrained {name}", partial(cells.untrained, cell, seeds=number)),
+    }
 
 
 def _coverage(number: int, quick: bool) -> list[dict[str, Any]]:
-    return grid_runs.cover(layout("crossing"), range(min(number, COVERING_SEEDS)), updates=QUICK_UPDATES if quick else UPDATES)
+    return grid_runs.cover(
+        layout("crossing"),
+        range(min(number, COVERING_SEEDS)),
+        updates=QUICK_UPDATES if quick else UPDATES,
+    )
 
 
 def _exact(drawn: Layout) -> dict[str, Any]:
-    """The minimax value, the quickest robot, and the most that can be reached beside a random human."""
+    """The minimax value, the quickest robot, and the most that can be reached beside a random
+    human.
+    """
     best, quick = exact.minimax(drawn), grid_runs.judged(drawn, robots.quickest(drawn))
     return {
         "minimax": best.moves,

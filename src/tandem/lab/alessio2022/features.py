@@ -32,7 +32,11 @@ def _episode(cell: Cell, seed: int, *, hostile: bool) -> Played:
 
 
 def _exact_values(document: Mapping[str, Any]) -> Sequence[float]:
-    grids = [float(grid["exact"]["minimax"]) for grid in document["grids"] if grid["exact"]["minimax"] is not None]
+    grids = [
+        float(grid["exact"]["minimax"])
+        for grid in document["grids"]
+        if grid["exact"]["minimax"] is not None
+    ]
     return [*grids, *(point[0] for row in document["cells"] for point in row["trade"])]
 
 

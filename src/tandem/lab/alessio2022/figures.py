@@ -1,4 +1,6 @@
-"""Figures to Alessio et al. (2022): the blocked wrong terminal state, the success rates, and what a guarantee costs on cells."""
+"""Figures to Alessio et al. (2022): the blocked wrong terminal state, the success rates, and what a
+guarantee costs on cells.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-HUMANS = {"random": "random", "random goal": "pursues a random goal", "wrong goal": "pursues a wrong goal", "adversary": "learned adversary"}
+HUMANS = {
+    "random": "random",
+    "random goal": "pursues a random goal",
+    "wrong goal": "pursues a wrong goal",
+    "adversary": "learned adversary",
+}
 COLOURS = (ROBOT_COLOURS[0], ROBOT_COLOURS[1], HUMAN_COLOURS[0], HUMAN_COLOURS[2])
 HATCHES = ("", "//", "..", "xx")
 
@@ -32,14 +39,22 @@ def figures(document: Mapping[str, Any]) -> Iterator[tuple[str, Figure]]:
 
 
 def blocked(grid: Mapping[str, Any]) -> Figure:
-    """A human goes straight for the wrong terminal state, beside a robot trained without an adversary and one trained with one; and minimax.
+    """A human goes straight for the wrong terminal state, beside a robot trained without an
+    adversary and one trained with one; and minimax.
 
     Where nothing was trained, the quickest robot stands for both.
     """
     drawn = Layout(tuple(grid["rows"]))
     panels = [
-        (_typical(grid["records"], training)["greedy"], f"trained {said}", _count(grid["records"], training))
-        for training, said in ((PLAIN, "beside a random human"), (ADVERSARIAL, "against an adversary"))
+        (
+            _typical(grid["records"], training)["greedy"],
+            f"trained {said}",
+            _count(grid["records"], training),
+        )
+        for training, said in (
+            (PLAIN, "beside a random human"),
+            (ADVERSARIAL, "against an adversary"),
+        )
         if grid["records"]
     ] or [(grid["exact"]["quickest"], "the quickest way", "")]
     figure = blank((len(panels) + 1) * (0.45 * drawn.width + 0.5), 0.45 * drawn.height + 1.2)
@@ -79,18 +94,41 @@ def success(grid: Mapping[str, Any]) -> Figure:
     for place, (human, label) in enumerate(HUMANS.items()):
         means = [100 * row["success"][human]["mean"] for row in rows]
         ends = [[100 * end for end in row["success"][human]["ci95"]] for row in rows]
-        reach = [[mean - low for mean, (low, _) in zip(means, ends, strict=True)], [high - mean for mean, (_, high) in zip(means, ends, strict=True)]]
+        reach = [
+            [mean - low for mean, (low, _) in zip(means, ends, strict=True)],
+            [high - mean for mean, (_, high) in zip(means, ends, strict=True)],
+        ]
         heights = [row + 0.2 * (place - 1.5) for row in range(len(rows))]
-        ax.barh(heights, means, 0.18, color=COLOURS[place], hatch=HATCHES[place], edgecolor="white", label=label, xerr=reach, ecolor=FAINT_INK)
+        ax.barh(
+            heights,
+            means,
+            0.18,
+            color=COLOURS[place],
+            hatch=HATCHES[place],
+            edgecolor="white",
+            label=label,
+            xerr=reach,
+            ecolor=FAINT_INK,
+        )
     ax.set_yticks(range(len(rows)), [row["training"] for row in rows])
     ax.invert_yaxis()
     ax.set_xlim(0, 102)
     ax.set_xlabel("games in which the right terminal state is reached, %")
-    ax.set_title(f"Grid {grid['grid']}: who was it trained beside, and who is the human?", loc="left", fontsize=11)
+    ax.set_title(
+        f"Grid {grid['grid']}: who was it trained beside, and who is the human?",
+        loc="left",
+        fontsize=11,
+    )
     ax.grid(True, axis="x", color=RULE, lw=0.6)
     ax.set_axisbelow(True)
     ax.spines[["top", "right"]].set_visible(False)
-    ax.legend(frameon=False, fontsize=9, loc="upper center", bbox_to_anchor=(0.4, -0.9 / (1.6 + 0.62 * len(rows))), ncols=4)
+    ax.legend(
+        frameon=False,
+        fontsize=9,
+        loc="upper center",
+        bbox_to_anchor=(0.4, -0.9 / (1.6 + 0.62 * len(rows))),
+        ncols=4,
+    )
     return figure
 
 
@@ -110,10 +148,34 @@ def _price(ax: Axes, row: Mapping[str, Any]) -> None:
         ("adversarial", HUMAN_COLOURS[2], "^", "learned against adversary"),
     ):
         ax.scatter(
-            [pair[1] for pair in row[kind]], [pair[0] for pair in row[kind]], s=34, marker=mark, color=colour, alpha=0.6, label=label, zorder=3
+            [pair[1] for pair in row[kind]],
+            [pair[0] for pair in row[kind]],
+            s=34,
+            marker=mark,
+            color=colour,
+            alpha=0.6,
+            label=label,
+            zorder=3,
         )
-    ax.scatter([row["optimiser"][1]], [row["optimiser"][0]], s=60, marker="s", facecolor="none", edgecolor=FAINT_INK, label="optimiser", zorder=4)
-    ax.plot([p[0] for p in row["trade"]], [p[1] for p in row["trade"]], "k*-", ms=11, lw=1, label="exact front", zorder=5)
+    ax.scatter(
+        [row["optimiser"][1]],
+        [row["optimiser"][0]],
+        s=60,
+        marker="s",
+        facecolor="none",
+        edgecolor=FAINT_INK,
+        label="optimiser",
+        zorder=4,
+    )
+    ax.plot(
+        [p[0] for p in row["trade"]],
+        [p[1] for p in row["trade"]],
+        "k*-",
+        ms=11,
+        lw=1,
+        label="exact front",
+        zorder=5,
+    )
     ax.set_xlabel("guaranteed, s (worst human)")
     ax.set_ylabel("nominal, s (best human)")
     ax.set_title(row["cell"], loc="left", fontsize=9)
@@ -135,4 +197,7 @@ def _pairs(line: Sequence[Sequence[int]]) -> list[tuple[int, int]]:
 
 def _end(drawn: Layout, line: Sequence[tuple[int, int]]) -> str:
     where = next((drawn.text[place] for place in line[-1] if drawn.text[place] in "GW"), "")
-    return f"{ {RIGHT: 'right', '': 'no'}.get(where, 'wrong') } terminal state after {len(line) - 1} moves"
+    return (
+        f"{ {RIGHT: 'right', '': 'no'}.get(where, 'wrong') } terminal state after {len(line) - 1}"
+        " moves"
+    )

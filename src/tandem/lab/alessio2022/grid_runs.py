@@ -1,7 +1,9 @@
-"""Trainings on the grid of Alessio et al. (2022), all seeds side by side, and what each robot is worth against every kind of human.
+"""Trainings on the grid of Alessio et al. (2022), all seeds side by side, and what each robot is
+worth against every kind of human.
 
-A robot is judged by those it was not trained against: a random human, one that pursues a terminal state, one that learned to spoil this very robot
-(its best response, trained against the frozen robot), and the worst human there can be (exact, for the robot's greedy play).
+A robot is judged by those it was not trained against: a random human, one that pursues a terminal
+state, one that learned to spoil this very robot (its best response, trained against the frozen
+robot), and the worst human there can be (exact, for the robot's greedy play).
 """
 
 from __future__ import annotations
@@ -30,11 +32,14 @@ class Training:
     """How the robot is trained.
 
     Attributes:
-      beside: the human of the training: "random" moves, "pursuing" a terminal state drawn for each episode, or an "adversary" that learns.
+      beside: the human of the training: "random" moves, "pursuing" a terminal state drawn for each
+        episode, or an "adversary" that learns.
       share: of the human's reward that is taken from the robot's.
-      human: what the adversary is paid: "own" for reaching a wrong terminal state, or "hostile", minus the robot's reward.
+      human: what the adversary is paid: "own" for reaching a wrong terminal state, or "hostile",
+        minus the robot's reward.
       order: an adversary learns "together" with the robot, or "in turns".
-      sees: what the agents observe. lawful: impossible moves cannot be chosen; else they are punished, as published.
+      sees: what the agents observe. lawful: impossible moves cannot be chosen; else they are
+        punished, as published.
     """
 
     beside: Literal["random", "pursuing", "adversary"]
@@ -64,17 +69,25 @@ DESCRIBED = ("as described, plain: random human", "as described, adversarial, sh
 
 
 def config(updates: int) -> Config:
-    """PPO for the grid: so many updates of 64 games x 32 moves; the last third with a low entropy."""
+    """PPO for the grid: so many updates of 64 games x 32 moves; the last third with a low
+    entropy.
+    """
     early = max(2 * updates // 3, 1) * 2048
-    stages = (Stage(steps=early, entropy=0.1, learning_rate=2e-3), Stage(steps=max(updates * 2048 - early, 2048), entropy=0.01, learning_rate=1e-3))
+    stages = (
+        Stage(steps=early, entropy=0.1, learning_rate=2e-3),
+        Stage(steps=max(updates * 2048 - early, 2048), entropy=0.01, learning_rate=1e-3),
+    )
     return Config(stages=stages, environments=64, horizon=32, minibatch=512, epochs=4)
 
 
-def run(name: str, drawn: Layout, seeds: Sequence[int], *, updates: int, episodes: int = 200) -> list[dict[str, Any]]:
+def run(
+    name: str, drawn: Layout, seeds: Sequence[int], *, updates: int, episodes: int = 200
+) -> list[dict[str, Any]]:
     """One record a seed of `TRAININGS[name]` on that grid.
 
-    A record: training, seed, `success` (share of `episodes` games, actions drawn) against "random", "random goal", "wrong goal" and the learned
-    "adversary"; `greedy`, see `judged`; `cpu_s`, of robot and adversary.
+    A record: training, seed, `success` (share of `episodes` games, actions drawn) against "random",
+    "random goal", "wrong goal" and the learned "adversary"; `greedy`, see `judged`; `cpu_s`, of
+    robot and adversary.
     """
     import jax
 
@@ -88,7 +101,11 @@ def run(name: str, drawn: Layout, seeds: Sequence[int], *, updates: int, episode
     actors = _train(train_keys, world, others, training, settings, updates)
     spoilers = compiled.best_response(response_keys, world, others, actors, settings, updates)
     limit = MOST_MOVES * len(drawn.text)
-    rates = np.asarray(compiled.success(jax.numpy.stack(judge_keys), world, actors, others, spoilers, settings, limit, episodes))
+    rates = np.asarray(
+        compiled.success(
+            jax.numpy.stack(judge_keys), world, actors, others, spoilers, settings, limit, episodes
+        )
+    )
     cpu_s = (time.process_time() - began) / len(seeds)
     plain, records = jax.device_get(actors), []
     for place, seed in enumerate(seeds):
@@ -97,7 +114,10 @@ def run(name: str, drawn: Layout, seeds: Sequence[int], *, updates: int, episode
             {
                 "training": name,
                 "seed": seed,
-                "success": {human: round(float(rates[number, place]), 4) for number, human in enumerate(compiled.HUMANS)},
+                "success": {
+                    human: round(float(rates[number, place]), 4)
+                    for number, human in enumerate(compiled.HUMANS)
+                },
                 "greedy": judged(drawn, greedy_robot(drawn, actor, training, settings.activation)),
                 "cpu_s": round(cpu_s, 2),
             }
@@ -108,11 +128,14 @@ def run(name: str, drawn: Layout, seeds: Sequence[int], *, updates: int, episode
 def judged(drawn: Layout, robot: exact.Decide) -> dict[str, Any]:
     """A robot that is sure of its moves, against three humans.
 
-    `nominal`: moves of both until success against one that waits; `worst`: at the worst, exactly; None where it fails. `pursued`: the squares of the
-    game against one that goes straight for the wrong terminal state nearest to it, and `barred`, whether the right one was reached in that.
+    `nominal`: moves of both until success against one that waits; `worst`: at the worst, exactly;
+    None where it fails. `pursued`: the squares of the game against one that goes straight for the
+    wrong terminal state nearest to it, and `barred`, whether the right one was reached in that.
     """
     start = drawn.squares(HUMAN_START)[0]
-    nearest = min(drawn.squares(WRONG), key=lambda place: drawn.distances(place)[start] % len(drawn.text))
+    nearest = min(
+        drawn.squares(WRONG), key=lambda place: drawn.distances(place)[start] % len(drawn.text)
+    )
     idle, reached = robots.game(drawn, robot, robots.waits)
     pursued, barred = robots.game(drawn, robot, robots.towards(drawn, nearest))
     worst = exact.worst_case(drawn, robot)
@@ -124,21 +147,27 @@ def judged(drawn: Layout, robot: exact.Decide) -> dict[str, Any]:
     }
 
 
-def greedy_robot(drawn: Layout, actor: Network, training: Training, activation: str) -> exact.Decide:
+def greedy_robot(
+    drawn: Layout, actor: Network, training: Training, activation: str
+) -> exact.Decide:
     """The trained robot, always taking its most probable action, as the exact search follows it."""
     logits = lambda seen: forward(np, actor, seen, activation)  # noqa: E731
     return robots.greedy(drawn, logits, sees=training.sees, lawful=training.lawful)
 
 
 def formulations(number: int, *, size: int = 5, first_seed: int = 0) -> dict[str, dict[str, int]]:
-    """Why paths close here: on so many random grids, how often blocking pays, with closing paths and without.
+    """Why paths close here: on so many random grids, how often blocking pays, with closing paths
+    and without.
 
-    `winnable`: the best robot succeeds whatever the human does. `quickest_fails`: of these, the robot that goes its quickest way does not. The
-    same grids serve both.
+    `winnable`: the best robot succeeds whatever the human does. `quickest_fails`: of these, the
+    robot that goes its quickest way does not. The same grids serve both.
     """
     from tandem.lab.alessio2022 import tables, world
 
-    counts = {way: {"drawn": number, "winnable": 0, "quickest_fails": 0} for way in ("closing paths", "open paths")}
+    counts = {
+        way: {"drawn": number, "winnable": 0, "quickest_fails": 0}
+        for way in ("closing paths", "open paths")
+    }
     for seed in range(first_seed, first_seed + number):
         drawn = random_layout(seed, size=size, obstacles=0.25)
         closing, quick = exact.minimax(drawn), robots.quickest(drawn)
@@ -148,15 +177,22 @@ def formulations(number: int, *, size: int = 5, first_seed: int = 0) -> dict[str
         opened = world.grid(drawn, closing=False, limit=12 * size)
         if tables.minimax(opened).success:
             counts["open paths"]["winnable"] += 1
-            counts["open paths"]["quickest_fails"] += tables.value(opened, tables.following(tables.quickest(opened)), tables.worst).success < 1
+            counts["open paths"]["quickest_fails"] += (
+                tables.value(
+                    opened, tables.following(tables.quickest(opened)), tables.worst
+                ).success
+                < 1
+            )
     return counts
 
 
 def cover(drawn: Layout, seeds: Sequence[int], *, updates: int) -> list[dict[str, Any]]:
-    """The second variant: robot and human learn together to cover the grid, paid as MathWorks pays. A record a seed.
+    """The second variant: robot and human learn together to cover the grid, paid as MathWorks pays.
+    A record a seed.
 
-    `covered`: share of the free squares, mean of 32 games; `all_covered`: share of the games that cover all; `moves`, of both; `least`, below
-    which nobody can cover them all: a new square with each move.
+    `covered`: share of the free squares, mean of 32 games; `all_covered`: share of the games that
+    cover all; `moves`, of both; `least`, below which nobody can cover them all: a new square with
+    each move.
     """
     import jax
 
@@ -172,7 +208,9 @@ def cover(drawn: Layout, seeds: Sequence[int], *, updates: int) -> list[dict[str
     actors = jax.tree.map(lambda *leaves: jax.numpy.stack(leaves, 1), robot, human)
     sampled = lambda key, actor: play.sampled(key, {"actor": actor}, world, settings, limit, 32)  # noqa: E731
     games = jax.jit(jax.vmap(sampled))(play_keys, actors)
-    shares = np.asarray(jax.vmap(jax.vmap(lambda state: coverage.share(world.grid, state)))(games.state))
+    shares = np.asarray(
+        jax.vmap(jax.vmap(lambda state: coverage.share(world.grid, state)))(games.state)
+    )
     return [
         {
             "seed": seed,
@@ -185,15 +223,23 @@ def cover(drawn: Layout, seeds: Sequence[int], *, updates: int) -> list[dict[str
     ]
 
 
-def _train(keys: Any, world: Any, others: Any, training: Training, settings: Config, updates: int) -> Any:
+def _train(
+    keys: Any, world: Any, others: Any, training: Training, settings: Config, updates: int
+) -> Any:
     """The robot's actor of each seed, leading axis the seeds."""
     from tandem.lab.alessio2022 import adversarial
     from tandem.lab.alessio2022 import training as compiled
 
-    paid = adversarial.hostile(world) if training.human == "hostile" else adversarial.reduced(world, training.share)
+    paid = (
+        adversarial.hostile(world)
+        if training.human == "hostile"
+        else adversarial.reduced(world, training.share)
+    )
     if training.beside == "adversary" and training.order == "together":
         return compiled.together(keys, paid, settings, updates)[0]
     if training.beside == "adversary":
         return compiled.in_turns(keys, paid, settings, updates, updates)[0]
     human = "random" if training.beside == "random" else "random goal"
-    return compiled.against(keys, paid, others, compiled.nobody(keys, world, settings), human, settings, updates)
+    return compiled.against(
+        keys, paid, others, compiled.nobody(keys, world, settings), human, settings, updates
+    )

@@ -3,8 +3,8 @@
     #  obstacle          R  where the robot begins        G  the right terminal state (one or more)
     .  free square       H  where the human begins        W  a wrong terminal state (any number)
 
-Source: Alessio, Aliev and Antonelli (2022), doi 10.1007/978-3-030-99310-8_3. Their layout, starts and terminal states are not public: every
-layout here is ours (ASSUMPTION).
+Source: Alessio, Aliev and Antonelli (2022), doi 10.1007/978-3-030-99310-8_3. Their layout, starts
+and terminal states are not public: every layout here is ours (ASSUMPTION).
 """
 
 from __future__ import annotations
@@ -31,7 +31,9 @@ class Layout:
 
     def __post_init__(self) -> None:
         if faults := [fault for rule in RULES for fault in rule(self)]:
-            raise UsageError("The grid does not hold:\n" + "\n".join(f"- {fault}" for fault in faults))
+            raise UsageError(
+                "The grid does not hold:\n" + "\n".join(f"- {fault}" for fault in faults)
+            )
 
     @property
     def height(self) -> int:
@@ -53,7 +55,9 @@ class Layout:
         return [place for place, letter in enumerate(self.text) if letter == kind]
 
     def neighbours(self, place: int) -> list[int]:
-        """The place itself and those above, below, left and right of it, in the order of the actions; -1 outside or where an obstacle stands."""
+        """The place itself and those above, below, left and right of it, in the order of the
+        actions; -1 outside or where an obstacle stands.
+        """
         row, column = divmod(place, self.width)
         found = []
         for down, right in ((0, 0), (-1, 0), (1, 0), (0, -1), (0, 1)):
@@ -63,16 +67,29 @@ class Layout:
         return found
 
     def distances(self, target: int) -> list[int]:
-        """Moves from each place to `target` when nobody stands in the way; -1 where no way leads there. Other terminal states are no way."""
+        """Moves from each place to `target` when nobody stands in the way; -1 where no way leads
+        there. Other terminal states are no way.
+        """
         far = [-1] * len(self.text)
         far[target], edge = 0, [target]
         while edge:
-            edge = [near for place in edge for near in self._entries(place) if far[near] < 0 and not far.__setitem__(near, far[place] + 1)]
+            edge = [
+                near
+                for place in edge
+                for near in self._entries(place)
+                if far[near] < 0 and not far.__setitem__(near, far[place] + 1)
+            ]
         return far
 
     def _entries(self, place: int) -> list[int]:
-        """Places from which one move leads here: no obstacle, and no terminal state, where every way ends."""
-        return [near for near in self.neighbours(place)[1:] if near >= 0 and self.text[near] not in RIGHT + WRONG]
+        """Places from which one move leads here: no obstacle, and no terminal state, where every
+        way ends.
+        """
+        return [
+            near
+            for near in self.neighbours(place)[1:]
+            if near >= 0 and self.text[near] not in RIGHT + WRONG
+        ]
 
 
 def layout(given: str | Layout) -> Layout:
@@ -86,21 +103,28 @@ def layout(given: str | Layout) -> Layout:
         return Layout(tuple(line.strip() for line in given.strip().splitlines()))
     if given not in LAYOUTS:
         meant = "".join(f" Did you mean {near!r}?" for near in get_close_matches(given, LAYOUTS, 1))
-        raise UsageError(f"grid {given!r}: there is none.{meant} There are: {', '.join(LAYOUTS)}; or give the drawing, one line a row.")
+        raise UsageError(
+            f"grid {given!r}: there is none.{meant} There are: {', '.join(LAYOUTS)}; or give the"
+            " drawing, one line a row."
+        )
     return Layout(tuple(LAYOUTS[given].split()))
 
 
 def random_layout(seed: int, *, size: int = 8, obstacles: float = 0.35, wrong: int = 2) -> Layout:
-    """A square grid with so many wrong terminal states and one right one, everything drawn with the seed; a way leads from both starts to each.
+    """A square grid with so many wrong terminal states and one right one, everything drawn with the
+    seed; a way leads from both starts to each.
 
     Args:
-      obstacles: share of the squares that are obstacles before the starts and terminal states are put down.
+      obstacles: share of the squares that are obstacles before the starts and terminal states are
+        put down.
     """
     draw = random.Random(seed)
     while True:
         letters = [OBSTACLE if draw.random() < obstacles else FREE for _ in range(size * size)]
         places = draw.sample(range(size * size), 3 + wrong)
-        for place, letter in zip(places, ROBOT_START + HUMAN_START + RIGHT + WRONG * wrong, strict=True):
+        for place, letter in zip(
+            places, ROBOT_START + HUMAN_START + RIGHT + WRONG * wrong, strict=True
+        ):
             letters[place] = letter
         made = Layout(tuple("".join(letters[row * size : (row + 1) * size]) for row in range(size)))
         if all(made.distances(target)[start] > 0 for target in places[2:] for start in places[:2]):
@@ -108,7 +132,8 @@ def random_layout(seed: int, *, size: int = 8, obstacles: float = 0.35, wrong: i
 
 
 LAYOUTS = {
-    "crossing": """
+    "crossing": (
+        """
         ......G
         .#####.
         R##W#W.
@@ -116,8 +141,10 @@ LAYOUTS = {
         .......
         ###.##.
         H......
-    """,
-    "crossing-12": """
+    """
+    ),
+    "crossing-12": (
+        """
         ...........G
         .####.#####.
         .#########W.
@@ -130,9 +157,12 @@ LAYOUTS = {
         #.###.#..##.
         #.###.#..##.
         H...........
-    """,
+    """
+    ),
 }
-"""Name -> drawing. In both the robot's quickest way leaves the human the way to a wrong terminal state; another one crosses and so bars it."""
+"""Name -> drawing. In both the robot's quickest way leaves the human the way to a wrong terminal
+state; another one crosses and so bars it.
+"""
 
 
 def _one_shape(grid: Layout) -> Iterator[str]:
@@ -140,9 +170,15 @@ def _one_shape(grid: Layout) -> Iterator[str]:
         yield "it has no squares."
     for number, row in enumerate(grid.rows, 1):
         if len(row) != len(grid.rows[0]):
-            yield f"row {number} has {len(row)} squares, row 1 has {len(grid.rows[0])}: rows are of one length."
+            yield (
+                f"row {number} has {len(row)} squares, row 1 has {len(grid.rows[0])}: rows are of"
+                " one length."
+            )
         if strange := sorted(set(row) - set("#.RHGW")):
-            yield f"row {number} holds {', '.join(map(repr, strange))}; a square is one of # . R H G W."
+            yield (
+                f"row {number} holds {', '.join(map(repr, strange))}; a square is one of # . R H"
+                " G W."
+            )
 
 
 def _two_starts_and_a_goal(grid: Layout) -> Iterator[str]:

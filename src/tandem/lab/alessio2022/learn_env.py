@@ -20,15 +20,19 @@ from tandem.learn.world import Outcome, World
 Array = Any
 
 
-@partial(jax.tree_util.register_dataclass, data_fields=["grid", "rewards", "marks", "lawful"], meta_fields=[])
+@partial(
+    jax.tree_util.register_dataclass,
+    data_fields=["grid", "rewards", "marks", "lawful"],
+    meta_fields=[],
+)
 @dataclass(frozen=True)
 class GridWorld:
     """A grid with its rewards. Agents take turns: who is not on turn has one action, to wait.
 
     Attributes:
       marks: what terminal states show before they are reached; see `observe`.
-      lawful: `[]` bool, only possible moves may be chosen; otherwise any may be tried, and an impossible one moves nobody and costs
-        `rewards.illegal`.
+      lawful: `[]` bool, only possible moves may be chosen; otherwise any may be tried, and an
+        impossible one moves nobody and costs `rewards.illegal`.
     """
 
     grid: Grid
@@ -37,10 +41,25 @@ class GridWorld:
     lawful: Array
 
     @classmethod
-    def of(cls, layout: Layout, *, rewards: Rewards | None = None, sees: str = "marked", lawful: bool = True, **options: Any) -> Self:
-        """The layout with these rewards; `sees` is a name in `OBSERVATIONS`, `options` as `tandem.lab.alessio2022.world.grid` takes them."""
+    def of(
+        cls,
+        layout: Layout,
+        *,
+        rewards: Rewards | None = None,
+        sees: str = "marked",
+        lawful: bool = True,
+        **options: Any,
+    ) -> Self:
+        """The layout with these rewards; `sees` is a name in `OBSERVATIONS`, `options` as
+        `tandem.lab.alessio2022.world.grid` takes them.
+        """
         data, paid = world.grid(layout, **options), jax.tree.map(jnp.float32, rewards or Rewards())
-        return cls(jax.tree.map(jnp.asarray, data), paid, jnp.float32(OBSERVATIONS[sees]), jnp.asarray(lawful))
+        return cls(
+            jax.tree.map(jnp.asarray, data),
+            paid,
+            jnp.float32(OBSERVATIONS[sees]),
+            jnp.asarray(lawful),
+        )
 
     @property
     def agents(self) -> tuple[str, ...]:
@@ -76,10 +95,16 @@ class GridWorld:
         return self
 
 
-@partial(jax.tree_util.register_dataclass, data_fields=["neighbour", "distances", "mistakes"], meta_fields=[])
+@partial(
+    jax.tree_util.register_dataclass,
+    data_fields=["neighbour", "distances", "mistakes"],
+    meta_fields=[],
+)
 @dataclass(frozen=True)
 class Pursuer:
-    """A human that goes straight for a terminal state, another one each episode. See `people.pursues`."""
+    """A human that goes straight for a terminal state, another one each episode. See
+    `people.pursues`.
+    """
 
     neighbour: Array
     distances: Array
@@ -87,27 +112,48 @@ class Pursuer:
 
     @classmethod
     def of(cls, layout: Layout, *, goals: str = WRONG + RIGHT, mistakes: float = 0.1) -> Self:
-        """One that pursues any of the terminal states of these kinds, `W`, `G` or both, and errs with that probability (ASSUMPTION: 0.1)."""
+        """One that pursues any of the terminal states of these kinds, `W`, `G` or both, and errs
+        with that probability (ASSUMPTION: 0.1).
+        """
         neighbour = [layout.neighbours(place) for place in range(len(layout.text))]
-        return cls(jnp.asarray(neighbour, jnp.int32), jnp.asarray(people.goals(layout, of=goals)), jnp.float32(mistakes))
+        return cls(
+            jnp.asarray(neighbour, jnp.int32),
+            jnp.asarray(people.goals(layout, of=goals)),
+            jnp.float32(mistakes),
+        )
 
     def choose(self, world: World, state: State, seat: int, legal: Array, draws: Draws) -> Array:
-        return people.pursues(self.neighbour, self.distances, state.position, legal, draws.episode[seat], draws.moment[seat], self.mistakes)
+        return people.pursues(
+            self.neighbour,
+            self.distances,
+            state.position,
+            legal,
+            draws.episode[seat],
+            draws.moment[seat],
+            self.mistakes,
+        )
 
 
 @partial(jax.tree_util.register_dataclass, data_fields=["grid", "rewards"], meta_fields=[])
 @dataclass(frozen=True)
 class CoverageWorld:
-    """Robot and human cover the free squares together, in turns; see `tandem.lab.alessio2022.coverage`."""
+    """Robot and human cover the free squares together, in turns; see
+    `tandem.lab.alessio2022.coverage`.
+    """
 
     grid: Grid
     rewards: coverage.Rewards
 
     @classmethod
     def of(cls, layout: Layout, *, rewards: coverage.Rewards | None = None, **options: Any) -> Self:
-        """The layout with these rewards; `options` as `tandem.lab.alessio2022.world.grid` takes them."""
+        """The layout with these rewards; `options` as `tandem.lab.alessio2022.world.grid` takes
+        them.
+        """
         data = world.grid(layout, closing=False, **options)
-        return cls(jax.tree.map(jnp.asarray, data), jax.tree.map(jnp.float32, rewards or coverage.Rewards()))
+        return cls(
+            jax.tree.map(jnp.asarray, data),
+            jax.tree.map(jnp.float32, rewards or coverage.Rewards()),
+        )
 
     @property
     def agents(self) -> tuple[str, ...]:

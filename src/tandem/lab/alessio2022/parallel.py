@@ -49,7 +49,11 @@ class Options:
     def __post_init__(self) -> None:
         wrong = [
             f"{name} {getattr(self, name)!r}: choose {' or '.join(map(repr, known))}."
-            for name, known in (("observation", (*OBSERVATIONS,)), ("first", ("robot", "human")), ("render_mode", (None, *RENDER_MODES)))
+            for name, known in (
+                ("observation", (*OBSERVATIONS,)),
+                ("first", ("robot", "human")),
+                ("render_mode", (None, *RENDER_MODES)),
+            )
             if getattr(self, name) not in known
         ]
         if self.limit is not None and self.limit < 1:
@@ -59,25 +63,38 @@ class Options:
 
 
 class GridParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
-    """`robot_0` and `human_0`; actions wait, up, down, left, right. Who is not on turn can only wait.
+    """`robot_0` and `human_0`; actions wait, up, down, left, right. Who is not on turn can only
+    wait.
 
-    Observations are `{"observation": [4 S] float32, "action_mask": [5] int8}`, 1 = possible; the mask is in `info["action_mask"]` and comes from
-    `action_masks()` too. An impossible move does not raise (unless strict): it costs `rewards.illegal`, moves nobody and sets `info["illegal"]`.
+    Observations are `{"observation": [4 S] float32, "action_mask": [5] int8}`, 1 = possible; the
+    mask is in `info["action_mask"]` and comes from `action_masks()` too. An impossible move does
+    not raise (unless strict): it costs `rewards.illegal`, moves nobody and sets `info["illegal"]`.
     Which action the agent that is not on turn names makes no difference, but one it has to be.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"name": "grid_v0", "render_modes": list(RENDER_MODES), "is_parallelizable": True, "render_fps": 4}
+    metadata: ClassVar[dict[str, Any]] = {
+        "name": "grid_v0",
+        "render_modes": list(RENDER_MODES),
+        "is_parallelizable": True,
+        "render_fps": 4,
+    }
 
     def __init__(self, drawn: str | Layout = "crossing", **options: Any):
         self.layout, self.options = layout(drawn), Options(**options)
         self.grid = world.grid(
-            self.layout, first=ROBOT if self.options.first == "robot" else 1 - ROBOT, limit=self.options.limit, closing=self.options.closing
+            self.layout,
+            first=ROBOT if self.options.first == "robot" else 1 - ROBOT,
+            limit=self.options.limit,
+            closing=self.options.closing,
         )
         self.render_mode = self.options.render_mode
         self.possible_agents = list(AGENTS)
         self.agents: list[str] = []
         size = 4 * len(self.layout.text)
-        seen = {"observation": spaces.Box(-1.0, 1.0, (size,), np.float32), "action_mask": spaces.MultiBinary(len(world.ACTIONS))}
+        seen = {
+            "observation": spaces.Box(-1.0, 1.0, (size,), np.float32),
+            "action_mask": spaces.MultiBinary(len(world.ACTIONS)),
+        }
         self.observation_spaces = {agent: spaces.Dict(dict(seen)) for agent in AGENTS}
         self.action_spaces = {agent: spaces.Discrete(len(world.ACTIONS)) for agent in AGENTS}
         self.state_space = spaces.Box(-1.0, 1.0, (size,), np.float32)
@@ -92,7 +109,9 @@ class GridParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         """The same object at each call."""
         return self.action_spaces[agent]
 
-    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
         """The first observations. The grid knows no chance: `seed` is taken and changes nothing."""
         self._state, self.agents = world.reset(self.grid), list(AGENTS)
         self._door.open()
@@ -100,18 +119,32 @@ class GridParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
 
     def step(
         self, actions: dict[str, int]
-    ) -> tuple[dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
+    ) -> tuple[
+        dict[str, Observation],
+        dict[str, float],
+        dict[str, bool],
+        dict[str, bool],
+        dict[str, dict[str, Any]],
+    ]:
         """The agent on turn moves.
 
-        Raises UsageError for an impossible move when strict, for what is no action, and after the end.
+        Raises UsageError for an impossible move when strict, for what is no action, and after the
+        end.
         """
         named, mover = self._door.numbers(actions), AGENTS[int(self._state.turn)]
         if self.options.strict and not is_legal(self.action_masks()[mover], named[mover]):
             square = int(self._state.position[self._state.turn])
-            raise UsageError(f"{mover} cannot go {world.ACTIONS[named[mover]]} from square {square}.")
+            raise UsageError(
+                f"{mover} cannot go {world.ACTIONS[named[mover]]} from square {square}."
+            )
         chosen = np.array([named[agent] for agent in AGENTS])
-        self._state, reward, over, illegal = world.step(self.grid, self.options.rewards, self._state, chosen)
-        ended = bool(over) and not (int(self._state.reached) == world.NOWHERE and int(self._state.clock) >= int(self.grid.limit))
+        self._state, reward, over, illegal = world.step(
+            self.grid, self.options.rewards, self._state, chosen
+        )
+        ended = bool(over) and not (
+            int(self._state.reached) == world.NOWHERE
+            and int(self._state.clock) >= int(self.grid.limit)
+        )
         self._door.shut_if(bool(over))
         if over:
             self.agents = []
@@ -140,9 +173,18 @@ class GridParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
 
     def _observations(self) -> dict[str, Observation]:
         masks = self.action_masks()
-        return {agent: {"observation": self.state(), "action_mask": masks[agent]} for agent in AGENTS}
+        return {
+            agent: {"observation": self.state(), "action_mask": masks[agent]} for agent in AGENTS
+        }
 
     def _infos(self, illegal: Any) -> dict[str, dict[str, Any]]:
         masks, state = self.action_masks(), self._state
-        both = {"time": int(state.clock), "is_success": bool(world.is_success(state)), "reached": ("", "right", "wrong")[int(state.reached)]}
-        return {agent: {"action_mask": masks[agent], "illegal": bool(illegal[i]), **both} for i, agent in enumerate(AGENTS)}
+        both = {
+            "time": int(state.clock),
+            "is_success": bool(world.is_success(state)),
+            "reached": ("", "right", "wrong")[int(state.reached)],
+        }
+        return {
+            agent: {"action_mask": masks[agent], "illegal": bool(illegal[i]), **both}
+            for i, agent in enumerate(AGENTS)
+        }

@@ -1,4 +1,6 @@
-"""An assembly in which parts can sit wrongly and be taken off again, after Antonelli et al. (2021)."""
+"""An assembly in which parts can sit wrongly and be taken off again, after Antonelli et al.
+(2021).
+"""
 
 from tandem.lab.antonelli2021.product import Product, product
 from tandem.lab.antonelli2021.world import ABSENT, RIGHT, WRONG, Repair, Slips, repair

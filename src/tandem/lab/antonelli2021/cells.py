@@ -16,5 +16,7 @@ def cells() -> dict[str, Cell]:
 
 def own_cell() -> Cell:
     """Two flanges on a base, each with fasteners."""
-    with resources.as_file(resources.files("tandem.lab.antonelli2021") / "antonelli2021.yaml") as file:
+    with resources.as_file(
+        resources.files("tandem.lab.antonelli2021") / "antonelli2021.yaml"
+    ) as file:
         return load(file)

@@ -1,4 +1,6 @@
-"""Pictures of Antonelli et al. (2021) run here: time against p, from where the goal is reached, how precise the learned values are, the product."""
+"""Pictures of Antonelli et al. (2021) run here: time against p, from where the goal is reached, how
+precise the learned values are, the product.
+"""
 
 from __future__ import annotations
 
@@ -32,34 +34,72 @@ def figures(document: Mapping[str, Any]) -> Iterator[tuple[str, Figure]]:
 
 
 def times(found: Mapping[str, Any]) -> Figure:
-    """Expected time against p, from the empty table: the exact curve, and the median of each player's seeds.
+    """Expected time against p, from the empty table: the exact curve, and the median of each
+    player's seeds.
 
-    A seed that may go on for ever counts as infinite; where that is so for half of them, the player's line ends.
+    A seed that may go on for ever counts as infinite; where that is so for half of them, the
+    player's line ends.
     """
     ax = _axes()
     chances = [row["p"] for row in found["exact"]]
     ax.plot(
-        chances, [row["expected_s"] for row in found["exact"]], color=INK, lw=5, alpha=0.25, label="exact (value iteration)", solid_capstyle="round"
+        chances,
+        [row["expected_s"] for row in found["exact"]],
+        color=INK,
+        lw=5,
+        alpha=0.25,
+        label="exact (value iteration)",
+        solid_capstyle="round",
     )
     for place, player in enumerate(_players(found)):
         rows = [row for row in found["players"] if row["player"] == player]
-        median = [float(np.median([np.inf if value is None else value for value in row["expected_s"]])) for row in rows]
-        kept = [(row["p"], value) for row, value in zip(rows, median, strict=True) if np.isfinite(value)]
-        ax.plot(*zip(*kept, strict=True), DASHES[place % 4], marker="o", ms=4, color=COLOURS[place], lw=1.8, label=player) if kept else None
+        median = [
+            float(np.median([np.inf if value is None else value for value in row["expected_s"]]))
+            for row in rows
+        ]
+        kept = [
+            (row["p"], value) for row, value in zip(rows, median, strict=True) if np.isfinite(value)
+        ]
+        ax.plot(
+            *zip(*kept, strict=True),
+            DASHES[place % 4],
+            marker="o",
+            ms=4,
+            color=COLOURS[place],
+            lw=1.8,
+            label=player,
+        ) if kept else None
     return _dressed(ax, found, "expected time from the empty table, s", log=True)
 
 
 def reached(found: Mapping[str, Any]) -> Figure:
-    """The share of episodes from any state that end within 200 operations, mean over seeds with its 95 % interval, against p."""
+    """The share of episodes from any state that end within 200 operations, mean over seeds with its
+    95 % interval, against p.
+    """
     ax = _axes()
     for place, player in enumerate(_players(found)):
         rows = [row for row in found["players"] if row["player"] == player]
         shares = np.array([row["finished_from_anywhere"] for row in rows])
         mean = shares.mean(axis=1)
-        half = 1.96 * shares.std(axis=1, ddof=1) / np.sqrt(shares.shape[1]) if shares.shape[1] > 1 else np.zeros(len(mean))
+        half = (
+            1.96 * shares.std(axis=1, ddof=1) / np.sqrt(shares.shape[1])
+            if shares.shape[1] > 1
+            else np.zeros(len(mean))
+        )
         chances = [row["p"] for row in rows]
-        ax.plot(chances, mean, DASHES[place % 4], marker="o", ms=4, color=COLOURS[place], lw=1.8, label=player)
-        ax.fill_between(chances, mean - half, np.minimum(mean + half, 1), color=COLOURS[place], alpha=0.15, lw=0)
+        ax.plot(
+            chances,
+            mean,
+            DASHES[place % 4],
+            marker="o",
+            ms=4,
+            color=COLOURS[place],
+            lw=1.8,
+            label=player,
+        )
+        ax.fill_between(
+            chances, mean - half, np.minimum(mean + half, 1), color=COLOURS[place], alpha=0.15, lw=0
+        )
     ax.set_ylim(0, 1.03)
     return _dressed(ax, found, "share that ends within 200 operations, from any state")
 
@@ -73,7 +113,14 @@ def precision(rows: list[Mapping[str, Any]]) -> Figure:
     for ax, p in zip(panels, chances, strict=True):
         for place, row in enumerate(row for row in rows if row["p"] == p):
             error = np.maximum(row["error_s"], 1e-6)
-            ax.plot(row["updates"], error, DASHES[place % 4], color=COLOURS[place], lw=1.6, label=row["way"])
+            ax.plot(
+                row["updates"],
+                error,
+                DASHES[place % 4],
+                color=COLOURS[place],
+                lw=1.6,
+                label=row["way"],
+            )
         ax.axhline(1e-3, color=FAINT_INK, lw=1.0, ls=(0, (6, 3)), zorder=0)
         ax.set(xscale="log", yscale="log", xlabel="updates")
         ax.set_title(f"p = {p:g}", loc="left", fontsize=11)

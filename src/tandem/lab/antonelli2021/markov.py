@@ -1,4 +1,5 @@
-"""Finite decision processes in arrays: whoever decides pays a cost at each step until a goal is reached; and what is optimal in them.
+"""Finite decision processes in arrays: whoever decides pays a cost at each step until a goal is
+reached; and what is optimal in them.
 
 Plain NumPy in double precision: a judge of those who learn, not their world.
 """
@@ -18,7 +19,8 @@ Node = TypeVar("Node", bound=Hashable)
 
 
 class Process(NamedTuple):
-    """`S` states, `A` actions, each with up to `K` outcomes. A tuple of arrays, so that it can be mapped over.
+    """`S` states, `A` actions, each with up to `K` outcomes. A tuple of arrays, so that it can be
+    mapped over.
 
     after: `[S, A, K]` int32, the state that the outcome leads to.
     chance: `[S, A, K]` float64, of the outcome; the chances of a legal action sum to 1.
@@ -63,9 +65,11 @@ def explore(
     actions: int,
     limit: int,
 ) -> tuple[Process, list[Node]]:
-    """The process of all that can be reached from `start`, and its nodes: state `i` of the process is node `i`, the start is 0.
+    """The process of all that can be reached from `start`, and its nodes: state `i` of the process
+    is node `i`, the start is 0.
 
-    Outcomes of chance 0 are followed too, so that processes that differ in their chances alone number their states alike.
+    Outcomes of chance 0 are followed too, so that processes that differ in their chances alone
+    number their states alike.
 
     Args:
       options: legal action (0 to `actions` - 1) -> its outcomes; not asked at a goal.
@@ -82,8 +86,14 @@ def explore(
                 numbers[outcome.after] = len(nodes)
                 nodes.append(outcome.after)
         if len(nodes) > limit:
-            raise NothingFoundError(f"more than {limit:,} states can be reached; a table of them would be too large.")
-    shape = (len(nodes), actions, max([1, *(len(outcomes) for row in rows for outcomes in row.values())]))
+            raise NothingFoundError(
+                f"more than {limit:,} states can be reached; a table of them would be too large."
+            )
+    shape = (
+        len(nodes),
+        actions,
+        max([1, *(len(outcomes) for row in rows for outcomes in row.values())]),
+    )
     process = Process(
         after=np.zeros(shape, np.int32),
         chance=np.zeros(shape),
@@ -96,7 +106,11 @@ def explore(
             process.legal[state, action] = True
             for place, outcome in enumerate(outcomes):
                 at = (state, action, place)
-                process.after[at], process.chance[at], process.cost[at] = numbers[outcome.after], outcome.chance, outcome.cost
+                process.after[at], process.chance[at], process.cost[at] = (
+                    numbers[outcome.after],
+                    outcome.chance,
+                    outcome.cost,
+                )
     return process, nodes
 
 
@@ -105,19 +119,29 @@ def value_iteration(process: Process, *, error: float = 1e-9, most_sweeps: int =
 
         v(s) <- min over a of the expected cost + v(after)
 
-    It stops with a proof. Let c be the least cost of a step and r the largest change in the last sweep. A sweep that lowers no value by
-    more than r means v >= (1 - r/c) v*, one that raises none by more than r means v <= (1 + r/c) v*: an extra cost of at most r a step
-    is at most the share r/c of that step's own cost.
+    It stops with a proof. Let c be the least cost of a step and r the largest change in the last
+    sweep. A sweep that lowers no value by more than r means v >= (1 - r/c) v*, one that raises none
+    by more than r means v <= (1 + r/c) v*: an extra cost of at most r a step is at most the share
+    r/c of that step's own cost.
 
     Args:
       error: the share of a value that may be wrong, r/c.
 
     Raises:
-      NothingFoundError: no goal can be reached from some state, or the values have not settled after `most_sweeps`.
+      NothingFoundError: no goal can be reached from some state, or the values have not settled
+        after `most_sweeps`.
     """
     possible = process.legal[:, :, None] & (process.chance > 0)
-    if not np.all(_backward(process.goal.copy(), process.after.reshape(len(process.goal), -1), possible.reshape(len(process.goal), -1))):
-        raise NothingFoundError("from some state no goal can be reached, whatever is done; its cost has no end.")
+    if not np.all(
+        _backward(
+            process.goal.copy(),
+            process.after.reshape(len(process.goal), -1),
+            possible.reshape(len(process.goal), -1),
+        )
+    ):
+        raise NothingFoundError(
+            "from some state no goal can be reached, whatever is done; its cost has no end."
+        )
     pairs = _Pairs.of(process)
     values = np.zeros(len(process.goal))
     floor = float(pairs.expected.min()) if len(pairs.expected) else 1.0
@@ -128,16 +152,23 @@ def value_iteration(process: Process, *, error: float = 1e-9, most_sweeps: int =
         values = better
         if change <= error * floor:
             return Values(values, pairs.best(values), change / floor)
-    raise NothingFoundError(f"the values had not settled after {most_sweeps:,} sweeps (they still change by {change:.3g}).")
+    raise NothingFoundError(
+        f"the values had not settled after {most_sweeps:,} sweeps (they still change by"
+        f" {change:.3g})."
+    )
 
 
 def policy_values(process: Process, policy: Array) -> Array:
-    """`[S]` float64, the expected cost until a goal under the policy (`[S]` int); infinite where it may miss the goals for ever.
+    """`[S]` float64, the expected cost until a goal under the policy (`[S]` int); infinite where it
+    may miss the goals for ever.
 
-    Solved as one system of linear equations, so that a policy that gets there only after a very long time is valued rightly too.
+    Solved as one system of linear equations, so that a policy that gets there only after a very
+    long time is valued rightly too.
     """
     states = np.arange(len(process.goal))
-    after, chance, cost = (field[states, policy] for field in (process.after, process.chance, process.cost))
+    after, chance, cost = (
+        field[states, policy] for field in (process.after, process.chance, process.cost)
+    )
     sure = sure_states(process, policy)
     rows = np.flatnonzero(sure & ~process.goal)
     places = np.full(len(states), -1)
@@ -165,10 +196,12 @@ def sure_states(process: Process, policy: Array) -> Array:
 
 
 def reaching_states(process: Process, policy: Array | None = None) -> Array:
-    """`[S]` bool, True where a goal is reached when every action does what its first outcome says, by graph search.
+    """`[S]` bool, True where a goal is reached when every action does what its first outcome says,
+    by graph search.
 
     Args:
-      policy: `[S]` int; when absent, any legal action may be taken, and the answer is whether there is a way at all.
+      policy: `[S]` int; when absent, any legal action may be taken, and the answer is whether there
+        is a way at all.
     """
     if policy is None:
         return _backward(process.goal.copy(), process.after[:, :, 0], process.legal)
@@ -177,7 +210,9 @@ def reaching_states(process: Process, policy: Array | None = None) -> Array:
 
 
 def _backward(reached: Array, after: Array, possible: Array) -> Array:
-    """All states from which one of `reached` can be come to along possible steps: `after`, `possible` `[S, K]`."""
+    """All states from which one of `reached` can be come to along possible steps: `after`,
+    `possible` `[S, K]`.
+    """
     while True:
         further = reached | np.any(reached[after] & possible, axis=1)
         if np.array_equal(further, reached):
@@ -188,7 +223,8 @@ def _backward(reached: Array, after: Array, possible: Array) -> Array:
 class _Pairs(NamedTuple):
     """The legal pairs of state and action alone, state by state: `N` of them.
 
-    open: the states that are no goals; first: where the pairs of each of them begin; action, expected: `[N]`, the action and its
+    open: the states that are no goals; first: where the pairs of each of them begin; action,
+    expected: `[N]`, the action and its
       expected cost; after, chance: `[N, K]`.
     """
 

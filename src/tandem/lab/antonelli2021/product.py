@@ -1,8 +1,10 @@
-"""From a cell to a product that can be taken apart: its parts, what each must sit on, and how long mounting and taking off take.
+"""From a cell to a product that can be taken apart: its parts, what each must sit on, and how long
+mounting and taking off take.
 
-The system of Antonelli et al. (2021) knows joint operations only, one after the other, and minds nothing but time. What of a cell it
-cannot express is refused by name, everything at once; what makes no difference when one operation is done at a time (a zone, stress,
-difficulty, who else could do it) is let through.
+The system of Antonelli et al. (2021) knows joint operations only, one after the other, and minds
+nothing but time. What of a cell it cannot express is refused by name, everything at once; what
+makes no difference when one operation is done at a time (a zone, stress, difficulty, who else could
+do it) is let through.
 """
 
 from __future__ import annotations
@@ -23,8 +25,10 @@ class Product:
 
     Attributes:
       names: of the parts (the cell's tasks).
-      below: per part, the parts that must sit rightly before it can: everything that comes before it in the cell's precedence.
-      above: per part, the parts that have it below them: while one of them is in place, the part can neither be mounted nor taken off.
+      below: per part, the parts that must sit rightly before it can: everything that comes before
+        it in the cell's precedence.
+      above: per part, the parts that have it below them: while one of them is in place, the part
+        can neither be mounted nor taken off.
       mount, unmount: seconds.
     """
 
@@ -46,7 +50,10 @@ def product(cell: Cell, *, unmount_share: float = UNMOUNT_SHARE) -> Product:
       UsageError: `unmount_share` is not above 0.
     """
     if not unmount_share > 0:
-        raise UsageError(f"unmount_share is {unmount_share!r}: taking a part off takes time; give a number above 0.")
+        raise UsageError(
+            f"unmount_share is {unmount_share!r}: taking a part off takes time; give a number"
+            " above 0."
+        )
     if faults := [fault for rule in RULES for fault in rule(cell)]:
         raise CellError(faults)
     numbers = {name: number for number, name in enumerate(cell.tasks)}
@@ -55,7 +62,9 @@ def product(cell: Cell, *, unmount_share: float = UNMOUNT_SHARE) -> Product:
     def all_below(name: str) -> frozenset[int]:
         if name not in below:
             direct = cell.tasks[name].after
-            below[name] = frozenset(numbers[other] for other in direct).union(*(all_below(other) for other in direct))
+            below[name] = frozenset(numbers[other] for other in direct).union(
+                *(all_below(other) for other in direct)
+            )
         return below[name]
 
     rows = tuple(all_below(name) for name in cell.tasks)
@@ -63,7 +72,10 @@ def product(cell: Cell, *, unmount_share: float = UNMOUNT_SHARE) -> Product:
     return Product(
         names=tuple(cell.tasks),
         below=rows,
-        above=tuple(frozenset(other for other, row in enumerate(rows) if part in row) for part in range(len(rows))),
+        above=tuple(
+            frozenset(other for other, row in enumerate(rows) if part in row)
+            for part in range(len(rows))
+        ),
         mount=mount,
         unmount=tuple(unmount_share * seconds for seconds in mount),
     )
@@ -71,7 +83,10 @@ def product(cell: Cell, *, unmount_share: float = UNMOUNT_SHARE) -> Product:
 
 def _operators_are_always_there(cell: Cell) -> Iterator[Fault]:
     for name, operator in cell.operators.items():
-        for key, value in (("breaks", operator.breaks), ("stress_limit", operator.stress_limit is not None)):
+        for key, value in (
+            ("breaks", operator.breaks),
+            ("stress_limit", operator.stress_limit is not None),
+        ):
             if value:
                 yield Fault(_unknown(key), ("operators", name, key))
 
@@ -90,7 +105,10 @@ def _no_tool_is_in_hand(cell: Cell) -> Iterator[Fault]:
 
 
 def _nobody_is_remembered(cell: Cell) -> Iterator[Fault]:
-    for key, value in (("same_operator", bool(cell.same_operator)), ("stress_of_set", cell.stress_of_set is not None)):
+    for key, value in (
+        ("same_operator", bool(cell.same_operator)),
+        ("stress_of_set", cell.stress_of_set is not None),
+    ):
         if value:
             yield Fault(_unknown(key), (key,))
 
@@ -104,4 +122,7 @@ RULES: tuple[Callable[[Cell], Iterator[Fault]], ...] = (
 
 
 def _unknown(key: str) -> str:
-    return f"the product of Antonelli et al. knows no {key.replace('_', ' ')}: its states say which parts sit how, and nothing else. Leave it out."
+    return (
+        f"the product of Antonelli et al. knows no {key.replace('_', ' ')}: its states say which"
+        " parts sit how, and nothing else. Leave it out."
+    )

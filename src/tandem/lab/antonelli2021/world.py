@@ -1,14 +1,18 @@
-"""Parts that sit rightly, wrongly or not at all; a robot that says what is done next; a human who sometimes does something else.
+"""Parts that sit rightly, wrongly or not at all; a robot that says what is done next; a human who
+sometimes does something else.
 
-Source: Antonelli, Zeng, Aliev, Liu (2021), FME Transactions 49(4), as far as its abstract and Kinat (2023), chapter 4, tell: states of an
-assembly, operations that human and robot do together, others that take apart what was mounted wrongly, shortest time. The lists of
-states and operations, the times and what the human does wrongly are not public; they are ours (ASSUMPTION).
+Source: Antonelli, Zeng, Aliev, Liu (2021), FME Transactions 49(4), as far as its abstract and Kinat
+(2023), chapter 4, tell: states of an assembly, operations that human and robot do together, others
+that take apart what was mounted wrongly, shortest time. The lists of states and operations, the
+times and what the human does wrongly are not public; they are ours (ASSUMPTION).
 
-An operation is done by both, one at a time. When the robot asks for one, the human does it with probability 1 - p. Else one of the slips
-that are possible in this state happens in its place, and its time passes:
+An operation is done by both, one at a time. When the robot asks for one, the human does it with
+probability 1 - p. Else one of the slips that are possible in this state happens in its place, and
+its time passes:
 
 - wrong part: the part that was asked for is mounted, but wrongly;
-- wrong order: another part is mounted though something below it is missing or wrong, so it sits wrongly;
+- wrong order: another part is mounted though something below it is missing or wrong, so it sits
+  wrongly;
 - undo: a part that sat rightly is taken off.
 
 Operations are numbered: `i` mounts part `i`, `T + i` takes it off, for `T` parts.
@@ -37,7 +41,9 @@ MOST_STATES = 20_000
 
 @dataclass(frozen=True)
 class Slips:
-    """How the human's deviations divide: weights of the kinds, 0 for never. Among the slips of one kind each is as likely."""
+    """How the human's deviations divide: weights of the kinds, 0 for never. Among the slips of one
+    kind each is as likely.
+    """
 
     wrong_part: float = 1.0
     wrong_order: float = 1.0
@@ -46,7 +52,10 @@ class Slips:
     def __post_init__(self) -> None:
         weights = (self.wrong_part, self.wrong_order, self.undo)
         if min(weights) < 0:
-            raise UsageError(f"slips: the weights are {', '.join(f'{weight:g}' for weight in weights)}; each is 0 or more.")
+            raise UsageError(
+                f"slips: the weights are {', '.join(f'{weight:g}' for weight in weights)}; each is"
+                " 0 or more."
+            )
 
 
 @dataclass(frozen=True)
@@ -69,7 +78,8 @@ class Repair:
         return {node: number for number, node in enumerate(self.nodes)}
 
     def process(self, p: float) -> Process:
-        """The process of a human who deviates with probability `p`; outcome 0 of each operation is the operation itself.
+        """The process of a human who deviates with probability `p`; outcome 0 of each operation is
+        the operation itself.
 
         Where no slip is possible the human does what was asked for.
 
@@ -89,7 +99,9 @@ class Repair:
         return np.array([WRONG in node for node in self.nodes])
 
 
-def repair(cell: Cell, slips: Slips | None = None, *, unmount_share: float = UNMOUNT_SHARE) -> Repair:
+def repair(
+    cell: Cell, slips: Slips | None = None, *, unmount_share: float = UNMOUNT_SHARE
+) -> Repair:
     """The cell's product with everything that can go wrong with it.
 
     Raises:
@@ -101,29 +113,50 @@ def repair(cell: Cell, slips: Slips | None = None, *, unmount_share: float = UNM
     try:
         process, nodes = explore(
             (ABSENT,) * parts,
-            lambda node: {operation: list(_outcomes(made, slips, node, operation)) for operation in legal(made, node)},
+            lambda node: {
+                operation: list(_outcomes(made, slips, node, operation))
+                for operation in legal(made, node)
+            },
             lambda node: node == done,
             actions=2 * parts,
             limit=MOST_STATES,
         )
     except NothingFoundError as error:
         raise CellError(
-            [Fault(f"the parts can sit in more than {MOST_STATES:,} ways, too many for a table. Take a smaller cell.", ("tasks",))]
+            [
+                Fault(
+                    f"the parts can sit in more than {MOST_STATES:,} ways, too many for a table."
+                    " Take a smaller cell.",
+                    ("tasks",),
+                )
+            ]
         ) from error
     return Repair(made, slips, nodes, process)
 
 
 def legal(made: Product, node: Node) -> list[int]:
-    """The operations that the robot may ask for: to mount a part where it will sit rightly, to take off a part that nothing sits on."""
+    """The operations that the robot may ask for: to mount a part where it will sit rightly, to take
+    off a part that nothing sits on.
+    """
     parts = range(len(node))
-    mounts = [part for part in parts if node[part] == ABSENT and _fits(made, node, part) and _uncovered(made, node, part)]
-    return mounts + [len(node) + part for part in parts if node[part] != ABSENT and _uncovered(made, node, part)]
+    mounts = [
+        part
+        for part in parts
+        if node[part] == ABSENT and _fits(made, node, part) and _uncovered(made, node, part)
+    ]
+    return mounts + [
+        len(node) + part for part in parts if node[part] != ABSENT and _uncovered(made, node, part)
+    ]
 
 
 def operation_words(made: Product, operation: int) -> str:
     """An operation for people: `mount flange A`."""
     parts = len(made.names)
-    return f"mount {made.names[operation]}" if operation < parts else f"take off {made.names[operation - parts]}"
+    return (
+        f"mount {made.names[operation]}"
+        if operation < parts
+        else f"take off {made.names[operation - parts]}"
+    )
 
 
 def _outcomes(made: Product, slips: Slips, node: Node, operation: int) -> Iterator[Outcome]:
@@ -132,8 +165,14 @@ def _outcomes(made: Product, slips: Slips, node: Node, operation: int) -> Iterat
     if operation < parts:
         asked = Outcome(_with(node, operation, RIGHT), 0.5, made.mount[operation])
     else:
-        asked = Outcome(_with(node, operation - parts, ABSENT), 0.5, made.unmount[operation - parts])
-    kinds = [(weight, happens) for weight, happens in _kinds(made, slips, node, operation) if weight > 0 and happens]
+        asked = Outcome(
+            _with(node, operation - parts, ABSENT), 0.5, made.unmount[operation - parts]
+        )
+    kinds = [
+        (weight, happens)
+        for weight, happens in _kinds(made, slips, node, operation)
+        if weight > 0 and happens
+    ]
     total = sum(weight for weight, _ in kinds)
     yield asked if kinds else asked._replace(chance=1.0)
     for weight, happens in kinds:
@@ -141,13 +180,26 @@ def _outcomes(made: Product, slips: Slips, node: Node, operation: int) -> Iterat
             yield Outcome(_with(node, part, sits), 0.5 * weight / total / len(happens), seconds)
 
 
-def _kinds(made: Product, slips: Slips, node: Node, operation: int) -> Iterator[tuple[float, list[tuple[int, int, float]]]]:
+def _kinds(
+    made: Product, slips: Slips, node: Node, operation: int
+) -> Iterator[tuple[float, list[tuple[int, int, float]]]]:
     """Per kind of slip its weight, and what can happen: (part, how it sits then, seconds)."""
     parts = range(len(node))
-    yield slips.wrong_part, [(operation, WRONG, made.mount[operation])] if operation < len(node) else []
-    out_of_order = [part for part in parts if node[part] == ABSENT and not _fits(made, node, part) and _uncovered(made, node, part)]
+    yield (
+        slips.wrong_part,
+        [(operation, WRONG, made.mount[operation])] if operation < len(node) else [],
+    )
+    out_of_order = [
+        part
+        for part in parts
+        if node[part] == ABSENT and not _fits(made, node, part) and _uncovered(made, node, part)
+    ]
     yield slips.wrong_order, [(part, WRONG, made.mount[part]) for part in out_of_order]
-    undone = [part for part in parts if node[part] == RIGHT and _uncovered(made, node, part) and operation != len(node) + part]
+    undone = [
+        part
+        for part in parts
+        if node[part] == RIGHT and _uncovered(made, node, part) and operation != len(node) + part
+    ]
     yield slips.undo, [(part, ABSENT, made.unmount[part]) for part in undone]
 
 

@@ -4,7 +4,18 @@ from tandem.lab.kinat2023.decisions import after_human, choices, decide_step, de
 from tandem.lab.kinat2023.observations import observe, observe_normalised, observe_scaled
 from tandem.lab.kinat2023.rewards import REWARDS, reward_set
 from tandem.lab.kinat2023.station import station, whole_ticks
-from tandem.lab.kinat2023.world import HUMAN, ROBOT, Info, Rewards, State, Station, is_done, legal, reset, step
+from tandem.lab.kinat2023.world import (
+    HUMAN,
+    ROBOT,
+    Info,
+    Rewards,
+    State,
+    Station,
+    is_done,
+    legal,
+    reset,
+    step,
+)
 
 __all__ = [
     "HUMAN",

@@ -55,7 +55,12 @@ class Record:
 
     def _row(self, task: int, clock: int) -> Assignment:
         start, who = self.begun[task]
-        return Assignment(seconds(start, self.per_second), seconds(clock, self.per_second), list(self.cell.tasks)[task - 1], (who,))
+        return Assignment(
+            seconds(start, self.per_second),
+            seconds(clock, self.per_second),
+            list(self.cell.tasks)[task - 1],
+            (who,),
+        )
 
 
 @dataclass(frozen=True)
@@ -69,7 +74,8 @@ class Episode:
       ticks: how long it took.
       stress: ergonomic stress on the human.
       illegal: actions that broke a rule.
-      schedule: the tasks that ended, in names and seconds. An illegal action made while busy stretches the task in hand.
+      schedule: the tasks that ended, in names and seconds. An illegal action made while busy
+        stretches the task in hand.
     """
 
     actions: tuple[tuple[int, int], ...]
@@ -123,28 +129,38 @@ def play(
     )
 
 
-STEPS: dict[str, Callable[..., tuple[State, Any, Any, Info]]] = {"decisions": decide_step, "ticks": step}
+STEPS: dict[str, Callable[..., tuple[State, Any, Any, Info]]] = {
+    "decisions": decide_step,
+    "ticks": step,
+}
 
 
 def actions_of(cell: Cell, schedule: Schedule, *, per_second: int = 1) -> list[tuple[int, int]]:
     """Per tick, what robot and human must name so that the station does exactly this schedule.
 
-    Raises UsageError when a start is no whole tick or the schedule has operators that the station has not.
+    Raises UsageError when a start is no whole tick or the schedule has operators that the station
+    has not.
     """
-    numbers, agents = {name: i + 1 for i, name in enumerate(cell.tasks)}, (cell.robots[0], cell.humans[0])
+    numbers, agents = (
+        {name: i + 1 for i, name in enumerate(cell.tasks)},
+        (cell.robots[0], cell.humans[0]),
+    )
     ticks = max((_whole(row.end, per_second) for row in schedule), default=0)
     actions = [[0, 0] for _ in range(ticks)]
     for row in schedule:
         if len(row.operators) != 1 or row.operators[0] not in agents:
             raise UsageError(
-                f"task {row.task!r} is done by {' and '.join(row.operators)}; the thesis's station has {agents[0]} and {agents[1]}, one a task."
+                f"task {row.task!r} is done by {' and '.join(row.operators)}; the thesis's station"
+                f" has {agents[0]} and {agents[1]}, one a task."
             )
         actions[_whole(row.start, per_second)][agents.index(row.operators[0])] = numbers[row.task]
     return [(robot, human) for robot, human in actions]
 
 
 def follow(actions: Sequence[tuple[int, int]]) -> Callable[[Station, State], tuple[int, int]]:
-    """A `choose` for `play(..., by="ticks")` that names `actions[tick]` and, behind their end, nothing."""
+    """A `choose` for `play(..., by="ticks")` that names `actions[tick]` and, behind their end,
+    nothing.
+    """
     return lambda _, state: actions[int(state.clock)] if int(state.clock) < len(actions) else (0, 0)
 
 
@@ -156,5 +172,8 @@ def seconds(ticks: int, per_second: int) -> float:
 def _whole(moment: float, per_second: int) -> int:
     ticks = Decimal(repr(float(moment))) * per_second
     if ticks % 1:
-        raise UsageError(f"{moment:g} s is {ticks.normalize():f} ticks, no whole number. Give the station more ticks per second.")
+        raise UsageError(
+            f"{moment:g} s is {ticks.normalize():f} ticks, no whole number. Give the station more"
+            " ticks per second."
+        )
     return int(ticks)

@@ -1,4 +1,6 @@
-"""Kinat (2023): its table 6-1 and figures 6-1 to 6-8, published beside the thesis's recipe run here, our recipe, and the exact optimum."""
+"""Kinat (2023): its table 6-1 and figures 6-1 to 6-8, published beside the thesis's recipe run
+here, our recipe, and the exact optimum.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,16 @@ from tandem.cell.model import Cell
 from tandem.lab.kinat2023.optimal import return_optimal
 from tandem.lab.kinat2023.recipe import STATION
 from tandem.lab.kinat2023.rewards import reward_set
-from tandem.lab.kinat2023.runs import FACTORS, OURS, PUBLISHED, VARIANTS, run_all, run_ours, run_thesis, thesis_cell
+from tandem.lab.kinat2023.runs import (
+    FACTORS,
+    OURS,
+    PUBLISHED,
+    VARIANTS,
+    run_all,
+    run_ours,
+    run_thesis,
+    thesis_cell,
+)
 from tandem.lab.kinat2023.station import station, whole_ticks
 from tandem.lab.kinat2023.world import State, Station
 from tandem.lab.origin import origin
@@ -30,10 +41,17 @@ QUICK = 0.02
 STORED = "thesis.json"
 
 
-def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, tell: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
+def reproduce(
+    folder: Path,
+    *,
+    quick: bool = False,
+    seeds: int | None = None,
+    tell: Callable[[str], None] = lambda _: None,
+) -> dict[str, Any]:
     """Trains, plays and returns the document, which is also written to `folder/thesis.json`.
 
-    The records of the thesis's recipe are kept in `folder/records` as they come; a run that was stopped goes on from there.
+    The records of the thesis's recipe are kept in `folder/records` as they come; a run that was
+    stopped goes on from there.
 
     Args:
       quick: two seeds and a fiftieth of the budgets.
@@ -46,7 +64,9 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
     else:
         tell(f"our recipe: {SEEDS_OF_OURS} seeds at {len(FACTORS)} factors, side by side")
         records = run_ours(range(SEEDS_OF_OURS))
-        for file in run_all(folder / "records", list(VARIANTS), range(seeds or SEEDS_OF_THE_THESIS)):
+        for file in run_all(
+            folder / "records", list(VARIANTS), range(seeds or SEEDS_OF_THE_THESIS)
+        ):
             tell(f"{file.name}")
             records.append(read_record(file))
     document = assemble(records, quick=quick)
@@ -56,12 +76,16 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
 
 
 def stored() -> dict[str, Any]:
-    """The document of the long run that ships with the package. Raises CellError when this copy has none, or a damaged one."""
+    """The document of the long run that ships with the package. Raises CellError when this copy has
+    none, or a damaged one.
+    """
     return stored_document("kinat2023/results.json", "thesis")
 
 
 def assemble(records: Sequence[Mapping[str, Any]], *, quick: bool = False) -> dict[str, Any]:
-    """The document: what is published and what is exact, a summary per recipe and factor, and every record."""
+    """The document: what is published and what is exact, a summary per recipe and factor, and every
+    record.
+    """
     front = [list(point) for point in plan(thesis_cell(), time_limit=120, seed=0).points]
     variants = [OURS, *VARIANTS]
     return {
@@ -71,19 +95,34 @@ def assemble(records: Sequence[Mapping[str, Any]], *, quick: bool = False) -> di
         "versions": versions(),
         "published": {str(factor): list(PUBLISHED[factor]) for factor in FACTORS},
         "exact_front": front,
-        "return_optimal": {name: {str(factor): _optimal_pairs(name, factor) for factor in FACTORS} for name in ("appendix", "table_5_2")},
+        "return_optimal": {
+            name: {str(factor): _optimal_pairs(name, factor) for factor in FACTORS}
+            for name in ("appendix", "table_5_2")
+        },
         "summary": [
             summary(variant, factor, own, front)
             for variant in variants
             for factor in FACTORS
-            if (own := [record for record in records if record["variant"] == variant and record["factor"] == factor])
+            if (
+                own := [
+                    record
+                    for record in records
+                    if record["variant"] == variant and record["factor"] == factor
+                ]
+            )
         ],
         "records": list(records),
     }
 
 
-def summary(variant: str, factor: float, records: Sequence[Mapping[str, Any]], front: Sequence[Sequence[float]]) -> dict[str, Any]:
-    """Over the seeds: how often the greedy and the sampled policies finish, reach the published pair, a return-optimal one, the front.
+def summary(
+    variant: str,
+    factor: float,
+    records: Sequence[Mapping[str, Any]],
+    front: Sequence[Sequence[float]],
+) -> dict[str, Any]:
+    """Over the seeds: how often the greedy and the sampled policies finish, reach the published
+    pair, a return-optimal one, the front.
 
     A share comes with its 95 % interval (Wilson), a mean with the half width of its 95 % interval.
     """
@@ -94,7 +133,9 @@ def summary(variant: str, factor: float, records: Sequence[Mapping[str, Any]], f
     optimal = [tuple(pair) for pair in _optimal_pairs(rewards, factor)]
     points = [tuple(point) for point in front]
 
-    def reach(pairs: Sequence[tuple[float, float] | None], wanted: Sequence[tuple[float, ...]]) -> dict[str, Any]:
+    def reach(
+        pairs: Sequence[tuple[float, float] | None], wanted: Sequence[tuple[float, ...]]
+    ) -> dict[str, Any]:
         count = sum(pair in wanted for pair in pairs if pair)
         return {"count": count, "share": count / number, "ci95": wilson(count, number)}
 
@@ -110,14 +151,36 @@ def summary(variant: str, factor: float, records: Sequence[Mapping[str, Any]], f
             "pairs": _counts(greedy),
             "makespan": mean([pair[0] for pair in greedy if pair]),
             "stress": mean([pair[1] for pair in greedy if pair]),
-            "illegal": mean([record["greedy"]["illegal"] for record in records if record["greedy"]["makespan"] is not None]),
+            "illegal": mean(
+                [
+                    record["greedy"]["illegal"]
+                    for record in records
+                    if record["greedy"]["makespan"] is not None
+                ]
+            ),
         },
         "sampled": {
             "finished": mean([record["sampled"]["done"] for record in records]),
-            "makespan": mean([record["sampled"]["makespan"] for record in records if record["sampled"]["makespan"] is not None]),
-            "stress": mean([record["sampled"]["stress"] for record in records if record["sampled"]["stress"] is not None]),
+            "makespan": mean(
+                [
+                    record["sampled"]["makespan"]
+                    for record in records
+                    if record["sampled"]["makespan"] is not None
+                ]
+            ),
+            "stress": mean(
+                [
+                    record["sampled"]["stress"]
+                    for record in records
+                    if record["sampled"]["stress"] is not None
+                ]
+            ),
         },
-        "best_of_n": {"published": reach(best, [PUBLISHED[int(factor)]]), "return_optimal": reach(best, optimal), "front": reach(best, points)},
+        "best_of_n": {
+            "published": reach(best, [PUBLISHED[int(factor)]]),
+            "return_optimal": reach(best, optimal),
+            "front": reach(best, points),
+        },
         "steps": mean([record["steps"] for record in records]),
         "cpu_s": mean([record["cpu_s"] for record in records]),
         "ended_early": sum(record["ended_early"] for record in records),
@@ -128,25 +191,41 @@ def wilson(count: int, number: int) -> list[float]:
     """95 % interval of a share (Wilson 1927)."""
     z, share = 1.959964, count / number
     middle = (share + z * z / (2 * number)) / (1 + z * z / number)
-    half = z / (1 + z * z / number) * math.sqrt(share * (1 - share) / number + z * z / (4 * number * number))
+    half = (
+        z
+        / (1 + z * z / number)
+        * math.sqrt(share * (1 - share) / number + z * z / (4 * number * number))
+    )
     return [round(max(0.0, middle - half), 4), round(min(1.0, middle + half), 4)]
 
 
 def mean(values: Sequence[float]) -> dict[str, float | None]:
-    """Mean and half width of its 95 % interval (normal approximation); None where there are too few values."""
+    """Mean and half width of its 95 % interval (normal approximation); None where there are too few
+    values.
+    """
     number = len(values)
     if not number:
         return {"mean": None, "ci95": None}
     centre = sum(values) / number
-    spread = math.sqrt(sum((value - centre) ** 2 for value in values) / (number - 1)) if number > 1 else None
-    return {"mean": round(centre, 4), "ci95": None if spread is None else round(1.96 * spread / math.sqrt(number), 4)}
+    spread = (
+        math.sqrt(sum((value - centre) ** 2 for value in values) / (number - 1))
+        if number > 1
+        else None
+    )
+    return {
+        "mean": round(centre, 4),
+        "ci95": None if spread is None else round(1.96 * spread / math.sqrt(number), 4),
+    }
 
 
 def table(document: Mapping[str, Any]) -> str:
     """Table 6-1 and what stands beside it, as Markdown."""
     lines = [
-        "| factor | recipe | seeds | published | greedy: most frequent | greedy reaches published | reaches return-optimal | reaches the front "
-        "| greedy finishes | sampled makespan | sampled stress | best of 100 return-optimal | return-optimal (DP) |",
+        (
+            "| factor | recipe | seeds | published | greedy: most frequent | greedy reaches"
+            " published | reaches return-optimal | reaches the front | greedy finishes | sampled"
+            " makespan | sampled stress | best of 100 return-optimal | return-optimal (DP) |"
+        ),
         "|" + "---|" * 13,
     ]
     for row in sorted(document["summary"], key=lambda row: row["factor"]):
@@ -154,17 +233,22 @@ def table(document: Mapping[str, Any]) -> str:
         greedy, sampled = row["greedy"], row["sampled"]
         pairs = [f"{_show(pair[:2])} {pair[2]} times" for pair in greedy["pairs"][:2]]
         cells = [
-            row["factor"], row["variant"], row["seeds"], _show(document["published"][str(row["factor"])]), "; ".join(pairs) or "none finished",
-            *(_share(greedy[name]) for name in ("published", "return_optimal", "front", "finished")),
-            _mean(sampled["makespan"], " s"), _mean(sampled["stress"]), _share(row["best_of_n"]["return_optimal"]),
+            row["factor"], row["variant"], row["seeds"],
+            _show(document["published"][str(row["factor"])]), "; ".join(pairs) or "none finished",
+            *(_share(greedy[name]) for name in ("published", "return_optimal", "front",
+            "finished")),
+            _mean(sampled["makespan"], " s"), _mean(sampled["stress"]),
+            _share(row["best_of_n"]["return_optimal"]),
             ", ".join(_show(pair) for pair in document["return_optimal"][rewards][str(row["factor"])]),
         ]  # fmt: skip
         lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
     exact = ", ".join(_show(point) for point in document["exact_front"])
     lines += [
         "",
-        f"Exact front: {exact}. Pairs are makespan in seconds / stress. Shares with their 95 % interval (Wilson), means with the half width "
-        "of theirs.",
+        (
+            f"Exact front: {exact}. Pairs are makespan in seconds / stress. Shares with their 95 %"
+            " interval (Wilson), means with the half width of theirs."
+        ),
         *origin(document),
     ]
     return "\n".join(lines)
@@ -176,11 +260,17 @@ def draw_figures(document: Mapping[str, Any], folder: Path) -> list[Path]:
     from tandem.lab.kinat2023.figures import figures
 
     folder.mkdir(parents=True, exist_ok=True)
-    return [save(figure, folder / f"{name}{form}", dpi=110) for name, figure in figures(document) for form in (".svg", ".png")]
+    return [
+        save(figure, folder / f"{name}{form}", dpi=110)
+        for name, figure in figures(document)
+        for form in (".svg", ".png")
+    ]
 
 
 def runs_on(cell: Cell) -> Station:
-    """The cell as the thesis's station holds it. Raises CellError that names every feature that it cannot express."""
+    """The cell as the thesis's station holds it. Raises CellError that names every feature that it
+    cannot express.
+    """
     return station(cell, per_second=whole_ticks(cell))
 
 
@@ -188,11 +278,20 @@ def _quick_records(seeds: int) -> Iterator[dict[str, Any]]:
     yield from run_ours(range(seeds), recipe=longer(STATION, QUICK))
     for variant, recipe in VARIANTS.items():
         for seed in range(seeds):
-            yield run_thesis(variant, FACTORS[seed % len(FACTORS)], seed, longer(recipe, QUICK / 4), most_steps=20_000)
+            yield run_thesis(
+                variant,
+                FACTORS[seed % len(FACTORS)],
+                seed,
+                longer(recipe, QUICK / 4),
+                most_steps=20_000,
+            )
 
 
 def _optimal_pairs(rewards: str, factor: float) -> list[list[float]]:
-    return [list(pair) for pair in return_optimal(thesis_cell(), reward_set(rewards, stress_factor=factor)).pairs]
+    return [
+        list(pair)
+        for pair in return_optimal(thesis_cell(), reward_set(rewards, stress_factor=factor)).pairs
+    ]
 
 
 def _pair(played: Mapping[str, Any]) -> tuple[float, float] | None:
@@ -201,7 +300,10 @@ def _pair(played: Mapping[str, Any]) -> tuple[float, float] | None:
 
 def _counts(pairs: Sequence[tuple[float, float] | None]) -> list[list[float]]:
     found = [pair for pair in pairs if pair]
-    return [[*pair, found.count(pair)] for pair in sorted(set(found), key=lambda pair: (-found.count(pair), pair))]
+    return [
+        [*pair, found.count(pair)]
+        for pair in sorted(set(found), key=lambda pair: (-found.count(pair), pair))
+    ]
 
 
 def _show(pair: Sequence[float]) -> str:
@@ -216,7 +318,9 @@ def _share(reached: Mapping[str, Any]) -> str:
 def _mean(value: Mapping[str, float | None], unit: str = "") -> str:
     if value["mean"] is None:
         return "–"
-    return f"{value['mean']:.2f}{unit}" + (f" ± {value['ci95']:.2f}" if value["ci95"] is not None else "")
+    return f"{value['mean']:.2f}{unit}" + (
+        f" ± {value['ci95']:.2f}" if value["ci95"] is not None else ""
+    )
 
 
 # --- What it can do: for the laboratory ---
@@ -229,7 +333,9 @@ SHORT = 0.01
 
 def _least_cost(cell: Cell) -> float:
     """What the rewards cost at least, robot and human together."""
-    return -return_optimal(cell, reward_set("appendix", stress_factor=STRESS_FACTOR), per_second=whole_ticks(cell)).value
+    return -return_optimal(
+        cell, reward_set("appendix", stress_factor=STRESS_FACTOR), per_second=whole_ticks(cell)
+    ).value
 
 
 def _carry(trained_on: Cell, played_on: Cell, seed: int) -> Played:
@@ -250,7 +356,9 @@ def _carry(trained_on: Cell, played_on: Cell, seed: int) -> Played:
         return action
 
     per_second = whole_ticks(played_on)
-    episode = play(played_on, reward_set("appendix", stress_factor=STRESS_FACTOR), timed, per_second=per_second)
+    episode = play(
+        played_on, reward_set("appendix", stress_factor=STRESS_FACTOR), timed, per_second=per_second
+    )
     return Played(seconds(episode.ticks, per_second) if episode.done else None, tuple(times))
 
 

@@ -1,6 +1,8 @@
-"""One station under way, with what the standard faces need of it: masks, observations, happenings, pictures.
+"""One station under way, with what the standard faces need of it: masks, observations, happenings,
+pictures.
 
-The PettingZoo and the Gymnasium face are thin; what they share stands here. It plays in NumPy by the rules of `world.py`.
+The PettingZoo and the Gymnasium face are thin; what they share stands here. It plays in NumPy by
+the rules of `world.py`.
 """
 
 from __future__ import annotations
@@ -31,7 +33,9 @@ OBSERVATIONS: dict[str, Callable[[Station, State], Array]] = {
     "scaled": observe_scaled,
     "normalised": observe_normalised,
 }
-STEPS: dict[str, tuple[Callable[[Station, State], Array], Callable[..., tuple[State, Array, Array, Info]]]] = {
+STEPS: dict[
+    str, tuple[Callable[[Station, State], Array], Callable[..., tuple[State, Array, Array, Info]]]
+] = {
     "ticks": (legal, step),
     "decisions": (choices, decide_step),
 }
@@ -47,7 +51,8 @@ class Options:
       stress_factor: the ergonomic factor f; counts for sets by name.
       stage: 1 punishes idling as the thesis's first stage does; counts for sets by name.
       by: "ticks", every second an action; or "decisions", time runs on until someone decides.
-      observation: "thesis", as the thesis has it; "scaled", the same in 0..1; "normalised", our own recipe's.
+      observation: "thesis", as the thesis has it; "scaled", the same in 0..1; "normalised", our own
+        recipe's.
       strict: an illegal action raises instead of costing what the rewards say.
       limit: ticks after which an unfinished episode is cut off.
       per_second: ticks in a second.
@@ -65,10 +70,20 @@ class Options:
     render_mode: str | None = None
 
     def __post_init__(self) -> None:
-        for key, known in (("by", STEPS), ("observation", OBSERVATIONS), ("render_mode", (None, *RENDER_MODES))):
+        for key, known in (
+            ("by", STEPS),
+            ("observation", OBSERVATIONS),
+            ("render_mode", (None, *RENDER_MODES)),
+        ):
             if (value := getattr(self, key)) not in known:
-                meant = "".join(f" Did you mean {near!r}?" for near in get_close_matches(str(value), [x for x in known if x], 1))
-                raise UsageError(f"{key}={value!r} is unknown.{meant} Choose from {', '.join(repr(x) for x in known)}.")
+                meant = "".join(
+                    f" Did you mean {near!r}?"
+                    for near in get_close_matches(str(value), [x for x in known if x], 1)
+                )
+                raise UsageError(
+                    f"{key}={value!r} is unknown.{meant} Choose from"
+                    f" {', '.join(repr(x) for x in known)}."
+                )
         if self.limit < 1:
             raise UsageError(f"limit={self.limit!r}: give at least one tick.")
 
@@ -80,7 +95,11 @@ class Game:
         self.cell, self.options = as_cell(cell), options
         self.station = station(self.cell, per_second=options.per_second)
         paid = options.rewards
-        self.rewards = paid if isinstance(paid, Rewards) else reward_set(paid, stress_factor=options.stress_factor, stage=options.stage)
+        self.rewards = (
+            paid
+            if isinstance(paid, Rewards)
+            else reward_set(paid, stress_factor=options.stress_factor, stage=options.stage)
+        )
         self.tasks = self.station.stress.shape[0]
         self.legal, self._step = STEPS[options.by]
         self.reset()
@@ -90,15 +109,20 @@ class Game:
         self.state, self.record = reset(self.station), Record(self.cell, self.options.per_second)
         self.done, self._masks = False, self._judge()
 
-    def step(self, action: tuple[int, int], broken: tuple[bool, bool]) -> tuple[NDArray[np.float32], list[dict[str, Any]]]:
-        """Moves on; returns both rewards and both agents' happenings. `broken` says whose action the mask had forbidden.
+    def step(
+        self, action: tuple[int, int], broken: tuple[bool, bool]
+    ) -> tuple[NDArray[np.float32], list[dict[str, Any]]]:
+        """Moves on; returns both rewards and both agents' happenings. `broken` says whose action
+        the mask had forbidden.
 
         Raises UsageError when an action is illegal and the game is strict.
         """
         if self.options.strict and any(broken):
             raise UsageError(self._complaint(action, broken))
         before = self.state
-        self.state, reward, done, info = self._step(self.station, self.rewards, before, np.asarray(action, np.int32))
+        self.state, reward, done, info = self._step(
+            self.station, self.rewards, before, np.asarray(action, np.int32)
+        )
         self.done, self._masks = bool(done), self._judge()
         self.record.note(before, info)
         return reward, [self.happenings(agent, info, broken[agent]) for agent in range(2)]
@@ -114,32 +138,55 @@ class Game:
 
     def observe(self) -> NDArray[np.float32]:
         """`[2, D]`."""
-        return np.asarray(OBSERVATIONS[self.options.observation](self.station, self.state), np.float32)
+        return np.asarray(
+            OBSERVATIONS[self.options.observation](self.station, self.state), np.float32
+        )
 
     def highest(self) -> NDArray[np.float32]:
-        """`[D]`, the largest value that each number of an observation can take; the smallest is 0."""
+        """`[D]`, the largest value that each number of an observation can take; the smallest is
+        0.
+        """
         data = self.station
         if self.options.observation != "thesis":
             return np.ones(self.observe().shape[1], np.float32)
-        parts = [np.full(2, self.tasks), np.maximum(data.time.ravel(), 1), np.maximum(data.stress, 1), np.ones(self.tasks**2)]
+        parts = [
+            np.full(2, self.tasks),
+            np.maximum(data.time.ravel(), 1),
+            np.maximum(data.stress, 1),
+            np.ones(self.tasks**2),
+        ]
         return np.concatenate(parts).astype(np.float32)
 
     def deciding(self) -> NDArray[np.bool_]:
         """`[2]`, who is free and has a legal task."""
         return np.asarray(deciding(self.station, self.state))
 
-    def happenings(self, agent: int, info: Info | None = None, broken: bool = False) -> dict[str, Any]:
-        """`info` of the faces, without the mask. Times in seconds; `stress_rate` per minute; `makespan` when the last task so far ended."""
-        names, now, rows = list(self.cell.tasks), seconds(int(self.state.clock), self.options.per_second), self.record.rows
+    def happenings(
+        self, agent: int, info: Info | None = None, broken: bool = False
+    ) -> dict[str, Any]:
+        """`info` of the faces, without the mask. Times in seconds; `stress_rate` per minute;
+        `makespan` when the last task so far ended.
+        """
+        names, now, rows = (
+            list(self.cell.tasks),
+            seconds(int(self.state.clock), self.options.per_second),
+            self.record.rows,
+        )
         stress = float(self.state.stress)
         return {
             "time": now,
             "makespan": max((row.end for row in rows), default=0.0),
             "stress": stress,
             "stress_rate": 60.0 * stress / now if now else 0.0,
-            "task_started": names[info.started[agent] - 1] if info is not None and info.started[agent] else "",
-            "task_finished": names[info.finished[agent] - 1] if info is not None and info.finished[agent] else "",
-            "idle": seconds(int(info.idle[agent]), self.options.per_second) if info is not None else 0.0,
+            "task_started": (
+                names[info.started[agent] - 1] if info is not None and info.started[agent] else ""
+            ),
+            "task_finished": (
+                names[info.finished[agent] - 1] if info is not None and info.finished[agent] else ""
+            ),
+            "idle": (
+                seconds(int(info.idle[agent]), self.options.per_second) if info is not None else 0.0
+            ),
             "illegal": bool(broken),
             "is_success": self.done,
         }
@@ -170,7 +217,10 @@ class Game:
             for agent in range(2)
             if broken[agent]
         ]
-        return f"illegal at {seconds(int(self.state.clock), self.options.per_second):g} s: {'; '.join(said)}. Take an action from action_masks()."
+        return (
+            f"illegal at {seconds(int(self.state.clock), self.options.per_second):g} s:"
+            f" {'; '.join(said)}. Take an action from action_masks()."
+        )
 
 
 def as_cell(cell: Cell | str | os.PathLike[str]) -> Cell:

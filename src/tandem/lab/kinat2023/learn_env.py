@@ -22,14 +22,18 @@ from tandem.learn.world import Outcome
 Array = Any
 
 
-@partial(jax.tree_util.register_dataclass, data_fields=["station", "rewards"], meta_fields=["pace", "sees"])
+@partial(
+    jax.tree_util.register_dataclass,
+    data_fields=["station", "rewards"],
+    meta_fields=["pace", "sees"],
+)
 @dataclass(frozen=True)
 class StationWorld:
     """A station with its rewards.
 
     Attributes:
-      pace: "ticks" of one second, where any action may be tried and illegal ones are punished; or "decisions", where the world runs on
-        until someone decides.
+      pace: "ticks" of one second, where any action may be tried and illegal ones are punished; or
+        "decisions", where the world runs on until someone decides.
       sees: what the agents observe, a name in `OBSERVATIONS`.
     """
 
@@ -54,13 +58,19 @@ class StationWorld:
     @property
     def observation_size(self) -> int:
         squares = self.tasks**2
-        return 6 * self.tasks + 4 + squares if self.sees == "normalised" else 2 + 3 * self.tasks + squares
+        return (
+            6 * self.tasks + 4 + squares
+            if self.sees == "normalised"
+            else 2 + 3 * self.tasks + squares
+        )
 
     @classmethod
     def of(cls, cell: Cell, recipe: StationRecipe, *, stress_factor: float = 0.0) -> Self:
-        """The cell as the recipe wants it; times that are no whole seconds of at least 2 are counted in smaller ticks.
+        """The cell as the recipe wants it; times that are no whole seconds of at least 2 are
+        counted in smaller ticks.
 
-        The rewards are those of the thesis's later stages; what idling costs in a stage of the training is the stage's to say.
+        The rewards are those of the thesis's later stages; what idling costs in a stage of the
+        training is the stage's to say.
 
         Raises:
           CellError: the thesis's encoding cannot hold the cell.
@@ -77,13 +87,21 @@ class StationWorld:
         return OBSERVATIONS[self.sees](self.station, state)
 
     def legal(self, state: State) -> Array:
-        return ticks.legal(self.station, state) if self.pace == "ticks" else decisions.choices(self.station, state)
+        return (
+            ticks.legal(self.station, state)
+            if self.pace == "ticks"
+            else decisions.choices(self.station, state)
+        )
 
     def narrow(self, state: State, legal: Array, action: Array) -> Array:
         if self.pace == "ticks":
             return legal
         xp = ticks.namespace(legal)
-        return xp.stack([decisions.after_human(state, legal, action[HUMAN]), legal[HUMAN]][:: 1 if ROBOT == 0 else -1])
+        return xp.stack(
+            [decisions.after_human(state, legal, action[HUMAN]), legal[HUMAN]][
+                :: 1 if ROBOT == 0 else -1
+            ]
+        )
 
     def step(self, state: State, action: Array) -> tuple[State, Outcome]:
         step = ticks.step if self.pace == "ticks" else decisions.decide_step

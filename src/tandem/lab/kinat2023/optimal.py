@@ -1,7 +1,9 @@
-"""What is optimal under the rewards: exact dynamic programming over the joint process of the thesis's station, tick by tick.
+"""What is optimal under the rewards: exact dynamic programming over the joint process of the
+thesis's station, tick by tick.
 
-Plain Python on whole numbers, written apart from `world.py`: a judge of learners, not their world. Every joint action counts,
-illegal ones too: all illegal actions of an agent have the same effect, so the best paid of them stands for all.
+Plain Python on whole numbers, written apart from `world.py`: a judge of learners, not their world.
+Every joint action counts, illegal ones too: all illegal actions of an agent have the same effect,
+so the best paid of them stands for all.
 """
 
 from __future__ import annotations
@@ -20,7 +22,9 @@ from tandem.lab.kinat2023.world import HUMAN, ROBOT, Rewards
 
 
 class Way(NamedTuple):
-    """How a return-optimal policy can end: makespan in seconds, stress, and the fewest illegal actions it needs for that."""
+    """How a return-optimal policy can end: makespan in seconds, stress, and the fewest illegal
+    actions it needs for that.
+    """
 
     makespan: float
     stress: float
@@ -49,13 +53,16 @@ class Optimum:
         return [(way.makespan, way.stress) for way in self.ways]
 
 
-def return_optimal(cell: Cell, rewards: Rewards, *, per_second: int = 1, limit: int = 1_000_000) -> Optimum:
+def return_optimal(
+    cell: Cell, rewards: Rewards, *, per_second: int = 1, limit: int = 1_000_000
+) -> Optimum:
     """The return-optimal joint policies of the cell in the thesis's tick world.
 
     Raises:
       CellError: the thesis's encoding cannot hold the cell.
       UsageError: the rewards pay for doing nothing, so that no return is the largest.
-      NothingFoundError: the joint process has more than `limit` states (they grow with the times and exponentially with the tasks).
+      NothingFoundError: the joint process has more than `limit` states (they grow with the times
+        and exponentially with the tasks).
     """
     process = _Process(cell, rewards, per_second)
     order = _reachable(process, limit)
@@ -79,7 +86,9 @@ class _State(NamedTuple):
 
 
 class _Option(NamedTuple):
-    """What one agent can do in a tick: the number it names, the task it begins (-1 = none), whether that is illegal, its pay."""
+    """What one agent can do in a tick: the number it names, the task it begins (-1 = none), whether
+    that is illegal, its pay.
+    """
 
     number: int
     begins: int
@@ -110,7 +119,9 @@ class _Process:
         self.per_stress = _scale(stress)
         self.stress = [int(e * self.per_stress) for e in stress]
         self.scale = _scale([*pay.values(), *(e * pay["stress_factor"] for e in stress)])
-        self.pay = {name: int(value * self.scale) for name, value in pay.items() if name != "stress_factor"}
+        self.pay = {
+            name: int(value * self.scale) for name, value in pay.items() if name != "stress_factor"
+        }
         self.load = [int(e * pay["stress_factor"] * self.scale) for e in stress]
         self.all = (1 << len(self.tasks)) - 1
         self.start = _State(0, (-1, -1), (0, 0))
@@ -123,16 +134,28 @@ class _Process:
 
     def options(self, state: _State, agent: int) -> list[_Option]:
         doing = state.doing[agent]
-        if doing >= 0:  # naming the own task breaks one rule, and no illegal action of a busy agent breaks fewer
-            return [_Option(0, -1, False, 0), *self.illegal([(1 + self.broken(state, agent, i), i) for i in self.tasks])]
+        # naming the own task breaks one rule, and no illegal action of a busy agent breaks fewer
+        if doing >= 0:
+            return [
+                _Option(0, -1, False, 0),
+                *self.illegal([(1 + self.broken(state, agent, i), i) for i in self.tasks]),
+            ]
         broken = [(self.broken(state, agent, i), i) for i in self.tasks]
         sign = 1 if agent == ROBOT else -1
         legal = [_Option(i + 1, i, False, sign * self.load[i]) for count, i in broken if count == 0]
-        return [_Option(0, -1, False, self.pay["idle"]), *legal, *self.illegal([(count, i) for count, i in broken if count])]
+        return [
+            _Option(0, -1, False, self.pay["idle"]),
+            *legal,
+            *self.illegal([(count, i) for count, i in broken if count]),
+        ]
 
     def broken(self, state: _State, agent: int, task: int) -> int:
-        """Rules that naming the task breaks for an agent, whether it is busy or not: an open dependency, no time of its own."""
-        gone = state.ended >> task & 1 or state.doing[1 - agent] == task or not self.time[agent][task]
+        """Rules that naming the task breaks for an agent, whether it is busy or not: an open
+        dependency, no time of its own.
+        """
+        gone = (
+            state.ended >> task & 1 or state.doing[1 - agent] == task or not self.time[agent][task]
+        )
         return bool(self.needs[task] & ~state.ended) + bool(gone)
 
     def illegal(self, broken: list[tuple[int, int]]) -> list[_Option]:
@@ -141,7 +164,13 @@ class _Process:
         return [max(options, key=lambda option: option.paid)] if options else []
 
     def move(self, state: _State, robot: _Option, human: _Option) -> _Move:
-        ended, doing, left, paid, stress = state.ended, list(state.doing), list(state.left), 2 * self.pay["step"], 0
+        ended, doing, left, paid, stress = (
+            state.ended,
+            list(state.doing),
+            list(state.left),
+            2 * self.pay["step"],
+            0,
+        )
         if robot.begins == human.begins >= 0:  # the robot yields, at no cost
             robot = robot._replace(begins=-1, paid=0)
         for agent, option in enumerate((robot, human)):
@@ -158,12 +187,16 @@ class _Process:
         after = _State(ended, (doing[ROBOT], doing[HUMAN]), (left[ROBOT], left[HUMAN]))
         if after == self.done:
             paid += 2 * self.pay["all_done"]
-        return _Move((robot.number, human.number), after, paid, stress, robot.illegal + human.illegal)
+        return _Move(
+            (robot.number, human.number), after, paid, stress, robot.illegal + human.illegal
+        )
 
     def work(self, state: _State) -> int:
         """What is left to do: each move but one that changes nothing makes it smaller."""
         begun = state.ended | sum(1 << task for task in state.doing if task >= 0)
-        return sum(max(self.time[ROBOT][i], self.time[HUMAN][i]) for i in self.tasks if not begun >> i & 1) + sum(state.left)
+        return sum(
+            max(self.time[ROBOT][i], self.time[HUMAN][i]) for i in self.tasks if not begun >> i & 1
+        ) + sum(state.left)
 
 
 def _reachable(process: _Process, limit: int) -> list[_State]:
@@ -178,20 +211,31 @@ def _reachable(process: _Process, limit: int) -> list[_State]:
                 seen.add(move.after)
                 open_states.append(move.after)
         if len(seen) > limit:
-            raise NothingFoundError(f"the joint process has more than {limit:,} states; raise the limit or take a smaller cell.")
+            raise NothingFoundError(
+                f"the joint process has more than {limit:,} states; raise the limit or take a"
+                " smaller cell."
+            )
     return sorted(seen - {process.done}, key=process.work)
 
 
 def _value(
-    process: _Process, state: _State, best: Mapping[_State, int], ends: Mapping[_State, Mapping[tuple[int, int], int]]
+    process: _Process,
+    state: _State,
+    best: Mapping[_State, int],
+    ends: Mapping[_State, Mapping[tuple[int, int], int]],
 ) -> tuple[int, dict[tuple[int, int], int]]:
-    """The state's largest team return, and (ticks, stress) -> fewest illegal actions of every way to reach it."""
+    """The state's largest team return, and (ticks, stress) -> fewest illegal actions of every way
+    to reach it.
+    """
     moves = []
     for move in process.moves(state):
         if move.after != state:
             moves.append((move.paid + best[move.after], move))
         elif move.paid >= 0:
-            raise UsageError("these rewards pay for doing nothing: waiting forever would be worth the most. Make `step` more negative.")
+            raise UsageError(
+                "these rewards pay for doing nothing: waiting forever would be worth the most. Make"
+                " `step` more negative."
+            )
     value = max(worth for worth, _ in moves)
     ways: dict[tuple[int, int], int] = {}
     for worth, move in moves:
@@ -211,14 +255,25 @@ def _walk(
     best: Mapping[_State, int],
     ends: Mapping[_State, Mapping[tuple[int, int], int]],
 ) -> Iterator[tuple[int, int]]:
-    """Joint actions from the state to the end, of largest return, in so many ticks, with this stress and so many illegal actions."""
+    """Joint actions from the state to the end, of largest return, in so many ticks, with this
+    stress and so many illegal actions.
+    """
     while state != process.done:
         for move in process.moves(state):
-            rest = ends[move.after].get((ticks - 1, stress - move.stress)) if move.after != state else None
+            rest = (
+                ends[move.after].get((ticks - 1, stress - move.stress))
+                if move.after != state
+                else None
+            )
             if rest == illegal - move.illegal and move.paid + best[move.after] == best[state]:
                 break
         yield move.action
-        state, ticks, stress, illegal = move.after, ticks - 1, stress - move.stress, illegal - move.illegal
+        state, ticks, stress, illegal = (
+            move.after,
+            ticks - 1,
+            stress - move.stress,
+            illegal - move.illegal,
+        )
 
 
 def _scale(numbers: list[Decimal]) -> int:

@@ -22,12 +22,18 @@ Observation = dict[str, NDArray[Any]]
 class ThesisParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
     """`robot_0` and `human_0`; action 0 waits, `i` names the cell's i-th task.
 
-    Observations are `{"observation": [D] float32, "action_mask": [T + 1] int8}`, 1 = legal; the mask is in `info["action_mask"]` and comes
-    from `action_masks()` too. An illegal action does not raise (unless `strict`): it costs what the rewards say, does what the thesis
-    says, and sets `info["illegal"]`. Options: see `Options`.
+    Observations are `{"observation": [D] float32, "action_mask": [T + 1] int8}`, 1 = legal; the
+    mask is in `info["action_mask"]` and comes from `action_masks()` too. An illegal action does not
+    raise (unless `strict`): it costs what the rewards say, does what the thesis says, and sets
+    `info["illegal"]`. Options: see `Options`.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"name": "thesis_v0", "render_modes": list(RENDER_MODES), "is_parallelizable": True, "render_fps": 4}
+    metadata: ClassVar[dict[str, Any]] = {
+        "name": "thesis_v0",
+        "render_modes": list(RENDER_MODES),
+        "is_parallelizable": True,
+        "render_fps": 4,
+    }
 
     def __init__(self, cell: Cell | str | os.PathLike[str], **options: Any):
         self.game = Game(cell, Options(**options))
@@ -37,7 +43,10 @@ class ThesisParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         highest, tasks = self.game.highest(), self.game.tasks
         self.observation_spaces = {
             agent: spaces.Dict(
-                {"observation": spaces.Box(np.zeros_like(highest), highest, dtype=np.float32), "action_mask": spaces.MultiBinary(tasks + 1)}
+                {
+                    "observation": spaces.Box(np.zeros_like(highest), highest, dtype=np.float32),
+                    "action_mask": spaces.MultiBinary(tasks + 1),
+                }
             )
             for agent in AGENTS
         }
@@ -53,20 +62,33 @@ class ThesisParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         """The same object at each call."""
         return self.action_spaces[agent]
 
-    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
-        """The first observations. The station knows no chance: `seed` is taken and changes nothing."""
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
+        """The first observations. The station knows no chance: `seed` is taken and changes
+        nothing.
+        """
         self.game.reset()
         self.agents = list(AGENTS)
         self._door.open()
         self._returns, self._steps, self._since = np.zeros(2), 0, time.monotonic()
-        return self._observations(), self._infos([self.game.happenings(agent) for agent in range(2)])
+        return self._observations(), self._infos(
+            [self.game.happenings(agent) for agent in range(2)]
+        )
 
     def step(
         self, actions: dict[str, int]
-    ) -> tuple[dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
+    ) -> tuple[
+        dict[str, Observation],
+        dict[str, float],
+        dict[str, bool],
+        dict[str, bool],
+        dict[str, dict[str, Any]],
+    ]:
         """Both agents act.
 
-        Raises UsageError for an illegal action when strict, for what is no action, and after the end.
+        Raises UsageError for an illegal action when strict, for what is no action, and after the
+        end.
         """
         robot, human = self._door.numbers(actions).values()
         masks = self.game.masks()
@@ -79,7 +101,11 @@ class ThesisParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
             self.agents = []
             for agent, happened in enumerate(happenings):
                 taken = round(time.monotonic() - self._since, 6)
-                happened["episode"] = {"r": float(self._returns[agent]), "l": self._steps, "t": taken}
+                happened["episode"] = {
+                    "r": float(self._returns[agent]),
+                    "l": self._steps,
+                    "t": taken,
+                }
         return (
             self._observations(),
             {agent: float(reward[i]) for i, agent in enumerate(AGENTS)},
@@ -105,7 +131,10 @@ class ThesisParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
 
     def _observations(self) -> dict[str, Observation]:
         seen, masks = self.game.observe(), self.game.masks()
-        return {agent: {"observation": seen[i], "action_mask": masks[i]} for i, agent in enumerate(AGENTS)}
+        return {
+            agent: {"observation": seen[i], "action_mask": masks[i]}
+            for i, agent in enumerate(AGENTS)
+        }
 
     def _infos(self, happenings: list[dict[str, Any]]) -> dict[str, dict[str, Any]]:
         masks = self.game.masks()

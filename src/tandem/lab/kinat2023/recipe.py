@@ -1,4 +1,6 @@
-"""How the two agents of a cell are trained on the thesis's station: as Kinat (2023) has it, and as we would."""
+"""How the two agents of a cell are trained on the thesis's station: as Kinat (2023) has it, and as
+we would.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,11 @@ from tandem.learn.forms import STRICT
 from tandem.learn.ppo.config import Config, Stage
 from tandem.learn.settings import must_hold, one_of
 
-OBSERVATIONS: dict[str, Callable[..., Any]] = {"thesis": observe, "scaled": observe_scaled, "normalised": observe_normalised}
+OBSERVATIONS: dict[str, Callable[..., Any]] = {
+    "thesis": observe,
+    "scaled": observe_scaled,
+    "normalised": observe_normalised,
+}
 """What a recipe's `sees` means: station and state to `[2, D]`, in NumPy and JAX alike."""
 
 Pace = Literal["ticks", "decisions"]
@@ -27,7 +33,8 @@ class StationRecipe:
     Attributes:
       config: of the learner.
       pace: the station by "ticks" or by "decisions".
-      sees: a name in `OBSERVATIONS`: the thesis's observation as it is ("thesis") or in 0..1 ("scaled"), or ours ("normalised").
+      sees: a name in `OBSERVATIONS`: the thesis's observation as it is ("thesis") or in 0..1
+        ("scaled"), or ours ("normalised").
       rewards: a name in `tandem.lab.kinat2023.REWARDS`. What idling costs is said by the stages.
     """
 
@@ -49,13 +56,24 @@ class StationRecipe:
         yield from one_of(self, "rewards", REWARDS)
 
     def to_dict(self) -> dict[str, Any]:
-        return {"pace": self.pace, "sees": self.sees, "rewards": self.rewards, "config": self.config.to_dict()}
+        return {
+            "pace": self.pace,
+            "sees": self.sees,
+            "rewards": self.rewards,
+            "config": self.config.to_dict(),
+        }
 
 
 THESIS = StationRecipe(
     Config(
         stages=(
-            Stage(episodes=800, entropy=0.7, learning_rate=1e-4, idle=-10.0, normalise_advantages=False),
+            Stage(
+                episodes=800,
+                entropy=0.7,
+                learning_rate=1e-4,
+                idle=-10.0,
+                normalise_advantages=False,
+            ),
             Stage(episodes=500, entropy=0.7, learning_rate=1e-4, normalise_advantages=False),
             Stage(episodes=800, entropy=0.01, learning_rate=1e-4, normalise_advantages=False),
         ),
@@ -78,8 +96,10 @@ THESIS = StationRecipe(
     pace="ticks",
     sees="thesis",
 )
-"""Kinat (2023), chapters 5 and 6: what is written there. What is not, as the toolbox it used has it by default: two hidden layers, ReLU, raw
-advantages, learning after each episode or 512 steps, whichever comes first. (Recalled from its manual; ASSUMPTION.)"""
+"""Kinat (2023), chapters 5 and 6: what is written there. What is not, as the toolbox it used has it
+by default: two hidden layers, ReLU, raw advantages, learning after each episode or 512 steps,
+whichever comes first. (Recalled from its manual; ASSUMPTION.)
+"""
 
 STATION = StationRecipe(
     Config(
@@ -101,11 +121,26 @@ STATION = StationRecipe(
 """Ours: only legal actions, 64 stations at once, decisions instead of ticks."""
 
 
-def varied(base: StationRecipe, *, normalise_advantages: bool | None = None, sees: str | None = None, rewards: str | None = None) -> StationRecipe:
-    """The recipe with what the thesis's text and code leave open set otherwise. Table 5-2 punishes idling in stage 1 with -11 instead of -10."""
+def varied(
+    base: StationRecipe,
+    *,
+    normalise_advantages: bool | None = None,
+    sees: str | None = None,
+    rewards: str | None = None,
+) -> StationRecipe:
+    """The recipe with what the thesis's text and code leave open set otherwise. Table 5-2 punishes
+    idling in stage 1 with -11 instead of -10.
+    """
     stages = base.config.stages
     if normalise_advantages is not None:
-        stages = tuple(replace(stage, normalise_advantages=normalise_advantages) for stage in stages)
+        stages = tuple(
+            replace(stage, normalise_advantages=normalise_advantages) for stage in stages
+        )
     if rewards == "table_5_2":
         stages = tuple(replace(stage, idle=-11.0 if stage.idle else 0.0) for stage in stages)
-    return replace(base, config=replace(base.config, stages=stages), sees=sees or base.sees, rewards=rewards or base.rewards)
+    return replace(
+        base,
+        config=replace(base.config, stages=stages),
+        sees=sees or base.sees,
+        rewards=rewards or base.rewards,
+    )

@@ -1,7 +1,8 @@
-"""Trainings on the thesis's cell, one record a run: the thesis's own recipe in its variants, and ours.
+"""Trainings on the thesis's cell, one record a run: the thesis's own recipe in its variants, and
+ours.
 
-A record is plain data (see `record`). Records of long runs are kept one file each, written when the run has ended, so that a batch that
-was stopped goes on where it was.
+A record is plain data (see `record`). Records of long runs are kept one file each, written when the
+run has ended, so that a batch that was stopped goes on where it was.
 """
 
 from __future__ import annotations
@@ -30,13 +31,17 @@ VARIANTS: dict[str, StationRecipe] = {
     "thesis, scaled observations": varied(THESIS, sees="scaled"),
     "thesis, rewards of table 5-2": varied(THESIS, rewards="table_5_2"),
 }
-"""The thesis's recipe as it is written, and with one thing otherwise each: its text and code leave them open."""
+"""The thesis's recipe as it is written, and with one thing otherwise each: its text and code leave
+them open.
+"""
 
 OURS = "tandem"
 LIMIT = 1400
 SAMPLED = 100
 MOST_STEPS = 400_000
-"""A run of the thesis's recipe is ended there and counted as it stands: agents that stall play 1400 steps an episode."""
+"""A run of the thesis's recipe is ended there and counted as it stands: agents that stall play 1400
+steps an episode.
+"""
 
 
 def thesis_cell() -> Cell:
@@ -45,13 +50,19 @@ def thesis_cell() -> Cell:
         return load(file)
 
 
-def run_all(folder: Path, variants: Sequence[str], seeds: Iterable[int], factors: Sequence[int] = FACTORS) -> Iterator[Path]:
-    """Every run of the thesis's recipe that has no record in `folder` yet, seed by seed; yields each record's file."""
+def run_all(
+    folder: Path, variants: Sequence[str], seeds: Iterable[int], factors: Sequence[int] = FACTORS
+) -> Iterator[Path]:
+    """Every run of the thesis's recipe that has no record in `folder` yet, seed by seed; yields
+    each record's file.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     for seed in seeds:
         for variant in variants:
             for factor in factors:
-                file = folder / f"{variant.replace(', ', '_').replace(' ', '-')}_{factor}_{seed}.json"
+                file = (
+                    folder / f"{variant.replace(', ', '_').replace(' ', '-')}_{factor}_{seed}.json"
+                )
                 if not file.exists():
                     part = file.with_suffix(f".{os.getpid()}.part")
                     part.write_text(json.dumps(run_thesis(variant, factor, seed)))
@@ -59,7 +70,13 @@ def run_all(folder: Path, variants: Sequence[str], seeds: Iterable[int], factors
                 yield file
 
 
-def run_thesis(variant: str, factor: float, seed: int, recipe: StationRecipe | None = None, most_steps: int = MOST_STEPS) -> dict[str, Any]:
+def run_thesis(
+    variant: str,
+    factor: float,
+    seed: int,
+    recipe: StationRecipe | None = None,
+    most_steps: int = MOST_STEPS,
+) -> dict[str, Any]:
     """The record of one training with the thesis's recipe (or `recipe`, by the name `variant`)."""
     import jax
     import numpy as np
@@ -81,8 +98,12 @@ def run_thesis(variant: str, factor: float, seed: int, recipe: StationRecipe | N
     return record(variant, factor, seed, recipe, learner, history, play_key, world, cpu_s)
 
 
-def run_ours(seeds: Sequence[int], factors: Sequence[float] = FACTORS, recipe: StationRecipe = STATION) -> list[dict[str, Any]]:
-    """The records of our recipe for every factor and seed, all trained side by side (one `vmap`)."""
+def run_ours(
+    seeds: Sequence[int], factors: Sequence[float] = FACTORS, recipe: StationRecipe = STATION
+) -> list[dict[str, Any]]:
+    """The records of our recipe for every factor and seed, all trained side by side (one
+    `vmap`).
+    """
     import jax
     import jax.numpy as jnp
 
@@ -95,33 +116,67 @@ def run_ours(seeds: Sequence[int], factors: Sequence[float] = FACTORS, recipe: S
     worlds = [StationWorld.of(cell, recipe, stress_factor=factor) for factor, _ in wanted]
     together = jax.tree.map(lambda *leaves: jnp.stack(leaves), *worlds)
     keys = [jax.random.split(jax.random.key(seed)) for _, seed in wanted]
-    updates = sum(math.ceil((stage.steps or 0) / (config.environments * config.horizon)) for stage in config.stages)
+    updates = sum(
+        math.ceil((stage.steps or 0) / (config.environments * config.horizon))
+        for stage in config.stages
+    )
     train = jax.jit(jax.vmap(partial(ppo.train, config=config, updates=updates)))
-    learners, histories = jax.block_until_ready(train(jnp.stack([pair[0] for pair in keys]), together))
+    learners, histories = jax.block_until_ready(
+        train(jnp.stack([pair[0] for pair in keys]), together)
+    )
     cpu_s = (time.process_time() - began) / len(wanted)
     records = []
     for place, (factor, seed) in enumerate(wanted):
-        learner, history = jax.tree.map(lambda leaf, place=place: leaf[place], (learners, histories))
-        records.append(record(OURS, factor, seed, recipe, learner, jax.device_get(history), keys[place][1], worlds[place], cpu_s))
+        learner, history = jax.tree.map(
+            lambda leaf, place=place: leaf[place], (learners, histories)
+        )
+        records.append(
+            record(
+                OURS,
+                factor,
+                seed,
+                recipe,
+                learner,
+                jax.device_get(history),
+                keys[place][1],
+                worlds[place],
+                cpu_s,
+            )
+        )
     return records
 
 
 def record(
-    variant: str, factor: float, seed: int, recipe: StationRecipe, learner: Any, history: Any, play_key: Any, world: Any, cpu_s: float
+    variant: str,
+    factor: float,
+    seed: int,
+    recipe: StationRecipe,
+    learner: Any,
+    history: Any,
+    play_key: Any,
+    world: Any,
+    cpu_s: float,
 ) -> dict[str, Any]:
     """What a run was, in plain data.
 
-    `greedy`: makespan and stress (None when it did not end within 1400 steps), rules broken, returns, the joint actions.
-    `sampled`: of 100 episodes the share that ended, the mean makespan and stress of those, and how often each pair came.
-    `best_of_n`: the pair of the sampled episode with the largest sum of returns.
-    `curve`: per 30 episodes the mean return of robot and human, and the critics' value of the first state at their end.
+    `greedy`: makespan and stress (None when it did not end within 1400 steps), rules broken,
+    returns, the joint actions. `sampled`: of 100 episodes the share that ended, the mean makespan
+    and stress of those, and how often each pair came. `best_of_n`: the pair of the sampled episode
+    with the largest sum of returns. `curve`: per 30 episodes the mean return of robot and human,
+    and the critics' value of the first state at their end.
     """
     import numpy as np
 
     plain, drawn = _play(learner, play_key, world, recipe.config)
     length = int(plain.length[0])
     done = np.asarray(drawn.done)
-    pairs = list(zip(np.asarray(drawn.state.clock).tolist(), np.asarray(drawn.state.stress).tolist(), strict=True))
+    pairs = list(
+        zip(
+            np.asarray(drawn.state.clock).tolist(),
+            np.asarray(drawn.state.stress).tolist(),
+            strict=True,
+        )
+    )
     returns = np.asarray(drawn.returns).sum(1)
     best = int(np.argmax(np.where(done, returns, -np.inf)))
     return {
@@ -142,11 +197,17 @@ def record(
         "sampled": {
             "episodes": len(pairs),
             "done": float(done.mean()),
-            "makespan": float(np.mean([p[0] for p, d in zip(pairs, done, strict=True) if d])) if done.any() else None,
-            "stress": float(np.mean([p[1] for p, d in zip(pairs, done, strict=True) if d])) if done.any() else None,
+            "makespan": float(np.mean([p[0] for p, d in zip(pairs, done, strict=True) if d]))
+            if done.any()
+            else None,
+            "stress": float(np.mean([p[1] for p, d in zip(pairs, done, strict=True) if d]))
+            if done.any()
+            else None,
             "pairs": _counted(p for p, d in zip(pairs, done, strict=True) if d),
         },
-        "best_of_n": {"makespan": int(pairs[best][0]), "stress": pairs[best][1]} if done.any() else None,
+        "best_of_n": {"makespan": int(pairs[best][0]), "stress": pairs[best][1]}
+        if done.any()
+        else None,
         "curve": _curve(history),
     }
 
@@ -172,7 +233,9 @@ def _curve(history: Any, window: int = 30) -> Mapping[str, list[Any]]:
             curve["episodes"].append(int(total[place]))
             curve["steps"].append(int(history.steps[place]))
             curve["returns"].append(np.round(weighted / count, 1).tolist())
-            curve["first_value"].append(np.round(np.asarray(history.first_value[place]), 1).tolist())
+            curve["first_value"].append(
+                np.round(np.asarray(history.first_value[place]), 1).tolist()
+            )
             since, weighted, count = int(total[place]), weighted * 0, 0.0
     return curve
 
@@ -193,7 +256,9 @@ def _advance(learner: Any, world: Any, config: Any, updates: int) -> Any:
 
     from tandem.learn.ppo import ppo
 
-    return jax.jit(ppo.advance, static_argnames=("config", "updates"))(learner, world, config, updates)
+    return jax.jit(ppo.advance, static_argnames=("config", "updates"))(
+        learner, world, config, updates
+    )
 
 
 def _play(learner: Any, key: Any, world: Any, config: Any) -> Any:
@@ -201,6 +266,10 @@ def _play(learner: Any, key: Any, world: Any, config: Any) -> Any:
 
     from tandem.learn.ppo import play
 
-    plain = jax.jit(play.greedy, static_argnames=("config", "limit"))(learner.parameters, world, config, LIMIT)
-    drawn = jax.jit(play.sampled, static_argnames=("config", "limit", "episodes"))(key, learner.parameters, world, config, LIMIT, SAMPLED)
+    plain = jax.jit(play.greedy, static_argnames=("config", "limit"))(
+        learner.parameters, world, config, LIMIT
+    )
+    drawn = jax.jit(play.sampled, static_argnames=("config", "limit", "episodes"))(
+        key, learner.parameters, world, config, LIMIT, SAMPLED
+    )
     return jax.device_get((plain, drawn))

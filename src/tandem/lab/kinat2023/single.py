@@ -1,4 +1,6 @@
-"""The thesis's station as Gymnasium wants it: one controller for both agents, paid the sum of their rewards."""
+"""The thesis's station as Gymnasium wants it: one controller for both agents, paid the sum of their
+rewards.
+"""
 
 from __future__ import annotations
 
@@ -23,20 +25,25 @@ Observation = dict[str, NDArray[Any]]
 class ThesisEnv(gymnasium.Env[Any, Any]):
     """One controller of robot and human, in one of two ways.
 
-    `by="decisions"` (the default): one decision at a time. The action is 0, wait, or a task's number, for the agent whose turn it is;
-    where both decide at once the human comes first and time stands still in between (who has only one choice is not asked). The first two
-    numbers of the observation say whose turn it is (robot, human), the next T + 1 what the human has just named.
+    `by="decisions"` (the default): one decision at a time. The action is 0, wait, or a task's
+    number, for the agent whose turn it is; where both decide at once the human comes first and time
+    stands still in between (who has only one choice is not asked). The first two numbers of the
+    observation say whose turn it is (robot, human), the next T + 1 what the human has just named.
 
-    `by="ticks"`: every second a joint action, `robot * (T + 1) + human`. The mask leaves out what would make the robot yield.
+    `by="ticks"`: every second a joint action, `robot * (T + 1) + human`. The mask leaves out what
+    would make the robot yield.
 
-    Observation, mask and illegal actions as in the PettingZoo face; `action_masks()` is what sb3-contrib asks for. `info["episode"]` is left
-    to `gymnasium.wrappers.RecordEpisodeStatistics` and to SB3's `Monitor`, which insist on writing it.
+    Observation, mask and illegal actions as in the PettingZoo face; `action_masks()` is what
+    sb3-contrib asks for. `info["episode"]` is left to `gymnasium.wrappers.RecordEpisodeStatistics`
+    and to SB3's `Monitor`, which insist on writing it.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": list(RENDER_MODES), "render_fps": 4}  # type: ignore[misc]
 
     def __init__(self, cell: Cell | str | os.PathLike[str], **options: Any):
-        self.game = Game(cell, Options(**{"by": "decisions", "observation": "normalised", **options}))
+        self.game = Game(
+            cell, Options(**{"by": "decisions", "observation": "normalised", **options})
+        )
         self.render_mode = self.game.options.render_mode
         self.joint = self.game.options.by == "ticks"
         actions = self.game.tasks + 1
@@ -52,8 +59,12 @@ class ThesisEnv(gymnasium.Env[Any, Any]):
         self.turn, self.named = HUMAN, 0
         self._door = Door({CONTROLLER: int(self.action_space.n)}, strict=self.game.options.strict)
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
-        """The first observation. The station knows no chance: `seed` is taken and changes nothing."""
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """The first observation. The station knows no chance: `seed` is taken and changes
+        nothing.
+        """
         super().reset(seed=seed)
         self.game.reset()
         self._door.open()
@@ -63,20 +74,29 @@ class ThesisEnv(gymnasium.Env[Any, Any]):
     def step(self, action: int) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """One decision or one second.
 
-        Raises UsageError for an illegal action when strict, for what is no action, and after the end.
+        Raises UsageError for an illegal action when strict, for what is no action, and after the
+        end.
         """
         action = self._door.number(action, CONTROLLER)
         illegal = not is_legal(self.action_masks(), action)
         if self.joint:
-            robot, human = (OUTSIDE, OUTSIDE) if action == OUTSIDE else divmod(action, self.game.tasks + 1)
+            robot, human = (
+                (OUTSIDE, OUTSIDE) if action == OUTSIDE else divmod(action, self.game.tasks + 1)
+            )
             masks = self.game.masks()
             broken = (not is_legal(masks[ROBOT], robot), not is_legal(masks[HUMAN], human))
             reward, happenings = self.game.step((robot, human), broken)
         elif self.turn == HUMAN and self._left_to_the_robot(action).sum() > 1:
             return self._then_the_robot(action, illegal)
         else:
-            joint = (action, self.named) if self.turn == ROBOT else (int(self._left_to_the_robot(action).argmax()), action)
-            reward, happenings = self.game.step(joint, (illegal and self.turn == ROBOT, illegal and self.turn == HUMAN))
+            joint = (
+                (action, self.named)
+                if self.turn == ROBOT
+                else (int(self._left_to_the_robot(action).argmax()), action)
+            )
+            reward, happenings = self.game.step(
+                joint, (illegal and self.turn == ROBOT, illegal and self.turn == HUMAN)
+            )
             self._next_turn()
         info = self._info(happenings)
         info["illegal"] = info["illegal"] or (illegal and not self.joint)
@@ -99,18 +119,26 @@ class ThesisEnv(gymnasium.Env[Any, Any]):
         """The schedule so far, as the render mode says: text, pixels, or None."""
         return self.game.render()
 
-    def _then_the_robot(self, action: int, illegal: bool) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+    def _then_the_robot(
+        self, action: int, illegal: bool
+    ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """The human has named; no time passes, the robot is asked."""
         if illegal and self.game.options.strict:
             raise UsageError(
-                f"the human named {action}; legal are {', '.join(map(str, np.flatnonzero(self.action_masks())))}. Take an action from action_masks()."
+                f"the human named {action}; legal are"
+                f" {', '.join(map(str, np.flatnonzero(self.action_masks())))}. Take an action from"
+                " action_masks()."
             )
         self.turn, self.named = ROBOT, action
-        info = self._info([self.game.happenings(ROBOT), self.game.happenings(HUMAN, broken=illegal)])
+        info = self._info(
+            [self.game.happenings(ROBOT), self.game.happenings(HUMAN, broken=illegal)]
+        )
         return self._observation(), 0.0, False, False, info
 
     def _left_to_the_robot(self, human: int) -> NDArray[np.int8]:
-        return np.asarray(after_human(self.game.state, self.game.masks().astype(bool), np.int32(human)), np.int8)
+        return np.asarray(
+            after_human(self.game.state, self.game.masks().astype(bool), np.int32(human)), np.int8
+        )
 
     def _next_turn(self) -> None:
         """The human's, when the human decides; else the robot's."""
@@ -127,8 +155,13 @@ class ThesisEnv(gymnasium.Env[Any, Any]):
         return {"observation": seen, "action_mask": self.action_masks()}
 
     def _info(self, happenings: list[dict[str, Any]]) -> dict[str, Any]:
-        """Both agents' happenings in one: what is said per agent becomes a pair (robot, human), idle seconds add up."""
+        """Both agents' happenings in one: what is said per agent becomes a pair (robot, human),
+        idle seconds add up.
+        """
         robot, human = happenings
         each = {key: (robot[key], human[key]) for key in ("task_started", "task_finished")}
-        both = {"idle": robot["idle"] + human["idle"], "illegal": robot["illegal"] or human["illegal"]}
+        both = {
+            "idle": robot["idle"] + human["idle"],
+            "illegal": robot["illegal"] or human["illegal"],
+        }
         return {"action_mask": self.action_masks(), **robot, **each, **both}

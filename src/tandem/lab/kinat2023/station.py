@@ -1,4 +1,6 @@
-"""From a cell to the thesis's arrays. What its encoding cannot hold is refused, every reason at once."""
+"""From a cell to the thesis's arrays. What its encoding cannot hold is refused, every reason at
+once.
+"""
 
 from __future__ import annotations
 
@@ -17,31 +19,45 @@ LONGEST = 30_000
 
 
 def station(cell: Cell, *, per_second: int = 1) -> Station:
-    """The cell as the thesis encodes it, in NumPy arrays; tasks keep the cell's order and are numbered from 1.
+    """The cell as the thesis encodes it, in NumPy arrays; tasks keep the cell's order and are
+    numbered from 1.
 
     Args:
-      per_second: ticks in a second. The thesis has 1; a cell whose times are no whole seconds fits with more (`whole_ticks(cell)`).
+      per_second: ticks in a second. The thesis has 1; a cell whose times are no whole seconds fits
+        with more (`whole_ticks(cell)`).
 
     Raises:
       CellError: with everything that the thesis's encoding cannot hold.
       UsageError: `per_second` is no whole number above 0.
     """
     if isinstance(per_second, bool) or not isinstance(per_second, int) or per_second < 1:
-        raise UsageError(f"per_second is {per_second!r}: give the ticks in a second as a whole number from 1.")
+        raise UsageError(
+            f"per_second is {per_second!r}: give the ticks in a second as a whole number from 1."
+        )
     faults = [fault for rule in RULES for fault in rule(cell)]
     faults += list(_times_do_not_fit(cell, per_second))
     if faults:
         raise CellError(faults)
     agents, tasks, human = (cell.robots[0], cell.humans[0]), cell.tasks.values(), cell.humans[0]
-    time = [[int(_ticks(task.time[who], per_second)) if who in task.time else 0 for task in tasks] for who in agents]
-    stress = [task.stress.get(human, 0.0) if isinstance(task.stress, Mapping) else task.stress for task in tasks]
+    time = [
+        [int(_ticks(task.time[who], per_second)) if who in task.time else 0 for task in tasks]
+        for who in agents
+    ]
+    stress = [
+        task.stress.get(human, 0.0) if isinstance(task.stress, Mapping) else task.stress
+        for task in tasks
+    ]
     needs = [[other in task.after for other in cell.tasks] for task in tasks]
     return Station(np.array(time, np.int32), np.array(stress, np.float32), np.array(needs, bool))
 
 
 def whole_ticks(cell: Cell) -> int:
-    """The fewest ticks in a second (1, or 2, 5, 10, 20, 50, ...) that make every time of the cell a whole number of at least 2 ticks."""
-    times = [Decimal(repr(seconds)) for task in cell.tasks.values() for seconds in task.time.values()]
+    """The fewest ticks in a second (1, or 2, 5, 10, 20, 50, ...) that make every time of the cell a
+    whole number of at least 2 ticks.
+    """
+    times = [
+        Decimal(repr(seconds)) for task in cell.tasks.values() for seconds in task.time.values()
+    ]
     scale = 1
     while not all((time * scale) % 1 == 0 and time * scale >= 2 for time in times):
         scale = scale * 5 // 2 if str(scale)[0] == "2" else scale * 2
@@ -51,21 +67,28 @@ def whole_ticks(cell: Cell) -> int:
 def _one_robot_and_one_human(cell: Cell) -> Iterator[Fault]:
     if len(cell.robots) != 1 or len(cell.humans) != 1:
         yield Fault(
-            f"the cell has {_count(len(cell.robots), 'robot')} and {_count(len(cell.humans), 'human')}; the thesis's world has exactly one of each.",
+            f"the cell has {_count(len(cell.robots), 'robot')} and"
+            f" {_count(len(cell.humans), 'human')}; the thesis's world has exactly one of each.",
             ("operators",),
         )
 
 
 def _only_what_it_knows(cell: Cell) -> Iterator[Fault]:
     for name, operator in cell.operators.items():
-        for key, value in (("breaks", operator.breaks), ("stress_limit", operator.stress_limit is not None)):
+        for key, value in (
+            ("breaks", operator.breaks),
+            ("stress_limit", operator.stress_limit is not None),
+        ):
             if value:
                 yield Fault(_unknown(key), ("operators", name, key))
     for name, task in cell.tasks.items():
         for key in ("together", "tool", "zone", "release", "deadline"):
             if _says_something(task, key):
                 yield Fault(_unknown(key), ("tasks", name, key))
-    for key, value in (("same_operator", bool(cell.same_operator)), ("stress_of_set", cell.stress_of_set is not None)):
+    for key, value in (
+        ("same_operator", bool(cell.same_operator)),
+        ("stress_of_set", cell.stress_of_set is not None),
+    ):
         if value:
             yield Fault(_unknown(key), (key,))
 
@@ -74,12 +97,17 @@ def _somebody_can_do_each_task(cell: Cell) -> Iterator[Fault]:
     for name, task in cell.tasks.items():
         if not task.time:
             yield Fault(
-                "nobody can do it alone. The thesis's world holds 0 for who cannot, and a task with two zeros counts as done from the start.",
+                "nobody can do it alone. The thesis's world holds 0 for who cannot, and a task with"
+                " two zeros counts as done from the start.",
                 ("tasks", name, "time"),
             )
 
 
-RULES: tuple[Callable[[Cell], Iterator[Fault]], ...] = (_one_robot_and_one_human, _only_what_it_knows, _somebody_can_do_each_task)
+RULES: tuple[Callable[[Cell], Iterator[Fault]], ...] = (
+    _one_robot_and_one_human,
+    _only_what_it_knows,
+    _somebody_can_do_each_task,
+)
 
 
 def _times_do_not_fit(cell: Cell, per_second: int) -> Iterator[Fault]:
@@ -88,18 +116,24 @@ def _times_do_not_fit(cell: Cell, per_second: int) -> Iterator[Fault]:
             ticks, path = _ticks(seconds, per_second), ("tasks", name, "time", who)
             if ticks % 1:
                 yield Fault(
-                    f"{seconds:g} s is {ticks.normalize():f} ticks, no whole number; the thesis's world moves in whole ticks. "
-                    f"With per_second={whole_ticks(cell)} every time of this cell fits.",
+                    f"{seconds:g} s is {ticks.normalize():f} ticks, no whole number; the thesis's"
+                    f" world moves in whole ticks. With per_second={whole_ticks(cell)} every time"
+                    " of this cell fits.",
                     path,
                 )
             elif ticks == 1:
                 yield Fault(
-                    f"{seconds:g} s is one tick; the thesis takes one tick off every time at the start, so the task would vanish. "
-                    f"With per_second={whole_ticks(cell)} every time of this cell fits.",
+                    f"{seconds:g} s is one tick; the thesis takes one tick off every time at the"
+                    f" start, so the task would vanish. With per_second={whole_ticks(cell)} every"
+                    " time of this cell fits.",
                     path,
                 )
             elif ticks > LONGEST:
-                yield Fault(f"{seconds:g} s is {ticks:f} ticks; the thesis's world counts to {LONGEST}. Use a smaller per_second.", path)
+                yield Fault(
+                    f"{seconds:g} s is {ticks:f} ticks; the thesis's world counts to {LONGEST}. Use"
+                    " a smaller per_second.",
+                    path,
+                )
 
 
 def _ticks(seconds: float, per_second: int) -> Decimal:

@@ -1,4 +1,6 @@
-"""Independent PPO on the thesis's station as the trainer wants it: compiled for all seeds, its figures, its results."""
+"""Independent PPO on the thesis's station as the trainer wants it: compiled for all seeds, its
+figures, its results.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,9 @@ BEST_OF = 64
 
 
 class Trainee:
-    """PPO on an order whose recipe is a `StationRecipe`. Raises CellError when the thesis's station cannot hold the cell."""
+    """PPO on an order whose recipe is a `StationRecipe`. Raises CellError when the thesis's station
+    cannot hold the cell.
+    """
 
     players = staticmethod(players)
     costs = staticmethod(costs)
@@ -48,7 +52,9 @@ class Trainee:
 
     def begin(self) -> ppo.Learner:
         keys = jax.numpy.stack([jax.random.key(seed) for seed in self.order.seeds])
-        return jax.jit(jax.vmap(partial(ppo.start, config=self.config), (0, None)))(keys, self.world)
+        return jax.jit(jax.vmap(partial(ppo.start, config=self.config), (0, None)))(
+            keys, self.world
+        )
 
     def advance(self, learners: ppo.Learner) -> tuple[ppo.Learner, ppo.Report]:
         updates = EPISODES_BETWEEN_FIGURES if self.config.stop_at_end else 1
@@ -60,17 +66,30 @@ class Trainee:
     def rows(self, learners: ppo.Learner, report: ppo.Report) -> list[Row]:
         """The figures that the thesis watches, and those that say how good the agents are."""
         played = jax.device_get(_greedy(learners.parameters, self.world, self.config))
-        return [self._row(learners, place, *of_seed((report, played), place)) for place in range(len(self.order.seeds))]
+        return [
+            self._row(learners, place, *of_seed((report, played), place))
+            for place in range(len(self.order.seeds))
+        ]
 
     def play(self, learners: ppo.Learner) -> list[Row]:
         """`best_of_n`: of n sampled episodes the one with the largest sum of returns."""
         greedy = jax.device_get(_greedy(learners.parameters, self.world, self.config))
-        drawn = jax.device_get(_sampled(jax.random.key(self.order.seeds[0]), learners.parameters, self.world, self.config))
+        drawn = jax.device_get(
+            _sampled(
+                jax.random.key(self.order.seeds[0]), learners.parameters, self.world, self.config
+            )
+        )
         rows = []
         for place in range(len(self.order.seeds)):
             sure, draws = of_seed((greedy, drawn), place)
             best = {"n": BEST_OF, **self._reached(draws, best_of(draws))}
-            rows.append({"steps": int(learners.steps[place]), "greedy": self._reached(sure, 0), "best_of_n": best})
+            rows.append(
+                {
+                    "steps": int(learners.steps[place]),
+                    "greedy": self._reached(sure, 0),
+                    "best_of_n": best,
+                }
+            )
         return rows
 
     def save_policy(self, learners: ppo.Learner, place: int, path: Path) -> None:
@@ -88,14 +107,20 @@ class Trainee:
             "sees": self.recipe.sees,
             "rewards": self.recipe.rewards,
         }
-        Policy(self.world.agents, actor, config.activation, config.masked, config.share_actor, notes).save(path)
+        Policy(
+            self.world.agents, actor, config.activation, config.masked, config.share_actor, notes
+        ).save(path)
 
     def _row(self, learners: ppo.Learner, place: int, report: ppo.Report, played: Played) -> Row:
         ended = np.asarray(report.episodes)
         last = int(np.flatnonzero(ended)[-1]) if ended.any() else len(ended) - 1
         weights = ended / max(ended.sum(), 1)
         mean, illegal = np.asarray(weights @ report.returns), np.asarray(weights @ report.illegal)
-        row: Row = {"stage": int(report.stage[-1]) + 1, "episodes": int(learners.episodes[place]), "steps": int(report.steps[-1])}
+        row: Row = {
+            "stage": int(report.stage[-1]) + 1,
+            "episodes": int(learners.episodes[place]),
+            "steps": int(report.steps[-1]),
+        }
         for name, agent in enumerate(self.world.agents):
             row[f"return_{agent}"] = round(float(report.returns[last][name]), 4)
             row[f"mean_return_{agent}"] = round(float(mean[name]), 4)
@@ -105,12 +130,18 @@ class Trainee:
         return row | {f"greedy_{name}": value for name, value in self._reached(played, 0).items()}
 
     def _reached(self, played: Played, place: int) -> Row:
-        """Makespan in seconds and stress of an episode, None when it did not come to its end; and how many rules were broken."""
+        """Makespan in seconds and stress of an episode, None when it did not come to its end; and
+        how many rules were broken.
+        """
         makespan = stress = None
         if played.done[place]:
             makespan = plain(seconds(int(played.state.clock[place]), whole_ticks(self.order.cell)))
             stress = plain(round(float(played.state.stress[place]), 6))
-        return {"makespan": makespan, "stress": stress, "illegal": int(np.sum(played.illegal[place]))}
+        return {
+            "makespan": makespan,
+            "stress": stress,
+            "illegal": int(np.sum(played.illegal[place])),
+        }
 
 
 def best_of(played: Played) -> int:
@@ -122,18 +153,29 @@ def best_of(played: Played) -> int:
 
 
 @partial(jax.jit, static_argnames=("config", "updates"))
-def _advance(learners: ppo.Learner, world: StationWorld, config: Config, updates: int) -> tuple[ppo.Learner, ppo.Report]:
-    """Side by side where every rollout has the same length; else one after the other, so that none waits for the longest episode."""
+def _advance(
+    learners: ppo.Learner, world: StationWorld, config: Config, updates: int
+) -> tuple[ppo.Learner, ppo.Report]:
+    """Side by side where every rollout has the same length; else one after the other, so that none
+    waits for the longest episode.
+    """
     one = partial(ppo.advance, world=world, config=config, updates=updates)
     return jax.lax.map(one, learners) if config.stop_at_end else jax.vmap(one)(learners)
 
 
 @partial(jax.jit, static_argnames="config")
 def _greedy(parameters: ppo.Parameters, world: StationWorld, config: Config) -> Played:
-    return jax.lax.map(lambda one: play.greedy(one, world, config, config.episode_limit or LONGEST_PLAY), parameters)
+    return jax.lax.map(
+        lambda one: play.greedy(one, world, config, config.episode_limit or LONGEST_PLAY),
+        parameters,
+    )
 
 
 @partial(jax.jit, static_argnames="config")
-def _sampled(key: jax.Array, parameters: ppo.Parameters, world: StationWorld, config: Config) -> Played:
+def _sampled(
+    key: jax.Array, parameters: ppo.Parameters, world: StationWorld, config: Config
+) -> Played:
     limit = config.episode_limit or LONGEST_PLAY
-    return jax.lax.map(lambda one: play.sampled(key, one, world, config, limit, BEST_OF), parameters)
+    return jax.lax.map(
+        lambda one: play.sampled(key, one, world, config, limit, BEST_OF), parameters
+    )

@@ -1,12 +1,15 @@
 """The thesis's station in ticks of one second: state in, state out.
 
-Source: Kinat (2023), chapter 5 and appendix E. The order inside a tick, and every quirk of it, is kept to the letter; each
-quirk has a test of its own in `tests/envs/test_thesis_quirks.py` and a line in `docs/environments.md`.
+Source: Kinat (2023), chapter 5 and appendix E. The order inside a tick, and every quirk of it, is
+kept to the letter; each quirk has a test of its own in `tests/envs/test_thesis_quirks.py` and a
+line in `docs/environments.md`.
 
-Pure functions over an array namespace: NumPy arrays in, NumPy arrays out; under `jax.jit` and `jax.vmap` the same lines are
-traced. They describe one station; `vmap` adds the batch. No function here draws a random number.
+Pure functions over an array namespace: NumPy arrays in, NumPy arrays out; under `jax.jit` and
+`jax.vmap` the same lines are traced. They describe one station; `vmap` adds the batch. No function
+here draws a random number.
 
-Axes: 2 agents, row 0 the robot and row 1 the human; `T` tasks, numbered 1..T in actions and in `doing`, where 0 is "none".
+Axes: 2 agents, row 0 the robot and row 1 the human; `T` tasks, numbered 1..T in actions and in
+`doing`, where 0 is "none".
 """
 
 from __future__ import annotations
@@ -40,7 +43,8 @@ class Rewards(NamedTuple):
     illegal: once for each rule that the named task breaks; they add up.
     idle: a free agent that names no task.
     all_done: each agent, in the tick that ends the last task.
-    stress_factor: the ergonomic factor f; starting task i pays the robot +e_i f and the human -e_i f.
+    stress_factor: the ergonomic factor f; starting task i pays the robot +e_i f and the human -e_i
+    f.
     """
 
     step: Array
@@ -54,7 +58,8 @@ class Rewards(NamedTuple):
 class State(NamedTuple):
     """An assembly under way.
 
-    time: `[2, T]` int32, ticks left; 0 = cannot, taken by the other, or ended. From the reset on a task that has not begun
+    time: `[2, T]` int32, ticks left; 0 = cannot, taken by the other, or ended. From the reset on a
+    task that has not begun
       shows one tick less than it takes: the tick in which it is assigned pays for the missing one.
     doing: `[2]` int32, number of the task in hand, 0 = free.
     ended: `[T]` bool, the tasks whose column of the dependency matrix has been cleared.
@@ -89,7 +94,9 @@ class Info(NamedTuple):
 
 
 def reset(station: Station) -> State:
-    """The assembly before its first tick. One tick is taken off every time that is not 0, as the thesis does."""
+    """The assembly before its first tick. One tick is taken off every time that is not 0, as the
+    thesis does.
+    """
     xp = namespace(station.time)
     tasks = station.time.shape[1]
     return State(
@@ -102,7 +109,9 @@ def reset(station: Station) -> State:
 
 
 def legal(station: Station, state: State) -> Array:
-    """`[2, T + 1]` bool, True where the action breaks no rule. Column 0, naming no task, is always legal."""
+    """`[2, T + 1]` bool, True where the action breaks no rule. Column 0, naming no task, is always
+    legal.
+    """
     xp = namespace(state.time)
     ready = ~_blocked(station, state)
     free = state.doing == 0
@@ -110,13 +119,18 @@ def legal(station: Station, state: State) -> Array:
     return xp.concatenate([xp.ones((2, 1), bool), tasks], axis=1)
 
 
-def step(station: Station, rewards: Rewards, state: State, action: Array) -> tuple[State, Array, Array, Info]:
+def step(
+    station: Station, rewards: Rewards, state: State, action: Array
+) -> tuple[State, Array, Array, Info]:
     """One tick.
 
-    1. Each agent's action is judged against the state before the tick. Naming a task while busy, one with an open dependency,
-       one whose own time is 0: each broken rule costs `illegal`, and they add up. An agent that broke one names no task in
-       this tick and its running task stands still; the other agent's does not. A free agent that names none pays `idle`.
-    2. The running tasks of lawful agents come one tick closer to their end. One that reaches 0 frees its agent and is cleared
+    1. Each agent's action is judged against the state before the tick. Naming a task while busy,
+      one with an open dependency,
+       one whose own time is 0: each broken rule costs `illegal`, and they add up. An agent that
+       broke one names no task in this tick and its running task stands still; the other agent's
+       does not. A free agent that names none pays `idle`.
+    2. The running tasks of lawful agents come one tick closer to their end. One that reaches 0
+      frees its agent and is cleared
        from the dependency matrix.
     3. When both still name the same task, the robot's action becomes 0, at no cost.
     4. Named tasks begin: the other agent's time for the task becomes 0 and the stress is paid.
@@ -183,15 +197,22 @@ def _blocked(station: Station, state: State) -> Array:
 
 
 def run(state: State, ticks: Array, passed: Array) -> tuple[State, Array]:
-    """Running tasks come `ticks` (`[2]`, at most what is left) closer to their end; the clock moves by `passed`.
+    """Running tasks come `ticks` (`[2]`, at most what is left) closer to their end; the clock moves
+    by `passed`.
 
-    Returns the state and `[2]` int32, the numbers of the tasks that ended."""
+    Returns the state and `[2]` int32, the numbers of the tasks that ended.
+    """
     xp = namespace(state.time)
     running = _one_hot(xp, state.doing, state.ended.shape[0])
     time = state.time - running * ticks[:, None]
     ends = running & (time == 0)
     finished = xp.where(xp.any(ends, axis=1), state.doing, 0)
-    moved = state._replace(time=time, doing=state.doing - finished, ended=state.ended | xp.any(ends, axis=0), clock=state.clock + passed)
+    moved = state._replace(
+        time=time,
+        doing=state.doing - finished,
+        ended=state.ended | xp.any(ends, axis=0),
+        clock=state.clock + passed,
+    )
     return moved, finished
 
 

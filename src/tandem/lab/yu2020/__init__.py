@@ -1,9 +1,25 @@
-"""The chessboard game of Yu, Huang and Chang (2020): pieces fall, the human chooses first, nobody waits."""
+"""The chessboard game of Yu, Huang and Chang (2020): pieces fall, the human chooses first, nobody
+waits.
+"""
 
 from tandem.lab.yu2020.chance import Chance, fate
 from tandem.lab.yu2020.layout import layout, stacked
 from tandem.lab.yu2020.players import PLAYERS
-from tandem.lab.yu2020.world import HUMAN, ROBOT, Fate, Layout, State, bottom, is_over, legal, levels, observe, reset, step, to_play
+from tandem.lab.yu2020.world import (
+    HUMAN,
+    ROBOT,
+    Fate,
+    Layout,
+    State,
+    bottom,
+    is_over,
+    legal,
+    levels,
+    observe,
+    reset,
+    step,
+    to_play,
+)
 
 __all__ = [
     "HUMAN",

@@ -1,4 +1,6 @@
-"""A chessboard as a board, and a game as a strip of them: pieces with name and time, coloured and hatched by who can do them."""
+"""A chessboard as a board, and a game as a strip of them: pieces with name and time, coloured and
+hatched by who can do them.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +9,15 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tandem.draw.figure import axes_or_new
-from tandem.draw.style import FAINT_INK, HUMAN_COLOURS, INK, ROBOT_COLOURS, ROBOT_HATCHES, RULE, tint
+from tandem.draw.style import (
+    FAINT_INK,
+    HUMAN_COLOURS,
+    INK,
+    ROBOT_COLOURS,
+    ROBOT_HATCHES,
+    RULE,
+    tint,
+)
 from tandem.lab.yu2020.board import Board, Piece, Who
 
 if TYPE_CHECKING:
@@ -36,11 +46,18 @@ class Frame(NamedTuple):
     doing: Mapping[str, Who]
 
 
-def plot_board(board: Board, ax: Axes | None = None, *, frame: Frame | None = None, legend: bool = True, times: bool = True) -> Axes:
+def plot_board(
+    board: Board,
+    ax: Axes | None = None,
+    *,
+    frame: Frame | None = None,
+    legend: bool = True,
+    times: bool = True,
+) -> Axes:
     """Draws the board and returns the axes: row 1, which can be played, at the bottom.
 
-    Robot pieces are hatched, human ones plain, those for either are both, corner to corner. A piece in hand has a bold edge and the colour of
-    who has it.
+    Robot pieces are hatched, human ones plain, those for either are both, corner to corner. A piece
+    in hand has a bold edge and the colour of who has it.
 
     Args:
       frame: a moment of a game; the untouched board when absent.
@@ -58,7 +75,11 @@ def plot_board(board: Board, ax: Axes | None = None, *, frame: Frame | None = No
         if piece.name in now.rows:
             box = _box(piece, now.rows[piece.name])
             _fill(ax, box, piece.who, now.doing.get(piece.name))
-            wordings = [f"{piece.name}  {piece.time} s", f"{piece.name} {piece.time}", piece.name] if times else [piece.name]
+            wordings = (
+                [f"{piece.name}  {piece.time} s", f"{piece.name} {piece.time}", piece.name]
+                if times
+                else [piece.name]
+            )
             weight = "bold" if piece.name in now.doing else "normal"
             fitted_text(ax, box, wordings, turn=False, fontweight=weight)
     ax.axhline(1.5, color=FAINT_INK, lw=0.8, ls=(0, (4, 3)), zorder=1)
@@ -116,14 +137,26 @@ def _fill(ax: Axes, box: Box, who: Who, by: Who | None) -> None:
             ax.add_patch(_patch(shape, kind, strength))
     edge = INK if by is not None else COLOURS.get(who, FAINT_INK)
     outline = [(left, bottom), (right, bottom), (right, top), (left, top)]
-    ax.add_patch(Polygon(outline, closed=True, fill=False, edgecolor=edge, lw=2.2 if by is not None else 1.0, zorder=4))
+    ax.add_patch(
+        Polygon(
+            outline,
+            closed=True,
+            fill=False,
+            edgecolor=edge,
+            lw=2.2 if by is not None else 1.0,
+            zorder=4,
+        )
+    )
 
 
 def _shapes(box: Box, who: Who) -> list[tuple[list[tuple[float, float]], Who]]:
     """The corners to fill, and as whose."""
     left, bottom, right, top = box
     if who is Who.EITHER:
-        return [([(left, bottom), (right, bottom), (left, top)], Who.HUMAN), ([(right, top), (left, top), (right, bottom)], Who.ROBOT)]
+        return [
+            ([(left, bottom), (right, bottom), (left, top)], Who.HUMAN),
+            ([(right, top), (left, top), (right, bottom)], Who.ROBOT),
+        ]
     return [([(left, bottom), (right, bottom), (right, top), (left, top)], who)]
 
 
@@ -131,7 +164,15 @@ def _patch(corners: Sequence[tuple[float, float]], kind: Who, strength: float) -
     from matplotlib.patches import Polygon
 
     colour = COLOURS[kind]
-    return Polygon(corners, closed=True, facecolor=tint(colour, strength), edgecolor=colour, hatch=HATCHES[kind], lw=0, zorder=2)
+    return Polygon(
+        corners,
+        closed=True,
+        facecolor=tint(colour, strength),
+        edgecolor=colour,
+        hatch=HATCHES[kind],
+        lw=0,
+        zorder=2,
+    )
 
 
 def _put_legend(target: Axes | Figure, in_hand: bool) -> None:
@@ -141,14 +182,35 @@ def _put_legend(target: Axes | Figure, in_hand: bool) -> None:
     from matplotlib.patches import Patch
     from matplotlib.transforms import ScaledTranslation
 
-    human, robot = (Patch(facecolor=tint(COLOURS[who]), edgecolor=COLOURS[who], hatch=HATCHES[who]) for who in (Who.HUMAN, Who.ROBOT))
-    entries: dict[str, Patch | tuple[Patch, ...]] = {"human": human, "robot": robot, "either": (human, robot)}
+    human, robot = (
+        Patch(facecolor=tint(COLOURS[who]), edgecolor=COLOURS[who], hatch=HATCHES[who])
+        for who in (Who.HUMAN, Who.ROBOT)
+    )
+    entries: dict[str, Patch | tuple[Patch, ...]] = {
+        "human": human,
+        "robot": robot,
+        "either": (human, robot),
+    }
     if in_hand:
-        entries["in hand, in the colour of who has it"] = Patch(facecolor="white", edgecolor=INK, lw=2.2)
-    style: dict[str, Any] = {"ncols": 4, "frameon": False, "fontsize": 9, "handler_map": {tuple: HandlerTuple(ndivide=None, pad=0)}}
+        entries["in hand, in the colour of who has it"] = Patch(
+            facecolor="white", edgecolor=INK, lw=2.2
+        )
+    style: dict[str, Any] = {
+        "ncols": 4,
+        "frameon": False,
+        "fontsize": 9,
+        "handler_map": {tuple: HandlerTuple(ndivide=None, pad=0)},
+    }
     handles: list[Any] = list(entries.values())
     if isinstance(target, Figure):
         target.legend(handles, list(entries), loc="outside lower left", **style)
     else:
         below = target.transAxes + ScaledTranslation(0, -0.5, target.figure.dpi_scale_trans)
-        target.legend(handles, list(entries), loc="upper left", bbox_to_anchor=(0, 0), bbox_transform=below, **style)
+        target.legend(
+            handles,
+            list(entries),
+            loc="upper left",
+            bbox_to_anchor=(0, 0),
+            bbox_transform=below,
+            **style,
+        )

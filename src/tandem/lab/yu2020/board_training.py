@@ -1,4 +1,6 @@
-"""Networks for chessboards: trained on one board or many, played on any, with or without trouble, and timed."""
+"""Networks for chessboards: trained on one board or many, played on any, with or without trouble,
+and timed.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,9 @@ Array = Any
 Anyhow = Config | YuConfig
 
 TOGETHER = (1, 16, 128)
-"""How many games are played side by side: one compiled function for each number. More of them do not fit into the processor's caches."""
+"""How many games are played side by side: one compiled function for each number. More of them do
+not fit into the processor's caches.
+"""
 
 Point = dict[str, float]
 
@@ -51,13 +55,16 @@ def train(
 
     Args:
       boards: all of one height, width and number of pieces.
-      config: `Config` for our network, which then plays boards of any size; `YuConfig` for the authors' networks, on boards of this size.
-      held: boards that the network plays from time to time, alone and, where `looking` names one, with a search; nothing is learned from them.
+      config: `Config` for our network, which then plays boards of any size; `YuConfig` for the
+        authors' networks, on boards of this size.
+      held: boards that the network plays from time to time, alone and, where `looking` names one,
+        with a search; nothing is learned from them.
       every: rounds (of `Config`) or games (of `YuConfig`) between the points of the curve.
       tell: called with each new point.
 
-    A point has `games`, `cpu_s`, `mean_cost` (seconds, of the games of the self-play since the last one) and, with boards held out, `held` and
-    `searched` (mean seconds). The same seed gives the same network on the same machine.
+    A point has `games`, `cpu_s`, `mean_cost` (seconds, of the games of the self-play since the last
+    one) and, with boards held out, `held` and `searched` (mean seconds). The same seed gives the
+    same network on the same machine.
 
     Raises:
       UsageError: the boards are not of one size.
@@ -70,13 +77,24 @@ def train(
         learner, report = _advance(learner, pool, config)
         costs.append(float(report.cost))
         if not report.finite:
-            raise UsageError(f"the numbers of the training are no longer finite after round {number}; a lower learning_rate helps.")
+            raise UsageError(
+                f"the numbers of the training are no longer finite after round {number}; a lower"
+                " learning_rate helps."
+            )
         if number % every == 0 or number == last:
-            point = {"games": int(learner.games), "cpu_s": round(time.process_time() - began, 1), "mean_cost": round(float(np.mean(costs)), 3)}
+            point = {
+                "games": int(learner.games),
+                "cpu_s": round(time.process_time() - began, 1),
+                "mean_cost": round(float(np.mean(costs)), 3),
+            }
             if held:
-                point["held"] = round(float(np.mean(play(_trained(learner, config, seed), held))), 3)
+                point["held"] = round(
+                    float(np.mean(play(_trained(learner, config, seed), held))), 3
+                )
             if held and looking is not None:
-                point["searched"] = round(float(np.mean(play(_trained(learner, config, seed), held, looking=looking))), 3)
+                point["searched"] = round(
+                    float(np.mean(play(_trained(learner, config, seed), held, looking=looking))), 3
+                )
             curve.append(point)
             costs.clear()
             tell(point)
@@ -89,15 +107,21 @@ def untrained(config: Anyhow, board: Board, *, seed: int) -> Trained:
 
 
 def play(
-    trained: Trained, boards: Sequence[Board], *, looking: Looking | None = None, samples: int = 1, seed: int = 0, fates: Fate | None = None
+    trained: Trained,
+    boards: Sequence[Board],
+    *,
+    looking: Looking | None = None,
+    samples: int = 1,
+    seed: int = 0,
+    fates: Fate | None = None,
 ) -> NDArray[np.int64]:
     """`[B, samples]` seconds that each game on each of `B` boards takes.
 
     Args:
       looking: the search before each move; None for the network alone.
       samples: games on each board; they differ when the search draws, or chance does.
-      fates: `[B, samples, h, w]`, what goes wrong (`chessboard.fate`). The search does not know of it: at each move it plans from where things really
-        stand as if nothing went wrong any more.
+      fates: `[B, samples, h, w]`, what goes wrong (`chessboard.fate`). The search does not know of
+        it: at each move it plans from where things really stand as if nothing went wrong any more.
     """
     found = np.zeros((len(boards), samples), np.int64)
     for size in sorted({_size(board) for board in boards}):
@@ -109,23 +133,47 @@ def play(
             chunk = rows[start : start + together]
             filled = chunk + chunk[:1] * (together - len(chunk))
             happens = jax.tree.map(
-                lambda *leaves: np.stack(leaves), *(_happens(games[place].layout, fates, (place, sample)) for place, sample in filled)
+                lambda *leaves: np.stack(leaves),
+                *(
+                    _happens(games[place].layout, fates, (place, sample))
+                    for place, sample in filled
+                ),
             )
             key = jax.random.fold_in(jax.random.key(seed), number)
-            seconds = _played(key, trained.judge, trained.parameters, stacked([games[place] for place, _ in filled]), happens, looking)
+            seconds = _played(
+                key,
+                trained.judge,
+                trained.parameters,
+                stacked([games[place] for place, _ in filled]),
+                happens,
+                looking,
+            )
             for row, clock in zip(chunk, np.asarray(seconds), strict=False):
                 found[row] = clock
     return found
 
 
-def decider(trained: Trained, board: Board, *, looking: Looking | None = None, seed: int = 0) -> Callable[[Any, Any], int]:
-    """Layout, state -> column: one game at a time, as `chessboard.play.play` wants it. What draws draws anew at each decision."""
+def decider(
+    trained: Trained, board: Board, *, looking: Looking | None = None, seed: int = 0
+) -> Callable[[Any, Any], int]:
+    """Layout, state -> column: one game at a time, as `chessboard.play.play` wants it. What draws
+    draws anew at each decision.
+    """
     games, key = stacked([BoardGame.of(board, sees=_sees(trained.judge))]), jax.random.key(seed)
 
     def choose(_: Any, state: Any) -> int:
         nonlocal key
         move_key, key = jax.random.split(key)
-        return int(_decided(move_key, trained.judge, trained.parameters, games, jax.tree.map(lambda leaf: np.asarray(leaf)[None], state), looking)[0])
+        return int(
+            _decided(
+                move_key,
+                trained.judge,
+                trained.parameters,
+                games,
+                jax.tree.map(lambda leaf: np.asarray(leaf)[None], state),
+                looking,
+            )[0]
+        )
 
     return choose
 
@@ -146,13 +194,25 @@ def decide_ms(trained: Trained, board: Board, *, looking: Looking | None = None)
 
 def _happens(layout: Layout, fates: Fate | None, row: tuple[int, int]) -> Fate:
     """What goes wrong in that game."""
-    return Fate(layout.time * 0, layout.time * 0) if fates is None else Fate(*(part[row] for part in fates))
+    return (
+        Fate(layout.time * 0, layout.time * 0)
+        if fates is None
+        else Fate(*(part[row] for part in fates))
+    )
 
 
 def _pool(boards: Sequence[Board], config: Anyhow) -> BoardGame:
     if len({_size(board) for board in boards}) != 1:
-        raise UsageError(f"{len(boards)} boards to train on: give one or more, all of one height, width and number of pieces.")
-    pool: BoardGame = stacked([BoardGame.of(board, sees="board" if isinstance(config, YuConfig) else "features") for board in boards])
+        raise UsageError(
+            f"{len(boards)} boards to train on: give one or more, all of one height, width and"
+            " number of pieces."
+        )
+    pool: BoardGame = stacked(
+        [
+            BoardGame.of(board, sees="board" if isinstance(config, YuConfig) else "features")
+            for board in boards
+        ]
+    )
     return pool
 
 
@@ -166,7 +226,11 @@ def _sees(judge: Judge) -> Any:
 
 def _trained(learner: Any, config: Anyhow, seed: int) -> Trained:
     judge = yu_training.networks(config) if isinstance(config, YuConfig) else training.judge(config)
-    return Trained(judge, jax.tree.map(np.asarray, learner.parameters), {"config": config.to_dict(), "seed": seed, "games": int(learner.games)})
+    return Trained(
+        judge,
+        jax.tree.map(np.asarray, learner.parameters),
+        {"config": config.to_dict(), "seed": seed, "games": int(learner.games)},
+    )
 
 
 # --- Compiled ---
@@ -174,24 +238,48 @@ def _trained(learner: Any, config: Anyhow, seed: int) -> Trained:
 
 @partial(jax.jit, static_argnames="config")
 def _start(key: Array, pool: BoardGame, config: Anyhow) -> Any:
-    return yu_training.start(key, pool, config) if isinstance(config, YuConfig) else training.start(key, pool, config)
+    return (
+        yu_training.start(key, pool, config)
+        if isinstance(config, YuConfig)
+        else training.start(key, pool, config)
+    )
 
 
 @partial(jax.jit, static_argnames="config")
 def _advance(learner: Any, pool: BoardGame, config: Anyhow) -> tuple[Any, Any]:
-    return yu_training.advance(learner, pool, config) if isinstance(config, YuConfig) else training.advance(learner, pool, config)
+    return (
+        yu_training.advance(learner, pool, config)
+        if isinstance(config, YuConfig)
+        else training.advance(learner, pool, config)
+    )
 
 
 @partial(jax.jit, static_argnames=("judge", "looking"))
-def _decided(key: Array, judge: Judge, parameters: Any, games: BoardGame, states: Any, looking: Looking | None) -> Array:
+def _decided(
+    key: Array,
+    judge: Judge,
+    parameters: Any,
+    games: BoardGame,
+    states: Any,
+    looking: Looking | None,
+) -> Array:
     """`[B]` int32, the column for each game."""
     if looking is None:
-        return jax.vmap(lambda game, state: liked(judge, parameters, game, state))(games, states).astype(jnp.int32)
+        return jax.vmap(lambda game, state: liked(judge, parameters, game, state))(
+            games, states
+        ).astype(jnp.int32)
     return find(key, judge, parameters, games, states, looking).move
 
 
 @partial(jax.jit, static_argnames=("judge", "looking"))
-def _played(key: Array, judge: Judge, parameters: Any, games: BoardGame, fates: Fate, looking: Looking | None) -> Array:
+def _played(
+    key: Array,
+    judge: Judge,
+    parameters: Any,
+    games: BoardGame,
+    fates: Fate,
+    looking: Looking | None,
+) -> Array:
     """`[B]` int32 seconds."""
     step = jax.vmap(yu2020.step)
 
@@ -201,7 +289,15 @@ def _played(key: Array, judge: Judge, parameters: Any, games: BoardGame, fates: 
     def move(carry: tuple[Any, Array]) -> tuple[Any, Array]:
         states, key = carry
         move_key, key = jax.random.split(key)
-        return step(games.layout, states, _decided(move_key, judge, parameters, games, states, looking), fates), key
+        return (
+            step(
+                games.layout,
+                states,
+                _decided(move_key, judge, parameters, games, states, looking),
+                fates,
+            ),
+            key,
+        )
 
     states = jax.vmap(yu2020.reset)(games.layout)
     return jax.lax.while_loop(goes_on, move, (states, key))[0].clock

@@ -1,17 +1,23 @@
-"""Precedence as overlap: tasks get columns so that a task shares one with exactly those that it must have some order with.
+"""Precedence as overlap: tasks get columns so that a task shares one with exactly those that it
+must have some order with.
 
-On a chessboard two pieces in the same column always lie above each other, and the upper one waits. So tasks that wait for one another directly
-must share a column, and tasks with no order between them must not. Each task covers neighbouring columns, so a board exists exactly when
-there is a row of columns, each a chain of tasks, in which every task stands in one unbroken stretch and every direct pair meets.
+On a chessboard two pieces in the same column always lie above each other, and the upper one waits.
+So tasks that wait for one another directly must share a column, and tasks with no order between
+them must not. Each task covers neighbouring columns, so a board exists exactly when there is a row
+of columns, each a chain of tasks, in which every task stands in one unbroken stretch and every
+direct pair meets.
 
-Two tasks with no order between them lie beside each other, and that one is to the left decides much: whatever must meet the left one lies to
-the left of whatever must meet the right one, unless these two meet. Such decisions come in classes; a class that holds both "a left of b" and
-"b left of a" proves that there is no board (`clash`). Otherwise the columns are found from left to right, task by task: a task that has begun
-stays open until all its direct neighbours have begun too, and the next to begin must have an order with everything that is still open. What
-can follow depends only on which tasks have begun, so each such set is tried once.
+Two tasks with no order between them lie beside each other, and that one is to the left decides
+much: whatever must meet the left one lies to the left of whatever must meet the right one, unless
+these two meet. Such decisions come in classes; a class that holds both "a left of b" and "b left of
+a" proves that there is no board (`clash`). Otherwise the columns are found from left to right, task
+by task: a task that has begun stays open until all its direct neighbours have begun too, and the
+next to begin must have an order with everything that is still open. What can follow depends only on
+which tasks have begun, so each such set is tried once.
 
-(A sandwich problem for interval graphs: Golumbic, Kaplan and Shamir 1995, Journal of Algorithms 19(3). In general no way is known that is
-always quick; here the classes leave next to nothing to try.)
+(A sandwich problem for interval graphs: Golumbic, Kaplan and Shamir 1995, Journal of Algorithms
+19(3). In general no way is known that is always quick; here the classes leave next to nothing to
+try.)
 """
 
 from __future__ import annotations
@@ -32,7 +38,8 @@ class TooManyError(Exception):
 
 
 def spans(after: Mapping[str, Sequence[str]]) -> Spans | None:
-    """Columns for the tasks of a precedence relation (task -> what must come before; no cycles), or None when there are none.
+    """Columns for the tasks of a precedence relation (task -> what must come before; no cycles), or
+    None when there are none.
 
     Raises TooManyError when more than `MOST_SETS` sets were tried.
     """
@@ -41,8 +48,17 @@ def spans(after: Mapping[str, Sequence[str]]) -> Spans | None:
     if beginnings is None:
         return None
     place = {task: number for number, task in enumerate(beginnings)}
-    last = {task: max([place[task], *(place[other] for other in order.direct[task])]) for task in beginnings}
-    wanted = _joined_columns(order, [[task for task in beginnings if place[task] <= column <= last[task]] for column in range(len(beginnings))])
+    last = {
+        task: max([place[task], *(place[other] for other in order.direct[task])])
+        for task in beginnings
+    }
+    wanted = _joined_columns(
+        order,
+        [
+            [task for task in beginnings if place[task] <= column <= last[task]]
+            for column in range(len(beginnings))
+        ],
+    )
     found = {}
     for task in beginnings:
         covered = [number for number, column in enumerate(wanted, 1) if task in column]
@@ -51,17 +67,25 @@ def spans(after: Mapping[str, Sequence[str]]) -> Spans | None:
 
 
 def rows(after: Mapping[str, Sequence[str]], columns: Spans) -> dict[str, int]:
-    """Task -> row from 1: one above the highest task below it in its columns, so that nothing can fall."""
+    """Task -> row from 1: one above the highest task below it in its columns, so that nothing can
+    fall.
+    """
     order, found = Order.of(after), dict[str, int]()
     for task in sorted(order.before, key=lambda task: len(order.before[task])):
         first, last = columns[task]
-        below = [found[low] for low in order.before[task] if columns[low][0] <= last and first <= columns[low][1]]
+        below = [
+            found[low]
+            for low in order.before[task]
+            if columns[low][0] <= last and first <= columns[low][1]
+        ]
         found[task] = 1 + max(below, default=0)
     return found
 
 
 def clash(after: Mapping[str, Sequence[str]]) -> tuple[str, str] | None:
-    """Two tasks of which each would have to lie to the left of the other; None when no two are found, which does not prove a board."""
+    """Two tasks of which each would have to lie to the left of the other; None when no two are
+    found, which does not prove a board.
+    """
     order = Order.of(after)
     for part in _parts(order):
         sides = _Sides(order, part)
@@ -73,7 +97,8 @@ def clash(after: Mapping[str, Sequence[str]]) -> tuple[str, str] | None:
 class Order:
     """A partial order of tasks.
 
-    before: task -> all that must come before it. direct: task -> those right before and right after it, without what follows from the rest.
+    before: task -> all that must come before it. direct: task -> those right before and right after
+    it, without what follows from the rest.
     """
 
     def __init__(self, before: dict[str, set[str]]):
@@ -91,8 +116,12 @@ class Order:
         before: dict[str, set[str]] = {}
         waiting = dict(after)
         while waiting:
-            for task in [task for task, firsts in waiting.items() if all(first in before for first in firsts)]:
-                before[task] = set(waiting[task]).union(*(before[first] for first in waiting.pop(task)))
+            for task in [
+                task for task, firsts in waiting.items() if all(first in before for first in firsts)
+            ]:
+                before[task] = set(waiting[task]).union(
+                    *(before[first] for first in waiting.pop(task))
+                )
         return cls({task: before[task] for task in after})
 
     def ordered(self, one: str, other: str) -> bool:
@@ -128,13 +157,21 @@ def _parts(order: Order) -> Iterator[list[str]]:
 class _Sides:
     """The decisions "u left of v" of one part, as classes of which all hold or none does.
 
-    class_of: ordered pair without order -> number of its class. members: class -> its pairs. clash: a pair whose two decisions are one class.
+    class_of: ordered pair without order -> number of its class. members: class -> its pairs. clash:
+    a pair whose two decisions are one class.
     """
 
     def __init__(self, order: Order, part: list[str]):
         number = {task: place for place, task in enumerate(part)}
-        meets = [[number[other] for other in (task, *sorted(order.direct[task], key=number.__getitem__))] for task in part]
-        pairs = [(u, v) for u, v in permutations(range(len(part)), 2) if not order.ordered(part[u], part[v])]
+        meets = [
+            [number[other] for other in (task, *sorted(order.direct[task], key=number.__getitem__))]
+            for task in part
+        ]
+        pairs = [
+            (u, v)
+            for u, v in permutations(range(len(part)), 2)
+            if not order.ordered(part[u], part[v])
+        ]
         root = {pair: pair for pair in pairs}
 
         def find(pair: tuple[int, int]) -> tuple[int, int]:
@@ -156,7 +193,9 @@ class _Sides:
 
 
 class _Node(NamedTuple):
-    """Tasks that have begun, as bits; the decided classes; per task those that are to its left; who may begin next, the best last."""
+    """Tasks that have begun, as bits; the decided classes; per task those that are to its left; who
+    may begin next, the best last.
+    """
 
     begun: int
     decided: frozenset[int]
@@ -170,18 +209,31 @@ def _of_part(order: Order, part: list[str]) -> list[str] | None:
         return None
     number, everything = {task: place for place, task in enumerate(part)}, (1 << len(part)) - 1
     direct = [sum(1 << number[other] for other in order.direct[task]) for task in part]
-    related = [sum(1 << number[other] for other in part if other != task and order.ordered(task, other)) for task in part]
+    related = [
+        sum(1 << number[other] for other in part if other != task and order.ordered(task, other))
+        for task in part
+    ]
 
     def open_of(begun: int) -> int:
         return sum(1 << i for i in range(len(part)) if begun >> i & 1 and direct[i] & ~begun)
 
     def choices(begun: int, left_of: Sequence[int]) -> list[int]:
-        """Who may begin now, last those that leave fewest tasks open. When one leaves none open that was not, no other need be tried."""
+        """Who may begin now, last those that leave fewest tasks open. When one leaves none open
+        that was not, no other need be tried.
+        """
         still = open_of(begun)
-        can = [i for i in range(len(part)) if not begun >> i & 1 and not still & ~related[i] and not left_of[i] & ~begun]
+        can = [
+            i
+            for i in range(len(part))
+            if not begun >> i & 1 and not still & ~related[i] and not left_of[i] & ~begun
+        ]
         after = {i: open_of(begun | 1 << i) for i in can}
         harmless = [i for i in can if not after[i] & ~still]
-        return harmless[:1] or sorted(can, key=lambda i: (after[i].bit_count(), -(direct[i] & begun).bit_count(), i), reverse=True)
+        return harmless[:1] or sorted(
+            can,
+            key=lambda i: (after[i].bit_count(), -(direct[i] & begun).bit_count(), i),
+            reverse=True,
+        )
 
     def begin(node: _Node, task: int) -> _Node | None:
         begun, decided, left_of = node.begun | 1 << task, set(node.decided), list(node.left_of)
@@ -211,14 +263,20 @@ def _of_part(order: Order, part: list[str]) -> list[str] | None:
                 path.append(node)
         if len(tried) > MOST_SETS:
             raise TooManyError
-    return [part[(later.begun & ~earlier.begun).bit_length() - 1] for earlier, later in pairwise(path)]
+    return [
+        part[(later.begun & ~earlier.begun).bit_length() - 1] for earlier, later in pairwise(path)
+    ]
 
 
 def _joined_columns(order: Order, columns: list[list[str]]) -> list[set[str]]:
-    """Neighbouring columns made one wherever all of their tasks have an order; no meeting is lost, and none comes that precedence forbids."""
+    """Neighbouring columns made one wherever all of their tasks have an order; no meeting is lost,
+    and none comes that precedence forbids.
+    """
     kept: list[set[str]] = []
     for column in map(set, columns):
-        if kept and all(order.ordered(one, other) for one in kept[-1] - column for other in column - kept[-1]):
+        if kept and all(
+            order.ordered(one, other) for one in kept[-1] - column for other in column - kept[-1]
+        ):
             kept[-1] |= column
         else:
             kept.append(column)

@@ -1,4 +1,6 @@
-"""What the training and the search of Yu, Huang and Chang (2020) are told: frozen configurations that check themselves."""
+"""What the training and the search of Yu, Huang and Chang (2020) are told: frozen configurations
+that check themselves.
+"""
 
 from __future__ import annotations
 
@@ -21,10 +23,11 @@ class YuSearch:
       simulations: for each decision.
       depth: own moves that it looks ahead at most.
       exploration: the constant c.
-      temperature: tau; a move is drawn with N^(1/tau), so that 1000 draws almost evenly from what was looked at. 0 takes the most visited.
+      temperature: tau; a move is drawn with N^(1/tau), so that 1000 draws almost evenly from what
+        was looked at. 0 takes the most visited.
       quirk: Q leaves out the time of the move itself.
-      unvisited: a move that was not looked at yet comes "first", or counts Q = "zero": then, where an untrained network expects negative costs, the
-        first move is looked at and no other.
+      unvisited: a move that was not looked at yet comes "first", or counts Q = "zero": then, where
+        an untrained network expects negative costs, the first move is looked at and no other.
     """
 
     simulations: int = 30
@@ -52,10 +55,12 @@ class YuSearch:
 class YuConfig:
     """How Yu, Huang and Chang (2020) train, as their code was read.
 
-    `outer` times: first `5 x switch` games in which the robot learns, then as many in which the human does; after each game the agent's network is
-    fitted once to its last positions. While one learns, the other plays what its own network likes best.
+    `outer` times: first `5 x switch` games in which the robot learns, then as many in which the
+    human does; after each game the agent's network is fitted once to its last positions. While one
+    learns, the other plays what its own network likes best.
 
-    ASSUMPTION: each agent has positions of its own; a game begins on the same board each time, or on one drawn from those that are given.
+    ASSUMPTION: each agent has positions of its own; a game begins on the same board each time, or
+    on one drawn from those that are given.
 
     Attributes:
       search: of the agent that learns.

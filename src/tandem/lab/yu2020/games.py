@@ -1,4 +1,6 @@
-"""Chessboards to be played and what is known of them without learning: optima, plain players, troubles. Makespans in seconds everywhere."""
+"""Chessboards to be played and what is known of them without learning: optima, plain players,
+troubles. Makespans in seconds everywhere.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ from tandem.lab.yu2020.world import Fate
 
 Tell = Callable[[str], None]
 Decider = Callable[[Fate | None], NDArray[Any]]
-"""From what goes wrong, `[B, games]` (None: nothing), to makespans `[B, games]`, or `[B, 1]` without trouble."""
+"""From what goes wrong, `[B, games]` (None: nothing), to makespans `[B, games]`, or `[B, 1]`
+without trouble.
+"""
 
 FIRST = range(20)
 """Seeds of boards whose optima are known from elsewhere."""
@@ -35,7 +39,9 @@ TROUBLES = {"some": Chance(0.05, 10.0, 0.05), "much": Chance(0.15, 20.0, 0.15)}
 
 
 def boards(seeds: Sequence[int]) -> list[Board]:
-    """The boards of the authors' demonstration with these seeds: 45 pieces on 15 rows and 12 columns."""
+    """The boards of the authors' demonstration with these seeds: 45 pieces on 15 rows and 12
+    columns.
+    """
     return [random_board(seed=seed) for seed in seeds]
 
 
@@ -47,7 +53,8 @@ def proven(seeds: Sequence[int]) -> dict[str, Any]:
         found = [optimum(board, waiting=waiting) for board in boards(seeds)]
         spent = time.process_time() - began
         rows[name] = {
-            "makespans": [one.makespan for one in found], "states": [one.states for one in found], "cpu_s_each": round(spent / len(found), 3),
+            "makespans": [one.makespan for one in found], "states": [one.states for one in found],
+            "cpu_s_each": round(spent / len(found), 3),
         }  # fmt: skip
     return rows
 
@@ -58,12 +65,18 @@ def proven_desk() -> dict[str, Any]:
     for name, waiting in (("no_waiting", False), ("waiting", True)):
         began = time.process_time()
         found = optimum(desk(), waiting=waiting)
-        rows[name] = {"makespan": found.makespan, "states": found.states, "cpu_s": round(time.process_time() - began, 3)}
+        rows[name] = {
+            "makespan": found.makespan,
+            "states": found.states,
+            "cpu_s": round(time.process_time() - began, 3),
+        }
     return rows
 
 
 def plain(seeds: Sequence[int], *, games: int, desk_games: int, seed: int) -> list[dict[str, Any]]:
-    """What players without learning take on these boards and on the desk. Random play: mean, and best, of so many games on each board."""
+    """What players without learning take on these boards and on the desk. Random play: mean, and
+    best, of so many games on each board.
+    """
     import jax
 
     everything, key = [*boards(seeds), desk()], jax.random.key(seed)
@@ -73,10 +86,28 @@ def plain(seeds: Sequence[int], *, games: int, desk_games: int, seed: int) -> li
             took = [play(board, by_rule(PLAYERS[name])).makespan for board in everything]
             rows.append({"player": name, "boards": took[:-1], "desk": took[-1], "games": 1})
     drawn = makespans(stacked(everything), PLAYERS["random"], key, games=games)
-    on_desk = drawn[-1] if desk_games <= games else makespans(stacked([desk()]), PLAYERS["random"], key, games=desk_games)[0]
+    on_desk = (
+        drawn[-1]
+        if desk_games <= games
+        else makespans(stacked([desk()]), PLAYERS["random"], key, games=desk_games)[0]
+    )
     mean, best = drawn[:-1].mean(1).round(3).tolist(), drawn[:-1].min(1).tolist()
-    rows.append({"player": "random, mean", "boards": mean, "desk": round(float(on_desk.mean()), 2), "games": games})
-    rows.append({"player": f"random, best of {games}", "boards": best, "desk": int(drawn[-1].min()), "games": games})
+    rows.append(
+        {
+            "player": "random, mean",
+            "boards": mean,
+            "desk": round(float(on_desk.mean()), 2),
+            "games": games,
+        }
+    )
+    rows.append(
+        {
+            "player": f"random, best of {games}",
+            "boards": best,
+            "desk": int(drawn[-1].min()),
+            "games": games,
+        }
+    )
     return rows
 
 
@@ -85,12 +116,21 @@ def fates(seeds: Sequence[int], chance: Chance, games: int, seed: int) -> Fate:
     generator, rows = np.random.default_rng(seed), []
     for board in boards(seeds):
         laid = layout(board)
-        rows.append([fate(laid, chance, generator.random((3, *laid.time.shape))) for _ in range(games)])
-    return Fate(*(np.array([[getattr(one, name) for one in row] for row in rows]) for name in Fate._fields))
+        rows.append(
+            [fate(laid, chance, generator.random((3, *laid.time.shape))) for _ in range(games)]
+        )
+    return Fate(
+        *(np.array([[getattr(one, name) for one in row] for row in rows]) for name in Fate._fields)
+    )
 
 
 def troubled(
-    seeds: Sequence[int], games: int, learned: Mapping[str, Callable[[Fate | None], NDArray[Any]]], *, seed: int, tell: Tell
+    seeds: Sequence[int],
+    games: int,
+    learned: Mapping[str, Callable[[Fate | None], NDArray[Any]]],
+    *,
+    seed: int,
+    tell: Tell,
 ) -> list[dict[str, Any]]:
     """What each decider takes without trouble, and in `games` games a board with each degree of it.
 
@@ -105,9 +145,15 @@ def troubled(
         def decide(fates: Fate | None) -> NDArray[Any]:
             if fates is None:
                 return np.array([[play(board, choose(board, 0)).makespan] for board in chosen])
-            each = [[Fate(*(part[b, g] for part in fates)) for g in range(games)] for b in range(len(chosen))]
+            each = [
+                [Fate(*(part[b, g] for part in fates)) for g in range(games)]
+                for b in range(len(chosen))
+            ]
             return np.array(
-                [[play(board, choose(board, g), fate=one).makespan for g, one in enumerate(row)] for board, row in zip(chosen, each, strict=True)]
+                [
+                    [play(board, choose(board, g), fate=one).makespan for g, one in enumerate(row)]
+                    for board, row in zip(chosen, each, strict=True)
+                ]
             )
 
         return decide
@@ -125,8 +171,12 @@ def troubled(
         for degree, chance in TROUBLES.items():
             rough = decide(happened[degree]).mean(1)
             rows.append({
-                "decider": name, "troubles": degree, "robot_fails": chance.robot_fails, "repair_s": chance.repair_s, "human_errs": chance.human_errs,
+                "decider": name, "troubles": degree, "robot_fails": chance.robot_fails,
+                "repair_s": chance.repair_s, "human_errs": chance.human_errs,
                 "calm": calm.round(3).tolist(), "rough": rough.round(3).tolist(), "games": games,
             })  # fmt: skip
-            tell(f"troubles, {degree}: {name} loses {np.mean(rough - calm):.1f} s of {calm.mean():.1f} s")
+            tell(
+                f"troubles, {degree}: {name} loses {np.mean(rough - calm):.1f} s of"
+                f" {calm.mean():.1f} s"
+            )
     return rows

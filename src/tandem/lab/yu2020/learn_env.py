@@ -1,4 +1,6 @@
-"""The assembly chessboards of Yu, Huang and Chang (`tandem.lab.yu2020`) as a game for a search: a move is a column."""
+"""The assembly chessboards of Yu, Huang and Chang (`tandem.lab.yu2020`) as a game for a search: a
+move is a column.
+"""
 
 from __future__ import annotations
 
@@ -20,18 +22,27 @@ Array = Any
 Sees = Literal["features", "board"]
 
 
-@partial(jax.tree_util.register_dataclass, data_fields=["layout", "ahead", "place", "cell", "way", "unit"], meta_fields=["sees"])
+@partial(
+    jax.tree_util.register_dataclass,
+    data_fields=["layout", "ahead", "place", "cell", "way", "unit"],
+    meta_fields=["sees"],
+)
 @dataclass(frozen=True)
 class BoardGame:
-    """One board. Agent 0 is the robot, agent 1 the human; the human chooses first, and nobody waits of his own will. Only time costs.
+    """One board. Agent 0 is the robot, agent 1 the human; the human chooses first, and nobody waits
+    of his own will. Only time costs.
 
     Attributes:
       layout: the board as arrays.
       ahead: what our network is told of it beforehand. `T` pieces.
-      place: `[T]` int32, where in the flattened board the piece starts. cell: `[h, w]` int32, which piece starts here; 0 where none does.
-      way: `[T, 2]` int32, the way in `ahead` in which the agent does the piece; the other's where it cannot.
-      unit: `[]` float32, the mean time of a piece, seconds; one second where the board itself is seen, with its raw times.
-      sees: what `observe` gives: "features" (a `Look`), or "board", the tensor `[h, w, 3]` that the authors' network is given.
+      place: `[T]` int32, where in the flattened board the piece starts. cell: `[h, w]` int32, which
+        piece starts here; 0 where none does.
+      way: `[T, 2]` int32, the way in `ahead` in which the agent does the piece; the other's where
+        it cannot.
+      unit: `[]` float32, the mean time of a piece, seconds; one second where the board itself is
+        seen, with its raw times.
+      sees: what `observe` gives: "features" (a `Look`), or "board", the tensor `[h, w, 3]` that the
+        authors' network is given.
     """
 
     layout: Layout
@@ -43,23 +54,47 @@ class BoardGame:
     sees: Sees = field(default="features")
 
     @classmethod
-    def of(cls, board: Board, *, sees: Sees = "features", height: int | None = None, width: int | None = None) -> Self:
+    def of(
+        cls,
+        board: Board,
+        *,
+        sees: Sees = "features",
+        height: int | None = None,
+        width: int | None = None,
+    ) -> Self:
         """The board's game, padded with empty rows and columns where `height` and `width` say so.
 
         Raises UsageError when the board is larger than that.
         """
         laid = yu2020.layout(board, height=height, width=width)
         columns = laid.time.shape[1]
-        place = np.array([(piece.row - 1) * columns + piece.first - 1 for piece in board.pieces], np.int32)
+        place = np.array(
+            [(piece.row - 1) * columns + piece.first - 1 for piece in board.pieces], np.int32
+        )
         cell = np.zeros(laid.time.size, np.int32)
         cell[place] = np.arange(len(place))
-        able = np.array([[piece.who != Who.HUMAN, piece.who != Who.ROBOT] for piece in board.pieces])
+        able = np.array(
+            [[piece.who != Who.HUMAN, piece.who != Who.ROBOT] for piece in board.pieces]
+        )
         needs = np.array([[waits(high, low) for low in board.pieces] for high in board.pieces])
         task, agent = np.nonzero(able)
-        way = np.array([[_way(task, agent, piece, me) for me in (ROBOT, HUMAN)] for piece in range(len(place))], np.int32)
+        way = np.array(
+            [
+                [_way(task, agent, piece, me) for me in (ROBOT, HUMAN)]
+                for piece in range(len(place))
+            ],
+            np.int32,
+        )
         time = np.array([piece.time for piece in board.pieces], np.float64)
         unit = 1.0 if sees == "board" else time.mean()
-        told = ahead(task, agent[:, None] == np.arange(2), time[task] / unit, np.zeros(len(task)), needs, np.array([0, 1]))
+        told = ahead(
+            task,
+            agent[:, None] == np.arange(2),
+            time[task] / unit,
+            np.zeros(len(task)),
+            needs,
+            np.array([0, 1]),
+        )
         return cls(laid, told, place, cell.reshape(laid.time.shape), way, np.float32(unit), sees)
 
     @property
@@ -94,9 +129,19 @@ class BoardGame:
         if self.sees == "board":
             return yu2020.observe(self.layout, state)
         me = yu2020.to_play(self.layout, state)
-        playable = yu2020.bottom(self.layout, state) & (self.layout.who > 0) & ~jnp.any(state.doing, 0)
+        playable = (
+            yu2020.bottom(self.layout, state) & (self.layout.who > 0) & ~jnp.any(state.doing, 0)
+        )
         piece = jnp.sum(jnp.where(playable, self.cell, 0), 0)
-        return look(self.ahead, self._standing(state), me, self.way[piece, me], jnp.any(playable, 0), self.legal(state), jnp.zeros(self.moves, bool))
+        return look(
+            self.ahead,
+            self._standing(state),
+            me,
+            self.way[piece, me],
+            jnp.any(playable, 0),
+            self.legal(state),
+            jnp.zeros(self.moves, bool),
+        )
 
     def least(self, state: State) -> Array:
         return time_to_come(self.ahead, self._standing(state)) * self.unit

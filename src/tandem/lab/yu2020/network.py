@@ -1,10 +1,13 @@
-"""The networks of Yu, Huang and Chang (2020): one for each agent, convolutions over the board as it lies, with raw times.
+"""The networks of Yu, Huang and Chang (2020): one for each agent, convolutions over the board as it
+lies, with raw times.
 
-Source: IEEE Access 2020, arXiv 2007.04140, and the authors' code as it was read (not copied): two convolutions of 10 filters of 2 x 2 with ReLU,
-"same" padding, each behind a max-pooling of 2 x 2; a dense layer of 128 with ReLU; a linear value and a policy over the columns. The value is
-learned in units of 110 s for the robot and 90 s for the human.
+Source: IEEE Access 2020, arXiv 2007.04140, and the authors' code as it was read (not copied): two
+convolutions of 10 filters of 2 x 2 with ReLU, "same" padding, each behind a max-pooling of 2 x 2; a
+dense layer of 128 with ReLU; a linear value and a policy over the columns. The value is learned in
+units of 110 s for the robot and 90 s for the human.
 
-ASSUMPTION: pooling drops an odd last row or column ("valid"), and weights start Glorot-uniform with biases 0, as their library has it by default.
+ASSUMPTION: pooling drops an odd last row or column ("valid"), and weights start Glorot-uniform with
+biases 0, as their library has it by default.
 """
 
 from __future__ import annotations
@@ -29,7 +32,8 @@ Array = Any
 
 @dataclass(frozen=True)
 class YuNetworks:
-    """For games that show the board, `[h, w, 3]`. Every array of the parameters has a leading axis of agents, the robot first.
+    """For games that show the board, `[h, w, 3]`. Every array of the parameters has a leading axis
+    of agents, the robot first.
 
     Attributes:
       filters, dense: of each convolution; units of the dense layer.
@@ -52,14 +56,18 @@ class YuNetworks:
         return self._start(key, (height // 4) * (width // 4) * self.filters, width)
 
     def like(self, arrays: Mapping[str, Any]) -> dict[str, Network]:
-        """As for the board whose size the arrays tell: what comes into the dense layer, and the columns of the policy."""
+        """As for the board whose size the arrays tell: what comes into the dense layer, and the
+        columns of the policy.
+        """
 
         def size(name: str, axis: int) -> int:
             shape = np.shape(arrays.get(name, ()))
             return int(shape[axis]) if len(shape) == 3 else 1
 
         flat, width = size("dense/0/weight", -2), size("policy/0/weight", -1)
-        found: dict[str, Network] = jax.eval_shape(lambda key: self._start(key, flat, width), jax.random.key(0))
+        found: dict[str, Network] = jax.eval_shape(
+            lambda key: self._start(key, flat, width), jax.random.key(0)
+        )
         return found
 
     def reads(self, parameters: Mapping[str, Network], height: int, width: int) -> bool:
@@ -78,16 +86,23 @@ class YuNetworks:
         }
         return jax.vmap(lambda key: drawn(key, sizes))(jax.random.split(key))
 
-    def read(self, parameters: dict[str, Network], seen: Array, least: Array, mover: Array) -> Opinion:
-        """The opinion of the mover's network. `to_come` is in seconds: a game that shows the board has a unit of one second.
+    def read(
+        self, parameters: dict[str, Network], seen: Array, least: Array, mover: Array
+    ) -> Opinion:
+        """The opinion of the mover's network. `to_come` is in seconds: a game that shows the board
+        has a unit of one second.
 
-        Layer by layer both agents' weights are multiplied at once and the mover's half is taken: over many games that have different movers this is
-        quicker than to look up each game's weights, or to run both networks to their end.
+        Layer by layer both agents' weights are multiplied at once and the mover's half is taken:
+        over many games that have different movers this is quicker than to look up each game's
+        weights, or to run both networks to their end.
         """
         robots = mover <= 0
 
         def layer(name: str, inputs: Array) -> Array:
-            both = {part: jnp.concatenate([array[0], array[1]], -1) for part, array in parameters[name]["0"].items()}
+            both = {
+                part: jnp.concatenate([array[0], array[1]], -1)
+                for part, array in parameters[name]["0"].items()
+            }
             of_both = forward(jnp, {"0": both}, inputs, "relu")
             half = of_both.shape[-1] // 2
             return jnp.where(robots, of_both[..., :half], of_both[..., half:])
@@ -97,7 +112,9 @@ class YuNetworks:
 
     def outputs(self, parameters: dict[str, Network], board: Array) -> tuple[Array, Array]:
         """`[w]` logits and `[]` value, in units of `value_norm`, of one agent's network."""
-        return self._flow(lambda name, inputs: forward(jnp, parameters[name], inputs, "relu"), board)
+        return self._flow(
+            lambda name, inputs: forward(jnp, parameters[name], inputs, "relu"), board
+        )
 
     def _flow(self, layer: Callable[[str, Array], Array], board: Array) -> tuple[Array, Array]:
         """From the board to logits and value; `layer` multiplies by the layer of a name."""
@@ -109,7 +126,9 @@ class YuNetworks:
 
 
 def _patches(image: Array) -> Array:
-    """`[h, w, 4 x c]`: each cell with its right, upper and diagonal neighbour; zeros beyond the edge, as "same" padding of 2 x 2 puts them."""
+    """`[h, w, 4 x c]`: each cell with its right, upper and diagonal neighbour; zeros beyond the
+    edge, as "same" padding of 2 x 2 puts them.
+    """
     padded = jnp.pad(image, ((0, 1), (0, 1), (0, 0)))
     return jnp.concatenate([padded[:-1, :-1], padded[:-1, 1:], padded[1:, :-1], padded[1:, 1:]], -1)
 

@@ -18,12 +18,18 @@ def frame(board: Board, state: State, title: str) -> Frame:
     lies = levels(layout(board), state)
     names = by_place(board)
     rows = {piece.name: int(lies[place]) for place, piece in names.items() if lies[place]}
-    doing = {names[row, column].name: WHO[agent] for agent in WHO for row, column in zip(*np.nonzero(state.doing[agent]), strict=True)}
+    doing = {
+        names[row, column].name: WHO[agent]
+        for agent in WHO
+        for row, column in zip(*np.nonzero(state.doing[agent]), strict=True)
+    }
     return Frame(title, rows, doing)
 
 
 def film(game: Game, count: int = 12) -> list[Frame]:
-    """About `count` moments of the game, evenly over its clock: each as it looks when everybody has chosen who could."""
+    """About `count` moments of the game, evenly over its clock: each as it looks when everybody has
+    chosen who could.
+    """
     moments = _moments(game)
     clocks = np.array([int(state.clock) for state in moments])
     wanted = np.linspace(0, game.makespan, count, endpoint=False)
@@ -32,7 +38,9 @@ def film(game: Game, count: int = 12) -> list[Frame]:
 
 
 def _moments(game: Game) -> list[State]:
-    """The states after the last move of each second in which there were moves, before time runs on."""
+    """The states after the last move of each second in which there were moves, before time runs
+    on.
+    """
     laid, found = layout(game.board), []
     for move, following in zip(game.moves, [*game.moves[1:], None], strict=True):
         if following is None or following.at > move.at:

@@ -16,7 +16,20 @@ from tandem.lab.yu2020.board import ROBOT as ROBOT_NAME
 from tandem.lab.yu2020.board import Board
 from tandem.lab.yu2020.layout import by_place, layout
 from tandem.lab.yu2020.players import Player
-from tandem.lab.yu2020.world import HUMAN, ROBOT, Array, Fate, Layout, State, eligible, is_over, legal, reset, step, to_play
+from tandem.lab.yu2020.world import (
+    HUMAN,
+    ROBOT,
+    Array,
+    Fate,
+    Layout,
+    State,
+    eligible,
+    is_over,
+    legal,
+    reset,
+    step,
+    to_play,
+)
 from tandem.schedule.model import Assignment, Schedule
 
 NAMES = {ROBOT: ROBOT_NAME, HUMAN: HUMAN_NAME}
@@ -53,7 +66,17 @@ class Game:
     def schedule(self) -> Schedule:
         """Who did which piece from when to when, when nothing went wrong."""
         time = {piece.name: piece.time for piece in self.board.pieces}
-        return Schedule(tuple(Assignment(float(move.at), float(move.at + time[move.piece]), move.piece, (NAMES[move.agent],)) for move in self.moves))
+        return Schedule(
+            tuple(
+                Assignment(
+                    float(move.at),
+                    float(move.at + time[move.piece]),
+                    move.piece,
+                    (NAMES[move.agent],),
+                )
+                for move in self.moves
+            )
+        )
 
 
 def play(board: Board, choose: Callable[[Layout, State], Any], *, fate: Fate | None = None) -> Game:
@@ -67,7 +90,10 @@ def play(board: Board, choose: Callable[[Layout, State], Any], *, fate: Fate | N
         agent, column = int(to_play(laid, state)), int(choose(laid, state))
         open_columns = np.flatnonzero(legal(laid, state))
         if column not in open_columns:
-            raise UsageError(f"column {column} is not legal at {state.clock} s; legal are {', '.join(map(str, open_columns))}.")
+            raise UsageError(
+                f"column {column} is not legal at {state.clock} s; legal are"
+                f" {', '.join(map(str, open_columns))}."
+            )
         row = int(np.flatnonzero(eligible(laid, state)[agent, :, column])[0])
         moves.append(Move(int(state.clock), agent, column, names[row, column].name, state))
         state = step(laid, state, np.int32(column), fate)
@@ -86,8 +112,11 @@ def follow(columns: Sequence[int]) -> Callable[[Layout, State], Any]:
     return lambda laid, state: next(left)
 
 
-def makespans(layouts: Layout, player: Player, key: Array, *, games: int = 1, fates: Fate | None = None) -> NDArray[np.int32]:
-    """`[B, games]` int32, seconds that the player takes on each of `B` boards, all games side by side in one compiled loop.
+def makespans(
+    layouts: Layout, player: Player, key: Array, *, games: int = 1, fates: Fate | None = None
+) -> NDArray[np.int32]:
+    """`[B, games]` int32, seconds that the player takes on each of `B` boards, all games side by
+    side in one compiled loop.
 
     Args:
       layouts: of `stacked(boards)`.
@@ -97,7 +126,9 @@ def makespans(layouts: Layout, player: Player, key: Array, *, games: int = 1, fa
     import jax
     import jax.numpy as jnp
 
-    most = int(max(np.sum(layouts.who > 0, axis=(1, 2)))) + (0 if fates is None else int(np.asarray(fates.mistakes).sum((-1, -2)).max()))
+    most = int(max(np.sum(layouts.who > 0, axis=(1, 2)))) + (
+        0 if fates is None else int(np.asarray(fates.mistakes).sum((-1, -2)).max())
+    )
     laid = jax.tree.map(jnp.asarray, layouts)
     keys = jax.random.split(key, (laid.time.shape[0], games))
     one = _one_game(player, most, fates is not None)
@@ -106,7 +137,9 @@ def makespans(layouts: Layout, player: Player, key: Array, *, games: int = 1, fa
 
 @cache
 def _one_game(player: Player, most: int, troubled: bool) -> Any:
-    """`[B]` boards, `[B, games]` keys and fates -> `[B, games]` seconds. Compiled once a player and shape."""
+    """`[B]` boards, `[B, games]` keys and fates -> `[B, games]` seconds. Compiled once a player and
+    shape.
+    """
     import jax
 
     def game(laid: Layout, key: Array, fate: Fate | None) -> Array:

@@ -1,7 +1,9 @@
-"""Who plays the chessboard without having learned anything: columns from the left, at random, and dispatch rules.
+"""Who plays the chessboard without having learned anything: columns from the left, at random, and
+dispatch rules.
 
-A player takes the layout, the state and `w` numbers that are uniform on [0, 1), and gives a legal column; only the random player looks
-at the numbers. All of them go through `jax.jit` and `jax.vmap`.
+A player takes the layout, the state and `w` numbers that are uniform on [0, 1), and gives a legal
+column; only the random player looks at the numbers. All of them go through `jax.jit` and
+`jax.vmap`.
 """
 
 from __future__ import annotations
@@ -34,7 +36,9 @@ def at_random(layout: Layout, state: State, numbers: Array) -> Array:
 
 
 def shortest(layout: Layout, state: State, _: Array) -> Array:
-    """The piece that takes least time; of equals the one that began lowest on the board, then the leftmost."""
+    """The piece that takes least time; of equals the one that began lowest on the board, then the
+    leftmost.
+    """
     return _best(layout, state, -layout.time)
 
 
@@ -44,7 +48,9 @@ def longest(layout: Layout, state: State, _: Array) -> Array:
 
 
 def longest_tail(layout: Layout, state: State, _: Array) -> Array:
-    """The piece with the longest chain on top of it, its own time included; of equals the one that began lowest, then the leftmost."""
+    """The piece with the longest chain on top of it, its own time included; of equals the one that
+    began lowest, then the leftmost.
+    """
     return _best(layout, state, layout.tail)
 
 
@@ -60,7 +66,9 @@ PLAYERS: dict[str, Player] = {
 
 
 def _best(layout: Layout, state: State, score: Array) -> Array:
-    """The legal column whose piece in the bottom row has the highest score (`[h, w]`, whole numbers)."""
+    """The legal column whose piece in the bottom row has the highest score (`[h, w]`, whole
+    numbers).
+    """
     xp = namespace(state.on)
     rows = score.shape[0]
     open_starts = bottom(layout, state) & (layout.who > 0) & ~xp.any(state.doing, axis=0)

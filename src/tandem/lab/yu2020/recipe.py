@@ -20,7 +20,8 @@ class YuRecipe:
 
     Attributes:
       config: of the learner.
-      samples: games that are drawn from the visits when the best of several is asked for. ASSUMPTION: the authors play one.
+      samples: games that are drawn from the visits when the best of several is asked for.
+        ASSUMPTION: the authors play one.
     """
 
     config: YuConfig
@@ -41,4 +42,6 @@ class YuRecipe:
 
 
 YU_2020 = YuRecipe(YuConfig())
-"""Yu, Huang and Chang (2020): their networks, search and schedule of 500 games. Their seed is 999."""
+"""Yu, Huang and Chang (2020): their networks, search and schedule of 500 games. Their seed is
+999.
+"""

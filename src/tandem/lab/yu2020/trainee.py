@@ -1,4 +1,6 @@
-"""The training of Yu, Huang and Chang (2020) as the trainer wants it: a cell that their board can hold, figures, results, players."""
+"""The training of Yu, Huang and Chang (2020) as the trainer wants it: a cell that their board can
+hold, figures, results, players.
+"""
 
 from __future__ import annotations
 
@@ -33,11 +35,15 @@ GAMES_BETWEEN_FIGURES = 10
 MOST_SEARCHED = 16
 
 
-def players(path: Path, cell: Cell, order: Order, *, seed: int, episodes: int) -> dict[str, list[Reached]]:
-    """How the networks play the cell: alone, under their search, and with moves drawn by the visits.
+def players(
+    path: Path, cell: Cell, order: Order, *, seed: int, episodes: int
+) -> dict[str, list[Reached]]:
+    """How the networks play the cell: alone, under their search, and with moves drawn by the
+    visits.
 
     Raises:
-      CellError: the board cannot hold the cell. UsageError: it makes a board of another size than the one that was learned on.
+      CellError: the board cannot hold the cell. UsageError: it makes a board of another size than
+        the one that was learned on.
     """
     recipe = order.recipe
     assert isinstance(recipe, YuRecipe)
@@ -45,19 +51,30 @@ def players(path: Path, cell: Cell, order: Order, *, seed: int, episodes: int) -
     trained_on = Board.of(order.cell)
     if (board.height // 4, board.width) != (trained_on.height // 4, trained_on.width):
         raise UsageError(
-            f"the networks read a board of {trained_on.height} rows and {trained_on.width} columns; "
-            f"this cell makes one of {board.height} and {board.width}."
+            f"the networks read a board of {trained_on.height} rows and {trained_on.width} columns;"
+            f" this cell makes one of {board.height} and {board.width}."
         )
     assert isinstance(trained.judge, YuNetworks)
     if not trained.judge.reads(trained.parameters, board.height, board.width):
-        raise unreadable(path, [f"does not fit the run: its networks read no board of {board.height} rows and {board.width} columns."])
+        raise unreadable(
+            path,
+            [
+                f"does not fit the run: its networks read no board of {board.height} rows and"
+                f" {board.width} columns."
+            ],
+        )
 
     def game(looking: Looking | None) -> Reached:
         done = play_one(board, board_training.decider(trained, board, looking=looking, seed=seed))
         return replace(_reached(done.makespan), schedule=_in_words_of(cell, done.schedule))
 
     games = min(episodes, MOST_SEARCHED)
-    drawn = [_reached(seconds) for seconds in board_training.play(trained, [board], looking=drawing(recipe), samples=games, seed=seed)[0]]
+    drawn = [
+        _reached(seconds)
+        for seconds in board_training.play(
+            trained, [board], looking=drawing(recipe), samples=games, seed=seed
+        )[0]
+    ]
     return {
         "greedy": [game(None)],
         f"searched ({recipe.config.search.simulations})": [game(sure(recipe))],
@@ -70,7 +87,8 @@ class Trainee:
     """Their training on an order whose recipe is a `YuRecipe`.
 
     Raises:
-      CellError: the board cannot hold the cell. UsageError: stress is to count, which their game does not know.
+      CellError: the board cannot hold the cell. UsageError: stress is to count, which their game
+        does not know.
     """
 
     players = staticmethod(players)
@@ -81,7 +99,8 @@ class Trainee:
         assert isinstance(recipe, YuRecipe)
         if order.stress_factor:
             raise UsageError(
-                f"stress factor {order.stress_factor}: recipe {order.name!r} knows time only; leave it at 0, or take --recipe alphazero."
+                f"stress factor {order.stress_factor}: recipe {order.name!r} knows time only; leave"
+                " it at 0, or take --recipe alphazero."
             )
         self.order, self.recipe = order, recipe
         self.board = Board.of(order.cell)
@@ -93,7 +112,9 @@ class Trainee:
 
     def begin(self) -> training.Learner:
         keys = jnp.stack([jax.random.key(seed) for seed in self.order.seeds])
-        return jax.jit(jax.vmap(partial(training.start, config=self.recipe.config), (0, None)))(keys, self.pool)
+        return jax.jit(jax.vmap(partial(training.start, config=self.recipe.config), (0, None)))(
+            keys, self.pool
+        )
 
     def advance(self, learners: training.Learner) -> tuple[training.Learner, training.Report]:
         return jax.block_until_ready(_advance(learners, self.pool, self.recipe.config))
@@ -102,34 +123,66 @@ class Trainee:
         return float(np.min(learners.games)) / self.recipe.config.games
 
     def rows(self, learners: training.Learner, report: training.Report) -> list[Row]:
-        """`mean_return_team` is minus the mean seconds of the interval's games; `greedy` is what both networks play without a search."""
+        """`mean_return_team` is minus the mean seconds of the interval's games; `greedy` is what
+        both networks play without a search.
+        """
         found = []
         for place in range(len(self.order.seeds)):
             own = jax.tree.map(lambda leaf, place=place: leaf[place], report)
             row: Row = {"episodes": int(learners.games[place]), "steps": int(learners.moves[place])}
             row |= {"mean_return_team": round(-float(np.mean(own.cost)), 4)}
-            row |= {name: round(float(getattr(own, name)[-1]), 5) for name in ("policy_loss", "value_loss")}
-            reached = _reached(board_training.play(self._trained(learners, place), [self.board])[0, 0])
+            row |= {
+                name: round(float(getattr(own, name)[-1]), 5)
+                for name in ("policy_loss", "value_loss")
+            }
+            reached = _reached(
+                board_training.play(self._trained(learners, place), [self.board])[0, 0]
+            )
             found.append(row | {f"greedy_{name}": value for name, value in told(reached).items()})
         return found
 
     def play(self, learners: training.Learner) -> list[Row]:
-        """`greedy`: the networks alone. `searched`: their search for both agents. `best_of_n`: moves drawn by the visits, the best of n games."""
+        """`greedy`: the networks alone. `searched`: their search for both agents. `best_of_n`:
+        moves drawn by the visits, the best of n games.
+        """
         rows = []
         for place, seed in enumerate(self.order.seeds):
             trained = self._trained(learners, place)
-            row: Row = {"steps": int(learners.moves[place]), "greedy": told(_reached(board_training.play(trained, [self.board])[0, 0]))}
-            row["searched"] = told(_reached(board_training.play(trained, [self.board], looking=sure(self.recipe))[0, 0]))
-            drawn = board_training.play(trained, [self.board], looking=drawing(self.recipe), samples=self.recipe.samples, seed=seed)
-            rows.append({**row, "best_of_n": {"n": self.recipe.samples, **told(_reached(drawn.min()))}})
+            row: Row = {
+                "steps": int(learners.moves[place]),
+                "greedy": told(_reached(board_training.play(trained, [self.board])[0, 0])),
+            }
+            row["searched"] = told(
+                _reached(
+                    board_training.play(trained, [self.board], looking=sure(self.recipe))[0, 0]
+                )
+            )
+            drawn = board_training.play(
+                trained,
+                [self.board],
+                looking=drawing(self.recipe),
+                samples=self.recipe.samples,
+                seed=seed,
+            )
+            rows.append(
+                {**row, "best_of_n": {"n": self.recipe.samples, **told(_reached(drawn.min()))}}
+            )
         return rows
 
     def save_policy(self, learners: training.Learner, place: int, path: Path) -> None:
-        notes = {"cell": self.order.cell.name, "digest": self.order.cell.digest, "recipe": self.order.name, "seed": self.order.seeds[place]}
+        notes = {
+            "cell": self.order.cell.name,
+            "digest": self.order.cell.digest,
+            "recipe": self.order.name,
+            "seed": self.order.seeds[place],
+        }
         replace(self._trained(learners, place), notes=notes).save(path)
 
     def _trained(self, learners: training.Learner, place: int) -> Trained:
-        return Trained(training.networks(self.recipe.config), jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters))
+        return Trained(
+            training.networks(self.recipe.config),
+            jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters),
+        )
 
 
 def sure(recipe: YuRecipe) -> YuSearch:
@@ -145,7 +198,11 @@ def drawing(recipe: YuRecipe) -> YuSearch:
 def _in_words_of(cell: Cell, schedule: Schedule) -> Schedule:
     """The board's robot and human under the names that the cell has for them."""
     names = {ROBOT: cell.robots[0], HUMAN: cell.humans[0]}
-    return Schedule(tuple(replace(row, operators=tuple(names[who] for who in row.operators)) for row in schedule))
+    return Schedule(
+        tuple(
+            replace(row, operators=tuple(names[who] for who in row.operators)) for row in schedule
+        )
+    )
 
 
 def _reached(seconds: Any) -> Reached:
@@ -153,7 +210,11 @@ def _reached(seconds: Any) -> Reached:
 
 
 @partial(jax.jit, static_argnames="config")
-def _advance(learners: training.Learner, pool: Game, config: YuConfig) -> tuple[training.Learner, training.Report]:
+def _advance(
+    learners: training.Learner, pool: Game, config: YuConfig
+) -> tuple[training.Learner, training.Report]:
     """Some games more for each seed; the reports have leading axes of seeds and games."""
     one = lambda learner, _: training.advance(learner, pool, config)  # noqa: E731
-    return jax.lax.map(lambda learner: jax.lax.scan(one, learner, None, GAMES_BETWEEN_FIGURES), learners)
+    return jax.lax.map(
+        lambda learner: jax.lax.scan(one, learner, None, GAMES_BETWEEN_FIGURES), learners
+    )

@@ -1,7 +1,9 @@
-"""Yu, Huang and Chang (2021): a deep Q-network for each agent on the Markov game of shared assembly, more than two agents.
+"""Yu, Huang and Chang (2021): a deep Q-network for each agent on the Markov game of shared
+assembly, more than two agents.
 
-J. Manuf. Syst. 60, 487-499. Neither their task table nor their hyper-parameters nor their results are public. So: parts of the desk of their first
-paper, played by three and four agents; their recipe as far as it is known beside one network for all (single-agent DQN), our recipe, the best
+J. Manuf. Syst. 60, 487-499. Neither their task table nor their hyper-parameters nor their results
+are public. So: parts of the desk of their first paper, played by three and four agents; their
+recipe as far as it is known beside one network for all (single-agent DQN), our recipe, the best
 dispatch rule, random play and the exact optimum.
 """
 
@@ -36,7 +38,9 @@ PROOF_S = 60.0
 RANDOM_GAMES = 100
 
 PUBLISHED = "not public"
-"""Their tables are not; the abstract says that it was compared with Nash-Q, dynamic programming and single-agent DQN."""
+"""Their tables are not; the abstract says that it was compared with Nash-Q, dynamic programming and
+single-agent DQN.
+"""
 
 GAMES, QUICK_GAMES = 960, 64
 """Games of a training, the same for all recipes."""
@@ -52,23 +56,37 @@ class Instance:
 
     @property
     def name(self) -> str:
-        return f"desk, {self.rows} rows, {self.robots} robot{'s' * (self.robots > 1)}, {self.humans} human{'s' * (self.humans > 1)}"
+        return (
+            f"desk, {self.rows} rows, {self.robots} robot{'s' * (self.robots > 1)}, {self.humans}"
+            f" human{'s' * (self.humans > 1)}"
+        )
 
     def cell(self) -> Cell:
         """The cell: each robot can do what the robot could, each human what the human could.
 
-        ASSUMPTION: theirs are desks "with different numbers of tasks and agents"; which ones is not public.
+        ASSUMPTION: theirs are desks "with different numbers of tasks and agents"; which ones is not
+        public.
         """
         board = desk()
-        whole = replace(board, height=self.rows, pieces=tuple(piece for piece in board.pieces if piece.row <= self.rows)).to_cell()
+        whole = replace(
+            board,
+            height=self.rows,
+            pieces=tuple(piece for piece in board.pieces if piece.row <= self.rows),
+        ).to_cell()
         robots = [f"robot {number + 1}" for number in range(self.robots)]
         humans = [f"human {number + 1}" for number in range(self.humans)]
         able = lambda who: robots if who == ROBOT else humans  # noqa: E731
         tasks = {
-            name: {"time": {own: seconds for who, seconds in task.time.items() for own in able(who)}, "after": task.after}
+            name: {
+                "time": {own: seconds for who, seconds in task.time.items() for own in able(who)},
+                "after": task.after,
+            }
             for name, task in whole.tasks.items()
         }
-        operators = {**{name: {"kind": "robot"} for name in robots}, **{name: {"kind": "human"} for name in humans}}
+        operators = {
+            **{name: {"kind": "robot"} for name in robots},
+            **{name: {"kind": "human"} for name in humans},
+        }
         return cell_of({"name": self.name, "operators": operators, "tasks": tasks})
 
 
@@ -80,15 +98,25 @@ def recipes(games: int, tasks: int) -> dict[str, ValueRecipe | SearchRecipe]:
     """Name -> recipe, each with a budget of so many games of a cell with so many tasks."""
     side_by_side = ALPHAZERO.config.games
     described = replace(YU_2021, config=replace(YU_2021.config, decisions=games * tasks))
-    ours = replace(ALPHAZERO, config=replace(ALPHAZERO.config, iterations=max(1, games // side_by_side)))
+    ours = replace(
+        ALPHAZERO, config=replace(ALPHAZERO.config, iterations=max(1, games // side_by_side))
+    )
     return {
         "as described": described,
-        "one network for all": replace(described, config=replace(described.config, agents="one", horizon="next")),
+        "one network for all": replace(
+            described, config=replace(described.config, agents="one", horizon="next")
+        ),
         "ours": ours,
     }
 
 
-def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, tell: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
+def reproduce(
+    folder: Path,
+    *,
+    quick: bool = False,
+    seeds: int | None = None,
+    tell: Callable[[str], None] = lambda _: None,
+) -> dict[str, Any]:
     """Trains, proves, and returns the document, which is also written to `folder/yu2021.json`.
 
     The runs are kept in `folder/records`; one that was stopped goes on where it was.
@@ -112,15 +140,21 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
     return document
 
 
-def _row(instance: Instance, seeds: Sequence[int], records: Path, games: int, tell: Callable[[str], None]) -> dict[str, Any]:
-    """One instance: its optimum, the players that learn nothing, and every recipe over the seeds."""
+def _row(
+    instance: Instance, seeds: Sequence[int], records: Path, games: int, tell: Callable[[str], None]
+) -> dict[str, Any]:
+    """One instance: its optimum, the players that learn nothing, and every recipe over the
+    seeds.
+    """
     from tandem.plan.methods import plan
     from tandem.plan.rules import RULES
 
     cell = instance.cell()
     exact = next(iter(plan(cell, minimize="makespan", time_limit=PROOF_S, seed=0)))
     by_rule = {
-        name: next(iter(plan(cell, method=name, minimize="makespan", seed=0))).makespan for name in RULES if name not in ("random", "best-of-n")
+        name: next(iter(plan(cell, method=name, minimize="makespan", seed=0))).makespan
+        for name in RULES
+        if name not in ("random", "best-of-n")
     }
     rule = min(by_rule, key=lambda name: (by_rule[name], name))
     chance = _random(cell)
@@ -128,7 +162,12 @@ def _row(instance: Instance, seeds: Sequence[int], records: Path, games: int, te
     learned = {}
     for name, recipe in recipes(games, len(cell.tasks)).items():
         began = time.process_time()
-        result, curve = _trained(cell, recipe, seeds, records / f"{instance.name} {name}".replace(", ", "-").replace(" ", "-"))
+        result, curve = _trained(
+            cell,
+            recipe,
+            seeds,
+            records / f"{instance.name} {name}".replace(", ", "-").replace(" ", "-"),
+        )
         learned[name] = {
             "greedy": [row["greedy"]["makespan"] for row in result["seeds"]],
             "best_of_n": [row["best_of_n"]["makespan"] for row in result["seeds"]],
@@ -150,16 +189,27 @@ def _row(instance: Instance, seeds: Sequence[int], records: Path, games: int, te
     }
 
 
-def _trained(cell: Cell, recipe: ValueRecipe | SearchRecipe, seeds: Sequence[int], folder: Path) -> tuple[dict[str, Any], list[Any]]:
-    """The result of the run in the folder, made or gone on with when it is not there; and each seed's (decisions, greedy seconds).
+def _trained(
+    cell: Cell, recipe: ValueRecipe | SearchRecipe, seeds: Sequence[int], folder: Path
+) -> tuple[dict[str, Any], list[Any]]:
+    """The result of the run in the folder, made or gone on with when it is not there; and each
+    seed's (decisions, greedy seconds).
 
-    Raises KeyboardInterrupt when the training was stopped: what it has saved is gone on with the next time.
+    Raises KeyboardInterrupt when the training was stopped: what it has saved is gone on with the
+    next time.
     """
     from tandem.learn.training import trainer
 
     run = RunFolder(folder)
     if not (folder / "run.json").exists():
-        result = trainer.train(cell, recipe_name="yu2021", own_recipe=recipe, seeds=tuple(seeds), folder=folder, front_limit=1.0)
+        result = trainer.train(
+            cell,
+            recipe_name="yu2021",
+            own_recipe=recipe,
+            seeds=tuple(seeds),
+            folder=folder,
+            front_limit=1.0,
+        )
     elif not (folder / "result.json").exists():
         result = trainer.resume(folder)
     else:
@@ -167,11 +217,16 @@ def _trained(cell: Cell, recipe: ValueRecipe | SearchRecipe, seeds: Sequence[int
     if result["interrupted"]:
         raise KeyboardInterrupt
     rows = run.figures()
-    return result, [[[row["steps"], row["greedy_makespan"]] for row in rows if row["seed"] == seed] for seed in seeds]
+    return result, [
+        [[row["steps"], row["greedy_makespan"]] for row in rows if row["seed"] == seed]
+        for seed in seeds
+    ]
 
 
 def _random(cell: Cell) -> list[float]:
-    return [game.makespan for game in at_random(cell, games=RANDOM_GAMES) if game.makespan is not None]
+    return [
+        game.makespan for game in at_random(cell, games=RANDOM_GAMES) if game.makespan is not None
+    ]
 
 
 def at_random(cell: Cell, *, games: int, seed: int = 0) -> list[Reached]:
@@ -185,29 +240,51 @@ def at_random(cell: Cell, *, games: int, seed: int = 0) -> list[Reached]:
 
     judge = Scorer(1)
     nobody = Trained(judge, judge.start(jax.random.key(0)))
-    return play(cell, game_of(cell, 0.0, waiting=False), nobody, Wander(share=1.0), games=games, seed=seed)
+    return play(
+        cell, game_of(cell, 0.0, waiting=False), nobody, Wander(share=1.0), games=games, seed=seed
+    )
 
 
 def stored() -> dict[str, Any]:
-    """The document of the long run that ships with the package. Raises CellError when this copy has none, or a damaged one."""
+    """The document of the long run that ships with the package. Raises CellError when this copy has
+    none, or a damaged one.
+    """
     return stored_document("yu2021/results.json", "yu2021")
 
 
 def table(document: Mapping[str, Any]) -> str:
-    """Published, as described, one network for all, ours and exact, seconds; means over seeds, in brackets the best of several drawn games."""
+    """Published, as described, one network for all, ours and exact, seconds; means over seeds, in
+    brackets the best of several drawn games.
+    """
     drawn = {name: learned["n"] for name, learned in document["rows"][0]["learned"].items()}
     names, seeds = list(drawn), len(document["seeds"])
     lines = [
-        f"Seconds of the greedy policies, mean over {seeds} training{'s' * (seeds > 1)} of {document['games']} games each; in brackets the mean of "
-        f"the best of several games that are drawn ({', '.join(f'{name}: {number}' for name, number in drawn.items())}). `{document['command']}`.",
+        (
+            f"Seconds of the greedy policies, mean over {seeds} training{'s' * (seeds > 1)} of"
+            f" {document['games']} games each; in brackets the mean of the best of several games"
+            f" that are drawn ({', '.join(f'{name}: {number}' for name, number in drawn.items())})."
+            f" `{document['command']}`."
+        ),
         "",
-        f"| instance | tasks | agents | published | random | best rule | {' | '.join(names)} | exact |",
+        (
+            f"| instance | tasks | agents | published | random | best rule | {' | '.join(names)} |"
+            " exact |"
+        ),
         "|" + "---|" * (7 + len(names)),
     ]
     for row in document["rows"]:
-        learned = [f"{_mean(row['learned'][name]['greedy'])} ({_mean(row['learned'][name]['best_of_n'])})" for name in names]
+        learned = [
+            f"{_mean(row['learned'][name]['greedy'])} ({_mean(row['learned'][name]['best_of_n'])})"
+            for name in names
+        ]
         proof = "" if row["status"] == "optimal" else f" (at least {row['bound']:g})"
-        plain = [row["instance"], str(row["tasks"]), str(row["agents"]), document["published"], f"{row['random']['mean']:.1f}"]
+        plain = [
+            row["instance"],
+            str(row["tasks"]),
+            str(row["agents"]),
+            document["published"],
+            f"{row['random']['mean']:.1f}",
+        ]
         rule = f"{row['rule']['makespan']:g} ({row['rule']['name']})"
         lines.append("| " + " | ".join([*plain, rule, *learned, f"{row['exact']:g}{proof}"]) + " |")
     return "\n".join(lines)
@@ -225,7 +302,14 @@ def draw_figures(document: Mapping[str, Any], folder: Path) -> list[Path]:
         ax = blank(7.0, 4.2).axes[0]
         lines = {name: _line(one["curve"]) for name, one in row["learned"].items()}
         levels = {"exact": row["exact"], "random": row["random"]["mean"]}
-        plot_curves(lines, ax, xlabel="decisions", ylabel="makespan of the greedy policies, s", title=row["instance"], levels=levels)
+        plot_curves(
+            lines,
+            ax,
+            xlabel="decisions",
+            ylabel="makespan of the greedy policies, s",
+            title=row["instance"],
+            levels=levels,
+        )
         for form in ("svg", "png"):
             file = folder / f"{row['instance'].replace(', ', '-').replace(' ', '-')}.{form}"
             save(ax, file)
@@ -233,13 +317,19 @@ def draw_figures(document: Mapping[str, Any], folder: Path) -> list[Path]:
     return files
 
 
-def _line(curve: Sequence[Sequence[Sequence[float]]]) -> tuple[list[list[float]], list[list[float]]]:
+def _line(
+    curve: Sequence[Sequence[Sequence[float]]],
+) -> tuple[list[list[float]], list[list[float]]]:
     done = [[point for point in seed if point[1] is not None] for seed in curve]
-    return [[point[0] for point in seed] for seed in done], [[point[1] for point in seed] for seed in done]
+    return [[point[0] for point in seed] for seed in done], [
+        [point[1] for point in seed] for seed in done
+    ]
 
 
 def runs_on(cell: Cell) -> Cell:
-    """The cell itself: the game is that of the event world, which holds every cell. Raises CellError for times too large to be counted."""
+    """The cell itself: the game is that of the event world, which holds every cell. Raises
+    CellError for times too large to be counted.
+    """
     from tandem.learn.rollout import game_of
 
     game_of(cell, 0.0, waiting=False)
@@ -253,10 +343,21 @@ def _small(cell: Cell, stress_factor: float = 0.0) -> tuple[Any, Any]:
     from tandem.learn.rollout import game_of
     from tandem.learn.training import trainer
 
-    recipe = replace(YU_2021, samples=1, config=replace(YU_2021.config, decisions=480, games=8, kept=256, minibatch=16, warm_up=5, units=8))
+    recipe = replace(
+        YU_2021,
+        samples=1,
+        config=replace(
+            YU_2021.config, decisions=480, games=8, kept=256, minibatch=16, warm_up=5, units=8
+        ),
+    )
     with TemporaryDirectory() as scratch:
         folder = Path(scratch) / "run"
-        order: dict[str, Any] = {"own_recipe": recipe, "seeds": (0,), "front_limit": 1.0, "stress_factor": stress_factor}
+        order: dict[str, Any] = {
+            "own_recipe": recipe,
+            "seeds": (0,),
+            "front_limit": 1.0,
+            "stress_factor": stress_factor,
+        }
         if trainer.train(cell, recipe_name="yu2021", folder=folder, **order)["interrupted"]:
             raise KeyboardInterrupt
         trained = Trained.load(RunFolder(folder).policy(0), ValueNetworks)
@@ -296,10 +397,16 @@ def _exact(document: Mapping[str, Any]) -> list[float]:
     return [row["exact"] for row in document["rows"] if row["status"] == "optimal"]
 
 
-FEATURES = Features(trains=_trains, agents=_agents, cost=_cost, play=_play, carry=_carry, exact=_exact)
+FEATURES = Features(
+    trains=_trains, agents=_agents, cost=_cost, play=_play, carry=_carry, exact=_exact
+)
 
 
 def _mean(values: Iterable[float | None]) -> str:
     """Mean; "not finished" when a game was not."""
     known = list(values)
-    return "not finished" if None in known else f"{fmean(value for value in known if value is not None):.1f}"
+    return (
+        "not finished"
+        if None in known
+        else f"{fmean(value for value in known if value is not None):.1f}"
+    )

@@ -4,4 +4,6 @@ from tandem.learn.dqn.config import Config
 from tandem.learn.dqn.recipes import ValueRecipe
 
 YU_2021 = ValueRecipe(Config(), waiting=False)
-"""Yu, Huang and Chang (2021): a DQN for each agent on the same game, nobody waits. All numbers are ASSUMPTION: none is public."""
+"""Yu, Huang and Chang (2021): a DQN for each agent on the same game, nobody waits. All numbers are
+ASSUMPTION: none is public.
+"""

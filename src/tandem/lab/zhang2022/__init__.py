@@ -1,4 +1,6 @@
-"""A robot and a human side by side: separate and joint operations, tools, difficulty, fatigue, and a change that nobody foresaw."""
+"""A robot and a human side by side: separate and joint operations, tools, difficulty, fatigue, and
+a change that nobody foresaw.
+"""
 
 from tandem.lab.zhang2022.change import Change, Kind, happen, possible
 from tandem.lab.zhang2022.setting import Duo, Setting, duo, setting

@@ -1,14 +1,18 @@
-"""Dual-agent DDPG over discrete choices: two actors, one critic that values pairs, replay, target networks, noise on the human's actor.
+"""Dual-agent DDPG over discrete choices: two actors, one critic that values pairs, replay, target
+networks, noise on the human's actor.
 
-`act`, `store`, `drawn`, `targets`, `critic_loss`, `actor_loss`, `update` are pure functions; `train` composes them. `jit` it whole, `vmap` it
-over keys.
-Sources: Lillicrap et al. (2016), arXiv:1509.02971, for the algorithm; Zhang et al. (2022), RCIM 73, 102227, as far as it is public, for two
-actors, a shared critic, a choice by Q-value and noise in the human's actor. How the pieces meet is in `pairs.py`.
+`act`, `store`, `drawn`, `targets`, `critic_loss`, `actor_loss`, `update` are pure functions;
+`train` composes them. `jit` it whole, `vmap` it over keys.
+Sources: Lillicrap et al. (2016), arXiv:1509.02971, for the algorithm; Zhang et al. (2022), RCIM 73,
+102227, as far as it is public, for two actors, a shared critic, a choice by Q-value and noise in
+the human's actor. How the pieces meet is in `pairs.py`.
 
-For worlds of two agents in which the agent of row 1 names first (`World.narrow` then says what is left for row 0), and which end whatever
-legal actions are taken: there is no limit on an episode's length here. Both agents are paid for the same end: the critic learns the sum.
+For worlds of two agents in which the agent of row 1 names first (`World.narrow` then says what is
+left for row 0), and which end whatever legal actions are taken: there is no limit on an episode's
+length here. Both agents are paid for the same end: the critic learns the sum.
 
-Axes: `N` environments, `R` rows of the replay, `B` transitions of a minibatch; `D` and `K` as in `pairs.py`.
+Axes: `N` environments, `R` rows of the replay, `B` transitions of a minibatch; `D` and `K` as in
+`pairs.py`.
 """
 
 from __future__ import annotations
@@ -23,7 +27,17 @@ import jax.numpy as jnp
 import optax
 
 from tandem.lab.zhang2022.ddpg_config import Config
-from tandem.lab.zhang2022.pairs import FIRST, SECOND, Networks, asked_with, candidates, choose, scores, value_of, values_of
+from tandem.lab.zhang2022.pairs import (
+    FIRST,
+    SECOND,
+    Networks,
+    asked_with,
+    candidates,
+    choose,
+    scores,
+    value_of,
+    values_of,
+)
 from tandem.learn.networks import ILLEGAL, Network, init
 from tandem.learn.world import State, World
 
@@ -31,10 +45,11 @@ Array = jax.Array
 
 
 class Replay(NamedTuple):
-    """The newest transitions, a ring; row `i` is one step of all environments and row `i + 1` (around the ring) the next.
+    """The newest transitions, a ring; row `i` is one step of all environments and row `i + 1`
+    (around the ring) the next.
 
-    seen: `[R, N, 2, D]`. pairs: `[R, N, K, K]` bool. action: `[R, N, 2]` int32. reward: `[R, N]`, the sum over both agents.
-    ended: `[R, N]` bool, the episode ended with this step.
+    seen: `[R, N, 2, D]`. pairs: `[R, N, K, K]` bool. action: `[R, N, 2]` int32. reward: `[R, N]`,
+    the sum over both agents. ended: `[R, N]` bool, the episode ended with this step.
     """
 
     seen: Array
@@ -68,7 +83,9 @@ class Learner(NamedTuple):
 
 
 class Report(NamedTuple):
-    """What a round tells. episodes: how many ended. returns: the sum of their returns. critic, actors: losses; 0 before the first update."""
+    """What a round tells. episodes: how many ended. returns: the sum of their returns. critic,
+    actors: losses; 0 before the first update.
+    """
 
     episodes: Array
     returns: Array
@@ -77,9 +94,11 @@ class Report(NamedTuple):
 
 
 class Sample(NamedTuple):
-    """What the critic learns from: `B` stretches of `ahead` steps; `later_*` is where a stretch ends.
+    """What the critic learns from: `B` stretches of `ahead` steps; `later_*` is where a stretch
+    ends.
 
-    reward: `[B]`, discounted sum of the stretch. weight: `[B]`, discount of what follows it; 0 when the episode ended in it.
+    reward: `[B]`, discounted sum of the stretch. weight: `[B]`, discount of what follows it; 0 when
+    the episode ended in it.
     """
 
     seen: Array
@@ -91,10 +110,14 @@ class Sample(NamedTuple):
     later_pairs: Array
 
 
-def train(key: Array, world: World, config: Config, noise: Array | float | None = None) -> tuple[Learner, Report]:
-    """A whole training; the reports have a leading axis of `config.rounds`. Pure: the same key gives the same networks.
+def train(
+    key: Array, world: World, config: Config, noise: Array | float | None = None
+) -> tuple[Learner, Report]:
+    """A whole training; the reports have a leading axis of `config.rounds`. Pure: the same key
+    gives the same networks.
 
-    `noise` `[]` stands for `config.noise` when given: as data, so that trainings with and without it run side by side.
+    `noise` `[]` stands for `config.noise` when given: as data, so that trainings with and without
+    it run side by side.
     """
     return advance(start(key, world, config, noise), world, config, config.rounds)
 
@@ -109,9 +132,13 @@ def start(key: Array, world: World, config: Config, noise: Array | float | None 
     weight_key, reset_key, key = jax.random.split(key, 3)
     seen, choices = world.observation_size, world.actions
     actor, critic = (seen, *config.hidden, choices), (2 * seen + 2 * choices, *config.hidden, 1)
-    uniform = jax.random.uniform(weight_key, (2 * _weights(actor) + _weights(critic),), minval=-1.0)  # one draw: each compiles for a second
+    # one draw: each compiles for a second
+    uniform = jax.random.uniform(weight_key, (2 * _weights(actor) + _weights(critic),), minval=-1.0)
     pair = uniform[: 2 * _weights(actor)].reshape(2, -1)
-    networks = {"actors": jax.vmap(partial(_network, sizes=actor))(pair), "critic": _network(uniform[pair.size :], critic)}
+    networks = {
+        "actors": jax.vmap(partial(_network, sizes=actor))(pair),
+        "critic": _network(uniform[pair.size :], critic),
+    }
     rows, n = config.replay // config.environments, config.environments
     replay = Replay(
         jnp.zeros((rows, n, 2, seen)),
@@ -135,10 +162,16 @@ def start(key: Array, world: World, config: Config, noise: Array | float | None 
 
 
 def legal_pairs(world: World, state: State) -> Array:
-    """`[K, K]` bool, `[i, j]`: the agent of row 0 may do i while the agent of row 1, who names first, does j."""
+    """`[K, K]` bool, `[i, j]`: the agent of row 0 may do i while the agent of row 1, who names
+    first, does j.
+    """
     legal = world.legal(state)
     numbers = jnp.arange(world.actions, dtype=jnp.int32)
-    answers = jax.vmap(lambda first: world.narrow(state, legal, jnp.stack([jnp.zeros((), jnp.int32), first]))[SECOND])(numbers)
+    answers = jax.vmap(
+        lambda first: world.narrow(state, legal, jnp.stack([jnp.zeros((), jnp.int32), first]))[
+            SECOND
+        ]
+    )(numbers)
     return answers.T & legal[FIRST][None, :]
 
 
@@ -154,21 +187,41 @@ def round_(learner: Learner, world: World, config: Config) -> tuple[Learner, Rep
     action, noise = act(draws, learner, seen, pairs, config)
     state, outcome = jax.vmap(world.step)(state, action)
     reward = jnp.sum(outcome.reward, -1)
-    replay = store(learner.replay, learner.rounds, Replay(seen, pairs, action, reward, outcome.terminated))
+    replay = store(
+        learner.replay, learner.rounds, Replay(seen, pairs, action, reward, outcome.terminated)
+    )
     ended, paid = outcome.terminated, learner.paid + reward
     again = jax.vmap(world.reset)(jax.random.split(reset_key, config.environments))
-    state = jax.tree.map(lambda new, old: jnp.where(ended.reshape(-1, *[1] * (old.ndim - 1)), new, old), again, state)
-    played = learner._replace(replay=replay, state=state, paid=jnp.where(ended, 0.0, paid), noise=noise, key=key, rounds=learner.rounds + 1)
-    learned = (played.rounds * config.environments >= config.warm_up) & (played.rounds > config.ahead)
-    played, losses = jax.lax.cond(learned, lambda it: learn(draws, it, config), lambda it: (it, jnp.zeros(2)), played)
-    return played, Report(jnp.sum(ended), jnp.sum(jnp.where(ended, paid, 0.0)), losses[0], losses[1])
+    state = jax.tree.map(
+        lambda new, old: jnp.where(ended.reshape(-1, *[1] * (old.ndim - 1)), new, old), again, state
+    )
+    played = learner._replace(
+        replay=replay,
+        state=state,
+        paid=jnp.where(ended, 0.0, paid),
+        noise=noise,
+        key=key,
+        rounds=learner.rounds + 1,
+    )
+    learned = (played.rounds * config.environments >= config.warm_up) & (
+        played.rounds > config.ahead
+    )
+    played, losses = jax.lax.cond(
+        learned, lambda it: learn(draws, it, config), lambda it: (it, jnp.zeros(2)), played
+    )
+    return played, Report(
+        jnp.sum(ended), jnp.sum(jnp.where(ended, paid, 0.0)), losses[0], losses[1]
+    )
 
 
 class Draws(NamedTuple):
-    """All that a round leaves to chance, uniform in [0, 1): one draw, because each compiles for a second.
+    """All that a round leaves to chance, uniform in [0, 1): one draw, because each compiles for a
+    second.
 
-    pair: `[N, 2]`, whether a pair is random and which. noise: `[N, K]`, for the human's scores. place: `[updates, B, 2]`, row and environment of
-    the transitions that are learned from. later: `[updates, B, K]`, for the human's scores in the critic's targets; `K` is 0 when they have no noise.
+    pair: `[N, 2]`, whether a pair is random and which. noise: `[N, K]`, for the human's scores.
+    place: `[updates, B, 2]`, row and environment of the transitions that are learned from. later:
+    `[updates, B, K]`, for the human's scores in the critic's targets; `K` is 0 when they have no
+    noise.
     """
 
     pair: Array
@@ -179,9 +232,13 @@ class Draws(NamedTuple):
 
 def _draws(key: Array, world: World, config: Config) -> Draws:
     n, b, u = config.environments, config.minibatch, config.updates
-    shapes = Draws((n, 2), (n, world.actions), (u, b, 2), (u, b, world.actions * config.noise_in_targets))  # type: ignore[arg-type]
+    shapes = Draws(
+        (n, 2), (n, world.actions), (u, b, 2), (u, b, world.actions * config.noise_in_targets)
+    )  # type: ignore[arg-type]
     sizes = [math.prod(shape) for shape in shapes]
-    parts = jnp.split(jax.random.uniform(key, (sum(sizes),)), list(itertools.accumulate(sizes[:-1])))
+    parts = jnp.split(
+        jax.random.uniform(key, (sum(sizes),)), list(itertools.accumulate(sizes[:-1]))
+    )
     return Draws(*[part.reshape(shape) for part, shape in zip(parts, shapes, strict=True)])
 
 
@@ -189,19 +246,34 @@ def _normal(uniform: Array) -> Array:
     return jax.scipy.special.ndtri(jnp.clip(uniform, 1e-6, 1 - 1e-6))
 
 
-def act(draws: Draws, learner: Learner, seen: Array, pairs: Array, config: Config) -> tuple[Array, Array]:
-    """Pairs `[N, 2]` for `seen` `[N, 2, D]` and `pairs` `[N, K, K]`, some of them at random; and the noise `[N, K]` on the human's scores now."""
+def act(
+    draws: Draws, learner: Learner, seen: Array, pairs: Array, config: Config
+) -> tuple[Array, Array]:
+    """Pairs `[N, 2]` for `seen` `[N, 2, D]` and `pairs` `[N, K, K]`, some of them at random; and
+    the noise `[N, K]` on the human's scores now.
+    """
     keep = config.noise_memory
     noise = keep * learner.noise + math.sqrt(1 - keep**2) * learner.spread * _normal(draws.noise)
 
     def chosen(seen: Array, pairs: Array, noise: Array) -> Array:
-        return choose(jnp, learner.networks, seen, pairs, config.candidates, config.activation, noise, learner.spread > 0)
+        return choose(
+            jnp,
+            learner.networks,
+            seen,
+            pairs,
+            config.candidates,
+            config.activation,
+            noise,
+            learner.spread > 0,
+        )
 
     action = jax.vmap(chosen)(seen, pairs, noise)
     gone = learner.rounds / (config.rounds * max(config.explore_until, 1e-6))
     share = config.explore_from + (config.explore_to - config.explore_from) * jnp.minimum(gone, 1.0)
     share = jnp.where(learner.rounds * config.environments < config.warm_up, 1.0, share)
-    return jnp.where(draws.pair[:, :1] < share, random_pairs(draws.pair[:, 1], pairs), action), noise
+    return jnp.where(
+        draws.pair[:, :1] < share, random_pairs(draws.pair[:, 1], pairs), action
+    ), noise
 
 
 def random_pairs(uniform: Array, pairs: Array) -> Array:
@@ -230,22 +302,37 @@ def learn(draws: Draws, learner: Learner, config: Config) -> tuple[Learner, Arra
 
 
 def update(place: Array, later: Array, learner: Learner, config: Config) -> tuple[Learner, Array]:
-    """One gradient step of critic and actors, and the targets one step behind them; `place` `[B, 2]` and `later` `[B, K]` as in `Draws`."""
+    """One gradient step of critic and actors, and the targets one step behind them; `place` `[B,
+    2]` and `later` `[B, K]` as in `Draws`.
+    """
     sample = drawn(place, learner.replay, learner.rounds, config)
     wanted = targets(later, learner, sample, config)
     rate = 1 + (config.last_rate - 1) * jnp.minimum(learner.rounds / config.rounds, 1.0)
-    critic_part, critic_change = jax.value_and_grad(critic_loss)(learner.networks["critic"], sample, wanted, config)
-    critic, critic_moments = _descend(learner, "critic", critic_change, rate * config.critic_rate, config)
-    actor_part, actor_change = jax.value_and_grad(actor_loss)(learner.networks["actors"], critic, sample, config)
-    actors, actor_moments = _descend(learner, "actors", actor_change, rate * config.actor_rate, config)
+    critic_part, critic_change = jax.value_and_grad(critic_loss)(
+        learner.networks["critic"], sample, wanted, config
+    )
+    critic, critic_moments = _descend(
+        learner, "critic", critic_change, rate * config.critic_rate, config
+    )
+    actor_part, actor_change = jax.value_and_grad(actor_loss)(
+        learner.networks["actors"], critic, sample, config
+    )
+    actors, actor_moments = _descend(
+        learner, "actors", actor_change, rate * config.actor_rate, config
+    )
     networks = {"actors": actors, "critic": critic}
-    trailing = jax.tree.map(lambda old, new: old + config.target_rate * (new - old), learner.targets, networks)
+    trailing = jax.tree.map(
+        lambda old, new: old + config.target_rate * (new - old), learner.targets, networks
+    )
     moments = {"actors": actor_moments, "critic": critic_moments}
-    return learner._replace(networks=networks, targets=trailing, moments=moments), jnp.stack([critic_part, actor_part])
+    return learner._replace(networks=networks, targets=trailing, moments=moments), jnp.stack(
+        [critic_part, actor_part]
+    )
 
 
 def drawn(place: Array, replay: Replay, rounds: Array, config: Config) -> Sample:
-    """`B` stretches of `ahead` steps from the replay; `rounds` rows were ever stored, more than `ahead`. `place` `[B, 2]` in [0, 1) says which.
+    """`B` stretches of `ahead` steps from the replay; `rounds` rows were ever stored, more than
+    `ahead`. `place` `[B, 2]` in [0, 1) says which.
 
     Rewards count up to the episode's end, and what follows an end is not looked at.
     """
@@ -271,7 +358,8 @@ def drawn(place: Array, replay: Replay, rounds: Array, config: Config) -> Sample
 
 
 def targets(later: Array, learner: Learner, sample: Sample, config: Config) -> Array:
-    """`[B]`, what the critic should say: the stretch's rewards, and the target critic's value of the pair chosen where it ends.
+    """`[B]`, what the critic should say: the stretch's rewards, and the target critic's value of
+    the pair chosen where it ends.
 
     `later` `[B, K]` in [0, 1): for the noise on the human's choice there, if there is any.
     """
@@ -279,28 +367,49 @@ def targets(later: Array, learner: Learner, sample: Sample, config: Config) -> A
     noise = _normal(later) * learner.spread if config.noise_in_targets else None
 
     def following(seen: Array, pairs: Array, noise: Array | None) -> Array:
-        asked = asked_with(jnp, scores(jnp, choosing["actors"], seen, config.activation), pairs, config.candidates, noise, learner.spread > 0)
+        asked = asked_with(
+            jnp,
+            scores(jnp, choosing["actors"], seen, config.activation),
+            pairs,
+            config.candidates,
+            noise,
+            learner.spread > 0,
+        )
         value = values_of(jnp, learner.targets["critic"], seen, asked, config.activation)
         if not config.double:
             return jnp.max(jnp.where(asked.legal, value, ILLEGAL))
-        judged = jnp.where(asked.legal, values_of(jnp, learner.networks["critic"], seen, asked, config.activation), ILLEGAL)
+        judged = jnp.where(
+            asked.legal,
+            values_of(jnp, learner.networks["critic"], seen, asked, config.activation),
+            ILLEGAL,
+        )
         return value.reshape(-1)[jnp.argmax(judged.reshape(-1))]
 
     # Where an episode ended the pairs of the next one stand here; their weight is 0.
-    return sample.reward + sample.weight * jax.vmap(following)(sample.later_seen, sample.later_pairs, noise)
+    return sample.reward + sample.weight * jax.vmap(following)(
+        sample.later_seen, sample.later_pairs, noise
+    )
 
 
 def critic_loss(critic: Any, sample: Sample, wanted: Array, config: Config) -> Array:
     """Mean squared error of the values of the pairs that were taken against `wanted` `[B]`."""
     taken = jax.nn.one_hot(sample.action, sample.pairs.shape[-1])
-    value = jax.vmap(lambda seen, pair: value_of(jnp, critic, seen, pair[SECOND], pair[FIRST], config.activation))(sample.seen, taken)
+    value = jax.vmap(
+        lambda seen, pair: value_of(jnp, critic, seen, pair[SECOND], pair[FIRST], config.activation)
+    )(sample.seen, taken)
     return jnp.mean((value - wanted) ** 2)
 
 
 def actor_loss(actors: Any, critic: Any, sample: Sample, config: Config) -> Array:
-    """Minus what the critic thinks of the actors' choices in the sampled states; see `Config.actors_learn`."""
+    """Minus what the critic thinks of the actors' choices in the sampled states; see
+    `Config.actors_learn`.
+    """
     loss = _relaxed_loss if config.actors_learn == "relaxed" else _expected_loss
-    return jnp.mean(jax.vmap(lambda seen, pairs: loss(actors, critic, seen, pairs, config))(sample.seen, sample.pairs))
+    return jnp.mean(
+        jax.vmap(lambda seen, pairs: loss(actors, critic, seen, pairs, config))(
+            sample.seen, sample.pairs
+        )
+    )
 
 
 def _relaxed_loss(actors: Any, critic: Any, seen: Array, pairs: Array, config: Config) -> Array:
@@ -312,7 +421,9 @@ def _relaxed_loss(actors: Any, critic: Any, seen: Array, pairs: Array, config: C
 
 
 def _expected_loss(actors: Any, critic: Any, seen: Array, pairs: Array, config: Config) -> Array:
-    """Each actor's expected value over its candidates: the human's with the best answer to each, the robot's with the human's best choice."""
+    """Each actor's expected value over its candidates: the human's with the best answer to each,
+    the robot's with the human's best choice.
+    """
     score = scores(jnp, actors, seen, config.activation)
     asked = candidates(jnp, jax.lax.stop_gradient(score), pairs, config.candidates)
     value = jax.lax.stop_gradient(values_of(jnp, critic, seen, asked, config.activation))
@@ -324,18 +435,26 @@ def _expected_loss(actors: Any, critic: Any, seen: Array, pairs: Array, config: 
 
 
 def _expected(score: Array, choice: Array, value: Array, legal: Array, config: Config) -> Array:
-    """Mean of `value` `[C]` under the softmax of the scores of these choices `[C, K]`, and the entropy by its weight."""
+    """Mean of `value` `[C]` under the softmax of the scores of these choices `[C, K]`, and the
+    entropy by its weight.
+    """
     log = jax.nn.log_softmax(jnp.where(legal, choice @ score / config.temperature, ILLEGAL))
     probability = jnp.where(legal, jnp.exp(log), 0.0)
-    return jnp.sum(probability * (jnp.where(legal, value, 0.0) - config.entropy * jnp.where(legal, log, 0.0)))
+    return jnp.sum(
+        probability * (jnp.where(legal, value, 0.0) - config.entropy * jnp.where(legal, log, 0.0))
+    )
 
 
 def _optimiser(config: Config) -> optax.GradientTransformation:
-    limit = [] if config.gradient_limit is None else [optax.clip_by_global_norm(config.gradient_limit)]
+    limit = (
+        [] if config.gradient_limit is None else [optax.clip_by_global_norm(config.gradient_limit)]
+    )
     return optax.chain(*limit, optax.scale_by_adam())
 
 
-def _descend(learner: Learner, name: str, change: Any, rate: Array, config: Config) -> tuple[Any, Any]:
+def _descend(
+    learner: Learner, name: str, change: Any, rate: Array, config: Config
+) -> tuple[Any, Any]:
     step, moments = _optimiser(config).update(change, learner.moments[name])
     return jax.tree.map(lambda old, by: old - rate * by, learner.networks[name], step), moments
 
@@ -345,7 +464,9 @@ def _weights(sizes: tuple[int, ...]) -> int:
 
 
 def _network(uniform: Array, sizes: tuple[int, ...]) -> Network:
-    """A network from `_weights(sizes)` numbers in [-1, 1); its last layer begins small, so that nothing is preferred."""
+    """A network from `_weights(sizes)` numbers in [-1, 1); its last layer begins small, so that
+    nothing is preferred.
+    """
     taken = 0
 
     def draw(shape: tuple[int, ...]) -> Array:

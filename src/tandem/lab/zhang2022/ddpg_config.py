@@ -15,7 +15,8 @@ ACTORS_LEARN = ("relaxed", "expected")
 
 @dataclass(frozen=True)
 class Config:
-    """A training. Nothing of it is public for Zhang et al. (2022): every number is an ASSUMPTION and an option.
+    """A training. Nothing of it is public for Zhang et al. (2022): every number is an ASSUMPTION
+    and an option.
 
     Attributes:
       steps: joint steps of the world, summed over the environments.
@@ -27,19 +28,25 @@ class Config:
       ahead: rewards summed before the critic is asked (n-step returns); 1 in DDPG.
       discount: of a decision.
       target_rate: how far the target networks move to the others after each gradient step.
-      actor_rate, critic_rate: learning rates at the start; they fall linearly to `last_rate` times that.
+      actor_rate, critic_rate: learning rates at the start; they fall linearly to `last_rate` times
+        that.
       hidden: units of the hidden layers, of actors and critic alike.
       activation: "relu" or "tanh".
-      candidates: choices of each actor that the critic is asked about; 1 lets the actors decide alone.
-      actors_learn: "relaxed", DDPG's gradient of the critic at the actors' probabilities; or "expected", the critic's value of each candidate
-        weighted with its probability.
+      candidates: choices of each actor that the critic is asked about; 1 lets the actors decide
+        alone.
+      actors_learn: "relaxed", DDPG's gradient of the critic at the actors' probabilities; or
+        "expected", the critic's value of each candidate weighted with its probability.
       temperature: of the softmax that makes probabilities of scores in (-1, 1).
       entropy: weight of the actors' entropy, with "expected".
-      double: the networks choose the next pair and the targets value it (van Hasselt et al. 2016, arXiv:1509.06461); else the targets do both.
-      explore_from, explore_to: share of random pairs at the start and at the end, falling linearly until `explore_until` of the steps.
+      double: the networks choose the next pair and the targets value it (van Hasselt et al. 2016,
+        arXiv:1509.06461); else the targets do both.
+      explore_from, explore_to: share of random pairs at the start and at the end, falling linearly
+        until `explore_until` of the steps.
       noise: spread of the noise on the human's scores; 0 for none.
-      noise_memory: 0 for Gaussian noise; towards 1 for Ornstein-Uhlenbeck noise that lasts (1 - theta there).
-      noise_in_targets: the human's next choice is noisy in the critic's targets too, so that the values are those of working with such a human.
+      noise_memory: 0 for Gaussian noise; towards 1 for Ornstein-Uhlenbeck noise that lasts (1 -
+        theta there).
+      noise_in_targets: the human's next choice is noisy in the critic's targets too, so that the
+        values are those of working with such a human.
       gradient_limit: largest norm of a gradient; None for no limit.
     """
 
@@ -72,14 +79,34 @@ class Config:
 
     def __post_init__(self) -> None:
         if faults := list(self.faults()):
-            raise UsageError("The training's configuration does not hold:\n" + "\n".join(f"- {fault}" for fault in faults))
+            raise UsageError(
+                "The training's configuration does not hold:\n"
+                + "\n".join(f"- {fault}" for fault in faults)
+            )
 
     def faults(self) -> Iterator[str]:
         """Everything that is wrong with it."""
-        for name in ("steps", "environments", "updates", "warm_up", "replay", "minibatch", "ahead", "candidates"):
+        for name in (
+            "steps",
+            "environments",
+            "updates",
+            "warm_up",
+            "replay",
+            "minibatch",
+            "ahead",
+            "candidates",
+        ):
             if getattr(self, name) < 1:
                 yield f"{name} {getattr(self, name)}: must be 1 or more."
-        for name in ("discount", "target_rate", "last_rate", "explore_from", "explore_to", "explore_until", "noise_memory"):
+        for name in (
+            "discount",
+            "target_rate",
+            "last_rate",
+            "explore_from",
+            "explore_to",
+            "explore_until",
+            "noise_memory",
+        ):
             if not 0 <= getattr(self, name) <= 1:
                 yield f"{name} {getattr(self, name)}: must lie between 0 and 1."
         for name in ("actor_rate", "critic_rate", "temperature"):
@@ -89,7 +116,10 @@ class Config:
             if not (math.isfinite(getattr(self, name)) and getattr(self, name) >= 0):
                 yield f"{name} {getattr(self, name)}: must be a number, 0 or more."
         if self.environments >= 1 and self.replay // self.environments < self.ahead + 2:
-            yield f"replay {self.replay}: holds too few steps of {self.environments} environments for returns over {self.ahead} of them."
+            yield (
+                f"replay {self.replay}: holds too few steps of {self.environments} environments for"
+                f" returns over {self.ahead} of them."
+            )
         if not self.hidden or min(self.hidden) < 1:
             yield f"hidden {self.hidden}: needs one layer or more, each of 1 unit or more."
         if self.activation not in ACTIVATIONS:

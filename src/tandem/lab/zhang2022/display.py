@@ -1,4 +1,6 @@
-"""What the human is shown: what to do now, what comes next; from a list of choices, as data and as lines for a terminal."""
+"""What the human is shown: what to do now, what comes next; from a list of choices, as data and as
+lines for a terminal.
+"""
 
 from __future__ import annotations
 
@@ -52,44 +54,72 @@ def episode(cell: Cell, actions: Sequence[Sequence[int]], change: Change = CALM)
 
 
 def _begun(data: Duo, names: Names, state: State, action: Sequence[int]) -> list[Assignment]:
-    picked = {int(np.argmax(data.pick[agent, action[agent]])) for agent in (ROBOT, HUMAN) if action[agent]}
+    picked = {
+        int(np.argmax(data.pick[agent, action[agent]])) for agent in (ROBOT, HUMAN) if action[agent]
+    }
     starts = events.starts(now(data, state), state.assembly)
-    return [names.assignment(way, int(starts[way]), int(starts[way] + data.arrays.way_ticks[way])) for way in picked]
+    return [
+        names.assignment(way, int(starts[way]), int(starts[way] + data.arrays.way_ticks[way]))
+        for way in picked
+    ]
 
 
 def words(cell: Cell, names: Names, data: Duo, happened: Happened) -> str:
     """What happened, in a sentence; empty when nothing did."""
     which = int(happened.which)
     if happened.kind == Kind.ABILITY_LOST:
-        tasks = [task for (task, _), lost in zip(names.ways, data.ability[which], strict=True) if lost]
+        tasks = [
+            task for (task, _), lost in zip(names.ways, data.ability[which], strict=True) if lost
+        ]
         tool = cell.tasks[tasks[0]].tool
         return f"{cell.robots[0]} can no longer {f'use the {tool}' if tool else f'do {tasks[0]!r}'}"
     if happened.kind == Kind.PART_REDONE:
         return f"{names.tasks[which]!r} has to be done again"
     if happened.kind == Kind.TOOL_MISSING:
-        return f"the {list(cell.tools)[which]} is missing until {names.seconds(int(happened.back_at[which])):g} s"
+        return (
+            f"the {list(cell.tools)[which]} is missing until"
+            f" {names.seconds(int(happened.back_at[which])):g} s"
+        )
     return ""
 
 
 def shown(cell: Cell, schedule: Schedule, *, since: float = 0.0) -> list[dict[str, Any]]:
-    """What the display says, each time that it changes: moment, and per operator what is on `now` and what comes `next`.
+    """What the display says, each time that it changes: moment, and per operator what is on `now`
+    and what comes `next`.
 
-    An operation is `{"task", "with", "tool", "start", "end"}`, `with` the others who take part; None when there is none. Seconds.
+    An operation is `{"task", "with", "tool", "start", "end"}`, `with` the others who take part;
+    None when there is none. Seconds.
     """
-    moments = sorted({row.start for row in schedule if row.start >= since} | {row.end for row in schedule if row.end > since} | {since})
-    return [{"at": moment, **{name: _of(cell, schedule, name, moment) for name in cell.operators}} for moment in moments[:-1] or moments]
+    moments = sorted(
+        {row.start for row in schedule if row.start >= since}
+        | {row.end for row in schedule if row.end > since}
+        | {since}
+    )
+    return [
+        {"at": moment, **{name: _of(cell, schedule, name, moment) for name in cell.operators}}
+        for moment in moments[:-1] or moments
+    ]
 
 
 def _of(cell: Cell, schedule: Schedule, name: str, moment: float) -> dict[str, Any]:
     own = schedule.of(name)
     on = next((row for row in own if row.start <= moment < row.end), None)
     following = next((row for row in own if row.start > moment), None)
-    return {"now": on and _operation(cell, name, on), "next": following and _operation(cell, name, following)}
+    return {
+        "now": on and _operation(cell, name, on),
+        "next": following and _operation(cell, name, following),
+    }
 
 
 def _operation(cell: Cell, name: str, row: Assignment) -> dict[str, Any]:
     others = [other for other in row.operators if other != name]
-    return {"task": row.task, "with": others, "tool": cell.tasks[row.task].tool, "start": row.start, "end": row.end}
+    return {
+        "task": row.task,
+        "with": others,
+        "tool": cell.tasks[row.task].tool,
+        "start": row.start,
+        "end": row.end,
+    }
 
 
 def lines(cell: Cell, rows: Sequence[Mapping[str, Any]], operator: str | None = None) -> list[str]:
@@ -99,7 +129,10 @@ def lines(cell: Cell, rows: Sequence[Mapping[str, Any]], operator: str | None = 
     for row in rows:
         told = (row[name]["now"], row[name]["next"])
         if told != before:
-            texts.append(f"{row['at']:7g} s  now: {_say(told[0], 'until', 'end') or 'wait'}; next: {_say(told[1], 'at', 'start') or 'nothing more'}")
+            texts.append(
+                f"{row['at']:7g} s  now: {_say(told[0], 'until', 'end') or 'wait'}; next:"
+                f" {_say(told[1], 'at', 'start') or 'nothing more'}"
+            )
         before = told
     return texts
 

@@ -1,6 +1,8 @@
-"""Zhang, Lv, Li, Bao, Liu, Liu (2022), RCIM 73, 102227: two actors and a shared critic on an alternator-like cell, beside what is exact.
+"""Zhang, Lv, Li, Bao, Liu, Liu (2022), RCIM 73, 102227: two actors and a shared critic on an
+alternator-like cell, beside what is exact.
 
-Their numbers are not public: the cell, the cost and every setting of the training are ASSUMPTIONS (docs/zhang.md).
+Their numbers are not public: the cell, the cost and every setting of the training are ASSUMPTIONS
+(docs/zhang.md).
 """
 
 from __future__ import annotations
@@ -16,7 +18,17 @@ from tandem.files.atomic import store
 from tandem.lab.kinat2023.runs import thesis_cell
 from tandem.lab.records import kept_record, stored_document
 from tandem.lab.systems import Features, Played
-from tandem.lab.zhang2022.runs import ARMS, FACTORS, QUICK, Arm, Record, Size, alternator, random_player, run
+from tandem.lab.zhang2022.runs import (
+    ARMS,
+    FACTORS,
+    QUICK,
+    Arm,
+    Record,
+    Size,
+    alternator,
+    random_player,
+    run,
+)
 from tandem.lab.zhang2022.setting import AGENTS, Duo, duo
 from tandem.lab.zhang2022.summary import guides, summary, table
 from tandem.lab.zhang2022.yardstick import best_rule, exact_front, matching
@@ -28,10 +40,17 @@ ON_OTHERS = Arm("ours", False)
 OTHER_SEEDS = 5
 
 
-def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, tell: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
+def reproduce(
+    folder: Path,
+    *,
+    quick: bool = False,
+    seeds: int | None = None,
+    tell: Callable[[str], None] = lambda _: None,
+) -> dict[str, Any]:
     """Trains, plays and returns the document, which is also written to `folder/zhang2022.json`.
 
-    The trainings of each recipe are kept in `folder/records` when they are done; a run that was stopped goes on from there.
+    The trainings of each recipe are kept in `folder/records` when they are done; a run that was
+    stopped goes on from there.
 
     Args:
       quick: one seed, and a twenty-fifth of the steps.
@@ -41,15 +60,31 @@ def reproduce(folder: Path, *, quick: bool = False, seeds: int | None = None, te
     size = Size(**{**vars(plain), "seeds": seeds or plain.seeds})
     cell = alternator()
     front = exact_front(cell)
-    tell(f"exact front: {len(front)} points, {'complete' if front.complete else 'not proven complete'}")
+    tell(
+        f"exact front: {len(front)} points,"
+        f" {'complete' if front.complete else 'not proven complete'}"
+    )
     rows: list[Record] = []
     for recipe in dict.fromkeys(arm.recipe for arm in ARMS):
         arms = [arm for arm in ARMS if arm.recipe == recipe]
         file = folder / "records" / f"{_file(recipe)}-{size.seeds}-{size.steps}.json"
         rows += kept_record(file, partial(run, cell, arms, size, front.points, tell))
-    document = assemble(rows, cell, front.points, front.complete, random_player(cell, FACTORS, size), quick=quick, seeds=size.seeds)
-    kept = [(name, folder / "records" / f"{_file(name)}-{size.seeds}-{size.steps}.json") for name in OTHERS]
-    document["other_cells"] = [kept_record(file, partial(_on, name, size, tell)) for name, file in kept]
+    document = assemble(
+        rows,
+        cell,
+        front.points,
+        front.complete,
+        random_player(cell, FACTORS, size),
+        quick=quick,
+        seeds=size.seeds,
+    )
+    kept = [
+        (name, folder / "records" / f"{_file(name)}-{size.seeds}-{size.steps}.json")
+        for name in OTHERS
+    ]
+    document["other_cells"] = [
+        kept_record(file, partial(_on, name, size, tell)) for name, file in kept
+    ]
     folder.mkdir(parents=True, exist_ok=True)
     store(folder / STORED, json.dumps(document, separators=(",", ":")) + "\n")
     return document
@@ -65,7 +100,9 @@ def assemble(
     quick: bool,
     seeds: int,
 ) -> dict[str, Any]:
-    """The document: what is exact, what a random player and the best dispatch rule do, a summary an arm and factor, the display, every record."""
+    """The document: what is exact, what a random player and the best dispatch rule do, a summary an
+    arm and factor, the display, every record.
+    """
     from tandem.learn.training.runs import versions
 
     best = {factor: matching(list(front), 1.0, factor) for factor in FACTORS}
@@ -81,16 +118,25 @@ def assemble(
         "exact_front": [list(point) for point in front],
         "exact_front_complete": complete,
         "matching": {f"{factor:g}": list(point) for factor, point in best.items()},
-        "rule": {f"{factor:g}": {"rule": name, "makespan": point[0], "difficulty": point[1]} for factor, (name, point) in rules.items()},
-        "random": {f"{factor:g}": dict(found) for factor, found in zip(FACTORS, chance, strict=True)},
-        "summary": summary(rows, {factor: point[0] + factor * point[1] for factor, point in best.items()}),
+        "rule": {
+            f"{factor:g}": {"rule": name, "makespan": point[0], "difficulty": point[1]}
+            for factor, (name, point) in rules.items()
+        },
+        "random": {
+            f"{factor:g}": dict(found) for factor, found in zip(FACTORS, chance, strict=True)
+        },
+        "summary": summary(
+            rows, {factor: point[0] + factor * point[1] for factor, point in best.items()}
+        ),
         "display": guides(cell, rows),
         "records": list(rows),
     }
 
 
 def stored() -> dict[str, Any]:
-    """The document of the long run that ships with the package. Raises CellError when this copy has none, or a damaged one."""
+    """The document of the long run that ships with the package. Raises CellError when this copy has
+    none, or a damaged one.
+    """
     return stored_document("zhang2022/results.json", "zhang2022")
 
 
@@ -100,19 +146,29 @@ def draw_figures(document: Mapping[str, Any], folder: Path) -> list[Path]:
     from tandem.lab.zhang2022.figures import figures
 
     folder.mkdir(parents=True, exist_ok=True)
-    return [save(figure, folder / f"{name}{form}", dpi=110) for name, figure in figures(document) for form in (".svg", ".png")]
+    return [
+        save(figure, folder / f"{name}{form}", dpi=110)
+        for name, figure in figures(document)
+        for form in (".svg", ".png")
+    ]
 
 
 def runs_on(cell: Cell) -> Duo:
-    """The cell as two agents share it. Raises CellError that names every feature that they cannot express."""
+    """The cell as two agents share it. Raises CellError that names every feature that they cannot
+    express.
+    """
     return duo(cell)[0]
 
 
 def _on(name: str, size: Size, tell: Callable[[str], None]) -> dict[str, Any]:
-    """Our recipe on another cell, at a factor of 1: the exact front, and what the greedy policies reach."""
+    """Our recipe on another cell, at a factor of 1: the exact front, and what the greedy policies
+    reach.
+    """
     cell = OTHERS[name]()
     front = exact_front(cell)
-    small = Size(seeds=min(size.seeds, OTHER_SEEDS), steps=size.steps, noisy=1, changed=1, sampled=0)
+    small = Size(
+        seeds=min(size.seeds, OTHER_SEEDS), steps=size.steps, noisy=1, changed=1, sampled=0
+    )
     rows = run(cell, [ON_OTHERS], small, front.points, tell)
     return {
         "cell": name,
@@ -145,13 +201,19 @@ def _play(cell: Cell, seed: int, deviates: float = 0.0) -> Played:
 
 
 def _beside_a_stray(cell: Cell, seed: int) -> Played:
-    """The first of a few episodes in which the human really does something else: on a small cell there is not always something else to do."""
+    """The first of a few episodes in which the human really does something else: on a small cell
+    there is not always something else to do.
+    """
     played = [_play(cell, 100 * seed + number, deviates=1.0) for number in range(20)]
     return next((one for one in played if one.deviations), played[0])
 
 
 def _exact(document: Mapping[str, Any]) -> list[float]:
-    return [value for point in document["exact_front"] for value in point] if document["exact_front_complete"] else []
+    return (
+        [value for point in document["exact_front"] for value in point]
+        if document["exact_front_complete"]
+        else []
+    )
 
 
 def _trains() -> Callable[..., Any]:

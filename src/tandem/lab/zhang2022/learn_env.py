@@ -1,4 +1,6 @@
-"""Robot and human side by side (`envs/duo`) as a world to learn in, and episodes under trained networks."""
+"""Robot and human side by side (`envs/duo`) as a world to learn in, and episodes under trained
+networks.
+"""
 
 from __future__ import annotations
 
@@ -44,12 +46,17 @@ class DuoWorld:
 
     @classmethod
     def of(cls, cell: Cell, setting: Setting) -> Self:
-        """The cell as arrays on the device. Raises CellError for what two agents side by side cannot express."""
+        """The cell as arrays on the device. Raises CellError for what two agents side by side
+        cannot express.
+        """
         return cls(*jax.tree.map(jnp.asarray, (duo_of(cell)[0], setting)))
 
     def reset(self, key: Array) -> State:
         uniform = jax.random.uniform(key, (self.duo.arrays.release.shape[0] + 4,))
-        numbers = {"normal": jax.scipy.special.ndtri(jnp.clip(uniform[4:], 1e-6, 1 - 1e-6)), "uniform": uniform[:4]}
+        numbers = {
+            "normal": jax.scipy.special.ndtri(jnp.clip(uniform[4:], 1e-6, 1 - 1e-6)),
+            "uniform": uniform[:4],
+        }
         return rules.reset(self.duo, *rules.chance(numbers, self.duo, self.setting))
 
     def observe(self, state: State) -> Array:
@@ -64,7 +71,11 @@ class DuoWorld:
 
     def step(self, state: State, action: Array) -> tuple[State, Outcome]:
         after, paid = rules.step(self.duo, self.setting, state, action)
-        return after, Outcome(-rules.cost(self.setting, paid) / self.setting.unit, rules.is_done(after), jnp.zeros(2, jnp.int32))
+        return after, Outcome(
+            -rules.cost(self.setting, paid) / self.setting.unit,
+            rules.is_done(after),
+            jnp.zeros(2, jnp.int32),
+        )
 
     def in_stage(self, stage: StageValues) -> Self:
         return self
@@ -73,10 +84,11 @@ class DuoWorld:
 class Played(NamedTuple):
     """`E` episodes.
 
-    state: the worlds' last states. paid: the sums of what was paid. deviations: `[E]` int32, how often the human did not do what it was
-    shown. done: `[E]` bool. steps: `[E]` int32.
-    action, shown: `[limit, E, 2]` int32, what was done and what the policy wanted; 0 after the end. clock: `[limit, E]` int32, ticks.
-    changed: the state just after the change, where there was one, and `before`: what had been paid until then.
+    state: the worlds' last states. paid: the sums of what was paid. deviations: `[E]` int32, how
+    often the human did not do what it was shown. done: `[E]` bool. steps: `[E]` int32. action,
+    shown: `[limit, E, 2]` int32, what was done and what the policy wanted; 0 after the end. clock:
+    `[limit, E]` int32, ticks. changed: the state just after the change, where there was one, and
+    `before`: what had been paid until then.
     """
 
     state: State
@@ -91,15 +103,26 @@ class Played(NamedTuple):
     before: Paid
 
 
-def play(key: Array, networks: Networks | None, duo: Duo, settings: Setting, deviates: Array, candidates: int, activation: str, limit: int) -> Played:
-    """Episodes, one a setting, in which the pair of the highest value is taken; with `networks` None a random legal pair.
+def play(
+    key: Array,
+    networks: Networks | None,
+    duo: Duo,
+    settings: Setting,
+    deviates: Array,
+    candidates: int,
+    activation: str,
+    limit: int,
+) -> Played:
+    """Episodes, one a setting, in which the pair of the highest value is taken; with `networks`
+    None a random legal pair.
 
     The same key gives the same chances whatever the networks are.
 
     Args:
       settings: leading axis `E`.
-      deviates: `[E]`, probability at each of the human's decisions that it does one of the operations it could begin, each equally likely,
-        whatever it was shown. The robot sees that and chooses again.
+      deviates: `[E]`, probability at each of the human's decisions that it does one of the
+        operations it could begin, each equally likely, whatever it was shown. The robot sees that
+        and chooses again.
       candidates, activation: as in the training's `Config`.
       limit: steps after which an episode that has not ended is left.
     """
@@ -111,14 +134,27 @@ def play(key: Array, networks: Networks | None, duo: Duo, settings: Setting, dev
     none = Paid(jnp.zeros(episodes), jnp.zeros((episodes, 2)), jnp.zeros(episodes))
     number = jnp.zeros(episodes, jnp.int32)
     actions = jnp.zeros((limit, episodes, 2), jnp.int32)
-    empty = Played(state, none, number, jnp.zeros(episodes, bool), number, actions, actions, jnp.zeros((limit, episodes), jnp.int32), state, none)
+    empty = Played(
+        state,
+        none,
+        number,
+        jnp.zeros(episodes, bool),
+        number,
+        actions,
+        actions,
+        jnp.zeros((limit, episodes), jnp.int32),
+        state,
+        none,
+    )
 
     def chosen(seen: Array, pairs: Array, uniform: Array) -> Array:
         if networks is None:
             return random_pairs(uniform[None], pairs[None])[0]
         return choose(jnp, networks, seen, pairs, candidates, activation)
 
-    def decided(seen: Array, pairs: Array, draws: Array, deviates: Array) -> tuple[Array, Array, Array]:
+    def decided(
+        seen: Array, pairs: Array, draws: Array, deviates: Array
+    ) -> tuple[Array, Array, Array]:
         wanted = chosen(seen, pairs, draws[2])
         begins = jnp.any(pairs, 0) & (jnp.arange(pairs.shape[0]) > 0)
         count = jnp.sum(begins)
@@ -131,7 +167,9 @@ def play(key: Array, networks: Networks | None, duo: Duo, settings: Setting, dev
         place, so_far = carry
         state, on = so_far.state, ~so_far.done
         pairs = jax.vmap(partial(legal_pairs, world))(state)
-        action, shown, strays = jax.vmap(decided)(jax.vmap(world.observe)(state), pairs, uniform[place], deviates)
+        action, shown, strays = jax.vmap(decided)(
+            jax.vmap(world.observe)(state), pairs, uniform[place], deviates
+        )
         after, paid = jax.vmap(partial(rules.step, duo))(settings, state, action)
         keep = lambda new, old: jnp.where(on.reshape(-1, *[1] * (old.ndim - 1)), new, old)  # noqa: E731
         total = jax.tree.map(lambda sum_, more: keep(sum_ + more, sum_), so_far.paid, paid)
@@ -156,4 +194,7 @@ def _at_the_change(so_far: Played, after: State, total: Paid) -> dict[str, Any]:
     """The first state in which a change has happened, and what had been paid."""
     here = (after.happened.kind > 0) & (so_far.changed.happened.kind == 0)
     pick = lambda new, old: jnp.where(here.reshape(-1, *[1] * (old.ndim - 1)), new, old)  # noqa: E731
-    return {"changed": jax.tree.map(pick, after, so_far.changed), "before": jax.tree.map(pick, total, so_far.before)}
+    return {
+        "changed": jax.tree.map(pick, after, so_far.changed),
+        "before": jax.tree.map(pick, total, so_far.before),
+    }

@@ -1,4 +1,6 @@
-"""What the records of Zhang et al. (2022) say: means over seeds with their intervals, the table, and what the human is shown."""
+"""What the records of Zhang et al. (2022) say: means over seeds with their intervals, the table,
+and what the human is shown.
+"""
 
 from __future__ import annotations
 
@@ -13,20 +15,37 @@ WITHIN = 0.05
 """What counts as near the matching point."""
 
 
-def summary(rows: Sequence[Mapping[str, Any]], optimum: Mapping[float, float]) -> list[dict[str, Any]]:
-    """One entry an arm and factor. Means come with the half width of their 95 % interval over seeds.
+def summary(
+    rows: Sequence[Mapping[str, Any]], optimum: Mapping[float, float]
+) -> list[dict[str, Any]]:
+    """One entry an arm and factor. Means come with the half width of their 95 % interval over
+    seeds.
 
-    `noise_helps`: for an arm with noise, how much less a noisy human costs than in the same recipe without it, seed by seed; above 0 is better.
+    `noise_helps`: for an arm with noise, how much less a noisy human costs than in the same recipe
+    without it, seed by seed; above 0 is better.
     """
     from tandem.lab.kinat2023.experiment import mean
 
     found = []
     for arm, factor in dict.fromkeys((row["arm"], row["factor"]) for row in rows):
         own = [row for row in rows if (row["arm"], row["factor"]) == (arm, factor)]
-        gaps, losses = [row["greedy"]["gap"] for row in own], [loss for row in own for loss in row["changed"]["losses"]]
-        plain = [row for row in rows if (row["recipe"], row["factor"]) == (own[0]["recipe"], factor) and not row["noise"] and not row["changes"]]
+        gaps, losses = (
+            [row["greedy"]["gap"] for row in own],
+            [loss for row in own for loss in row["changed"]["losses"]],
+        )
+        plain = [
+            row
+            for row in rows
+            if (row["recipe"], row["factor"]) == (own[0]["recipe"], factor)
+            and not row["noise"]
+            and not row["changes"]
+        ]
         without = {row["seed"]: row["noisy"]["cost"] for row in plain}
-        helps = [without[row["seed"]] - row["noisy"]["cost"] for row in own if row["noise"] and row["seed"] in without]
+        helps = [
+            without[row["seed"]] - row["noisy"]["cost"]
+            for row in own
+            if row["noise"] and row["seed"] in without
+        ]
         found.append(
             {
                 "arm": arm,
@@ -55,7 +74,9 @@ def summary(rows: Sequence[Mapping[str, Any]], optimum: Mapping[float, float]) -
 
 
 def guides(cell: Cell, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """What the human is shown in one learned assembly, and in one in which something unforeseen happens: the alternative sequence."""
+    """What the human is shown in one learned assembly, and in one in which something unforeseen
+    happens: the alternative sequence.
+    """
     own = next(row for row in rows if row["recipe"] == "ours" and row["changes"])
     calm = episode(cell, own["greedy"]["action"])
     example = own["changed"]["example"]
@@ -85,22 +106,44 @@ def _change(numbers: Sequence[float]) -> Any:
 
 
 def table(document: Mapping[str, Any]) -> str:
-    """Published, as described, ours and exact, an arm a line; then what the human is shown. Markdown."""
+    """Published, as described, ours and exact, an arm a line; then what the human is shown.
+    Markdown.
+    """
     text = [
         *origin(document, f"seeds {document['seeds'][0]} to {document['seeds'][-1]}"),
-        "Published: not public (cell, numbers and results). The cell is alternator-like, an ASSUMPTION. Cost = seconds + factor x difficulty. "
-        "Means over seeds with the half width of their 95 % interval; a loss is held against the re-planned optimum of what was left.",
+        (
+            "Published: not public (cell, numbers and results). The cell is alternator-like, an"
+            " ASSUMPTION. Cost = seconds + factor x difficulty. Means over seeds with the half"
+            " width of their 95 % interval; a loss is held against the re-planned optimum of what"
+            " was left."
+        ),
         "",
         _line(*HEAD),
         "|" + "---|" * len(HEAD),
     ]
     for factor, (makespan, difficulty) in document["matching"].items():
         best = makespan + float(factor) * difficulty
-        text.append(_line(factor, "exact: the front's matching point", f"{makespan:g}", f"{difficulty:g}", "0 %"))
+        text.append(
+            _line(
+                factor,
+                "exact: the front's matching point",
+                f"{makespan:g}",
+                f"{difficulty:g}",
+                "0 %",
+            )
+        )
         text += [_arm(row) for row in document["summary"] if f"{row['factor']:g}" == factor]
         rule, chance = document["rule"][factor], document["random"][factor]
         above = (rule["makespan"] + float(factor) * rule["difficulty"]) / best - 1
-        text.append(_line(factor, f"best dispatch rule ({rule['rule']})", f"{rule['makespan']:g}", f"{rule['difficulty']:g}", f"{100 * above:.1f} %"))
+        text.append(
+            _line(
+                factor,
+                f"best dispatch rule ({rule['rule']})",
+                f"{rule['makespan']:g}",
+                f"{rule['difficulty']:g}",
+                f"{100 * above:.1f} %",
+            )
+        )
         text.append(_random(factor, chance, best))
     points = ", ".join(f"{t:g}/{d:g}" for t, d in document["exact_front"])
     proof = "complete, proven" if document["exact_front_complete"] else "not proven complete"
@@ -141,7 +184,14 @@ def _random(factor: str, chance: Mapping[str, float], best: float) -> str:
     above, noisy = (100 * (chance[name] / best - 1) for name in ("cost", "noisy_cost"))
     finished = f"{chance['changed_finished']} of {chance['changed_episodes']}"
     plain = f"{chance['makespan']:.1f}", f"{chance['difficulty']:.1f}", f"{above:.1f} %"
-    return _line(factor, "random player", *plain, "", f"{chance['noisy_cost']:.1f} (+{noisy:.1f} %)", finished)
+    return _line(
+        factor,
+        "random player",
+        *plain,
+        "",
+        f"{chance['noisy_cost']:.1f} (+{noisy:.1f} %)",
+        finished,
+    )
 
 
 def _display(guide: Mapping[str, Any]) -> list[str]:
@@ -149,11 +199,18 @@ def _display(guide: Mapping[str, Any]) -> list[str]:
 
     cell, change = alternator(), guide["change"]
     return [
-        f"What the human is shown ({guide['arm']}, factor {guide['factor']:g}, seed {guide['seed']}); as data under `display` with --json:",
+        (
+            f"What the human is shown ({guide['arm']}, factor {guide['factor']:g}, seed"
+            f" {guide['seed']}); as data under `display` with --json:"
+        ),
         "",
         *[f"    {line}" for line in lines(cell, guide["shown"])],
         "",
-        f"And when at {change['at']:g} s {change['happened']}:" if change["happened"] else "And in an assembly with a change that came to nothing:",
+        (
+            f"And when at {change['at']:g} s {change['happened']}:"
+            if change["happened"]
+            else "And in an assembly with a change that came to nothing:"
+        ),
         "",
         *[f"    {line}" for line in lines(cell, change["shown"])],
     ]
@@ -164,16 +221,19 @@ def _noise(row: Mapping[str, Any]) -> str:
     half = "" if helps["ci95"] is None else f" ± {helps['ci95']:.2f}"
     shows = helps["ci95"] is not None and abs(helps["mean"]) > helps["ci95"]
     return (
-        f"- Noise in training, {recipe}, factor {row['factor']:g}: beside a noisy human it saves {helps['mean']:.2f}{half} of cost, seed by seed "
-        f"({'a difference' if shows else 'no difference'} at 95 %)."
+        f"- Noise in training, {recipe}, factor {row['factor']:g}: beside a noisy human it saves"
+        f" {helps['mean']:.2f}{half} of cost, seed by seed"
+        f" ({'a difference' if shows else 'no difference'} at 95 %)."
     )
 
 
 def _other(row: Mapping[str, Any]) -> str:
     gaps = row["gaps"]
     return (
-        f"- On another cell, {row['cell']} ({row['tasks']} tasks), ours without noise: {sum(gap == 0 for gap in gaps)} of {len(gaps)} seeds meet the "
-        f"exact point {row['matching'][0]:g}/{row['matching'][1]:g}, mean gap {sum(gaps) / len(gaps):.2%}, largest {max(gaps):.2%}."
+        f"- On another cell, {row['cell']} ({row['tasks']} tasks), ours without noise:"
+        f" {sum(gap == 0 for gap in gaps)} of {len(gaps)} seeds meet the exact point"
+        f" {row['matching'][0]:g}/{row['matching'][1]:g}, mean gap {sum(gaps) / len(gaps):.2%},"
+        f" largest {max(gaps):.2%}."
     )
 
 

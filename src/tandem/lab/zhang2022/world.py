@@ -1,12 +1,15 @@
-"""Robot and human at work, decision by decision, on top of the event world (`world/state.py`): choices, cost, fatigue, noise, a change.
+"""Robot and human at work, decision by decision, on top of the event world (`world/state.py`):
+choices, cost, fatigue, noise, a change.
 
-At one moment the human names a choice first and the robot sees it (`narrow`). A joint operation begins when both name it; the robot can name one
-only after the human has. Who waits, waits until the next event. Between two decisions time runs on by itself; a way that is begun takes up its tool
+At one moment the human names a choice first and the robot sees it (`narrow`). A joint operation
+begins when both name it; the robot can name one only after the human has. Who waits, waits until
+the next event. Between two decisions time runs on by itself; a way that is begun takes up its tool
 first. Nothing here draws a random number: chance comes in through `reset`.
 
-Source: Zhang et al. (2022), RCIM 73, 102227, as far as it is public: a bill-of-materials vector as state, cooperation (each its own operation) and
-collaboration (one operation by both), tools with handling time, a reward from time and a difficulty per operation and operator, human fatigue.
-The numbers and the order of naming are ASSUMPTIONS.
+Source: Zhang et al. (2022), RCIM 73, 102227, as far as it is public: a bill-of-materials vector as
+state, cooperation (each its own operation) and collaboration (one operation by both), tools with
+handling time, a reward from time and a difficulty per operation and operator, human fatigue. The
+numbers and the order of naming are ASSUMPTIONS.
 
 Pure functions over an array namespace. Axes as in `setting.py`.
 """
@@ -39,7 +42,9 @@ class State(NamedTuple):
 
 
 class Paid(NamedTuple):
-    """What a step cost. seconds: `[]`. difficulty: `[2]`, of what each agent has begun. fatigue: `[]`, seconds at full fatigue."""
+    """What a step cost. seconds: `[]`. difficulty: `[2]`, of what each agent has begun. fatigue:
+    `[]`, seconds at full fatigue.
+    """
 
     seconds: Array
     difficulty: Array
@@ -53,9 +58,11 @@ def reset(duo: Duo, pace: Array, change: Change) -> State:
 
 
 def choices(duo: Duo, state: State) -> Array:
-    """`[2, K]` bool, True where the agent may choose it before the other has chosen. Column 0 is waiting.
+    """`[2, K]` bool, True where the agent may choose it before the other has chosen. Column 0 is
+    waiting.
 
-    The robot's row holds what some choice of the human leaves it; `narrow` says what is left of it by that choice.
+    The robot's row holds what some choice of the human leaves it; `narrow` says what is left of it
+    by that choice.
     """
     xp, arrays = namespace(duo.row), now(duo, state)
     ways = events.legal(arrays, state.assembly)
@@ -69,7 +76,9 @@ def choices(duo: Duo, state: State) -> Array:
 
 
 def narrow(duo: Duo, state: State, legal: Array, human: Array) -> Array:
-    """`[K]` bool: the robot's row of `legal = choices(duo, state)` once the human has chosen `human` (`[]` int)."""
+    """`[K]` bool: the robot's row of `legal = choices(duo, state)` once the human has chosen
+    `human` (`[]` int).
+    """
     xp = namespace(duo.row)
     named = xp.any(duo.pick[HUMAN] & (xp.arange(duo.pick.shape[1]) == human)[:, None], axis=0)
     together = xp.any(named & duo.joint)
@@ -88,14 +97,18 @@ def step(duo: Duo, setting: Setting, state: State, action: Array) -> tuple[State
     """
     xp = namespace(duo.row)
     numbers = xp.arange(duo.pick.shape[1])
-    named = [xp.any(duo.pick[agent] & (numbers == action[agent])[:, None], axis=0) for agent in (ROBOT, HUMAN)]
+    named = [
+        xp.any(duo.pick[agent] & (numbers == action[agent])[:, None], axis=0)
+        for agent in (ROBOT, HUMAN)
+    ]
     difficulty = xp.sum(xp.where((named[ROBOT] | named[HUMAN])[:, None], duo.difficulty, 0), axis=0)
     alone = named[ROBOT] & ~duo.joint
     for way in (named[HUMAN], alone):
         state = _begin(duo, setting, state, way)
     seconds = tired = xp.zeros((), xp.float32)
     state, seconds, tired = _run(duo, setting, state, xp.ones((), bool))
-    for _ in range(2):  # the end of one task may let nobody begin: then the other's end, a missing tool's return
+    # the end of one task may let nobody begin: then the other's end, a missing tool's return
+    for _ in range(2):
         stuck = ~xp.any(events.legal(now(duo, state), state.assembly)) & ~is_done(state)
         state, more, weary = _run(duo, setting, state, stuck)
         seconds, tired = seconds + more, tired + weary
@@ -108,17 +121,21 @@ def is_done(state: State) -> Array:
 
 
 def cost(setting: Setting, paid: Paid) -> Array:
-    """`[2]`, what robot and human pay: half of the time and of the fatigue each, and the difficulty of what they have begun."""
+    """`[2]`, what robot and human pay: half of the time and of the fatigue each, and the difficulty
+    of what they have begun.
+    """
     shared = (setting.time * paid.seconds + setting.fatigue * paid.fatigue) / 2
     return shared + setting.difficulty * paid.difficulty
 
 
 def observe(duo: Duo, state: State) -> Array:
-    """`[D]` float32 in 0..1, the bill of materials and what else there is to know; both agents see the same.
+    """`[D]` float32 in 0..1, the bill of materials and what else there is to know; both agents see
+    the same.
 
-    In this order: tasks done; tasks in hand; what is left of those by their nominal times; per agent, what is left until it is free; per agent, the
-    tool in hand (first column: none yet); ways that were lost; tools, how long they will still be missing; the human's fatigue. Times are divided
-    by the longest way's.
+    In this order: tasks done; tasks in hand; what is left of those by their nominal times; per
+    agent, what is left until it is free; per agent, the tool in hand (first column: none yet); ways
+    that were lost; tools, how long they will still be missing; the human's fatigue. Times are
+    divided by the longest way's.
     """
     xp, arrays, assembly = namespace(duo.row), duo.arrays, state.assembly
     clock, longest = assembly.clock, xp.max(arrays.way_ticks)
@@ -127,24 +144,41 @@ def observe(duo: Duo, state: State) -> Array:
     in_use = xp.arange(arrays.way_ticks.shape[0])[:, None] == assembly.way[None, :]
     nominal = xp.sum(xp.where(in_use, arrays.way_ticks[:, None], 0), axis=0)
     # An end that is still to come is not known: the nominal one is, and who is late is nearly done.
-    left = xp.where(running, xp.maximum(xp.where(running, assembly.start_at, 0) + nominal - clock, 0), 0)
+    left = xp.where(
+        running, xp.maximum(xp.where(running, assembly.start_at, 0) + nominal - clock, 0), 0
+    )
     uses = xp.any((in_use & running[None, :])[:, :, None] & arrays.way_uses[:, None, :], axis=0)
     until_free = xp.max(xp.where(uses, left[:, None], 0), axis=0)[duo.row]
     tools = xp.arange(-1, arrays.tool_places.shape[0])
     hand = assembly.in_hand[duo.row][:, None] == tools[None, :]
     missing = xp.maximum(state.happened.back_at - clock, 0)
-    parts = [up, running, left / longest, until_free / longest, hand, assembly.refused, missing / longest, state.fatigue]
+    parts = [
+        up,
+        running,
+        left / longest,
+        until_free / longest,
+        hand,
+        assembly.refused,
+        missing / longest,
+        state.fatigue,
+    ]
     return xp.concatenate([xp.ravel(part).astype(xp.float32) for part in parts])
 
 
 def observation_size(duo: Duo) -> int:
     """`D`."""
-    tasks, tools, ways = duo.arrays.release.shape[-1], duo.arrays.tool_places.shape[-1], duo.arrays.way_ticks.shape[-1]
+    tasks, tools, ways = (
+        duo.arrays.release.shape[-1],
+        duo.arrays.tool_places.shape[-1],
+        duo.arrays.way_ticks.shape[-1],
+    )
     return 3 * tasks + 2 + 2 * (tools + 1) + ways + tools + 1
 
 
 def now(duo: Duo, state: State) -> Arrays:
-    """The cell's arrays as things stand: tasks whose tool is missing are released when it is back."""
+    """The cell's arrays as things stand: tasks whose tool is missing are released when it is
+    back.
+    """
     xp, arrays = namespace(duo.row), duo.arrays
     if not arrays.tool_places.shape[0]:
         return arrays
@@ -161,34 +195,59 @@ def _begin(duo: Duo, setting: Setting, state: State, way: Array) -> State:
     xp, arrays = namespace(duo.row), now(duo, state)
     human = xp.any(way & arrays.way_uses[:, duo.row[HUMAN]])
     nominal = xp.sum(xp.where(way, arrays.way_ticks, 0))
-    pace = xp.sum(xp.where(xp.any(arrays.of_task & way[:, None], axis=0), state.pace, 0)) * (1 + setting.slows * state.fatigue)
+    pace = xp.sum(xp.where(xp.any(arrays.of_task & way[:, None], axis=0), state.pace, 0)) * (
+        1 + setting.slows * state.fatigue
+    )
     ticks = xp.where(human, xp.maximum(xp.rint(nominal * pace), 1), nominal).astype(xp.int32)
     number = xp.where(xp.any(way), xp.argmax(way), -1).astype(xp.int32)
     return state._replace(assembly=events.assign(arrays, state.assembly, number, ticks))
 
 
 def _run(duo: Duo, setting: Setting, state: State, goes: Array) -> tuple[State, Array, Array]:
-    """Time runs to the next event or to the change, where `goes`; and how long that took, seconds, and seconds at full fatigue."""
+    """Time runs to the next event or to the change, where `goes`; and how long that took, seconds,
+    and seconds at full fatigue.
+    """
     xp, before = namespace(duo.row), state.assembly
-    moved = events.advance(now(duo, state), before, xp.where(state.change.at > before.clock, state.change.at, NEVER).astype(xp.int32))
-    moved = moved._replace(**{name: xp.where(goes, getattr(moved, name), getattr(before, name)) for name in ("clock", "waits")})
+    moved = events.advance(
+        now(duo, state),
+        before,
+        xp.where(state.change.at > before.clock, state.change.at, NEVER).astype(xp.int32),
+    )
+    moved = moved._replace(
+        **{
+            name: xp.where(goes, getattr(moved, name), getattr(before, name))
+            for name in ("clock", "waits")
+        }
+    )
     seconds = ((moved.clock - before.clock) * duo.tick).astype(xp.float32)
-    in_hand = (before.way[None, :] == xp.arange(duo.tiring.shape[0])[:, None]) & (before.end_at > before.clock)[None, :]
+    in_hand = (before.way[None, :] == xp.arange(duo.tiring.shape[0])[:, None]) & (
+        before.end_at > before.clock
+    )[None, :]
     rate = xp.sum(xp.where(xp.any(in_hand, axis=1), duo.tiring, 0)) * setting.tires
     fatigue = tired(state.fatigue, rate, setting.rests * RECOVERY / 60, seconds)
     weary = seconds * (state.fatigue + fatigue) / 2
     due = goes & (state.change.at == moved.clock) & (moved.clock > before.clock)
-    changed, happened = happen(duo, moved, state.change, xp.rint(setting.search / duo.tick).astype(xp.int32))
+    changed, happened = happen(
+        duo, moved, state.change, xp.rint(setting.search / duo.tick).astype(xp.int32)
+    )
     pick = lambda new, old: type(old)(*[xp.where(due, a, b) for a, b in zip(new, old, strict=True)])  # noqa: E731
-    return state._replace(assembly=pick(changed, moved), happened=pick(happened, state.happened), fatigue=fatigue), seconds, weary
+    return (
+        state._replace(
+            assembly=pick(changed, moved), happened=pick(happened, state.happened), fatigue=fatigue
+        ),
+        seconds,
+        weary,
+    )
 
 
 def tired(fatigue: Array, rate: Array, recovery: Array, seconds: Array) -> Array:
-    """Fatigue after so many seconds of work at `rate` per second (0: of rest, at `recovery` per second).
+    """Fatigue after so many seconds of work at `rate` per second (0: of rest, at `recovery` per
+    second).
 
         work: F + (1 - F) (1 - exp(-rate t)),     rest: F exp(-recovery t)
 
-    Source: the form that Xue et al. publish with their code; Zhang et al.'s own function is not public.
+    Source: the form that Xue et al. publish with their code; Zhang et al.'s own function is not
+    public.
     """
     xp = namespace(fatigue)
     worked = fatigue + (1 - fatigue) * (1 - xp.exp(-rate * seconds))
@@ -196,7 +255,8 @@ def tired(fatigue: Array, rate: Array, recovery: Array, seconds: Array) -> Array
 
 
 def chance(numbers: dict[str, Any], duo: Duo, setting: Setting) -> tuple[Array, Change]:
-    """`pace` and `change` of an episode from plain random numbers: `normal` `[T]`, `uniform` `[4]` in [0, 1).
+    """`pace` and `change` of an episode from plain random numbers: `normal` `[T]`, `uniform` `[4]`
+    in [0, 1).
 
     The human's times are log-normal with mean 1 and `setting.spread` as coefficient of variation.
     """
@@ -206,4 +266,6 @@ def chance(numbers: dict[str, Any], duo: Duo, setting: Setting) -> tuple[Array, 
     pace = xp.exp(xp.sqrt(variance) * normal - variance / 2).astype(xp.float32)
     share = setting.early + (setting.late - setting.early) * uniform[1]
     at = xp.maximum(xp.rint(share * duo.work / duo.tick), 1).astype(xp.int32)
-    return pace, Change(xp.where(uniform[0] < setting.change, at, NEVER).astype(xp.int32), uniform[2], uniform[3])
+    return pace, Change(
+        xp.where(uniform[0] < setting.change, at, NEVER).astype(xp.int32), uniform[2], uniform[3]
+    )

@@ -1,4 +1,6 @@
-"""What self-play and its searches are told: frozen configurations that check themselves. No JAX is needed to read them."""
+"""What self-play and its searches are told: frozen configurations that check themselves. No JAX is
+needed to read them.
+"""
 
 from __future__ import annotations
 
@@ -54,12 +56,17 @@ class Search:
             if not getattr(self, name) >= 0:
                 yield f"{name} {getattr(self, name)}: must be 0 or more."
         if not 0 <= self.noise <= 1 or not self.noise_alpha > 0:
-            yield f"noise {self.noise}, noise_alpha {self.noise_alpha}: a share from 0 to 1, and a number above 0."
+            yield (
+                f"noise {self.noise}, noise_alpha {self.noise_alpha}: a share from 0 to 1, and a"
+                " number above 0."
+            )
 
 
 @dataclass(frozen=True)
 class Wander:
-    """No search: what the network likes best, and with a probability of `share` any legal move instead."""
+    """No search: what the network likes best, and with a probability of `share` any legal move
+    instead.
+    """
 
     share: float = 0.05
 
@@ -82,8 +89,9 @@ class Config:
       value_weight: of the value's loss.
       gradient_limit: largest norm of the gradient.
       trust: see `selfplay`.
-      imitated: share of each minibatch that comes from the cheapest games so far, with the moves that were made in them (self-imitation, Oh et al.
-        2018). What was found by luck is kept, so that the search may draw boldly: `search.gumbel_scale`.
+      imitated: share of each minibatch that comes from the cheapest games so far, with the moves
+        that were made in them (self-imitation, Oh et al. 2018). What was found by luck is kept, so
+        that the search may draw boldly: `search.gumbel_scale`.
       units: of the network's layers.
     """
 

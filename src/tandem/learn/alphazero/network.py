@@ -1,9 +1,12 @@
-"""A network that knows no sizes: it scores every move by what the move is and by what all moves have in common.
+"""A network that knows no sizes: it scores every move by what the move is and by what all moves
+have in common.
 
-The same weights read boards and cells of any size, with any number of operators, and the order of the moves does not matter to them. What is
-still to come is told as what is certain (`Game.least`) and something more, so that even an untrained network is not far off.
+The same weights read boards and cells of any size, with any number of operators, and the order of
+the moves does not matter to them. What is still to come is told as what is certain (`Game.least`)
+and something more, so that even an untrained network is not far off.
 
-`judge` works on NumPy and on JAX arrays alike. Axes: `K` moves, `F` and `G` features of a move and of the whole, `H` units.
+`judge` works on NumPy and on JAX arrays alike. Axes: `K` moves, `F` and `G` features of a move and
+of the whole, `H` units.
 """
 
 from __future__ import annotations
@@ -31,7 +34,9 @@ Parameters = Any
 
 
 class Opinion(NamedTuple):
-    """logits: `[K]`, over all moves, legal or not. to_come: `[]`, the cost that is still to come, in units of the game."""
+    """logits: `[K]`, over all moves, legal or not. to_come: `[]`, the cost that is still to come,
+    in units of the game.
+    """
 
     logits: Array
     to_come: Array
@@ -50,21 +55,29 @@ class Judge(Protocol):
         """Weights that know nothing yet."""
 
     def like(self, arrays: Mapping[str, Any]) -> Parameters:
-        """The form of its weights: leaves that have a shape and a dtype. What the sizes do not say, such as a board's, is taken from `arrays`."""
+        """The form of its weights: leaves that have a shape and a dtype. What the sizes do not say,
+        such as a board's, is taken from `arrays`.
+        """
 
     def read(self, parameters: Parameters, seen: Any, least: Array, mover: Array) -> Opinion:
-        """What it thinks of what `game.observe` shows, when `mover` is to play and a cost of `least` units is certain."""
+        """What it thinks of what `game.observe` shows, when `mover` is to play and a cost of
+        `least` units is certain.
+        """
 
 
 def opinion(judge: Judge, parameters: Parameters, game: Game, state: State) -> Opinion:
     """The judge's opinion of a state; nothing is to come once the game is over."""
-    found = judge.read(parameters, game.observe(state), game.least(state) / game.unit, game.to_play(state))
+    found = judge.read(
+        parameters, game.observe(state), game.least(state) / game.unit, game.to_play(state)
+    )
     return found._replace(to_come=jnp.where(game.is_over(state), 0.0, found.to_come))
 
 
 def liked(judge: Judge, parameters: Parameters, game: Game, state: State) -> Array:
     """`[]` int32, the legal move that the network likes best; any once the game is over."""
-    return jnp.argmax(jnp.where(game.legal(state), opinion(judge, parameters, game, state).logits, IMPOSSIBLE))
+    return jnp.argmax(
+        jnp.where(game.legal(state), opinion(judge, parameters, game, state).logits, IMPOSSIBLE)
+    )
 
 
 IMPOSSIBLE = -1e9
@@ -88,7 +101,9 @@ class Scorer:
         must_hold(counts(self, ("units",), most=MOST_UNITS))
 
     def start(self, key: Array, game: Game | None = None) -> dict[str, Network]:
-        """Glorot-uniform weights; those of the last layer of the policy are small, so that it prefers nothing."""
+        """Glorot-uniform weights; those of the last layer of the policy are small, so that it
+        prefers nothing.
+        """
         units = self.units
         sizes: dict[str, tuple[int, ...]] = {
             "moves": (MOVE_FEATURES, units),
@@ -104,10 +119,14 @@ class Scorer:
     def like(self, arrays: Mapping[str, Any]) -> Parameters:
         return jax.eval_shape(self.start, jax.random.key(0))
 
-    def read(self, parameters: dict[str, Network], seen: Look, least: Array, mover: Array) -> Opinion:
+    def read(
+        self, parameters: dict[str, Network], seen: Look, least: Array, mover: Array
+    ) -> Opinion:
         return self.judge(jnp, parameters, seen, least)
 
-    def judge(self, xp: ModuleType, parameters: dict[str, Network], seen: Look, least: Array) -> Opinion:
+    def judge(
+        self, xp: ModuleType, parameters: dict[str, Network], seen: Look, least: Array
+    ) -> Opinion:
         """`read` over an array namespace."""
         run = partial(forward, xp, activation="relu")
         own = lambda name, inputs: run(parameters[name], inputs)  # noqa: E731
@@ -120,13 +139,18 @@ class Scorer:
         return Opinion(own("policy", scored)[:, 0], least + xp.logaddexp(more, xp.zeros_like(more)))
 
 
-def drawn(key: Array, sizes: Mapping[str, tuple[int, ...]], last: Mapping[str, float] | None = None) -> dict[str, Network]:
-    """Networks by name, their weights from one draw: every draw of its own takes a second to compile.
+def drawn(
+    key: Array, sizes: Mapping[str, tuple[int, ...]], last: Mapping[str, float] | None = None
+) -> dict[str, Network]:
+    """Networks by name, their weights from one draw: every draw of its own takes a second to
+    compile.
 
     Args:
       last: by name, see `networks.init`; 1 when absent.
     """
-    numbers = jax.random.uniform(key, (sum(a * b for size in sizes.values() for a, b in pairwise(size)),), minval=-1.0)
+    numbers = jax.random.uniform(
+        key, (sum(a * b for size in sizes.values() for a, b in pairwise(size)),), minval=-1.0
+    )
     used = 0
 
     def draw(shape: tuple[int, ...]) -> Array:

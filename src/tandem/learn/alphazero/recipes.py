@@ -44,8 +44,23 @@ class SearchRecipe:
         yield from counts(self, ("samples",), most=MOST_GAMES)
 
     def to_dict(self) -> dict[str, Any]:
-        return {"config": self.config.to_dict(), "waiting": self.waiting, "simulations": self.simulations, "samples": self.samples}
+        return {
+            "config": self.config.to_dict(),
+            "waiting": self.waiting,
+            "simulations": self.simulations,
+            "samples": self.samples,
+        }
 
 
-ALPHAZERO = SearchRecipe(Config(search=Search(simulations=16, gumbel_scale=3.0), iterations=30, games=32, minibatch=256, minibatches=16))
-"""Ours: Gumbel search of 16 simulations, 32 games at a time. It is told what a cell is by features, so that it plays cells it was not trained on."""
+ALPHAZERO = SearchRecipe(
+    Config(
+        search=Search(simulations=16, gumbel_scale=3.0),
+        iterations=30,
+        games=32,
+        minibatch=256,
+        minibatches=16,
+    )
+)
+"""Ours: Gumbel search of 16 simulations, 32 games at a time. It is told what a cell is by features,
+so that it plays cells it was not trained on.
+"""

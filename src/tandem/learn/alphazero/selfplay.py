@@ -18,24 +18,38 @@ from tandem.learn.env import Game, State
 
 Array = Any
 Looking = Any
-"""How a move is found: a `Search`, a `Wander`, or what else `SEARCHES` knows; frozen, so that it can be compiled for."""
+"""How a move is found: a `Search`, a `Wander`, or what else `SEARCHES` knows; frozen, so that it
+can be compiled for.
+"""
 
 
-def wander(key: Array, judge: Judge, parameters: Parameters, games: Game, states: State, config: Wander) -> Found:
-    """What the network likes best, or now and then any legal move; `Found.policy` names what it likes, and nothing is said of what is to come."""
+def wander(
+    key: Array, judge: Judge, parameters: Parameters, games: Game, states: State, config: Wander
+) -> Found:
+    """What the network likes best, or now and then any legal move; `Found.policy` names what it
+    likes, and nothing is said of what is to come.
+    """
     pick_key, astray_key = jax.random.split(key)
     legal = jax.vmap(lambda game, state: game.legal(state))(games, states)
     best = jax.vmap(lambda game, state: liked(judge, parameters, game, state))(games, states)
     drawn = jnp.argmax(jnp.where(legal, jax.random.uniform(pick_key, legal.shape), -1.0), -1)
     astray = jax.random.uniform(astray_key, best.shape) < config.share
-    return Found(jnp.where(astray, drawn, best).astype(jnp.int32), jax.nn.one_hot(best, legal.shape[1]), jnp.zeros(best.shape))
+    return Found(
+        jnp.where(astray, drawn, best).astype(jnp.int32),
+        jax.nn.one_hot(best, legal.shape[1]),
+        jnp.zeros(best.shape),
+    )
 
 
 SEARCHES: dict[type[Any], Any] = {Search: search, Wander: wander}
-"""How a search is told -> the search. One more is a line here, or an entry by who has it (`SEARCHES[Mine] = my_search`)."""
+"""How a search is told -> the search. One more is a line here, or an entry by who has it
+(`SEARCHES[Mine] = my_search`).
+"""
 
 
-def find(key: Array, judge: Judge, parameters: Parameters, games: Game, states: State, config: Looking) -> Found:
+def find(
+    key: Array, judge: Judge, parameters: Parameters, games: Game, states: State, config: Looking
+) -> Found:
     """What the search that `config` tells of finds in `states` `[B]` of `games` `[B]`."""
     found: Found = SEARCHES[type(config)](key, judge, parameters, games, states, config)
     return found
@@ -44,8 +58,9 @@ def find(key: Array, judge: Judge, parameters: Parameters, games: Game, states: 
 class Experience(NamedTuple):
     """What was seen and found at each decision; leading axes `[L, B]`, once flattened one.
 
-    seen: what the network was shown. legal: `[K]` bool. mover: `[]` int32. least: `[]`, units that were certain.
-    policy: `[K]`, after the search. to_come: `[]`, units that were still to come, as the game then went. valid: `[]` bool, False after the end.
+    seen: what the network was shown. legal: `[K]` bool. mover: `[]` int32. least: `[]`, units that
+    were certain. policy: `[K]`, after the search. to_come: `[]`, units that were still to come, as
+    the game then went. valid: `[]` bool, False after the end.
     """
 
     seen: Any
@@ -58,7 +73,9 @@ class Experience(NamedTuple):
 
 
 class Played(NamedTuple):
-    """cost: `[B]` float32, of each whole game. moves: `[L, B]` int32; -1 after the end. state: the last states. over: `[B]` bool."""
+    """cost: `[B]` float32, of each whole game. moves: `[L, B]` int32; -1 after the end. state: the
+    last states. over: `[B]` bool.
+    """
 
     cost: Array
     moves: Array
@@ -66,7 +83,14 @@ class Played(NamedTuple):
     over: Array
 
 
-def selfplay(key: Array, judge: Judge, parameters: Parameters, games: Game, config: Looking, trust: float = 1.0) -> tuple[Experience, Played]:
+def selfplay(
+    key: Array,
+    judge: Judge,
+    parameters: Parameters,
+    games: Game,
+    config: Looking,
+    trust: float = 1.0,
+) -> tuple[Experience, Played]:
     """One whole game on each of `games` `[B]`, every move by a search.
 
     Args:
@@ -78,29 +102,43 @@ def selfplay(key: Array, judge: Judge, parameters: Parameters, games: Game, conf
         over = _are_over(games, states)
         found = find(key, judge, parameters, games, states, config)
         seen, legal, mover, least = jax.vmap(shown)(games, states)
-        after, cost = jax.vmap(lambda game, state, move: game.step(state, move))(games, states, found.move)
+        after, cost = jax.vmap(lambda game, state, move: game.step(state, move))(
+            games, states, found.move
+        )
         experience = Experience(seen, legal, mover, least, found.policy, found.to_come, ~over)
         return after, (experience, cost / games.unit, jnp.where(over, 0, found.move + 1))
 
-    states, (experience, cost, moves) = jax.lax.scan(_while_on(move, games), states, jax.random.split(key, games.longest))
+    states, (experience, cost, moves) = jax.lax.scan(
+        _while_on(move, games), states, jax.random.split(key, games.longest)
+    )
     to_come = jnp.cumsum(cost[::-1], 0)[::-1]
     experience = experience._replace(to_come=trust * to_come + (1 - trust) * experience.to_come)
     return experience, Played(to_come[0] * games.unit, moves - 1, states, _are_over(games, states))
 
 
-def played(key: Array, judge: Judge, parameters: Parameters, games: Game, config: Looking | None = None) -> Played:
-    """One whole game on each of `games` `[B]`: by a search, or the move that the network likes best where `config` is None."""
+def played(
+    key: Array, judge: Judge, parameters: Parameters, games: Game, config: Looking | None = None
+) -> Played:
+    """One whole game on each of `games` `[B]`: by a search, or the move that the network likes best
+    where `config` is None.
+    """
     states = jax.vmap(lambda game: game.reset())(games)
 
     def move(states: State, key: Array) -> tuple[State, tuple[Array, Array]]:
         if config is None:
-            chosen = jax.vmap(lambda game, state: liked(judge, parameters, game, state))(games, states)
+            chosen = jax.vmap(lambda game, state: liked(judge, parameters, game, state))(
+                games, states
+            )
         else:
             chosen = find(key, judge, parameters, games, states, config).move
-        after, cost = jax.vmap(lambda game, state, move: game.step(state, move))(games, states, chosen)
+        after, cost = jax.vmap(lambda game, state, move: game.step(state, move))(
+            games, states, chosen
+        )
         return after, (cost, jnp.where(_are_over(games, states), 0, chosen + 1))
 
-    states, (cost, moves) = jax.lax.scan(_while_on(move, games), states, jax.random.split(key, games.longest))
+    states, (cost, moves) = jax.lax.scan(
+        _while_on(move, games), states, jax.random.split(key, games.longest)
+    )
     return Played(jnp.sum(cost, 0), moves - 1, states, _are_over(games, states))
 
 
@@ -108,12 +146,17 @@ def _are_over(games: Game, states: State) -> Array:
     return jax.vmap(lambda game, state: game.is_over(state))(games, states)
 
 
-def _while_on(move: Callable[[State, Array], tuple[State, Any]], games: Game) -> Callable[[State, Array], tuple[State, Any]]:
+def _while_on(
+    move: Callable[[State, Array], tuple[State, Any]], games: Game
+) -> Callable[[State, Array], tuple[State, Any]]:
     """`move`, which is not worked out any more (all its numbers are 0) once all games are over."""
 
     def one(states: State, key: Array) -> tuple[State, Any]:
         shape = jax.eval_shape(move, states, key)[1]
-        nothing = lambda states, key: (states, jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shape))  # noqa: E731
+        nothing = lambda states, key: (
+            states,
+            jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shape),
+        )  # noqa: E731
         return jax.lax.cond(jnp.all(_are_over(games, states)), nothing, move, states, key)
 
     return one
@@ -121,4 +164,9 @@ def _while_on(move: Callable[[State, Array], tuple[State, Any]], games: Game) ->
 
 def shown(game: Game, state: State) -> tuple[Any, Array, Array, Array]:
     """What an experience says of a state before the search: `seen`, `legal`, `mover`, `least`."""
-    return game.observe(state), game.legal(state), game.to_play(state), game.least(state) / game.unit
+    return (
+        game.observe(state),
+        game.legal(state),
+        game.to_play(state),
+        game.least(state) / game.unit,
+    )

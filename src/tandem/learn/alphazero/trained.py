@@ -1,4 +1,6 @@
-"""A network that has learned, as one safetensors file: its weights, and what is needed to ask it again. No code in it."""
+"""A network that has learned, as one safetensors file: its weights, and what is needed to ask it
+again. No code in it.
+"""
 
 from __future__ import annotations
 
@@ -42,8 +44,17 @@ class Trained:
 
     def save(self, path: str | Path) -> Path:
         """One file; returns where."""
-        about = {"format": FORMAT, "network": self.judge.kind, "sizes": asdict(self.judge), "notes": dict(self.notes)}  # type: ignore[call-overload]
-        write_tensors(path, {name: np.asarray(array) for name, array in _named(self.parameters).items()}, about)
+        about = {
+            "format": FORMAT,
+            "network": self.judge.kind,
+            "sizes": asdict(self.judge),
+            "notes": dict(self.notes),
+        }  # type: ignore[call-overload]
+        write_tensors(
+            path,
+            {name: np.asarray(array) for name, array in _named(self.parameters).items()},
+            about,
+        )
         return Path(path)
 
     @classmethod
@@ -51,16 +62,25 @@ class Trained:
         """What `save` wrote of a network of one of these forms.
 
         Raises:
-          CellError: the file cannot be read, or holds no such network; with everything that is wrong.
+          CellError: the file cannot be read, or holds no such network; with everything that is
+            wrong.
         """
         arrays, about = read_tensors(path, _About, "network")
         known = {form.kind: form for form in forms}
         if about.network not in known:
-            raise unreadable(path, [f"is no network: network {about.network!r}: choose {' or '.join(map(repr, known))}."])
+            raise unreadable(
+                path,
+                [
+                    f"is no network: network {about.network!r}: choose"
+                    f" {' or '.join(map(repr, known))}."
+                ],
+            )
         try:
             judge = read(known[about.network], about.sizes)
         except SettingsError as error:
-            raise unreadable(path, [f"is no network: sizes.{fault}" for fault in error.faults]) from None
+            raise unreadable(
+                path, [f"is no network: sizes.{fault}" for fault in error.faults]
+            ) from None
         if said := misfits(arrays, _named(judge.like(arrays))):
             raise unreadable(path, [f"is no network of its sizes: it {said}"])
         return cls(judge, _nested(arrays), about.notes)
@@ -70,7 +90,11 @@ def _named(tree: Any, place: str = "") -> dict[str, Any]:
     """Every array of nested dictionaries under the names that lead to it."""
     if not isinstance(tree, dict):
         return {place: tree}
-    return {name: array for key, part in tree.items() for name, array in _named(part, f"{place}/{key}" if place else key).items()}
+    return {
+        name: array
+        for key, part in tree.items()
+        for name, array in _named(part, f"{place}/{key}" if place else key).items()
+    }
 
 
 def _nested(arrays: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,4 +1,6 @@
-"""Self-play with a search as the trainer wants it: any cell, compiled for all seeds, its figures, its results; and the players of what it learned."""
+"""Self-play with a search as the trainer wants it: any cell, compiled for all seeds, its figures,
+its results; and the players of what it learned.
+"""
 
 from __future__ import annotations
 
@@ -26,11 +28,18 @@ MOST_SEARCHED = 16
 """Searched games of `tandem evaluate`, however many episodes are asked for."""
 
 
-def players(path: Path, cell: Cell, order: Order, *, seed: int, episodes: int) -> dict[str, list[Reached]]:
-    """How what a run has learned plays a cell, any cell: alone, under the run's search, and the best of so many searched games."""
+def players(
+    path: Path, cell: Cell, order: Order, *, seed: int, episodes: int
+) -> dict[str, list[Reached]]:
+    """How what a run has learned plays a cell, any cell: alone, under the run's search, and the
+    best of so many searched games.
+    """
     recipe = order.recipe
     assert isinstance(recipe, SearchRecipe)
-    trained, game = Trained.load(path, Scorer), game_of(cell, order.stress_factor, waiting=recipe.waiting)
+    trained, game = (
+        Trained.load(path, Scorer),
+        game_of(cell, order.stress_factor, waiting=recipe.waiting),
+    )
     games = min(episodes, MOST_SEARCHED)
     drawn = play(cell, game, trained, drawing(recipe), games=games, seed=seed)
     return {
@@ -42,7 +51,9 @@ def players(path: Path, cell: Cell, order: Order, *, seed: int, episodes: int) -
 
 
 class Trainee:
-    """Self-play on an order whose recipe is a `SearchRecipe`. Raises CellError when the cell's times are too large to be counted."""
+    """Self-play on an order whose recipe is a `SearchRecipe`. Raises CellError when the cell's
+    times are too large to be counted.
+    """
 
     players = staticmethod(players)
     costs = staticmethod(lambda cell, order: paid(order.stress_factor))
@@ -60,7 +71,9 @@ class Trainee:
 
     def begin(self) -> training.Learner:
         keys = jnp.stack([jax.random.key(seed) for seed in self.order.seeds])
-        return jax.jit(jax.vmap(partial(training.start, config=self.recipe.config), (0, None)))(keys, self.pool)
+        return jax.jit(jax.vmap(partial(training.start, config=self.recipe.config), (0, None)))(
+            keys, self.pool
+        )
 
     def advance(self, learners: training.Learner) -> tuple[training.Learner, training.Report]:
         return jax.block_until_ready(_advance(learners, self.pool, self.recipe.config))
@@ -69,38 +82,74 @@ class Trainee:
         return float(np.min(learners.rounds)) / self.recipe.config.iterations
 
     def rows(self, learners: training.Learner, report: training.Report) -> list[Row]:
-        """`return_team` is minus the mean cost of the games of the self-play: all operators are paid the same."""
-        results = alone(self.order.cell, self.game, training.judge(self.recipe.config), learners.parameters)
+        """`return_team` is minus the mean cost of the games of the self-play: all operators are
+        paid the same.
+        """
+        results = alone(
+            self.order.cell, self.game, training.judge(self.recipe.config), learners.parameters
+        )
         found = []
         for place in range(len(self.order.seeds)):
             own = jax.tree.map(lambda leaf, place=place: leaf[place], report)
             row: Row = {"episodes": int(learners.games[place]), "steps": int(learners.moves[place])}
-            row |= {"mean_return_team": round(-float(own.cost), 4), "first_value_team": round(-results[place][1], 4)}
-            row |= {name: round(float(getattr(own, name)), 5) for name in ("policy_loss", "value_loss", "entropy")}
-            found.append(row | {f"greedy_{name}": value for name, value in told(results[place][0]).items()})
+            row |= {
+                "mean_return_team": round(-float(own.cost), 4),
+                "first_value_team": round(-results[place][1], 4),
+            }
+            row |= {
+                name: round(float(getattr(own, name)), 5)
+                for name in ("policy_loss", "value_loss", "entropy")
+            }
+            found.append(
+                row | {f"greedy_{name}": value for name, value in told(results[place][0]).items()}
+            )
         return found
 
     def play(self, learners: training.Learner) -> list[Row]:
-        """`greedy`: the network alone. `searched`: a game under a search that draws nothing. `best_of_n`: of n games under one that draws."""
+        """`greedy`: the network alone. `searched`: a game under a search that draws nothing.
+        `best_of_n`: of n games under one that draws.
+        """
         recipe, cell, rows = self.recipe, self.order.cell, []
         for place, seed in enumerate(self.order.seeds):
             parameters = jax.tree.map(lambda leaf, place=place: leaf[place], learners.parameters)
             trained = Trained(training.judge(recipe.config), parameters)
-            row: Row = {"steps": int(learners.moves[place]), "greedy": told(play(cell, self.game, trained)[0])}
+            row: Row = {
+                "steps": int(learners.moves[place]),
+                "greedy": told(play(cell, self.game, trained)[0]),
+            }
             row["searched"] = told(play(cell, self.game, trained, sure(recipe))[0])
             drawn = play(cell, self.game, trained, drawing(recipe), games=recipe.samples, seed=seed)
-            rows.append({**row, "best_of_n": {"n": recipe.samples, **told(min(drawn, key=lambda game: game.cost))}})
+            rows.append(
+                {
+                    **row,
+                    "best_of_n": {
+                        "n": recipe.samples,
+                        **told(min(drawn, key=lambda game: game.cost)),
+                    },
+                }
+            )
         return rows
 
     def save_policy(self, learners: training.Learner, place: int, path: Path) -> None:
         parameters = jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters)
-        notes = {"cell": self.order.cell.name, "digest": self.order.cell.digest, "recipe": self.order.name, "seed": self.order.seeds[place]}
+        notes = {
+            "cell": self.order.cell.name,
+            "digest": self.order.cell.digest,
+            "recipe": self.order.name,
+            "seed": self.order.seeds[place],
+        }
         Trained(training.judge(self.recipe.config), parameters, notes).save(path)
 
 
 def sure(recipe: SearchRecipe) -> Search:
     """The recipe's search for playing, which draws nothing."""
-    return replace(recipe.config.search, simulations=recipe.simulations, gumbel_scale=0.0, noise=0.0, temperature=0.0)
+    return replace(
+        recipe.config.search,
+        simulations=recipe.simulations,
+        gumbel_scale=0.0,
+        noise=0.0,
+        temperature=0.0,
+    )
 
 
 def drawing(recipe: SearchRecipe) -> Search:
@@ -112,6 +161,10 @@ def drawing(recipe: SearchRecipe) -> Search:
 
 
 @partial(jax.jit, static_argnames="config")
-def _advance(learners: training.Learner, pool: Game, config: Config) -> tuple[training.Learner, training.Report]:
-    """The seeds one after the other: each fills the processor, and a game that is over costs the others nothing."""
+def _advance(
+    learners: training.Learner, pool: Game, config: Config
+) -> tuple[training.Learner, training.Report]:
+    """The seeds one after the other: each fills the processor, and a game that is over costs the
+    others nothing.
+    """
     return jax.lax.map(partial(training.advance, games=pool, config=config), learners)

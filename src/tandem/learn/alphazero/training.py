@@ -1,7 +1,8 @@
-"""Training by self-play: many whole games under search, then the network learns what the search found and what came of it; and again.
+"""Training by self-play: many whole games under search, then the network learns what the search
+found and what came of it; and again.
 
-Source: Silver et al. (2017), arXiv:1712.01815, with the search of Danihelka et al. (2022). `start` and `advance` are pure functions: the same
-key gives the same network.
+Source: Silver et al. (2017), arXiv:1712.01815, with the search of Danihelka et al. (2022). `start`
+and `advance` are pure functions: the same key gives the same network.
 """
 
 from __future__ import annotations
@@ -25,8 +26,8 @@ class Learner(NamedTuple):
     """A training under way: all that is needed to go on.
 
     experience: of the last rounds, `[kept, L x B, ...]`; the newest is at `rounds % kept`.
-    best: of the cheapest game so far on each game that is played, `[P, L, ...]`; its policy names the moves that were made. best_cost: `[P]`.
-    rounds, games, moves: `[]` int32, done so far.
+    best: of the cheapest game so far on each game that is played, `[P, L, ...]`; its policy names
+    the moves that were made. best_cost: `[P]`. rounds, games, moves: `[]` int32, done so far.
     """
 
     parameters: Parameters
@@ -41,7 +42,9 @@ class Learner(NamedTuple):
 
 
 class Report(NamedTuple):
-    """What a round tells. cost: `[]`, mean of the games, in the game's own cost. policy_loss, value_loss, entropy: `[]`. finite: `[]` bool."""
+    """What a round tells. cost: `[]`, mean of the games, in the game's own cost. policy_loss,
+    value_loss, entropy: `[]`. finite: `[]` bool.
+    """
 
     cost: Array
     policy_loss: Array
@@ -61,8 +64,21 @@ def start(key: Array, games: Game, config: Config) -> Learner:
     one = jax.tree.map(lambda leaf: leaf[0], games)
     parameters = judge(config).start(network_key, one)
     zero, pool = jnp.zeros((), jnp.int32), games.unit.shape[0]
-    kept, best = _nothing(one, (config.kept, one.longest * config.games)), _nothing(one, (pool, one.longest))
-    return Learner(parameters, _optimiser(config).init(parameters), kept, best, jnp.full(pool, jnp.inf), key, zero, zero, zero)
+    kept, best = (
+        _nothing(one, (config.kept, one.longest * config.games)),
+        _nothing(one, (pool, one.longest)),
+    )
+    return Learner(
+        parameters,
+        _optimiser(config).init(parameters),
+        kept,
+        best,
+        jnp.full(pool, jnp.inf),
+        key,
+        zero,
+        zero,
+        zero,
+    )
 
 
 def advance(learner: Learner, games: Game, config: Config) -> tuple[Learner, Report]:
@@ -71,12 +87,18 @@ def advance(learner: Learner, games: Game, config: Config) -> tuple[Learner, Rep
     pool = games.unit.shape[0]
     chosen = jax.random.choice(draw_key, pool, (config.games,), replace=pool < config.games)
     drawn = jax.tree.map(lambda leaf: leaf[chosen], games)
-    fresh, result = selfplay(play_key, judge(config), learner.parameters, drawn, config.search, config.trust)
+    fresh, result = selfplay(
+        play_key, judge(config), learner.parameters, drawn, config.search, config.trust
+    )
     slot = learner.rounds % config.kept
-    experience = jax.tree.map(lambda all_, new: all_.at[slot].set(new), learner.experience, _flat(fresh))
+    experience = jax.tree.map(
+        lambda all_, new: all_.at[slot].set(new), learner.experience, _flat(fresh)
+    )
     learner = _remembered(learner._replace(experience=experience), fresh, result, chosen)
     parameters, moments, losses = _learn(learn_key, learner, config)
-    finite = jnp.all(jnp.asarray([jnp.all(jnp.isfinite(leaf)) for leaf in jax.tree.leaves(parameters)]))
+    finite = jnp.all(
+        jnp.asarray([jnp.all(jnp.isfinite(leaf)) for leaf in jax.tree.leaves(parameters)])
+    )
     after = learner._replace(
         parameters=parameters,
         optimiser=moments,
@@ -88,8 +110,12 @@ def advance(learner: Learner, games: Game, config: Config) -> tuple[Learner, Rep
     return after, Report(jnp.mean(result.cost), *losses, finite)
 
 
-def loss(network: Judge, parameters: Parameters, batch: Experience, value_weight: float) -> tuple[Array, tuple[Array, Array, Array]]:
-    """Cross-entropy to what the search found, and the squared error of what is still to come; means over the valid rows."""
+def loss(
+    network: Judge, parameters: Parameters, batch: Experience, value_weight: float
+) -> tuple[Array, tuple[Array, Array, Array]]:
+    """Cross-entropy to what the search found, and the squared error of what is still to come; means
+    over the valid rows.
+    """
     seen = jax.vmap(network.read, (None, 0, 0, 0))(parameters, batch.seen, batch.least, batch.mover)
     log = masked_log_softmax(jnp, seen.logits, batch.legal)
     weight = batch.valid / jnp.maximum(jnp.sum(batch.valid), 1)
@@ -99,22 +125,38 @@ def loss(network: Judge, parameters: Parameters, batch: Experience, value_weight
     return policy + value_weight * value, (policy, value, entropy)
 
 
-def _learn(key: Array, learner: Learner, config: Config) -> tuple[Parameters, Any, tuple[Array, Array, Array]]:
+def _learn(
+    key: Array, learner: Learner, config: Config
+) -> tuple[Parameters, Any, tuple[Array, Array, Array]]:
     """Minibatches drawn evenly from the decisions that are kept."""
     network, rule = judge(config), _optimiser(config)
     rate = config.learning_rate * (1 - 0.9 * learner.rounds / config.iterations)
     imitated = round(config.imitated * config.minibatch)
-    sources = [(_flat(learner.experience), config.minibatch - imitated), (_flat(learner.best), imitated)]
+    sources = [
+        (_flat(learner.experience), config.minibatch - imitated),
+        (_flat(learner.best), imitated),
+    ]
 
-    def minibatch(carry: tuple[Parameters, Any], key: Array) -> tuple[tuple[Parameters, Any], tuple[Array, Array, Array]]:
+    def minibatch(
+        carry: tuple[Parameters, Any], key: Array
+    ) -> tuple[tuple[Parameters, Any], tuple[Array, Array, Array]]:
         parameters, moments = carry
-        parts = [_drawn(key, source, number) for key, (source, number) in zip(jax.random.split(key), sources, strict=True)]
+        parts = [
+            _drawn(key, source, number)
+            for key, (source, number) in zip(jax.random.split(key), sources, strict=True)
+        ]
         batch = jax.tree.map(lambda *rows: jnp.concatenate(rows), *parts)
-        gradient, losses = jax.grad(loss, 1, has_aux=True)(network, parameters, batch, config.value_weight)
+        gradient, losses = jax.grad(loss, 1, has_aux=True)(
+            network, parameters, batch, config.value_weight
+        )
         change, moments = rule.update(gradient, moments)
         return (jax.tree.map(lambda old, by: old - rate * by, parameters, change), moments), losses
 
-    (parameters, moments), losses = jax.lax.scan(minibatch, (learner.parameters, learner.optimiser), jax.random.split(key, config.minibatches))
+    (parameters, moments), losses = jax.lax.scan(
+        minibatch,
+        (learner.parameters, learner.optimiser),
+        jax.random.split(key, config.minibatches),
+    )
     return parameters, moments, jax.tree.map(jnp.mean, losses)
 
 
@@ -126,8 +168,12 @@ def _drawn(key: Array, rows: Experience, number: int) -> Experience:
 
 
 def _remembered(learner: Learner, fresh: Experience, result: Played, chosen: Array) -> Learner:
-    """The learner with the cheapest games of the round, played on the games `chosen` `[B]`, where they are cheaper than those before."""
-    cost = jnp.where(chosen[None] == jnp.arange(learner.best_cost.shape[0])[:, None], result.cost[None], jnp.inf)
+    """The learner with the cheapest games of the round, played on the games `chosen` `[B]`, where
+    they are cheaper than those before.
+    """
+    cost = jnp.where(
+        chosen[None] == jnp.arange(learner.best_cost.shape[0])[:, None], result.cost[None], jnp.inf
+    )
     cheapest, cost = jnp.argmin(cost, 1), jnp.min(cost, 1)
     named = fresh._replace(policy=jax.nn.one_hot(result.moves, fresh.policy.shape[-1]))
     better = cost < learner.best_cost
@@ -136,7 +182,10 @@ def _remembered(learner: Learner, fresh: Experience, result: Played, chosen: Arr
         won = jnp.swapaxes(new[:, cheapest], 0, 1)
         return jnp.where(better.reshape(-1, *[1] * (old.ndim - 1)), won, old)
 
-    return learner._replace(best=jax.tree.map(newer, learner.best, named), best_cost=jnp.minimum(learner.best_cost, cost))
+    return learner._replace(
+        best=jax.tree.map(newer, learner.best, named),
+        best_cost=jnp.minimum(learner.best_cost, cost),
+    )
 
 
 def _optimiser(config: Config) -> optax.GradientTransformation:
@@ -144,12 +193,23 @@ def _optimiser(config: Config) -> optax.GradientTransformation:
 
 
 def _flat(experience: Experience) -> Experience:
-    return jax.tree.map(lambda leaf: leaf.reshape(leaf.shape[0] * leaf.shape[1], *leaf.shape[2:]), experience)
+    return jax.tree.map(
+        lambda leaf: leaf.reshape(leaf.shape[0] * leaf.shape[1], *leaf.shape[2:]), experience
+    )
 
 
 def _nothing(game: Game, rows: tuple[int, int]) -> Experience:
     """Room for so much experience."""
     seen, legal, mover, least = jax.tree.map(
-        lambda leaf: jnp.zeros((*rows, *leaf.shape), leaf.dtype), jax.eval_shape(lambda: shown(game, game.reset()))
+        lambda leaf: jnp.zeros((*rows, *leaf.shape), leaf.dtype),
+        jax.eval_shape(lambda: shown(game, game.reset())),
     )
-    return Experience(seen, legal, mover, least, jnp.zeros((*rows, game.moves)), jnp.zeros(rows), jnp.zeros(rows, bool))
+    return Experience(
+        seen,
+        legal,
+        mover,
+        least,
+        jnp.zeros((*rows, game.moves)),
+        jnp.zeros(rows),
+        jnp.zeros(rows, bool),
+    )

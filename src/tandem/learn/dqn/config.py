@@ -1,4 +1,6 @@
-"""What deep Q-learning is told: a frozen configuration that checks itself. No JAX is needed to read it."""
+"""What deep Q-learning is told: a frozen configuration that checks itself. No JAX is needed to read
+it.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,8 @@ from tandem.learn.settings import counts, must_hold, one_of
 class Config:
     """Deep Q-learning (Mnih et al. 2015) by several agents that take turns.
 
-    ASSUMPTION throughout for Yu, Huang and Chang (2021): their hyper-parameters are not public; these are common ones.
+    ASSUMPTION throughout for Yu, Huang and Chang (2021): their hyper-parameters are not public;
+    these are common ones.
 
     Attributes:
       decisions: budget, summed over the games and agents.
@@ -26,12 +29,15 @@ class Config:
       warm_up: rounds of moves before the first learning.
       learning_rate: of Adam; it falls to a tenth of that along a straight line.
       discount: gamma, for each own turn.
-      explore_from, explore_to, explore_share: a random move has the first probability at the start and falls to the second within that share of the
-        budget.
+      explore_from, explore_to, explore_share: a random move has the first probability at the start
+        and falls to the second within that share of the budget.
       target_every: the target network becomes the learned one after so many learnings.
-      double: the next move is chosen by the learned network and valued by the target network (van Hasselt et al. 2016).
-      agents: "each" has a network and a memory of its own; "one" network decides for all (single-agent DQN).
-      horizon: what a decision's value is continued from: the agent's "own" next turn, or the "next" turn, whoever's it is.
+      double: the next move is chosen by the learned network and valued by the target network (van
+        Hasselt et al. 2016).
+      agents: "each" has a network and a memory of its own; "one" network decides for all
+        (single-agent DQN).
+      horizon: what a decision's value is continued from: the agent's "own" next turn, or the "next"
+        turn, whoever's it is.
       units: of the networks' layers.
       gradient_limit: largest norm of the gradient.
     """

@@ -1,4 +1,6 @@
-"""What a move costs, as each agent has learned it: the network of `alphazero.network`, read as Q-values."""
+"""What a move costs, as each agent has learned it: the network of `alphazero.network`, read as
+Q-values.
+"""
 
 from __future__ import annotations
 
@@ -24,10 +26,12 @@ MOST_AGENTS = 1000
 
 @dataclass(frozen=True)
 class ValueNetworks:
-    """Q(s, a) is the cost that is still to come when the agent whose turn it is does a: what the state says plus what the move says.
+    """Q(s, a) is the cost that is still to come when the agent whose turn it is does a: what the
+    state says plus what the move says.
 
     Attributes:
-      agents: so many networks, one for each; 1 decides for all. Every array of the parameters has them as its leading axis.
+      agents: so many networks, one for each; 1 decides for all. Every array of the parameters has
+        them as its leading axis.
       units: of the layers.
     """
 
@@ -38,7 +42,12 @@ class ValueNetworks:
     __pydantic_config__: ClassVar[ConfigDict] = STRICT
 
     def __post_init__(self) -> None:
-        must_hold([*counts(self, ("agents",), most=MOST_AGENTS), *counts(self, ("units",), most=MOST_UNITS)])
+        must_hold(
+            [
+                *counts(self, ("agents",), most=MOST_AGENTS),
+                *counts(self, ("units",), most=MOST_UNITS),
+            ]
+        )
 
     def start(self, key: Array, game: Any = None) -> Any:
         return jax.vmap(Scorer(self.units).start)(jax.random.split(key, self.agents))

@@ -1,4 +1,6 @@
-"""Deep Q-learning as the trainer wants it: any cell, compiled for all seeds, its figures, its results; and the players of what it learned."""
+"""Deep Q-learning as the trainer wants it: any cell, compiled for all seeds, its figures, its
+results; and the players of what it learned.
+"""
 
 from __future__ import annotations
 
@@ -26,17 +28,28 @@ INTERVALS = 30
 """Figures of a training."""
 
 
-def players(path: Path, cell: Cell, order: Order, *, seed: int, episodes: int) -> dict[str, list[Reached]]:
+def players(
+    path: Path, cell: Cell, order: Order, *, seed: int, episodes: int
+) -> dict[str, list[Reached]]:
     """How what a run has learned plays a cell: greedy, and with a twentieth of the moves drawn."""
     recipe = order.recipe
     assert isinstance(recipe, ValueRecipe)
-    trained, game = Trained.load(path, ValueNetworks), game_of(cell, order.stress_factor, waiting=recipe.waiting)
+    trained, game = (
+        Trained.load(path, ValueNetworks),
+        game_of(cell, order.stress_factor, waiting=recipe.waiting),
+    )
     drawn = play(cell, game, trained, Wander(), games=episodes, seed=seed)
-    return {"greedy": play(cell, game, trained), "sampled": drawn, f"best of {episodes}": [min(drawn, key=lambda one: one.cost)]}
+    return {
+        "greedy": play(cell, game, trained),
+        "sampled": drawn,
+        f"best of {episodes}": [min(drawn, key=lambda one: one.cost)],
+    }
 
 
 class Trainee:
-    """Deep Q-learning on an order whose recipe is a `ValueRecipe`. Raises CellError when the cell's times are too large to be counted."""
+    """Deep Q-learning on an order whose recipe is a `ValueRecipe`. Raises CellError when the cell's
+    times are too large to be counted.
+    """
 
     players = staticmethod(players)
     costs = staticmethod(lambda cell, order: paid(order.stress_factor))
@@ -45,7 +58,9 @@ class Trainee:
         recipe = order.recipe
         assert isinstance(recipe, ValueRecipe)
         self.order, self.recipe = order, recipe
-        self.game = jax.tree.map(jnp.asarray, game_of(order.cell, order.stress_factor, waiting=recipe.waiting))
+        self.game = jax.tree.map(
+            jnp.asarray, game_of(order.cell, order.stress_factor, waiting=recipe.waiting)
+        )
         self.judge = learning.networks(self.game, recipe.config)
         self.stretch = max(1, learning.rounds_of(recipe.config) // INTERVALS)
 
@@ -55,42 +70,72 @@ class Trainee:
 
     def begin(self) -> learning.Learner:
         keys = jnp.stack([jax.random.key(seed) for seed in self.order.seeds])
-        return jax.jit(jax.vmap(partial(learning.start, config=self.recipe.config), (0, None)))(keys, self.game)
+        return jax.jit(jax.vmap(partial(learning.start, config=self.recipe.config), (0, None)))(
+            keys, self.game
+        )
 
     def advance(self, learners: learning.Learner) -> tuple[learning.Learner, learning.Report]:
-        return jax.block_until_ready(_advance(learners, self.game, self.recipe.config, self.stretch))
+        return jax.block_until_ready(
+            _advance(learners, self.game, self.recipe.config, self.stretch)
+        )
 
     def share(self, learners: learning.Learner) -> float:
         return min(1.0, float(np.min(learners.rounds)) / learning.rounds_of(self.recipe.config))
 
     def rows(self, learners: learning.Learner, report: learning.Report) -> list[Row]:
-        """`mean_return_team` is minus the mean cost of the games that ended: all operators are paid the same."""
+        """`mean_return_team` is minus the mean cost of the games that ended: all operators are paid
+        the same.
+        """
         results, found = alone(self.order.cell, self.game, self.judge, learners.parameters), []
         for place in range(len(self.order.seeds)):
             own = jax.tree.map(lambda leaf, place=place: leaf[place], report)
             row: Row = {"episodes": int(learners.games[place]), "steps": int(learners.moves[place])}
-            row |= {"mean_return_team": round(-float(own.cost), 4), "first_value_team": round(-results[place][1], 4)}
+            row |= {
+                "mean_return_team": round(-float(own.cost), 4),
+                "first_value_team": round(-results[place][1], 4),
+            }
             row |= {"loss": round(float(own.loss), 5), "explore": round(float(own.explore), 4)}
-            found.append(row | {f"greedy_{name}": value for name, value in told(results[place][0]).items()})
+            found.append(
+                row | {f"greedy_{name}": value for name, value in told(results[place][0]).items()}
+            )
         return found
 
     def play(self, learners: learning.Learner) -> list[Row]:
-        """`greedy`: every agent does what it thinks costs least. `best_of_n`: of n games in which a twentieth of the moves is random, the best."""
+        """`greedy`: every agent does what it thinks costs least. `best_of_n`: of n games in which a
+        twentieth of the moves is random, the best.
+        """
         rows = []
         for place, seed in enumerate(self.order.seeds):
-            trained = Trained(self.judge, jax.tree.map(lambda leaf, place=place: leaf[place], learners.parameters))
-            drawn = play(self.order.cell, self.game, trained, Wander(), games=self.recipe.samples, seed=seed)
+            trained = Trained(
+                self.judge, jax.tree.map(lambda leaf, place=place: leaf[place], learners.parameters)
+            )
+            drawn = play(
+                self.order.cell, self.game, trained, Wander(), games=self.recipe.samples, seed=seed
+            )
             best = {"n": self.recipe.samples, **told(min(drawn, key=lambda game: game.cost))}
-            rows.append({"steps": int(learners.moves[place]), "greedy": told(play(self.order.cell, self.game, trained)[0]), "best_of_n": best})
+            rows.append(
+                {
+                    "steps": int(learners.moves[place]),
+                    "greedy": told(play(self.order.cell, self.game, trained)[0]),
+                    "best_of_n": best,
+                }
+            )
         return rows
 
     def save_policy(self, learners: learning.Learner, place: int, path: Path) -> None:
         parameters = jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters)
-        notes = {"cell": self.order.cell.name, "digest": self.order.cell.digest, "recipe": self.order.name, "seed": self.order.seeds[place]}
+        notes = {
+            "cell": self.order.cell.name,
+            "digest": self.order.cell.digest,
+            "recipe": self.order.name,
+            "seed": self.order.seeds[place],
+        }
         Trained(self.judge, parameters, notes).save(path)
 
 
 @partial(jax.jit, static_argnames=("config", "rounds"))
-def _advance(learners: learning.Learner, game: Game, config: Config, rounds: int) -> tuple[learning.Learner, learning.Report]:
+def _advance(
+    learners: learning.Learner, game: Game, config: Config, rounds: int
+) -> tuple[learning.Learner, learning.Report]:
     """The seeds one after the other."""
     return jax.lax.map(partial(learning.advance, game=game, config=config, rounds=rounds), learners)

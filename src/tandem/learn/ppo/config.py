@@ -21,7 +21,9 @@ MOST_LAYERS, MOST_UNITS = 16, 4096
 
 
 class StageValues(NamedTuple):
-    """One stage as numbers that a compiled loop reads; see `Stage`. It ends at `episodes` or `steps`."""
+    """One stage as numbers that a compiled loop reads; see `Stage`. It ends at `episodes` or
+    `steps`.
+    """
 
     entropy: Any
     learning_rate: Any
@@ -33,7 +35,8 @@ class StageValues(NamedTuple):
 
 @dataclass(frozen=True)
 class Stage:
-    """A stretch of the training. It ends with `episodes` or `steps`, whichever comes first; one of them may be None.
+    """A stretch of the training. It ends with `episodes` or `steps`, whichever comes first; one of
+    them may be None.
 
     Attributes:
       episodes: finished episodes.
@@ -86,18 +89,23 @@ class Config:
       stages: one after the other.
       environments: worlds that are played side by side, `N`.
       horizon: steps of each environment before the agents learn, `H`.
-      stop_at_end: with one environment, an episode's end also ends the rollout, so that the agents learn after every episode.
-      episode_limit: steps after which an episode is cut off (truncated, not terminated); None for never.
+      stop_at_end: with one environment, an episode's end also ends the rollout, so that the agents
+        learn after every episode.
+      episode_limit: steps after which an episode is cut off (truncated, not terminated); None for
+        never.
       minibatch, epochs: how often and in what portions a rollout is learned from.
       discount, gae: gamma and lambda of the advantage estimate.
       clip: of the probability ratio.
       value_weight: of the critic's loss.
-      gradient_limit: largest norm of an agent's gradient, actor and critic together; None for no limit.
+      gradient_limit: largest norm of an agent's gradient, actor and critic together; None for no
+        limit.
       hidden: units of the hidden layers, of actors and critics alike.
       activation: "relu" or "tanh".
       masked: illegal actions have probability 0, both when acting and when learning.
-      normalise_returns: the critic works in units of the first rollout's returns (mean and spread, then kept).
-      share_actor, share_critic: one network for all agents, which sees a one-hot of whose turn it is; else one each.
+      normalise_returns: the critic works in units of the first rollout's returns (mean and spread,
+        then kept).
+      share_actor, share_critic: one network for all agents, which sees a one-hot of whose turn it
+        is; else one each.
     """
 
     stages: tuple[Stage, ...]
@@ -142,13 +150,32 @@ class Config:
         for name, least in (("value_weight", 0), ("gradient_limit", 1e-9)):
             value = getattr(self, name)
             if value is not None and not least <= value < math.inf:
-                yield f"{name} {value}: must be {'0 or more' if least == 0 else 'more than 0, or null for no limit'}."
+                yield (
+                    f"{name} {value}: must be"
+                    f" {'0 or more' if least == 0 else 'more than 0, or null for no limit'}."
+                )
         if self.environments * self.horizon > MOST_STEPS:
-            yield f"environments {self.environments} x horizon {self.horizon}: at most {MOST_STEPS:,} steps are held at once."
-        if not self.stop_at_end and self.minibatch > 0 and (self.environments * self.horizon) % self.minibatch:
-            yield f"minibatch {self.minibatch}: must divide environments x horizon = {self.environments * self.horizon}."
-        if not 1 <= len(self.hidden) <= MOST_LAYERS or not 1 <= min(self.hidden) <= max(self.hidden) <= MOST_UNITS:
-            yield f"hidden {list(self.hidden)}: needs 1 to {MOST_LAYERS} layers, each of 1 to {MOST_UNITS:,} units."
+            yield (
+                f"environments {self.environments} x horizon {self.horizon}: at most {MOST_STEPS:,}"
+                " steps are held at once."
+            )
+        if (
+            not self.stop_at_end
+            and self.minibatch > 0
+            and (self.environments * self.horizon) % self.minibatch
+        ):
+            yield (
+                f"minibatch {self.minibatch}: must divide environments x horizon ="
+                f" {self.environments * self.horizon}."
+            )
+        if (
+            not 1 <= len(self.hidden) <= MOST_LAYERS
+            or not 1 <= min(self.hidden) <= max(self.hidden) <= MOST_UNITS
+        ):
+            yield (
+                f"hidden {list(self.hidden)}: needs 1 to {MOST_LAYERS} layers, each of 1 to"
+                f" {MOST_UNITS:,} units."
+            )
         yield from one_of(self, "activation", ACTIVATIONS)
 
     def to_dict(self) -> dict[str, Any]:

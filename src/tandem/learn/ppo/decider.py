@@ -1,4 +1,6 @@
-"""A trained best response as it decides: what it thinks best, in NumPy on the station's PC or under JAX for many episodes at once."""
+"""A trained best response as it decides: what it thinks best, in NumPy on the station's PC or under
+JAX for many episodes at once.
+"""
 
 from __future__ import annotations
 
@@ -11,13 +13,17 @@ from tandem.world.state import State
 
 
 def worth(policy: Policy, arrays: Arrays, state: State, mask: Array, turn: Array) -> Array:
-    """`[W + 1]` float32, how much the policy is for each way, the last one being to wait; minus infinity for what is not legal.
+    """`[W + 1]` float32, how much the policy is for each way, the last one being to wait; minus
+    infinity for what is not legal.
 
     Args:
       mask: `[W]` bool, what may begin now. turn: `[]` int, whose turn it is.
     """
     xp = namespace(mask)
-    actor = {layer: {part: array[0] for part, array in parts.items()} for layer, parts in policy.actor.items()}
+    actor = {
+        layer: {part: array[0] for part, array in parts.items()}
+        for layer, parts in policy.actor.items()
+    }
     logits = forward(xp, actor, observation.observe(arrays, state, mask, turn), policy.activation)
     return xp.where(observation.choices(arrays, state, mask, turn), logits, -xp.inf)
 

@@ -1,7 +1,8 @@
 """A cell with people drawn from a crowd, as a world to learn in.
 
-The decider is one agent that acts for whose turn it is: it tells a robot what to begin and asks a person, who then does as it likes. Episode by
-episode somebody else stands there, with an untold pace and habits of its own. The rules are those of `tandem.world.episode`.
+The decider is one agent that acts for whose turn it is: it tells a robot what to begin and asks a
+person, who then does as it likes. Episode by episode somebody else stands there, with an untold
+pace and habits of its own. The rules are those of `tandem.world.episode`.
 """
 
 from __future__ import annotations
@@ -28,18 +29,26 @@ UNFINISHED = 2.0
 """What an assembly that nobody can finish costs, in units of `sight.scale`."""
 
 PEOPLE = 4096
-"""So many people are drawn from a population before the training; each episode takes one of them."""
+"""So many people are drawn from a population before the training; each episode takes one of
+them.
+"""
 
 
 class Beside(NamedTuple):
-    """An episode under way: the shift, its chance and its crew (one person per operator), which the decider does not see."""
+    """An episode under way: the shift, its chance and its crew (one person per operator), which the
+    decider does not see.
+    """
 
     shift: Shift
     fate: Fate
     people: Person
 
 
-@partial(jax.tree_util.register_dataclass, data_fields=["arrays", "people", "weights"], meta_fields=["draw"])
+@partial(
+    jax.tree_util.register_dataclass,
+    data_fields=["arrays", "people", "weights"],
+    meta_fields=["draw"],
+)
 @dataclass(frozen=True)
 class BesidePeople:
     """The world (`tandem.learn.world.World`), with one agent.
@@ -56,7 +65,14 @@ class BesidePeople:
     draw: Draw
 
     @classmethod
-    def of(cls, crowd: Crowd, *, chance: Chance = OFF, weights: tuple[float, float] = (1.0, 0.0), seed: int = 0) -> Self:
+    def of(
+        cls,
+        crowd: Crowd,
+        *,
+        chance: Chance = OFF,
+        weights: tuple[float, float] = (1.0, 0.0),
+        seed: int = 0,
+    ) -> Self:
         """The crowd's cell with `PEOPLE` of the crowd, or with the one person that it is.
 
         Args:
@@ -90,32 +106,49 @@ class BesidePeople:
         return Beside(self._to_a_turn(chance, episode.begin(self.arrays, people)), chance, people)
 
     def observe(self, state: Beside) -> Array:
-        return observation.observe(self.arrays, state.shift.state, state.shift.mask, state.shift.turn)[None]
+        return observation.observe(
+            self.arrays, state.shift.state, state.shift.mask, state.shift.turn
+        )[None]
 
     def legal(self, state: Beside) -> Array:
-        return observation.choices(self.arrays, state.shift.state, state.shift.mask, state.shift.turn)[None]
+        return observation.choices(
+            self.arrays, state.shift.state, state.shift.mask, state.shift.turn
+        )[None]
 
     def narrow(self, state: Beside, legal: Array, action: Array) -> Array:
         return legal
 
     def step(self, state: Beside, action: Array) -> tuple[Beside, Outcome]:
         way = jnp.where(action[0] == self.actions - 1, -1, action[0])
-        shift = self._to_a_turn(state.fate, episode.decide(self.arrays, state.fate, state.people, state.shift, way))
-        over, lost = episode.is_over(self.arrays, shift), UNFINISHED * observation.scale(self.arrays) * self.weights[0]
-        cost = self.cost(shift) - self.cost(state.shift) + jnp.where(over & ~is_done(shift), lost, 0.0)
-        return Beside(shift, state.fate, state.people), Outcome(-cost[None].astype(jnp.float32), over, jnp.zeros(1, jnp.int32))
+        shift = self._to_a_turn(
+            state.fate, episode.decide(self.arrays, state.fate, state.people, state.shift, way)
+        )
+        over, lost = (
+            episode.is_over(self.arrays, shift),
+            UNFINISHED * observation.scale(self.arrays) * self.weights[0],
+        )
+        cost = (
+            self.cost(shift) - self.cost(state.shift) + jnp.where(over & ~is_done(shift), lost, 0.0)
+        )
+        return Beside(shift, state.fate, state.people), Outcome(
+            -cost[None].astype(jnp.float32), over, jnp.zeros(1, jnp.int32)
+        )
 
     def in_stage(self, stage: StageValues) -> Self:
         return self
 
     def cost(self, shift: Shift) -> Array:
         """`[]` float32, what time and stress have cost so far."""
-        return self.weights[0] * shift.state.clock + self.weights[1] * state.stress(self.arrays, shift.state)
+        return self.weights[0] * shift.state.clock + self.weights[1] * state.stress(
+            self.arrays, shift.state
+        )
 
     def _to_a_turn(self, chance: Fate, shift: Shift) -> Shift:
         """Time runs on until it is somebody's turn or all is over."""
         goes_on = lambda shift: (shift.turn < 0) & ~episode.is_over(self.arrays, shift)  # noqa: E731
-        return jax.lax.while_loop(goes_on, lambda shift: episode.run_on(self.arrays, chance, shift), shift)
+        return jax.lax.while_loop(
+            goes_on, lambda shift: episode.run_on(self.arrays, chance, shift), shift
+        )
 
 
 def is_done(shift: Shift) -> Array:

@@ -1,7 +1,9 @@
-"""What a learner sees of an assembly beside people: the work, the operators and how fast each has turned out to be. Nothing that is still to show.
+"""What a learner sees of an assembly beside people: the work, the operators and how fast each has
+turned out to be. Nothing that is still to show.
 
-One function of the world's arrays, in NumPy and under JAX alike, so that what was trained decides on a PC without JAX. Everything is in units of the
-cell: ticks are divided by `scale`, so that a policy of one cell can begin to learn another of the same shape.
+One function of the world's arrays, in NumPy and under JAX alike, so that what was trained decides
+on a PC without JAX. Everything is in units of the cell: ticks are divided by `scale`, so that a
+policy of one cell can begin to learn another of the same shape.
 """
 
 from __future__ import annotations
@@ -27,14 +29,25 @@ class Pace(NamedTuple):
 
 
 def scale(arrays: Arrays) -> Array:
-    """`[]` float32, ticks: the tasks' quickest times, summed and shared among all operators; the unit of time of what is seen."""
+    """`[]` float32, ticks: the tasks' quickest times, summed and shared among all operators; the
+    unit of time of what is seen.
+    """
     xp = namespace(arrays.way_ticks)
-    quickest = xp.min(xp.where(arrays.of_task & arrays.way_open[:, None], arrays.way_ticks[:, None], arrays.way_ticks.max()), axis=0)
+    quickest = xp.min(
+        xp.where(
+            arrays.of_task & arrays.way_open[:, None],
+            arrays.way_ticks[:, None],
+            arrays.way_ticks.max(),
+        ),
+        axis=0,
+    )
     return xp.maximum(1.0, xp.sum(quickest) / arrays.human.shape[0]).astype(xp.float32)
 
 
 def pace(arrays: Arrays, state: State) -> Pace:
-    """The operators' paces as they have shown. Work in hand that takes longer than it should already counts."""
+    """The operators' paces as they have shown. Work in hand that takes longer than it should
+    already counts.
+    """
     return _shown(arrays, state, _work(arrays, state))
 
 
@@ -47,8 +60,9 @@ def observation_size(arrays: Arrays) -> int:
 def observe(arrays: Arrays, state: State, mask: Array, turn: Array) -> Array:
     """`[D]` float32: how it stands, seen by whose turn it is.
 
-    Per task: open, ready to begin, in hand, done, how long the work in hand has taken, and how long it should still take at the paces that have
-    shown. Per operator: whose turn it is, present, working, the logarithm of its pace, how much was seen of it, its time since the start of what it
+    Per task: open, ready to begin, in hand, done, how long the work in hand has taken, and how long
+    it should still take at the paces that have shown. Per operator: whose turn it is, present,
+    working, the logarithm of its pace, how much was seen of it, its time since the start of what it
     does. Per way: whether it may begin, by anybody and by whose turn it is. And the time gone by.
 
     Args:
@@ -74,11 +88,15 @@ def observe(arrays: Arrays, state: State, mask: Array, turn: Array) -> Array:
     ]
     ways = [mask, legal_of(arrays, mask, turn)]
     clock = xp.reshape(state.clock / unit, (1,))
-    return xp.concatenate([xp.asarray(part, dtype=xp.float32) for part in (*tasks, *operators, *ways, clock)])
+    return xp.concatenate(
+        [xp.asarray(part, dtype=xp.float32) for part in (*tasks, *operators, *ways, clock)]
+    )
 
 
 def choices(arrays: Arrays, state: State, mask: Array, turn: Array) -> Array:
-    """`[W + 1]` bool, what whose turn it is may do: a way, or the last one, waiting. Waiting is open when nothing else is."""
+    """`[W + 1]` bool, what whose turn it is may do: a way, or the last one, waiting. Waiting is
+    open when nothing else is.
+    """
     xp = namespace(mask)
     mine = legal_of(arrays, mask, turn)
     wait = may_wait(arrays, state, mask, turn) | ~xp.any(mine)
@@ -88,10 +106,9 @@ def choices(arrays: Arrays, state: State, mask: Array, turn: Array) -> Array:
 class _Work(NamedTuple):
     """What the tasks' work is.
 
-    stated: `[T]` int32, what work in hand or done should take by the stated times; 0 for what is open.
-    team: `[T, O]` bool, who does or did it.
-    done: `[T]` bool.
-    elapsed: `[T]` int32, ticks since work in hand began; 0 for what is open or done.
+    stated: `[T]` int32, what work in hand or done should take by the stated times; 0 for what is
+    open. team: `[T, O]` bool, who does or did it. done: `[T]` bool. elapsed: `[T]` int32, ticks
+    since work in hand began; 0 for what is open or done.
     """
 
     stated: Array
@@ -112,7 +129,9 @@ def _work(arrays: Arrays, state: State) -> _Work:
         stated=xp.sum(xp.where(in_use, ticks, 0), axis=1),
         team=xp.any(in_use[:, :, None] & arrays.way_uses[None, :, :], axis=1),
         done=done,
-        elapsed=xp.where(in_hand, xp.maximum(0, state.clock - xp.where(in_hand, state.start_at, 0)), 0),
+        elapsed=xp.where(
+            in_hand, xp.maximum(0, state.clock - xp.where(in_hand, state.start_at, 0)), 0
+        ),
     )
 
 

@@ -19,7 +19,8 @@ class Played(NamedTuple):
 
     state: the worlds' last states, leading axis `E`.
     actions: `[limit, E, A]` int32; 0 after an episode's end.
-    length: `[E]` int32, steps. returns: `[E, A]` float32. illegal: `[E, A]` int32, rules broken. done: `[E]` bool, came to its end.
+    length: `[E]` int32, steps. returns: `[E, A]` float32. illegal: `[E, A]` int32, rules broken.
+    done: `[E]` bool, came to its end.
     """
 
     state: Any
@@ -31,17 +32,37 @@ class Played(NamedTuple):
 
 
 def greedy(parameters: Parameters, world: World, config: Config, limit: int) -> Played:
-    """One episode (`E` = 1) in which every agent takes its most probable action; ends after `limit` steps at the latest."""
+    """One episode (`E` = 1) in which every agent takes its most probable action; ends after `limit`
+    steps at the latest.
+    """
     return _play(parameters, world, config, limit, jax.random.key(0), None, 1)
 
 
-def sampled(key: Array, parameters: Parameters, world: World, config: Config, limit: int, episodes: int) -> Played:
+def sampled(
+    key: Array, parameters: Parameters, world: World, config: Config, limit: int, episodes: int
+) -> Played:
     """So many episodes with actions drawn from the actors."""
     reset_key, draw_key = jax.random.split(key)
-    return _play(parameters, world, config, limit, reset_key, jax.random.uniform(draw_key, (limit, episodes, len(world.agents))), episodes)
+    return _play(
+        parameters,
+        world,
+        config,
+        limit,
+        reset_key,
+        jax.random.uniform(draw_key, (limit, episodes, len(world.agents))),
+        episodes,
+    )
 
 
-def _play(parameters: Parameters, world: World, config: Config, limit: int, reset_key: Array, uniform: Array | None, episodes: int) -> Played:
+def _play(
+    parameters: Parameters,
+    world: World,
+    config: Config,
+    limit: int,
+    reset_key: Array,
+    uniform: Array | None,
+    episodes: int,
+) -> Played:
     agents = len(world.agents)
     state = jax.vmap(world.reset)(jax.random.split(reset_key, episodes))
     empty = Played(
@@ -57,9 +78,21 @@ def _play(parameters: Parameters, world: World, config: Config, limit: int, rese
         place, so_far = carry
         state, on = so_far.state, ~so_far.done
         observation, legal = jax.vmap(world.observe)(state), jax.vmap(world.legal)(state)
-        action, _, _ = act(parameters, observation, legal, None if uniform is None else uniform[place], state, world, config)
+        action, _, _ = act(
+            parameters,
+            observation,
+            legal,
+            None if uniform is None else uniform[place],
+            state,
+            world,
+            config,
+        )
         after, outcome = jax.vmap(world.step)(state, action)
-        kept = jax.tree.map(lambda new, old: jnp.where(on.reshape(-1, *[1] * (old.ndim - 1)), new, old), after, state)
+        kept = jax.tree.map(
+            lambda new, old: jnp.where(on.reshape(-1, *[1] * (old.ndim - 1)), new, old),
+            after,
+            state,
+        )
         return place + 1, Played(
             kept,
             so_far.actions.at[place].set(jnp.where(on[:, None], action, 0)),

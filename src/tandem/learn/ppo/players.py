@@ -1,4 +1,6 @@
-"""What PPO has learned as it plays a cell, and who plays at random: episodes in NumPy beside somebody who does what is asked. No JAX is loaded."""
+"""What PPO has learned as it plays a cell, and who plays at random: episodes in NumPy beside
+somebody who does what is asked. No JAX is loaded.
+"""
 
 from __future__ import annotations
 
@@ -27,24 +29,37 @@ if TYPE_CHECKING:
     from tandem.learn.algorithm import Order
 
 
-def players(path: Path, cell: Cell, order: Order, *, seed: int, episodes: int) -> dict[str, list[Reached]]:
+def players(
+    path: Path, cell: Cell, order: Order, *, seed: int, episodes: int
+) -> dict[str, list[Reached]]:
     """How the decider plays the cell: what it thinks best, what it draws, and the best of that.
 
     Raises:
-      CellError: the file is no policy, or none of the run's own cell. UsageError: the cell has another shape than the one that was learned.
+      CellError: the file is no policy, or none of the run's own cell. UsageError: the cell has
+        another shape than the one that was learned.
     """
     policy, arrays = Policy.load(path), Names.of(cell).arrays()
     if cell.digest == order.cell.digest:
         must_be_whole(policy, arrays, path)
     fits(policy, arrays, cell)
     draws = np.random.default_rng(seed)
-    greedy = _played(cell, order.stress_factor, _chooser(policy, lambda logits: int(np.argmax(logits))), 1)
-    sampled = _played(cell, order.stress_factor, _chooser(policy, lambda logits: _drawn(logits, draws)), episodes)
-    return {"greedy": greedy, "sampled": sampled, f"best of {episodes}": [min(sampled, key=lambda one: one.cost)]}
+    greedy = _played(
+        cell, order.stress_factor, _chooser(policy, lambda logits: int(np.argmax(logits))), 1
+    )
+    sampled = _played(
+        cell, order.stress_factor, _chooser(policy, lambda logits: _drawn(logits, draws)), episodes
+    )
+    return {
+        "greedy": greedy,
+        "sampled": sampled,
+        f"best of {episodes}": [min(sampled, key=lambda one: one.cost)],
+    }
 
 
 def at_random(cell: Cell, stress_factor: float, *, seed: int, episodes: int) -> list[Reached]:
-    """Episodes in which everybody begins any legal task, each as likely as the others, and waits only where there is none."""
+    """Episodes in which everybody begins any legal task, each as likely as the others, and waits
+    only where there is none.
+    """
     draws = np.random.default_rng(seed)
 
     def decide(arrays: Arrays, shift: Shift) -> Array:
@@ -55,31 +70,40 @@ def at_random(cell: Cell, stress_factor: float, *, seed: int, episodes: int) -> 
 
 
 def fits(policy: Policy, arrays: Arrays, cell: Cell) -> None:
-    """Raises UsageError when the policy was trained on a cell of another shape: other numbers of tasks, ways or operators."""
+    """Raises UsageError when the policy was trained on a cell of another shape: other numbers of
+    tasks, ways or operators.
+    """
     if _shape(policy) != _wanted(arrays):
         learned = policy.notes.get("cell") or "another cell"
         raise UsageError(
-            f"the policy was trained on {learned!r}, whose tasks, ways of doing them or operators are not as many as those of "
-            f"{cell.name or 'this cell'!r}: it reads {policy.observation_size} numbers, not {observation_size(arrays)}. Train one on this cell, or "
-            "take --recipe alphazero, which reads cells of any size."
+            f"the policy was trained on {learned!r}, whose tasks, ways of doing them or operators"
+            f" are not as many as those of {cell.name or 'this cell'!r}: it reads"
+            f" {policy.observation_size} numbers, not {observation_size(arrays)}. Train one on this"
+            " cell, or take --recipe alphazero, which reads cells of any size."
         )
 
 
 def must_be_whole(policy: Policy, arrays: Arrays, path: Path) -> None:
-    """Raises CellError when the policy says that it was trained on the cell of these arrays, but does not fit it."""
+    """Raises CellError when the policy says that it was trained on the cell of these arrays, but
+    does not fit it.
+    """
     if _shape(policy) != _wanted(arrays):
         agents, size, choices = _wanted(arrays)
         raise unreadable(
             path,
             [
-                f"does not fit the cell that it says it was trained on: {len(policy.agents)} agents that see {policy.observation_size} numbers and "
-                f"choose among {policy.actions}, where the cell has {agents} decider, {size} numbers to see and {choices} choices."
+                f"does not fit the cell that it says it was trained on: {len(policy.agents)} agents"
+                f" that see {policy.observation_size} numbers and choose among {policy.actions},"
+                f" where the cell has {agents} decider, {size} numbers to see and {choices}"
+                " choices."
             ],
         )
 
 
 def _shape(policy: Policy) -> tuple[int, int, int] | None:
-    """Agents, numbers that they see, choices; None for agents that share a network, as a decider never does."""
+    """Agents, numbers that they see, choices; None for agents that share a network, as a decider
+    never does.
+    """
     return None if policy.shared else (len(policy.agents), policy.observation_size, policy.actions)
 
 
@@ -97,7 +121,9 @@ def _chooser(policy: Policy, choose: Callable[[Array], int]) -> Decider:
 
 def _drawn(logits: Array, draws: np.random.Generator) -> int:
     legal = np.isfinite(logits)
-    return int(sample(np, masked_log_softmax(np, np.where(legal, logits, 0.0), legal), draws.random(())))
+    return int(
+        sample(np, masked_log_softmax(np, np.where(legal, logits, 0.0), legal), draws.random(()))
+    )
 
 
 def _played(cell: Cell, stress_factor: float, decide: Decider, episodes: int) -> list[Reached]:
@@ -111,7 +137,15 @@ def _played(cell: Cell, stress_factor: float, decide: Decider, episodes: int) ->
         played = play_one(names, arrays, chance, obedient, decide)
         spent = cost(played.makespan, played.stress, **paid(stress_factor))
         if played.done:
-            found.append(Reached(plain(played.makespan), plain(round(played.stress, 6)), 0, spent, Schedule(played.work)))
+            found.append(
+                Reached(
+                    plain(played.makespan),
+                    plain(round(played.stress, 6)),
+                    0,
+                    spent,
+                    Schedule(played.work),
+                )
+            )
         else:
             found.append(Reached(None, None, 0, float("inf"), None))
     return found

@@ -1,9 +1,13 @@
-"""Independent PPO: every agent has an actor and a critic of its own, sees its own observation and is paid its own reward.
+"""Independent PPO: every agent has an actor and a critic of its own, sees its own observation and
+is paid its own reward.
 
-`rollout`, `advantages`, `loss`, `update` are pure functions; `train` composes them. `jit` it whole, `vmap` it over keys.
-Source: Schulman et al. (2017), arXiv:1707.06347; de Witt et al. (2020), arXiv:2011.09533, for the independent learners.
+`rollout`, `advantages`, `loss`, `update` are pure functions; `train` composes them. `jit` it whole,
+`vmap` it over keys.
+Source: Schulman et al. (2017), arXiv:1707.06347; de Witt et al. (2020), arXiv:2011.09533, for the
+independent learners.
 
-Axes: `A` agents, `N` environments, `H` steps of a rollout, `B` = H x N, `D` observed numbers, `K` actions.
+Axes: `A` agents, `N` environments, `H` steps of a rollout, `B` = H x N, `D` observed numbers, `K`
+actions.
 """
 
 from __future__ import annotations
@@ -69,8 +73,8 @@ class Learner(NamedTuple):
 class Batch(NamedTuple):
     """What a rollout saw; leading axes `[H, N]`, once flattened `[A, B]`.
 
-    `bootstrap` is the critic's value of the state in which an episode was cut off, 0 elsewhere. `valid` is False for steps after
-    the rollout's early end.
+    `bootstrap` is the critic's value of the state in which an episode was cut off, 0 elsewhere.
+    `valid` is False for steps after the rollout's early end.
     """
 
     observation: Array
@@ -85,11 +89,13 @@ class Batch(NamedTuple):
 
 
 class Report(NamedTuple):
-    """What an update tells. Numbers about episodes are means over those that ended in its rollout, 0 when none did.
+    """What an update tells. Numbers about episodes are means over those that ended in its rollout,
+    0 when none did.
 
-    episodes: `[]`, how many ended. returns: `[A]`. illegal: `[A]`, rules broken in an episode. length: `[]`, steps of an episode.
-    first_value: `[A]`, the critic's value of the first state. entropy, policy_loss, value_loss, clipped: `[A]`, means over the
-    minibatches. stage, steps: `[]`, after the update. finite: `[]` bool, every parameter still is.
+    episodes: `[]`, how many ended. returns: `[A]`. illegal: `[A]`, rules broken in an episode.
+    length: `[]`, steps of an episode. first_value: `[A]`, the critic's value of the first state.
+    entropy, policy_loss, value_loss, clipped: `[A]`, means over the minibatches. stage, steps:
+    `[]`, after the update. finite: `[]` bool, every parameter still is.
     """
 
     episodes: Array
@@ -107,7 +113,9 @@ class Report(NamedTuple):
 
 
 def train(key: Array, world: World, config: Config, updates: int) -> tuple[Learner, Report]:
-    """So many updates from scratch; the reports have a leading axis of that length. Pure: the same key gives the same policy."""
+    """So many updates from scratch; the reports have a leading axis of that length. Pure: the same
+    key gives the same policy.
+    """
     return advance(start(key, world, config), world, config, updates)
 
 
@@ -116,7 +124,12 @@ def advance(learner: Learner, world: World, config: Config, updates: int) -> tup
 
     def one(learner: Learner, _: None) -> tuple[Learner, Report]:
         if config.stop_at_end:
-            return jax.lax.cond(learner.stage < len(config.stages), lambda it: update(it, world, config), lambda it: (it, _nothing(it)), learner)
+            return jax.lax.cond(
+                learner.stage < len(config.stages),
+                lambda it: update(it, world, config),
+                lambda it: (it, _nothing(it)),
+                learner,
+            )
         return update(learner, world, config)
 
     return jax.lax.scan(one, learner, None, updates)
@@ -133,7 +146,10 @@ def start(key: Array, world: World, config: Config) -> Learner:
     zero = jnp.zeros((), jnp.int32)
     return Learner(
         parameters,
-        {name: _each(optimiser(config).init, network, shared(config, name)) for name, network in parameters.items()},
+        {
+            name: _each(optimiser(config).init, network, shared(config, name))
+            for name, network in parameters.items()
+        },
         jnp.zeros(agents),
         jnp.ones(agents),
         _reset(reset_key, world, config.environments),
@@ -143,8 +159,12 @@ def start(key: Array, world: World, config: Config) -> Learner:
 
 
 def optimiser(config: Config) -> optax.GradientTransformation:
-    """Adam, behind a limit on the gradient's norm when there is one. The learning rate is the stage's and applied outside."""
-    limit = [] if config.gradient_limit is None else [optax.clip_by_global_norm(config.gradient_limit)]
+    """Adam, behind a limit on the gradient's norm when there is one. The learning rate is the
+    stage's and applied outside.
+    """
+    limit = (
+        [] if config.gradient_limit is None else [optax.clip_by_global_norm(config.gradient_limit)]
+    )
     return optax.chain(*limit, optax.scale_by_adam(eps=1e-5))
 
 
@@ -159,8 +179,18 @@ def update(learner: Learner, world: World, config: Config) -> tuple[Learner, Rep
     world = world.in_stage(stage)
     play_key, learn_key, key = jax.random.split(learner.key, 3)
     environments, batch, ended = rollout(play_key, learner, world, config)
-    batch, advantage, target, mean, spread = _judged(learner, environments, batch, stage, world, config)
-    parameters, moments, losses = _learn(learn_key, learner, batch, advantage, (target - mean[:, None]) / spread[:, None], stage, config)
+    batch, advantage, target, mean, spread = _judged(
+        learner, environments, batch, stage, world, config
+    )
+    parameters, moments, losses = _learn(
+        learn_key,
+        learner,
+        batch,
+        advantage,
+        (target - mean[:, None]) / spread[:, None],
+        stage,
+        config,
+    )
     steps = jnp.sum(batch.valid[0]).astype(jnp.int32)
     episodes = ended.episodes.astype(jnp.int32)
     stage_episodes, stage_steps = learner.stage_episodes + episodes, learner.stage_steps + steps
@@ -184,7 +214,9 @@ def update(learner: Learner, world: World, config: Config) -> tuple[Learner, Rep
 
 def stage_values(config: Config, stage: Array) -> StageValues:
     """The numbers of the stage at that place; of the last one when the training is over."""
-    table = jax.tree.map(lambda *values: jnp.asarray(values), *[stage.values() for stage in config.stages])
+    table = jax.tree.map(
+        lambda *values: jnp.asarray(values), *[stage.values() for stage in config.stages]
+    )
     return jax.tree.map(lambda values: values[jnp.minimum(stage, len(config.stages) - 1)], table)
 
 
@@ -192,7 +224,9 @@ def stage_values(config: Config, stage: Array) -> StageValues:
 
 
 class Ended(NamedTuple):
-    """Sums over the episodes that ended in a rollout: how many, returns and rules broken `[A]`, steps."""
+    """Sums over the episodes that ended in a rollout: how many, returns and rules broken `[A]`,
+    steps.
+    """
 
     episodes: Array
     returns: Array
@@ -200,11 +234,14 @@ class Ended(NamedTuple):
     length: Array
 
 
-def rollout(key: Array, learner: Learner, world: World, config: Config) -> tuple[Environments, Batch, Ended]:
-    """`H` steps of `N` environments under the current actors; a finished episode is followed by the next one.
+def rollout(
+    key: Array, learner: Learner, world: World, config: Config
+) -> tuple[Environments, Batch, Ended]:
+    """`H` steps of `N` environments under the current actors; a finished episode is followed by the
+    next one.
 
-    With `stop_at_end` the rollout ends with the episode; the rest of the batch is then not `valid`. All random numbers of the
-    rollout are drawn at once: one a decision.
+    With `stop_at_end` the rollout ends with the episode; the rest of the batch is then not `valid`.
+    All random numbers of the rollout are drawn at once: one a decision.
     """
     agents = len(world.agents)
     draw_key, reset_key = jax.random.split(key)
@@ -212,37 +249,62 @@ def rollout(key: Array, learner: Learner, world: World, config: Config) -> tuple
     reset_keys = jax.random.split(reset_key, config.horizon)
     none = Ended(jnp.zeros(()), jnp.zeros(agents), jnp.zeros(agents), jnp.zeros(()))
 
-    def one(carry: tuple[Environments, Ended], drawn: tuple[Array, Array]) -> tuple[tuple[Environments, Ended], Batch]:
+    def one(
+        carry: tuple[Environments, Ended], drawn: tuple[Array, Array]
+    ) -> tuple[tuple[Environments, Ended], Batch]:
         environments, batch, ended = _step(*drawn, carry[0], learner, world, config)
         return (environments, jax.tree.map(jnp.add, carry[1], ended)), batch
 
     if not config.stop_at_end:
-        (environments, ended), batch = jax.lax.scan(one, (learner.environments, none), (uniform, reset_keys))
+        (environments, ended), batch = jax.lax.scan(
+            one, (learner.environments, none), (uniform, reset_keys)
+        )
         return environments, batch, ended
 
-    def keep(carry: tuple[Array, tuple[Environments, Ended], Batch]) -> tuple[Array, tuple[Environments, Ended], Batch]:
+    def keep(
+        carry: tuple[Array, tuple[Environments, Ended], Batch],
+    ) -> tuple[Array, tuple[Environments, Ended], Batch]:
         place, progress, kept = carry
         progress, seen = one(progress, (uniform[place], reset_keys[place]))
-        return place + 1, progress, jax.tree.map(lambda all_, new: all_.at[place].set(new), kept, seen)
+        return (
+            place + 1,
+            progress,
+            jax.tree.map(lambda all_, new: all_.at[place].set(new), kept, seen),
+        )
 
     first = jax.eval_shape(one, (learner.environments, none), (uniform[0], reset_keys[0]))[1]
     empty = jax.tree.map(lambda leaf: jnp.zeros((config.horizon, *leaf.shape), leaf.dtype), first)
     goes_on = lambda carry: (carry[0] < config.horizon) & (carry[1][1].episodes == 0)  # noqa: E731
-    _, (environments, ended), batch = jax.lax.while_loop(goes_on, keep, (jnp.zeros((), jnp.int32), (learner.environments, none), empty))
+    _, (environments, ended), batch = jax.lax.while_loop(
+        goes_on, keep, (jnp.zeros((), jnp.int32), (learner.environments, none), empty)
+    )
     return environments, batch, ended
 
 
 def act(
-    parameters: Parameters, observation: Array, legal: Array, uniform: Array | None, state: State, world: World, config: Config
+    parameters: Parameters,
+    observation: Array,
+    legal: Array,
+    uniform: Array | None,
+    state: State,
+    world: World,
+    config: Config,
 ) -> tuple[Array, Array, Array]:
-    """Actions `[N, A]` drawn from the actors, their log-probabilities, and the masks they were drawn under.
+    """Actions `[N, A]` drawn from the actors, their log-probabilities, and the masks they were
+    drawn under.
 
     `uniform` `[N, A]` in [0, 1) decides the draw; None takes the most probable action instead.
     """
-    logits = jnp.moveaxis(_forward(parameters, "actor", jnp.moveaxis(observation, 1, 0), config), 0, 1)
+    logits = jnp.moveaxis(
+        _forward(parameters, "actor", jnp.moveaxis(observation, 1, 0), config), 0, 1
+    )
     if not config.masked:
         legal = jnp.ones_like(legal)
-    choose = (lambda log: jnp.argmax(log, -1)) if uniform is None else (lambda log: sample(jnp, log, uniform))
+    choose = (
+        (lambda log: jnp.argmax(log, -1))
+        if uniform is None
+        else (lambda log: sample(jnp, log, uniform))
+    )
     log_probability = masked_log_softmax(jnp, logits, legal)
     action = choose(log_probability)
     if config.masked:
@@ -254,21 +316,48 @@ def act(
 
 
 def _step(
-    uniform: Array, reset_key: Array, environments: Environments, learner: Learner, world: World, config: Config
+    uniform: Array,
+    reset_key: Array,
+    environments: Environments,
+    learner: Learner,
+    world: World,
+    config: Config,
 ) -> tuple[Environments, Batch, Ended]:
     state = environments.state
     observation = jax.vmap(world.observe)(state)
-    action, log_probability, legal = act(learner.parameters, observation, jax.vmap(world.legal)(state), uniform, state, world, config)
+    action, log_probability, legal = act(
+        learner.parameters, observation, jax.vmap(world.legal)(state), uniform, state, world, config
+    )
     state, outcome = jax.vmap(world.step)(state, action)
-    age, paid, broken = environments.age + 1, environments.paid + outcome.reward, environments.broken + outcome.illegal
-    limit = age >= config.episode_limit if config.episode_limit else jnp.zeros_like(outcome.terminated)
+    age, paid, broken = (
+        environments.age + 1,
+        environments.paid + outcome.reward,
+        environments.broken + outcome.illegal,
+    )
+    limit = (
+        age >= config.episode_limit if config.episode_limit else jnp.zeros_like(outcome.terminated)
+    )
     truncated = limit & ~outcome.terminated
     over = truncated | outcome.terminated
     bootstrap = jnp.zeros_like(outcome.reward)
     if config.episode_limit:
-        last = jax.lax.cond(jnp.any(truncated), lambda: values(learner, jax.vmap(world.observe)(state), config), lambda: bootstrap)
+        last = jax.lax.cond(
+            jnp.any(truncated),
+            lambda: values(learner, jax.vmap(world.observe)(state), config),
+            lambda: bootstrap,
+        )
         bootstrap = jnp.where(truncated[:, None], last, 0.0)
-    batch = Batch(observation, legal, action, log_probability, outcome.reward, outcome.terminated, truncated, bootstrap, jnp.ones_like(truncated))
+    batch = Batch(
+        observation,
+        legal,
+        action,
+        log_probability,
+        outcome.reward,
+        outcome.terminated,
+        truncated,
+        bootstrap,
+        jnp.ones_like(truncated),
+    )
     ended = Ended(
         jnp.sum(over).astype(jnp.float32),
         jnp.sum(jnp.where(over[:, None], paid, 0), 0),
@@ -276,19 +365,30 @@ def _step(
         jnp.sum(jnp.where(over, age, 0)).astype(jnp.float32),
     )
     again = _reset(reset_key, world, config.environments)
-    kept = jax.tree.map(lambda new, old: jnp.where(over.reshape(-1, *[1] * (old.ndim - 1)), new, old), again, Environments(state, age, paid, broken))
+    kept = jax.tree.map(
+        lambda new, old: jnp.where(over.reshape(-1, *[1] * (old.ndim - 1)), new, old),
+        again,
+        Environments(state, age, paid, broken),
+    )
     return kept, batch, ended
 
 
 def _reset(key: Array, world: World, number: int) -> Environments:
     agents = len(world.agents)
     state = jax.vmap(world.reset)(jax.random.split(key, number))
-    return Environments(state, jnp.zeros(number, jnp.int32), jnp.zeros((number, agents), jnp.float32), jnp.zeros((number, agents), jnp.int32))
+    return Environments(
+        state,
+        jnp.zeros(number, jnp.int32),
+        jnp.zeros((number, agents), jnp.float32),
+        jnp.zeros((number, agents), jnp.int32),
+    )
 
 
 def values(learner: Learner, observation: Array, config: Config) -> Array:
     """`[..., A]` the critics' values of `observation` `[..., A, D]`, in units of reward."""
-    output = _forward(learner.parameters, "critic", jnp.moveaxis(observation, -2, 0), config)[..., 0]
+    output = _forward(learner.parameters, "critic", jnp.moveaxis(observation, -2, 0), config)[
+        ..., 0
+    ]
     each = (-1, *[1] * (output.ndim - 1))
     return jnp.moveaxis(output * learner.spread.reshape(each) + learner.mean.reshape(each), 0, -1)
 
@@ -296,7 +396,16 @@ def values(learner: Learner, observation: Array, config: Config) -> Array:
 # --- Learning ---
 
 
-def advantages(reward: Array, value: Array, next_value: Array, terminated: Array, truncated: Array, *, discount: float, gae: float) -> Array:
+def advantages(
+    reward: Array,
+    value: Array,
+    next_value: Array,
+    terminated: Array,
+    truncated: Array,
+    *,
+    discount: float,
+    gae: float,
+) -> Array:
     """Generalised advantage estimates along rollouts of `H` steps that may span episodes.
 
         delta_t = reward_t + discount (1 - terminated_t) next_value_t - value_t
@@ -305,8 +414,10 @@ def advantages(reward: Array, value: Array, next_value: Array, terminated: Array
     Source: Schulman et al. (2016), section 3, arXiv:1506.02438; the ends are ours.
 
     Args:
-      reward, value, next_value: `[H, ...]`; `next_value` is the critic's value after the step and before any reset.
-      terminated, truncated: `[H, ...]` bool. A limit on the length stops the sum but not the bootstrap.
+      reward, value, next_value: `[H, ...]`; `next_value` is the critic's value after the step and
+        before any reset.
+      terminated, truncated: `[H, ...]` bool. A limit on the length stops the sum but not the
+        bootstrap.
 
     Returns:
       `[H, ...]`, in units of reward.
@@ -322,17 +433,26 @@ def advantages(reward: Array, value: Array, next_value: Array, terminated: Array
 
 
 def loss(
-    parameters: Parameters, batch: Batch, advantage: Array, target: Array, entropy_weight: Array, config: Config
+    parameters: Parameters,
+    batch: Batch,
+    advantage: Array,
+    target: Array,
+    entropy_weight: Array,
+    config: Config,
 ) -> tuple[Array, dict[str, Array]]:
-    """The sum over the agents of clipped policy loss, critic's loss and minus the entropy. `batch` is flat: `[A, B, ...]`.
+    """The sum over the agents of clipped policy loss, critic's loss and minus the entropy. `batch`
+    is flat: `[A, B, ...]`.
 
-    The masks of the rollout hold here too: without them the ratio would compare two different distributions. A decision with
-    one legal action teaches the actor nothing and does not count in its means.
+    The masks of the rollout hold here too: without them the ratio would compare two different
+    distributions. A decision with one legal action teaches the actor nothing and does not count in
+    its means.
 
     Args:
       advantage: `[A, B]`. target: `[A, B]`, in the critic's unit.
     """
-    log = masked_log_softmax(jnp, _forward(parameters, "actor", batch.observation, config), batch.legal)
+    log = masked_log_softmax(
+        jnp, _forward(parameters, "actor", batch.observation, config), batch.legal
+    )
     chosen = jnp.take_along_axis(log, batch.action[..., None], -1)[..., 0]
     ratio = jnp.exp(chosen - batch.log_probability)
     clipped = jnp.clip(ratio, 1 - config.clip, 1 + config.clip)
@@ -346,7 +466,9 @@ def loss(
         "entropy": _mean(entropy, choice),
         "clipped": _mean((jnp.abs(ratio - 1) > config.clip).astype(jnp.float32), choice),
     }
-    total = jnp.sum(parts["policy"] + config.value_weight * parts["value"] - entropy_weight * parts["entropy"])
+    total = jnp.sum(
+        parts["policy"] + config.value_weight * parts["value"] - entropy_weight * parts["entropy"]
+    )
     return total, parts
 
 
@@ -356,9 +478,16 @@ def has_choice(batch: Batch) -> Array:
 
 
 def _judged(
-    learner: Learner, environments: Environments, batch: Batch, stage: StageValues, world: World, config: Config
+    learner: Learner,
+    environments: Environments,
+    batch: Batch,
+    stage: StageValues,
+    world: World,
+    config: Config,
 ) -> tuple[Batch, Array, Array, Array, Array]:
-    """The rollout flat, `[A, B]`, with advantages and the critics' targets, and the unit of the critics."""
+    """The rollout flat, `[A, B]`, with advantages and the critics' targets, and the unit of the
+    critics.
+    """
     value = values(learner, batch.observation, config)
     last = values(learner, jax.vmap(world.observe)(environments.state), config)
     following = jnp.concatenate([value[1:], last[None]])
@@ -367,7 +496,15 @@ def _judged(
         following = following.at[length - 1].set(last)
     following = jnp.where(batch.truncated[..., None], batch.bootstrap, following)
     terminated, truncated = batch.terminated[..., None], (batch.truncated | ~batch.valid)[..., None]
-    advantage = advantages(batch.reward, value, following, terminated, truncated, discount=config.discount, gae=config.gae)
+    advantage = advantages(
+        batch.reward,
+        value,
+        following,
+        terminated,
+        truncated,
+        discount=config.discount,
+        gae=config.gae,
+    )
     advantage = jnp.where(batch.valid[..., None], advantage, 0.0)
     target = advantage + value
     flat = _flat(batch, len(world.agents))
@@ -376,17 +513,26 @@ def _judged(
     mean = jnp.where(first, _mean(target, flat.valid), learner.mean)
     spread = jnp.where(first, jnp.maximum(_spread(target, flat.valid), 1e-3), learner.spread)
     choice = has_choice(flat)
-    even = (advantage - _mean(advantage, choice)[:, None]) / (_spread(advantage, choice)[:, None] + 1e-8)
+    even = (advantage - _mean(advantage, choice)[:, None]) / (
+        _spread(advantage, choice)[:, None] + 1e-8
+    )
     return flat, jnp.where(stage.normalise_advantages, even, advantage), target, mean, spread
 
 
 def _learn(
-    key: Array, learner: Learner, batch: Batch, advantage: Array, target: Array, stage: StageValues, config: Config
+    key: Array,
+    learner: Learner,
+    batch: Batch,
+    advantage: Array,
+    target: Array,
+    stage: StageValues,
+    config: Config,
 ) -> tuple[Parameters, Any, dict[str, Array]]:
     """`epochs` times over the rollout in minibatches of shuffled steps.
 
-    A rollout that ended early is mostly empty. When its steps fit into a quarter or half of a minibatch, only so many rows are worked on;
-    empty rows weigh nothing, so this saves time and changes no result.
+    A rollout that ended early is mostly empty. When its steps fit into a quarter or half of a
+    minibatch, only so many rows are worked on; empty rows weigh nothing, so this saves time and
+    changes no result.
     """
     size = batch.valid.shape[1]
     full = min(config.minibatch, size)
@@ -394,35 +540,68 @@ def _learn(
         return _epochs(key, learner, batch, advantage, target, stage, config, full)
     rows = sorted({max(full // 4, 1), max(full // 2, 1), full})
     fits = jnp.sum(jnp.sum(batch.valid[0]) > jnp.asarray(rows[:-1]))
-    return jax.lax.switch(fits, [partial(_epochs, config=config, portion=number) for number in rows], key, learner, batch, advantage, target, stage)
+    return jax.lax.switch(
+        fits,
+        [partial(_epochs, config=config, portion=number) for number in rows],
+        key,
+        learner,
+        batch,
+        advantage,
+        target,
+        stage,
+    )
 
 
 def _epochs(
-    key: Array, learner: Learner, batch: Batch, advantage: Array, target: Array, stage: StageValues, config: Config, portion: int
+    key: Array,
+    learner: Learner,
+    batch: Batch,
+    advantage: Array,
+    target: Array,
+    stage: StageValues,
+    config: Config,
+    portion: int,
 ) -> tuple[Parameters, Any, dict[str, Array]]:
     size = batch.valid.shape[1]
-    portions = (jnp.sum(batch.valid[0]) + portion - 1) // portion if config.stop_at_end else size // portion
+    portions = (
+        (jnp.sum(batch.valid[0]) + portion - 1) // portion
+        if config.stop_at_end
+        else size // portion
+    )
     Carry = tuple[Parameters, Any, dict[str, Array]]
 
     def minibatch(chosen: Array, carry: Carry) -> Carry:
         parameters, moments, sums = carry
-        part, some, goal = jax.tree.map(lambda leaf: jnp.take(leaf, chosen, 1), (batch, advantage, target))
-        gradient, parts = jax.grad(loss, has_aux=True)(parameters, part, some, goal, stage.entropy, config)
+        part, some, goal = jax.tree.map(
+            lambda leaf: jnp.take(leaf, chosen, 1), (batch, advantage, target)
+        )
+        gradient, parts = jax.grad(loss, has_aux=True)(
+            parameters, part, some, goal, stage.entropy, config
+        )
         parameters, moments = _descend(parameters, moments, gradient, stage.learning_rate, config)
         return parameters, moments, jax.tree.map(jnp.add, sums, parts)
 
     def epoch(carry: Carry, key: Array) -> tuple[Carry, None]:
-        order = jnp.argsort(jax.random.uniform(key, (size,)) + ~batch.valid[0])  # empty rows come last
-        one = lambda place, carry: minibatch(jax.lax.dynamic_slice(order, (place * portion,), (portion,)), carry)  # noqa: E731
+        # empty rows come last
+        order = jnp.argsort(jax.random.uniform(key, (size,)) + ~batch.valid[0])
+        one = lambda place, carry: minibatch(
+            jax.lax.dynamic_slice(order, (place * portion,), (portion,)), carry
+        )  # noqa: E731
         return jax.lax.fori_loop(0, portions, one, carry), None
 
-    none = {name: jnp.zeros(batch.valid.shape[0]) for name in ("policy", "value", "entropy", "clipped")}
+    none = {
+        name: jnp.zeros(batch.valid.shape[0]) for name in ("policy", "value", "entropy", "clipped")
+    }
     carry = (learner.parameters, learner.optimiser, none)
-    (parameters, moments, sums), _ = jax.lax.scan(epoch, carry, jax.random.split(key, config.epochs))
+    (parameters, moments, sums), _ = jax.lax.scan(
+        epoch, carry, jax.random.split(key, config.epochs)
+    )
     return parameters, moments, jax.tree.map(lambda total: total / (portions * config.epochs), sums)
 
 
-def _descend(parameters: Parameters, moments: Any, gradient: Parameters, rate: Array, config: Config) -> tuple[Parameters, Any]:
+def _descend(
+    parameters: Parameters, moments: Any, gradient: Parameters, rate: Array, config: Config
+) -> tuple[Parameters, Any]:
     after, kept = {}, {}
     for name in parameters:
         step = lambda pair: optimiser(config).update(*pair)  # noqa: E731
@@ -434,12 +613,15 @@ def _descend(parameters: Parameters, moments: Any, gradient: Parameters, rate: A
 # --- Axes ---
 
 
-def _networks(key: Array, world: World, config: Config, outputs: int, is_shared: bool, last: float) -> Network:
+def _networks(
+    key: Array, world: World, config: Config, outputs: int, is_shared: bool, last: float
+) -> Network:
     inputs = world.observation_size + (len(world.agents) if is_shared else 0)
     sizes = (inputs, *config.hidden, outputs)
 
     weights = sum(a * b for a, b in itertools.pairwise(sizes))
-    uniform = jax.random.uniform(key, (1 if is_shared else len(world.agents), weights), minval=-1.0)  # one draw: each compiles for a second
+    # one draw: each compiles for a second
+    uniform = jax.random.uniform(key, (1 if is_shared else len(world.agents), weights), minval=-1.0)
 
     def one(uniform: Array) -> Network:
         taken = 0
@@ -460,7 +642,10 @@ def _forward(parameters: Parameters, name: str, observation: Array, config: Conf
     if not shared(config, name):
         return jax.vmap(run)(parameters[name], observation)
     agents = observation.shape[0]
-    whose = jnp.broadcast_to(jnp.eye(agents).reshape(agents, *[1] * (observation.ndim - 2), agents), (*observation.shape[:-1], agents))
+    whose = jnp.broadcast_to(
+        jnp.eye(agents).reshape(agents, *[1] * (observation.ndim - 2), agents),
+        (*observation.shape[:-1], agents),
+    )
     return run(parameters[name], jnp.concatenate([observation, whose], -1))
 
 
@@ -474,7 +659,10 @@ def _agents_first(leaf: Array) -> Array:
 
 
 def _flat(batch: Batch, agents: int) -> Batch:
-    wide = {name: jnp.broadcast_to(getattr(batch, name)[..., None], (*batch.valid.shape, agents)) for name in ("terminated", "truncated", "valid")}
+    wide = {
+        name: jnp.broadcast_to(getattr(batch, name)[..., None], (*batch.valid.shape, agents))
+        for name in ("terminated", "truncated", "valid")
+    }
     return jax.tree.map(_agents_first, batch._replace(**wide))
 
 
@@ -487,7 +675,14 @@ def _spread(value: Array, counts: Array) -> Array:
     return jnp.sqrt(_mean((value - _mean(value, counts)[:, None]) ** 2, counts))
 
 
-def _report(learner: Learner, stage: Array, ended: Ended, losses: dict[str, Array], world: World, config: Config) -> Report:
+def _report(
+    learner: Learner,
+    stage: Array,
+    ended: Ended,
+    losses: dict[str, Array],
+    world: World,
+    config: Config,
+) -> Report:
     number = jnp.maximum(ended.episodes, 1)
     first = world.observe(world.reset(jax.random.key(0)))
     finite = [jnp.all(jnp.isfinite(leaf)) for leaf in jax.tree.leaves(learner.parameters)]
@@ -510,4 +705,17 @@ def _report(learner: Learner, stage: Array, ended: Ended, losses: dict[str, Arra
 def _nothing(learner: Learner) -> Report:
     agents = learner.mean.shape[0]
     none, each = jnp.zeros(()), jnp.zeros(agents)
-    return Report(none, each, each, none, each, each, each, each, each, learner.stage, learner.steps, jnp.ones((), bool))
+    return Report(
+        none,
+        each,
+        each,
+        none,
+        each,
+        each,
+        each,
+        each,
+        each,
+        learner.stage,
+        learner.steps,
+        jnp.ones((), bool),
+    )

@@ -1,4 +1,6 @@
-"""How PPO learns a cell: beside people who do as they are asked, or beside people who do as they like."""
+"""How PPO learns a cell: beside people who do as they are asked, or beside people who do as they
+like.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,8 @@ class Recipe:
 
     Attributes:
       config: of PPO.
-      people: beside whom, as `tandem.world.behaviour` reads it. Of a population file the training part.
+      people: beside whom, as `tandem.world.behaviour` reads it. Of a population file the training
+        part.
     """
 
     config: Config
@@ -55,14 +58,21 @@ R = TypeVar("R", bound=Staged)
 
 
 def longer(base: R, factor: float) -> R:
-    """The recipe with `factor` times the episodes and steps in every stage; a step budget stays whole rollouts."""
+    """The recipe with `factor` times the episodes and steps in every stage; a step budget stays
+    whole rollouts.
+    """
 
     def stretched(stage: Stage) -> Stage:
         rollout = base.config.environments * base.config.horizon
         steps = stage.steps and max(1, round(stage.steps * factor / rollout)) * rollout
-        return replace(stage, episodes=stage.episodes and max(1, round(stage.episodes * factor)), steps=steps)
+        return replace(
+            stage, episodes=stage.episodes and max(1, round(stage.episodes * factor)), steps=steps
+        )
 
-    return replace(base, config=replace(base.config, stages=tuple(stretched(stage) for stage in base.config.stages)))
+    return replace(
+        base,
+        config=replace(base.config, stages=tuple(stretched(stage) for stage in base.config.stages)),
+    )
 
 
 TANDEM = Recipe(
@@ -98,4 +108,6 @@ RESPONSE = Recipe(
     ),
     people="random:0..1+pace:0.5..3",
 )
-"""Half a minute of one core for a cell of seven tasks. The settings were found on the thesis's cell and kept for all others."""
+"""Half a minute of one core for a cell of seven tasks. The settings were found on the thesis's cell
+and kept for all others.
+"""

@@ -1,4 +1,6 @@
-"""PPO as the trainer wants it: one decider for all operators of any cell, beside people; its figures and its results."""
+"""PPO as the trainer wants it: one decider for all operators of any cell, beside people; its
+figures and its results.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,8 @@ INTERVAL = 8
 class Trainee:
     """PPO on an order whose recipe is a `recipes.Recipe`.
 
-    Raises CellError when the world cannot hold the cell or a population file is wrong, UsageError when the people's description is.
+    Raises CellError when the world cannot hold the cell or a population file is wrong, UsageError
+    when the people's description is.
     """
 
     players = staticmethod(players)
@@ -48,11 +51,14 @@ class Trainee:
         arrays, weights = self.names.arrays(), (1.0, order.stress_factor / SECOND)
         self.crowd = crowd(order.recipe.people, self.names, arrays, part="train")
         self.world = BesidePeople.of(self.crowd, weights=weights, seed=order.seeds[0])
-        # Beside whom it is judged: one who does all that is asked, the same for the drawn plays, and the people of the recipe, if they are others.
+        # Beside whom it is judged: one who does all that is asked, the same for the drawn plays,
+        # and the people of the recipe, if they are others.
         company = [compliant(arrays)] * (1 + BEST_OF)
         self.people = 0 if order.recipe.people == "compliant" else PEOPLE
         drawn = self.crowd.draw(np.random.default_rng(order.seeds[0]), self.people)
-        self.company = Person(*(np.concatenate(parts) for parts in zip(stacked(company), drawn, strict=True)))
+        self.company = Person(
+            *(np.concatenate(parts) for parts in zip(stacked(company), drawn, strict=True))
+        )
 
     @property
     def config(self) -> Config:
@@ -65,7 +71,9 @@ class Trainee:
 
     def begin(self) -> ppo.Learner:
         keys = jax.numpy.stack([jax.random.key(seed) for seed in self.order.seeds])
-        return jax.jit(jax.vmap(partial(ppo.start, config=self.config), (0, None)))(keys, self.world)
+        return jax.jit(jax.vmap(partial(ppo.start, config=self.config), (0, None)))(
+            keys, self.world
+        )
 
     def advance(self, learners: ppo.Learner) -> tuple[ppo.Learner, ppo.Report]:
         return jax.block_until_ready(_advance(learners, self.world, self.config, self._interval))
@@ -73,28 +81,51 @@ class Trainee:
     @property
     def _interval(self) -> int:
         config = self.config
-        return math.gcd(INTERVAL, *(math.ceil((stage.steps or 0) / (config.environments * config.horizon)) for stage in config.stages))
+        return math.gcd(
+            INTERVAL,
+            *(
+                math.ceil((stage.steps or 0) / (config.environments * config.horizon))
+                for stage in config.stages
+            ),
+        )
 
     def share(self, learners: ppo.Learner) -> float:
         return share(learners, self.config)
 
     def rows(self, learners: ppo.Learner, report: ppo.Report) -> list[Row]:
-        """`greedy_*`: beside somebody who does all that is asked; `people_*`: means beside people of the crowd."""
+        """`greedy_*`: beside somebody who does all that is asked; `people_*`: means beside people
+        of the crowd.
+        """
         rows = []
         for place, played in enumerate(self._played(learners)):
             said = of_seed(report, place)
-            row: Row = {"stage": int(said.stage[-1]) + 1, "episodes": int(learners.episodes[place]), "steps": int(said.steps[-1])}
-            row |= {"entropy": round(float(np.mean(said.entropy)), 5), **self._beside_people(played)}
-            rows.append(row | {f"greedy_{name}": value for name, value in self._reached(played, 0).items()})
+            row: Row = {
+                "stage": int(said.stage[-1]) + 1,
+                "episodes": int(learners.episodes[place]),
+                "steps": int(said.steps[-1]),
+            }
+            row |= {
+                "entropy": round(float(np.mean(said.entropy)), 5),
+                **self._beside_people(played),
+            }
+            rows.append(
+                row | {f"greedy_{name}": value for name, value in self._reached(played, 0).items()}
+            )
         return rows
 
     def play(self, learners: ppo.Learner) -> list[Row]:
-        """`greedy` and `best_of_n` beside somebody who does all that is asked, means beside people of the crowd."""
+        """`greedy` and `best_of_n` beside somebody who does all that is asked, means beside people
+        of the crowd.
+        """
         rows = []
         for place, played in enumerate(self._played(learners)):
             drawn = [self._reached(played, number) for number in range(1, 1 + BEST_OF)]
             best = min(drawn, key=self._cost)
-            row = {"greedy": self._reached(played, 0), "best_of_n": {"n": BEST_OF, **best}, **self._beside_people(played)}
+            row = {
+                "greedy": self._reached(played, 0),
+                "best_of_n": {"n": BEST_OF, **best},
+                **self._beside_people(played),
+            }
             rows.append({"steps": int(learners.steps[place]), **row})
         return rows
 
@@ -111,11 +142,17 @@ class Trainee:
             "stress_factor": self.order.stress_factor,
             "seed": self.order.seeds[place],
         }
-        Policy(self.world.agents, actor, config.activation, config.masked, config.share_actor, notes).save(path)
+        Policy(
+            self.world.agents, actor, config.activation, config.masked, config.share_actor, notes
+        ).save(path)
 
     def _played(self, learners: ppo.Learner) -> list[Played]:
-        """Per seed: one episode beside somebody obedient, `BEST_OF` with drawn actions, and one beside each of the people."""
-        found = jax.device_get(_episodes(learners.parameters["actor"], self.world, self.company, self.config))
+        """Per seed: one episode beside somebody obedient, `BEST_OF` with drawn actions, and one
+        beside each of the people.
+        """
+        found = jax.device_get(
+            _episodes(learners.parameters["actor"], self.world, self.company, self.config)
+        )
         return [of_seed(found, place) for place in range(len(self.order.seeds))]
 
     def _reached(self, played: Played, place: int) -> Row:
@@ -123,23 +160,42 @@ class Trainee:
         if not played.done[place]:
             return {"makespan": None, "stress": None, "illegal": 0}
         stress = round(self.names.stress(int(played.stress[place])), 6)
-        return {"makespan": plain(self.names.seconds(int(played.makespan[place]))), "stress": plain(stress), "illegal": 0}
+        return {
+            "makespan": plain(self.names.seconds(int(played.makespan[place]))),
+            "stress": plain(stress),
+            "illegal": 0,
+        }
 
     def _cost(self, row: Row) -> float:
-        return float("inf") if row["makespan"] is None else cost(row["makespan"], row["stress"], **self.paid)
+        return (
+            float("inf")
+            if row["makespan"] is None
+            else cost(row["makespan"], row["stress"], **self.paid)
+        )
 
     def _beside_people(self, played: Played) -> Row:
-        """Means over the episodes that came to their end, and which share did; nothing where everybody does what is asked."""
+        """Means over the episodes that came to their end, and which share did; nothing where
+        everybody does what is asked.
+        """
         if not self.people:
             return {}
-        rows = [self._reached(played, place) for place in range(1 + BEST_OF, 1 + BEST_OF + self.people)]
+        rows = [
+            self._reached(played, place) for place in range(1 + BEST_OF, 1 + BEST_OF + self.people)
+        ]
         ended = [row for row in rows if row["makespan"] is not None]
-        mean = {f"people_{name}": round(float(np.mean([row[name] for row in ended])), 4) if ended else None for name in ("makespan", "stress")}
+        mean = {
+            f"people_{name}": round(float(np.mean([row[name] for row in ended])), 4)
+            if ended
+            else None
+            for name in ("makespan", "stress")
+        }
         return {**mean, "people_finished": len(ended) / self.people}
 
 
 class Played(NamedTuple):
-    """What came of episodes: makespan `[E]` int32 ticks, stress `[E]` int32 units, done `[E]` bool."""
+    """What came of episodes: makespan `[E]` int32 ticks, stress `[E]` int32 units, done `[E]`
+    bool.
+    """
 
     makespan: Array
     stress: Array
@@ -170,13 +226,17 @@ def of_seed(tree: Any, place: int) -> Any:
 
 
 @partial(jax.jit, static_argnames=("config", "updates"))
-def _advance(learners: ppo.Learner, world: BesidePeople, config: Config, updates: int) -> tuple[ppo.Learner, ppo.Report]:
+def _advance(
+    learners: ppo.Learner, world: BesidePeople, config: Config, updates: int
+) -> tuple[ppo.Learner, ppo.Report]:
     return jax.lax.map(partial(ppo.advance, world=world, config=config, updates=updates), learners)
 
 
 @partial(jax.jit, static_argnames="config")
 def _episodes(actors: Network, world: BesidePeople, company: Person, config: Config) -> Played:
-    """`[S, E]`: the episodes of `Trainee._played`. Noise of Gumbel's distribution turns the most probable action into a drawn one."""
+    """`[S, E]`: the episodes of `Trainee._played`. Noise of Gumbel's distribution turns the most
+    probable action into a drawn one.
+    """
     number = company.pace.shape[0]
     drawn = (jnp.arange(number) > 0) & (jnp.arange(number) <= BEST_OF)
     keys, draw_key = jax.random.split(jax.random.key(0), number), jax.random.key(1)
@@ -187,12 +247,30 @@ def _episodes(actors: Network, world: BesidePeople, company: Person, config: Con
 
         def one(person: Person, uniform: Array, key: Array, drawn: Array) -> Played:
             def decide(arrays: Arrays, shift: Shift) -> Array:
-                logits = forward(jnp, alone, observation.observe(arrays, shift.state, shift.mask, shift.turn), config.activation)
-                logits = logits + drawn * jax.random.gumbel(jax.random.fold_in(key, shift.decisions), logits.shape)
-                action = jnp.argmax(jnp.where(observation.choices(arrays, shift.state, shift.mask, shift.turn), logits, -jnp.inf))
+                logits = forward(
+                    jnp,
+                    alone,
+                    observation.observe(arrays, shift.state, shift.mask, shift.turn),
+                    config.activation,
+                )
+                logits = logits + drawn * jax.random.gumbel(
+                    jax.random.fold_in(key, shift.decisions), logits.shape
+                )
+                action = jnp.argmax(
+                    jnp.where(
+                        observation.choices(arrays, shift.state, shift.mask, shift.turn),
+                        logits,
+                        -jnp.inf,
+                    )
+                )
                 return jnp.where(action == world.actions - 1, -1, action)
 
-            played = episode.play(world.arrays, fate(world.draw, world.arrays, uniform), crew(world.arrays, person), decide)
+            played = episode.play(
+                world.arrays,
+                fate(world.draw, world.arrays, uniform),
+                crew(world.arrays, person),
+                decide,
+            )
             return Played(played.makespan, played.stress, played.done)
 
         return jax.vmap(one)(company, uniform, keys, drawn)

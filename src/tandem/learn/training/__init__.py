@@ -1,1 +1,3 @@
-"""Trainings that can be followed, stopped and taken up again; what they found, held against the exact front."""
+"""Trainings that can be followed, stopped and taken up again; what they found, held against the
+exact front.
+"""

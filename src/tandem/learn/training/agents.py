@@ -1,4 +1,6 @@
-"""The learner with the names people know: `learn`, `predict`, `save`, `load`. Deciding needs no JAX; learning does."""
+"""The learner with the names people know: `learn`, `predict`, `save`, `load`. Deciding needs no
+JAX; learning does.
+"""
 
 from __future__ import annotations
 
@@ -19,20 +21,33 @@ if TYPE_CHECKING:
 
 
 class PPO:
-    """PPO for a cell: one decider for all its operators, or with the laboratory's recipes two agents on the thesis's station.
+    """PPO for a cell: one decider for all its operators, or with the laboratory's recipes two
+    agents on the thesis's station.
 
         agents = PPO(cell, stress_factor=5).learn()
-        agents.save("cell.safetensors")     # for `tandem dispatch --policy learned --learned cell.safetensors`
+        agents.save("cell.safetensors")     # for `tandem dispatch --policy learned --learned
+        cell.safetensors`
 
     Attributes:
       policy: the trained actors; None before `learn` or `load`.
-      result: the document of the last training (`tandem.learn.training.results.result`); None for a loaded one.
+      result: the document of the last training (`tandem.learn.training.results.result`); None for a
+        loaded one.
     """
 
-    def __init__(self, cell: Cell | None = None, *, recipe_name: str = "tandem", stress_factor: float = 0.0, seed: int = 0) -> None:
+    def __init__(
+        self,
+        cell: Cell | None = None,
+        *,
+        recipe_name: str = "tandem",
+        stress_factor: float = 0.0,
+        seed: int = 0,
+    ) -> None:
         chosen = recipe(recipe_name)
         if not isinstance(chosen.config, Config):
-            raise UsageError(f"recipe {recipe_name!r}: is none of PPO's; use `tandem.learn.training.trainer.train`.")
+            raise UsageError(
+                f"recipe {recipe_name!r}: is none of PPO's; use"
+                " `tandem.learn.training.trainer.train`."
+            )
         self.cell = cell
         self.recipe: Any = chosen
         self.recipe_name = recipe_name
@@ -42,23 +57,33 @@ class PPO:
         self.result: dict[str, Any] | None = None
 
     def learn(
-        self, total_timesteps: int | None = None, *, folder: str | Path | None = None, callback: Callable[[Progress], None] | None = None
+        self,
+        total_timesteps: int | None = None,
+        *,
+        folder: str | Path | None = None,
+        callback: Callable[[Progress], None] | None = None,
     ) -> Self:
-        """Trains from scratch; the recipe's own budget unless `total_timesteps` says otherwise (recipes with a budget in steps only).
+        """Trains from scratch; the recipe's own budget unless `total_timesteps` says otherwise
+        (recipes with a budget in steps only).
 
         Args:
           folder: where the run is kept; nowhere when absent.
           callback: called after every interval.
 
         Raises:
-          UsageError: there is no cell to learn on, or the recipe counts episodes and `total_timesteps` is given.
+          UsageError: there is no cell to learn on, or the recipe counts episodes and
+            `total_timesteps` is given.
           CellError: the recipe's world cannot hold the cell.
         """
         from tandem.learn.training.trainer import train
 
         if self.cell is None:
             raise UsageError("a loaded policy has no cell to learn on; begin with PPO(cell).")
-        chosen = self.recipe if total_timesteps is None else longer(self.recipe, total_timesteps / self._budget())
+        chosen = (
+            self.recipe
+            if total_timesteps is None
+            else longer(self.recipe, total_timesteps / self._budget())
+        )
         with TemporaryDirectory() as scratch:
             where = Path(folder) if folder else Path(scratch) / "run"
             self.result = train(
@@ -73,9 +98,18 @@ class PPO:
             self.policy = Policy.load(where / f"policy-{self.seed}.safetensors")
         return self
 
-    def predict(self, observation: Any, *, action_masks: Any = None, deterministic: bool = True, agent: str | None = None) -> tuple[Any, None]:
+    def predict(
+        self,
+        observation: Any,
+        *,
+        action_masks: Any = None,
+        deterministic: bool = True,
+        agent: str | None = None,
+    ) -> tuple[Any, None]:
         """See `Policy.predict`. Raises UsageError when nothing has been learned yet."""
-        return self._learned().predict(observation, action_masks=action_masks, deterministic=deterministic, agent=agent)
+        return self._learned().predict(
+            observation, action_masks=action_masks, deterministic=deterministic, agent=agent
+        )
 
     def save(self, path: str | Path) -> Path:
         """The actors as one safetensors file; returns where."""
@@ -89,7 +123,12 @@ class PPO:
         """
         policy = Policy.load(path)
         notes = policy.notes
-        made = cls(cell, recipe_name=notes.get("recipe", "tandem"), stress_factor=notes.get("stress_factor", 0.0), seed=notes.get("seed", 0))
+        made = cls(
+            cell,
+            recipe_name=notes.get("recipe", "tandem"),
+            stress_factor=notes.get("stress_factor", 0.0),
+            seed=notes.get("seed", 0),
+        )
         made.policy = policy
         return made
 
@@ -101,5 +140,7 @@ class PPO:
     def _budget(self) -> int:
         steps = [stage.steps for stage in self.recipe.config.stages]
         if None in steps:
-            raise UsageError(f"total_timesteps: recipe {self.recipe_name!r} counts episodes, not steps.")
+            raise UsageError(
+                f"total_timesteps: recipe {self.recipe_name!r} counts episodes, not steps."
+            )
         return sum(filter(None, steps))

@@ -11,7 +11,9 @@ ALGORITHMS = {
     "dqn": "tandem.learn.dqn.trainee:Trainee",
     **added("algorithms"),
 }
-"""Name -> the class that is made from an order, `module:class`. One more is a line here, or an entry point of the group `tandem.algorithms`."""
+"""Name -> the class that is made from an order, `module:class`. One more is a line here, or an
+entry point of the group `tandem.algorithms`.
+"""
 
 FORMERLY = {"response": "ppo"}
 """What runs of earlier versions call an algorithm -> what it is called now."""

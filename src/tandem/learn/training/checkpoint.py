@@ -1,4 +1,6 @@
-"""A training under way as one safetensors file: every array by its place in the tree, notes beside them. No code in it, no pickle."""
+"""A training under way as one safetensors file: every array by its place in the tree, notes beside
+them. No code in it, no pickle.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,9 @@ Tree = TypeVar("Tree")
 
 
 class Notes(Form):
-    """What a checkpoint says beside its arrays: intervals done, and the CPU seconds that they took."""
+    """What a checkpoint says beside its arrays: intervals done, and the CPU seconds that they
+    took.
+    """
 
     interval: int = Field(ge=0, lt=2**53)
     cpu_s: float = Field(ge=0)
@@ -33,17 +37,22 @@ def load(path: Path, like: Tree) -> tuple[Tree, Notes]:
     """The tree of the form of `like` (of which only shapes and dtypes matter) and the notes.
 
     Raises:
-      CellError: the file cannot be read, is no checkpoint, or is one of another form; it says which arrays do not fit.
+      CellError: the file cannot be read, is no checkpoint, or is one of another form; it says which
+        arrays do not fit.
     """
     arrays, notes = read_tensors(path, Notes, "checkpoint")
     if said := misfits(arrays, _named(like, lambda leaf: jax.eval_shape(_plain, leaf))):
         raise unreadable(path, [f"does not fit this training: it {said}"])
     leaves, form = jax.tree_util.tree_flatten_with_path(like)
-    return jax.tree.unflatten(form, [_restored(arrays[_name(place)], leaf) for place, leaf in leaves]), notes
+    return jax.tree.unflatten(
+        form, [_restored(arrays[_name(place)], leaf) for place, leaf in leaves]
+    ), notes
 
 
 def named_arrays(tree: Any) -> dict[str, np.ndarray[Any, Any]]:
-    """Every leaf as a NumPy array under the name of its place; random keys as the numbers they hold."""
+    """Every leaf as a NumPy array under the name of its place; random keys as the numbers they
+    hold.
+    """
     return _named(tree, lambda leaf: np.ascontiguousarray(_plain(leaf)))
 
 
@@ -56,7 +65,11 @@ def _plain(leaf: Any) -> Any:
 
 
 def _restored(array: np.ndarray[Any, Any], like: Any) -> jax.Array:
-    return jax.random.wrap_key_data(jnp.asarray(array)) if _is_key(like) else jnp.asarray(array, like.dtype)
+    return (
+        jax.random.wrap_key_data(jnp.asarray(array))
+        if _is_key(like)
+        else jnp.asarray(array, like.dtype)
+    )
 
 
 def _is_key(leaf: Any) -> bool:

@@ -28,11 +28,14 @@ class Line:
     """One player in the table.
 
     Attributes:
-      makespan, stress: seconds and stress; means with `episodes` above 1, None when no episode was finished.
-      makespan_ci95, stress_ci95: half widths of the 95 % intervals of the means; None for a single episode.
+      makespan, stress: seconds and stress; means with `episodes` above 1, None when no episode was
+        finished.
+      makespan_ci95, stress_ci95: half widths of the 95 % intervals of the means; None for a single
+        episode.
       illegal: rules broken, mean per episode.
       gap: how far the weighted cost is above the least on the exact front, as a share.
-      schedule: of a single finished episode that keeps to the cell; `faults` says why there is none.
+      schedule: of a single finished episode that keeps to the cell; `faults` says why there is
+        none.
     """
 
     player: str
@@ -51,14 +54,30 @@ class Line:
         """Plain values."""
         parts = {
             name: getattr(self, name)
-            for name in ("player", "episodes", "done", "makespan", "stress", "makespan_ci95", "stress_ci95", "illegal", "gap")
+            for name in (
+                "player",
+                "episodes",
+                "done",
+                "makespan",
+                "stress",
+                "makespan_ci95",
+                "stress_ci95",
+                "illegal",
+                "gap",
+            )
         }
-        return {**parts, "assignments": self.schedule.to_list() if self.schedule else None, "faults": list(self.faults)}
+        return {
+            **parts,
+            "assignments": self.schedule.to_list() if self.schedule else None,
+            "faults": list(self.faults),
+        }
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """A run's players on a cell, and the exact front that they are held against (None when the planner found none in time)."""
+    """A run's players on a cell, and the exact front that they are held against (None when the
+    planner found none in time).
+    """
 
     cell: Cell
     front: Front | None
@@ -79,14 +98,26 @@ class Evaluation:
             "cell_digest": self.cell.digest,
             "stress_factor": plain(self.stress_factor),
             "seed": self.seed,
-            "exact_front": [] if front is None else [[plain(value) for value in point] for point in front.points],
+            "exact_front": (
+                []
+                if front is None
+                else [[plain(value) for value in point] for point in front.points]
+            ),
             "exact_front_complete": front is not None and front.complete,
             "players": [line.to_dict() for line in self.lines],
         }
 
 
-def evaluate(folder: str | Path, cell: Cell | None = None, *, seed: int | None = None, episodes: int = 100, front_limit: float = 30.0) -> Evaluation:
-    """Plays one seed of a run: greedy, sampled, best of the sampled; and a random player and the dispatch rules beside it.
+def evaluate(
+    folder: str | Path,
+    cell: Cell | None = None,
+    *,
+    seed: int | None = None,
+    episodes: int = 100,
+    front_limit: float = 30.0,
+) -> Evaluation:
+    """Plays one seed of a run: greedy, sampled, best of the sampled; and a random player and the
+    dispatch rules beside it.
 
     Args:
       cell: another cell than the run's own; for PPO it needs the same shape.
@@ -103,7 +134,10 @@ def evaluate(folder: str | Path, cell: Cell | None = None, *, seed: int | None =
     if seed is None:
         seed = run.seeds[0] if run.seeds else asked.seeds[0]
     if seed not in run.seeds:
-        raise UsageError(f"{folder}: has no policy of seed {seed}; there are {', '.join(map(str, run.seeds)) or 'none yet'}.")
+        raise UsageError(
+            f"{folder}: has no policy of seed {seed}; there are"
+            f" {', '.join(map(str, run.seeds)) or 'none yet'}."
+        )
     plays_on, order = cell or asked_cell(run, asked), order_of(run)
     learner = trainee(order.recipe.algorithm)
     front, costs = _front(plays_on, front_limit), learner.costs(plays_on, order)
@@ -111,11 +145,23 @@ def evaluate(folder: str | Path, cell: Cell | None = None, *, seed: int | None =
     found["random"] = at_random(plays_on, order.stress_factor, seed=seed, episodes=episodes)
     lines = [_line(plays_on, front, costs, player, reached) for player, reached in found.items()]
     rule = _best_rule(plays_on, front, costs)
-    return Evaluation(plays_on, front, (*lines[:-1], *([rule] if rule else []), lines[-1]), order.stress_factor, seed)
+    return Evaluation(
+        plays_on,
+        front,
+        (*lines[:-1], *([rule] if rule else []), lines[-1]),
+        order.stress_factor,
+        seed,
+    )
 
 
-def _line(cell: Cell, front: Front | None, paid: dict[str, Any], player: str, episodes: Sequence[Reached]) -> Line:
-    ended = [(episode.makespan, episode.stress) for episode in episodes if episode.makespan is not None and episode.stress is not None]
+def _line(
+    cell: Cell, front: Front | None, paid: dict[str, Any], player: str, episodes: Sequence[Reached]
+) -> Line:
+    ended = [
+        (episode.makespan, episode.stress)
+        for episode in episodes
+        if episode.makespan is not None and episode.stress is not None
+    ]
     makespan, makespan_ci = _mean([makespan for makespan, _ in ended])
     stress, stress_ci = _mean([stress for _, stress in ended])
     alone = episodes[0].schedule if len(episodes) == 1 else None
@@ -136,7 +182,9 @@ def _line(cell: Cell, front: Front | None, paid: dict[str, Any], player: str, ep
 
 
 def _best_rule(cell: Cell, front: Front | None, paid: dict[str, Any]) -> Line | None:
-    """The dispatch rule whose best schedule costs least under these rewards; the random rules are no rules."""
+    """The dispatch rule whose best schedule costs least under these rewards; the random rules are
+    no rules.
+    """
     found = []
     for name in RULES:
         if name in ("random", "best-of-n"):
@@ -149,12 +197,18 @@ def _best_rule(cell: Cell, front: Front | None, paid: dict[str, Any]) -> Line | 
             continue
     if not found:
         return None
-    gap, makespan, stress, name, schedule = min(found, key=lambda item: (item[0] if item[0] is not None else item[1], item[3]))
-    return Line(f"rule {name}", 1, 1.0, plain(makespan), plain(stress), None, None, 0.0, gap, schedule)
+    gap, makespan, stress, name, schedule = min(
+        found, key=lambda item: (item[0] if item[0] is not None else item[1], item[3])
+    )
+    return Line(
+        f"rule {name}", 1, 1.0, plain(makespan), plain(stress), None, None, 0.0, gap, schedule
+    )
 
 
 def _mean(values: Sequence[float]) -> tuple[float | None, float | None]:
-    """Mean and half width of its 95 % interval (normal approximation); Nones where there are none or only one."""
+    """Mean and half width of its 95 % interval (normal approximation); Nones where there are none
+    or only one.
+    """
     if not values:
         return None, None
     half = 1.96 * float(np.std(values, ddof=1)) / len(values) ** 0.5 if len(values) > 1 else None

@@ -16,7 +16,9 @@ from tandem.learn.forms import SettingsError
 from tandem.learn.ppo.recipes import RESPONSE, TANDEM
 from tandem.learn.settings import read
 
-RECIPES: Mapping[str, AnyRecipe] = Table("recipes", {"tandem": TANDEM, "response": RESPONSE, "alphazero": ALPHAZERO, "dqn": DQN})
+RECIPES: Mapping[str, AnyRecipe] = Table(
+    "recipes", {"tandem": TANDEM, "response": RESPONSE, "alphazero": ALPHAZERO, "dqn": DQN}
+)
 """Name -> recipe. A new one is an entry here, or an entry point of the group `tandem.recipes`."""
 
 
@@ -36,15 +38,18 @@ def recipe(name: str) -> AnyRecipe:
 def recipe_from(algorithm: str, data: Any) -> AnyRecipe:
     """The recipe that `to_dict` wrote down.
 
-    Raises SettingsError with everything that does not fit. Assumes that some recipe is of that algorithm.
+    Raises SettingsError with everything that does not fit. Assumes that some recipe is of that
+    algorithm.
     """
     return read(kinds()[algorithm], data)
 
 
 def changed(base: AnyRecipe, settings: Sequence[str]) -> AnyRecipe:
-    """The recipe with settings such as `waiting=false` or `config.search.simulations=64`; values are JSON, or words.
+    """The recipe with settings such as `waiting=false` or `config.search.simulations=64`; values
+    are JSON, or words.
 
-    Raises UsageError, with all faults at once, for what is no setting of the recipe or does not fit it.
+    Raises UsageError, with all faults at once, for what is no setting of the recipe or does not fit
+    it.
     """
     if not settings:
         return base
@@ -52,26 +57,39 @@ def changed(base: AnyRecipe, settings: Sequence[str]) -> AnyRecipe:
     names = [setting.partition("=")[0] for setting in settings]
     for setting in settings:
         if not _put(data, setting):
-            faults.append(f"{_short(setting)}: the recipe has no such setting; it has {', '.join(_names(_plain(base)))}.")
-    faults += [f"{name}: is set {names.count(name)} times." for name in dict.fromkeys(names) if names.count(name) > 1]
+            faults.append(
+                f"{_short(setting)}: the recipe has no such setting; it has"
+                f" {', '.join(_names(_plain(base)))}."
+            )
+    faults += [
+        f"{name}: is set {names.count(name)} times."
+        for name in dict.fromkeys(names)
+        if names.count(name) > 1
+    ]
     try:
         made = recipe_from(base.algorithm, data)
     except SettingsError as error:
         faults += list(error.faults)
-        faults += [fault for setting in settings for fault in _alone(base, setting) if fault not in faults]
+        faults += [
+            fault for setting in settings for fault in _alone(base, setting) if fault not in faults
+        ]
     if faults:
         raise UsageError("\n".join(f"--set {fault}" for fault in faults))
     return made
 
 
 def _alone(base: AnyRecipe, setting: str) -> list[str]:
-    """What is wrong with a setting itself, whatever the others are: a part that does not hold keeps what stands around it from being judged."""
+    """What is wrong with a setting itself, whatever the others are: a part that does not hold keeps
+    what stands around it from being judged.
+    """
     data = _plain(base)
     _put(data, setting)
     try:
         recipe_from(base.algorithm, data)
     except SettingsError as error:
-        return [fault for fault in error.faults if fault.startswith(f"{setting.partition('=')[0]} ")]
+        return [
+            fault for fault in error.faults if fault.startswith(f"{setting.partition('=')[0]} ")
+        ]
     return []
 
 
@@ -81,7 +99,9 @@ def _plain(base: AnyRecipe) -> dict[str, Any]:
 
 
 def _put(data: dict[str, Any], setting: str) -> bool:
-    """Writes the value of `NAME=VALUE` where its name leads; False when that is nowhere. A number leads into a list."""
+    """Writes the value of `NAME=VALUE` where its name leads; False when that is nowhere. A number
+    leads into a list.
+    """
     name, is_one, value = setting.partition("=")
     *parents, last = name.split(".")
     part: Any = data
@@ -105,7 +125,11 @@ def _short(setting: str) -> str:
 
 
 def _names(data: Mapping[str, Any], place: str = "") -> list[str]:
-    return [name for key, value in data.items() for name in (_names(value, f"{place}{key}.") if isinstance(value, dict) else [place + key])]
+    return [
+        name
+        for key, value in data.items()
+        for name in (_names(value, f"{place}{key}.") if isinstance(value, dict) else [place + key])
+    ]
 
 
 def _value(text: str) -> Any:

@@ -1,11 +1,12 @@
-"""A run's folder: what was asked, the figures as CSV and JSONL, the newest checkpoint, the policies, the result. Readable without us.
+"""A run's folder: what was asked, the figures as CSV and JSONL, the newest checkpoint, the
+policies, the result. Readable without us.
 
 run.json                what was asked: cell, recipe, factor, seeds, versions
 metrics.jsonl, .csv     one row per interval and seed
 checkpoint.safetensors  all that is needed to go on
-checkpoint-before.safetensors  the same, an interval earlier: what is left when the newest is damaged
-policy-SEED.safetensors the actors, for stations without JAX
-result.json             the document of `tandem train --json`
+checkpoint-before.safetensors  the same, an interval earlier: what is left when the newest is
+damaged policy-SEED.safetensors the actors, for stations without JAX result.json             the
+document of `tandem train --json`
 """
 
 from __future__ import annotations
@@ -40,7 +41,9 @@ Loaded = TypeVar("Loaded")
 
 
 class Asked(Form):
-    """`run.json`: what was asked. The cell and the settings are plain data; `trainer.order_of` makes them what they are."""
+    """`run.json`: what was asked. The cell and the settings are plain data; `trainer.order_of`
+    makes them what they are.
+    """
 
     cell: dict[str, Any]
     recipe: str
@@ -89,7 +92,9 @@ class RunFolder:
         return self.path / "checkpoint-before.safetensors"
 
     def keep_checkpoint(self, save: Callable[[Path], None]) -> None:
-        """Writes a new checkpoint; the newest so far becomes the one before. At every moment one of them is whole."""
+        """Writes a new checkpoint; the newest so far becomes the one before. At every moment one of
+        them is whole.
+        """
         fresh = self.path / ".checkpoint-new.safetensors"
         save(fresh)
         if self.checkpoint.exists():
@@ -97,7 +102,8 @@ class RunFolder:
         os.replace(fresh, self.checkpoint)
 
     def newest_checkpoint(self, load: Callable[[Path], Loaded]) -> tuple[Loaded, str]:
-        """What the newest checkpoint that can be read holds, and what is to be said when it is not the newest of all.
+        """What the newest checkpoint that can be read holds, and what is to be said when it is not
+        the newest of all.
 
         A damaged one is put aside, so that the good one is not written over by it.
 
@@ -114,7 +120,13 @@ class RunFolder:
             if self.checkpoint.exists():
                 os.replace(self.checkpoint, damaged)
                 kept = f" What was damaged is kept as {damaged.name}."
-            return older, f"{error.faults[0]} The training goes on from {self.checkpoint_before.name}, an interval earlier.{kept}"
+            return (
+                older,
+                (
+                    f"{error.faults[0]} The training goes on from {self.checkpoint_before.name}, an"
+                    f" interval earlier.{kept}"
+                ),
+            )
 
     def policy(self, seed: int) -> Path:
         """The actors of one seed."""
@@ -123,7 +135,10 @@ class RunFolder:
     @property
     def seeds(self) -> list[int]:
         """Of the policies that are there."""
-        names = (re.fullmatch(r"policy-(\d{1,10})", file.stem) for file in self.path.glob("policy-*.safetensors"))
+        names = (
+            re.fullmatch(r"policy-(\d{1,10})", file.stem)
+            for file in self.path.glob("policy-*.safetensors")
+        )
         return sorted(int(name[1]) for name in names if name)
 
     def begin(self, asked: Mapping[str, Any]) -> None:
@@ -132,14 +147,18 @@ class RunFolder:
         Raises UsageError when there is a run already.
         """
         if (self.path / "run.json").exists():
-            raise UsageError(f"{self.path}: holds a run already. Name another folder, or go on with --resume {self.path}.")
+            raise UsageError(
+                f"{self.path}: holds a run already. Name another folder, or go on with --resume"
+                f" {self.path}."
+            )
         self.path.mkdir(parents=True, exist_ok=True)
         self._write("run.json", {**asked, "versions": versions()})
 
     def asked(self) -> Asked:
         """What was asked.
 
-        Raises CellError when the folder holds no run that can be read; with everything that is wrong with it.
+        Raises CellError when the folder holds no run that can be read; with everything that is
+        wrong with it.
         """
         try:
             return read_document(self.path / "run.json", Asked)
@@ -147,18 +166,25 @@ class RunFolder:
             raise unreadable(self.path, [f"holds no run (run.json: {error.strerror})."]) from error
 
     def result(self) -> dict[str, Any]:
-        """The result document. Raises CellError when the training has not ended, or the document is damaged."""
+        """The result document. Raises CellError when the training has not ended, or the document is
+        damaged.
+        """
         try:
             return read_document(self.path / "result.json", _Result).model_dump()
         except OSError as error:
-            what = f"holds a run that has not ended; go on with --resume (result.json: {error.strerror})."
+            what = (
+                "holds a run that has not ended; go on with --resume (result.json:"
+                f" {error.strerror})."
+            )
             raise unreadable(self.path, [what]) from error
 
     def write_result(self, document: Mapping[str, Any]) -> None:
         self._write("result.json", document)
 
     def append(self, rows: Sequence[Mapping[str, Any]]) -> None:
-        """Adds rows to both files of figures; they are on disk when this returns, but only a checkpoint makes them count."""
+        """Adds rows to both files of figures; they are on disk when this returns, but only a
+        checkpoint makes them count.
+        """
         file = self.path / "metrics.jsonl"
         header = not (self.path / "metrics.csv").exists()
         with open(file, "a", encoding="utf-8") as lines:
@@ -186,21 +212,39 @@ class RunFolder:
             except CellError as error:
                 faults += [f"line {number} {fault.message}" for fault in error.faults]
         if faults:
-            told = [*faults[:MOST_LINES], *[f"and {len(faults) - MOST_LINES} more."] * (len(faults) > MOST_LINES)]
-            raise unreadable(file, [*told, "Take these lines out: they are figures only, and a training goes on without them."])
+            told = [
+                *faults[:MOST_LINES],
+                *[f"and {len(faults) - MOST_LINES} more."] * (len(faults) > MOST_LINES),
+            ]
+            raise unreadable(
+                file,
+                [
+                    *told,
+                    (
+                        "Take these lines out: they are figures only, and a training goes on"
+                        " without them."
+                    ),
+                ],
+            )
         with contextlib.suppress(CellError):
             rows += [_row(file, end)] if end else []
         return rows
 
     def figures(self) -> list[dict[str, Any]]:
-        """`rows`, each with the same figures. Raises CellError for a row that has others than the first."""
+        """`rows`, each with the same figures. Raises CellError for a row that has others than the
+        first.
+        """
         return self._alike(self.rows())
 
     def _alike(self, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
         for number, row in enumerate(rows, 1):
             if differ := sorted(row.keys() ^ rows[0].keys()):
                 raise unreadable(
-                    self.path / "metrics.jsonl", [f"line {number} has not the figures of the first line; they differ in {', '.join(differ[:5])}."]
+                    self.path / "metrics.jsonl",
+                    [
+                        f"line {number} has not the figures of the first line; they differ in"
+                        f" {', '.join(differ[:5])}."
+                    ],
                 )
         return rows
 
@@ -229,17 +273,23 @@ def _row(file: Path, line: bytes) -> dict[str, Any]:
 
 
 def asked_cell(run: RunFolder, asked: Asked) -> Cell:
-    """The cell that a run was asked about. Raises CellError at `run.json` with everything that is wrong with it."""
+    """The cell that a run was asked about. Raises CellError at `run.json` with everything that is
+    wrong with it.
+    """
     try:
         return cell_of(asked.cell)
     except CellError as error:
-        raise unreadable(run.path / "run.json", [f"cell: {fault}" for fault in error.faults]) from None
+        raise unreadable(
+            run.path / "run.json", [f"cell: {fault}" for fault in error.faults]
+        ) from None
 
 
 def new_folder(cell: Cell, recipe: str) -> Path:
     """A folder name under `runs/` that nothing has yet: cell, recipe, time."""
     words = "".join(letter if letter.isalnum() else "-" for letter in (cell.name or "cell").lower())
-    name = f"{'-'.join(filter(None, words.split('-')))[:40]}-{recipe}-{datetime.now():%Y%m%d-%H%M%S}"
+    name = (
+        f"{'-'.join(filter(None, words.split('-')))[:40]}-{recipe}-{datetime.now():%Y%m%d-%H%M%S}"
+    )
     path, number = RUNS / name, 2
     while path.exists():
         path, number = RUNS / f"{name}-{number}", number + 1
@@ -248,8 +298,15 @@ def new_folder(cell: Cell, recipe: str) -> Path:
 
 def versions() -> dict[str, str]:
     """What made the numbers: packages, Python, machine."""
-    packages = {name: importlib.metadata.version(name) for name in ("tandem", "jax", "jaxlib", "optax", "numpy", "ortools")}
-    return {**packages, "python": platform.python_version(), "machine": f"{platform.system()} {platform.machine()}"}
+    packages = {
+        name: importlib.metadata.version(name)
+        for name in ("tandem", "jax", "jaxlib", "optax", "numpy", "ortools")
+    }
+    return {
+        **packages,
+        "python": platform.python_version(),
+        "machine": f"{platform.system()} {platform.machine()}",
+    }
 
 
 def _table(rows: Sequence[Mapping[str, Any]], header: bool) -> str:

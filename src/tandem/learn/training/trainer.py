@@ -1,4 +1,6 @@
-"""Trainings that people can follow, stop and take up again: several seeds side by side, figures and a checkpoint at every interval."""
+"""Trainings that people can follow, stop and take up again: several seeds side by side, figures and
+a checkpoint at every interval.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,9 @@ class NotFiniteError(NothingFoundError):
 
 @dataclass(frozen=True)
 class Progress:
-    """What a training tells after every interval: `share` of the budget that is done (the slowest seed's), and the newest row of each seed."""
+    """What a training tells after every interval: `share` of the budget that is done (the slowest
+    seed's), and the newest row of each seed.
+    """
 
     share: float
     rows: Sequence[Row]
@@ -41,7 +45,8 @@ class Progress:
 def order_of(run: RunFolder) -> Order:
     """What a run was asked.
 
-    Raises CellError when the folder holds no run, or one whose cell or settings do not hold; with everything that is wrong.
+    Raises CellError when the folder holds no run, or one whose cell or settings do not hold; with
+    everything that is wrong.
     """
     asked, faults = run.asked(), list[str]()
     try:
@@ -61,7 +66,9 @@ def order_of(run: RunFolder) -> Order:
 
 
 def _algorithm_of(asked: Asked) -> str:
-    """The algorithm of a run; earlier versions called PPO on the thesis's station "ppo" too, and said its pace."""
+    """The algorithm of a run; earlier versions called PPO on the thesis's station "ppo" too, and
+    said its pace.
+    """
     if asked.algorithm == "ppo" and "pace" in asked.settings:
         return "station"
     return FORMERLY.get(asked.algorithm, asked.algorithm)
@@ -79,23 +86,33 @@ def train(
     tensorboard: bool = False,
     on_progress: Callable[[Progress], None] | None = None,
 ) -> dict[str, Any]:
-    """Trains the cell's operators and returns the result document (see `documents.result`); everything is kept in the run's folder.
+    """Trains the cell's operators and returns the result document (see `documents.result`);
+    everything is kept in the run's folder.
 
     Args:
       recipe_name: a name in `recipes.RECIPES`; `own_recipe` is taken instead when given.
-      stress_factor: how much a unit of stress counts against a second (the rewards' step is -10 in the appendix's set).
+      stress_factor: how much a unit of stress counts against a second (the rewards' step is -10 in
+        the appendix's set).
       folder: where the run is kept; a new one under `runs/` when absent.
       front_limit: seconds for the exact front.
       tensorboard: write TensorBoard events too.
       on_progress: called after every interval; may raise KeyboardInterrupt to stop.
 
-    A KeyboardInterrupt ends it after saving: the document then says `"interrupted": true` and `resume` goes on.
+    A KeyboardInterrupt ends it after saving: the document then says `"interrupted": true` and
+    `resume` goes on.
 
     Raises:
       CellError: the algorithm cannot hold the cell. UsageError: an option is out of range.
       NotFiniteError: a parameter became infinite or nan; the last good checkpoint is kept.
     """
-    order = Order(cell, own_recipe or recipe(recipe_name), recipe_name, tuple(seeds), stress_factor, front_limit)
+    order = Order(
+        cell,
+        own_recipe or recipe(recipe_name),
+        recipe_name,
+        tuple(seeds),
+        stress_factor,
+        front_limit,
+    )
     learner = algorithm(order)
     run = RunFolder(Path(folder) if folder else new_folder(cell, recipe_name))
     run.begin(order.to_dict())
@@ -111,11 +128,14 @@ def resume(
     on_progress: Callable[[Progress], None] | None = None,
     on_notice: Callable[[str], None] = warnings.warn,
 ) -> dict[str, Any]:
-    """Goes on with a run from its newest checkpoint, to the same end (bit by bit, on the same machine) as without the stop.
+    """Goes on with a run from its newest checkpoint, to the same end (bit by bit, on the same
+    machine) as without the stop.
 
-    When the newest checkpoint is damaged and the one before it is not, it goes on from that and says so with `on_notice`.
+    When the newest checkpoint is damaged and the one before it is not, it goes on from that and
+    says so with `on_notice`.
 
-    Raises CellError when the folder holds no run, or one that is damaged beyond that; nothing has been changed then.
+    Raises CellError when the folder holds no run, or one that is damaged beyond that; nothing has
+    been changed then.
     """
     run = RunFolder(Path(folder))
     order = order_of(run)
@@ -129,7 +149,15 @@ def resume(
     if notice:
         on_notice(notice)
     run.back_to(notes.interval)
-    training = Training(order, run, learner, exact_front(order.cell, order.front_limit), learners, notes.interval, notes.cpu_s)
+    training = Training(
+        order,
+        run,
+        learner,
+        exact_front(order.cell, order.front_limit),
+        learners,
+        notes.interval,
+        notes.cpu_s,
+    )
     return _go_on(training, tensorboard, on_progress)
 
 
@@ -141,7 +169,9 @@ def exact_front(cell: Cell, limit: float) -> Front | None:
         return None
 
 
-def _go_on(training: Training, tensorboard: bool, on_progress: Callable[[Progress], None] | None) -> dict[str, Any]:
+def _go_on(
+    training: Training, tensorboard: bool, on_progress: Callable[[Progress], None] | None
+) -> dict[str, Any]:
     if tensorboard:
         from tensorboardX import SummaryWriter
 
@@ -173,13 +203,19 @@ def _interval(training: Training) -> list[Row]:
     if not all(finite):
         seeds = [seed for seed, fine in zip(training.order.seeds, finite, strict=True) if not fine]
         raise NotFiniteError(
-            f"the numbers of seed {', '.join(map(str, seeds))} are no longer finite; training stopped. The last good checkpoint, after interval "
-            f"{training.interval}, is kept in {training.folder.path}. A lower learning rate helps, or a limit on the gradient."
+            f"the numbers of seed {', '.join(map(str, seeds))} are no longer finite; training"
+            f" stopped. The last good checkpoint, after interval {training.interval}, is kept in"
+            f" {training.folder.path}. A lower learning rate helps, or a limit on the gradient."
         )
     training.learners, training.interval = learners, training.interval + 1
     found = training.algorithm.rows(learners, report)
     rows = [
-        {"interval": training.interval, "seed": seed, **row, "gap": gap(training, row["greedy_makespan"], row["greedy_stress"])}
+        {
+            "interval": training.interval,
+            "seed": seed,
+            **row,
+            "gap": gap(training, row["greedy_makespan"], row["greedy_stress"]),
+        }
         for seed, row in zip(training.order.seeds, found, strict=True)
     ]
     training.folder.append(rows)
