@@ -90,3 +90,12 @@ def browser() -> Generator[Any, None, None]:
         )
         yield chromium
         chromium.close()
+
+
+@pytest.fixture(scope="module")
+def quickly_compiled() -> Iterator[None]:
+    """Compiles without most optimisations: what is compiled for a test runs for milliseconds."""
+    from tandem.lab.quick import compiled_quickly
+
+    with compiled_quickly():
+        yield

@@ -15,12 +15,3 @@ jax = pytest.importorskip("jax", reason="learning needs the extra tandem[learn]"
 def _no_rank_promotion() -> Iterator[None]:
     with jax.numpy_rank_promotion("raise"):
         yield
-
-
-@pytest.fixture(scope="module")
-def quickly_compiled() -> Iterator[None]:
-    """Compiles without most optimisations: what is compiled for a test runs for milliseconds."""
-    from tandem.lab.quick import compiled_quickly
-
-    with compiled_quickly():
-        yield

@@ -133,21 +133,20 @@ def agents(system: Experiment, document: Document | None) -> Entry:
 def algorithm(system: Experiment, document: Document | None) -> Entry:
     """The module of the function that trains."""
     trains = system.FEATURES.trains()
-    module = trains.__module__.removeprefix("tandem.learn.").partition(".")[0]
-    return Entry(
-        ALGORITHMS.get(module, module), f"trained by {trains.__module__}.{trains.__qualname__}"
-    )
+    parts = trains.__module__.split(".")
+    called = next((ALGORITHMS[part] for part in reversed(parts) if part in ALGORITHMS), parts[-1])
+    return Entry(called, f"trained by {trains.__module__}.{trains.__qualname__}")
 
 
 ALGORITHMS = {
     "ppo": "PPO",
     "adversarial": "adversarial PPO",
     "qlearning": "tabular Q-learning",
-    "alphazero": "tree search and network (AlphaZero)",
+    "board_training": "tree search and network (AlphaZero)",
     "ddpg": "DDPG, shared critic",
     "dqn": "DQN",
 }
-"""Module under `learn` -> what it is called."""
+"""Module or package -> what it is called."""
 
 
 def together(system: Experiment, document: Document | None) -> Entry:

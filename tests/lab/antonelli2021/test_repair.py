@@ -12,7 +12,8 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from tests.lab.conftest import THESIS, cell_of
 
-import tandem.envs  # noqa: F401, makes the environments known to Gymnasium
+import tandem
+import tandem.envs
 from tandem.cell.generators import layered
 from tandem.errors import CellError, UsageError
 from tandem.lab.antonelli2021 import ABSENT, RIGHT, WRONG, Slips, product, repair
@@ -173,7 +174,7 @@ def test_a_quicker_way_of_taking_off_counts():
 def test_what_it_cannot_express_is_refused_by_name(more, names):
     with pytest.raises(CellError, match=f"knows no {names}"):
         repair(
-            cell_of(
+            tandem.load(
                 {
                     "operators": {"robot": {"kind": "robot"}},
                     "tasks": {"a": {"time": {"robot": 3}}},
@@ -186,7 +187,7 @@ def test_what_it_cannot_express_is_refused_by_name(more, names):
 def test_everything_that_does_not_fit_is_said_at_once():
     with pytest.raises(CellError) as caught:
         repair(
-            cell_of(
+            tandem.load(
                 {
                     "operators": {"robot": {"kind": "robot"}},
                     "tasks": {
@@ -199,7 +200,7 @@ def test_everything_that_does_not_fit_is_said_at_once():
 
 
 def test_what_makes_no_difference_one_at_a_time_is_let_through():
-    cell = cell_of({
+    cell = tandem.load({
         "operators": {"r": {"kind": "robot"}, "h": {"kind": "human"}, "i": {"kind": "human"}},
         "tasks": {"a": {"time": {"r": 3, "h": 2, "i": 4}, "zone": "table", "stress": 3},
         "b": {"together": [{"operators": ["r", "h"], "time": 5}]}},
