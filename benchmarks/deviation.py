@@ -142,13 +142,11 @@ def show(rows: list[dict[str, str]]) -> None:
         print("where there is none: seconds above replan-robust in the same episodes")
         print(f"{'':<36}" + "".join(f"{policy:>18}" for policy in policies))
         for people in dict.fromkeys(row["people"] for row in mine):
-            print(
-                f"{people:<36}"
-                + "".join(
-                    f"{_entry([row for row in mine if row['people'] == people and row['policy'] == policy]):>18}"
-                    for policy in policies
-                )
-            )
+            beside = [row for row in mine if row["people"] == people]
+            entries = [
+                _entry([row for row in beside if row["policy"] == policy]) for policy in policies
+            ]
+            print(f"{people:<36}" + "".join(f"{entry:>18}" for entry in entries))
 
 
 def _entry(rows: list[dict[str, str]]) -> str:

@@ -129,7 +129,8 @@ def _write(path: Path, rows: list[tuple]) -> None:
 
 def _summary(rows: list[tuple], peers: list[str]) -> None:
     print(
-        f"\n{'set':<18}{'solver':<11}{'instances':>9}{'solved':>8}{'proven':>8}{'mean gap to best known':>25}{'worse':>7}{'better':>7}{'mean s':>8}"
+        f"\n{'set':<18}{'solver':<11}{'instances':>9}{'solved':>8}{'proven':>8}"
+        f"{'mean gap to best known':>25}{'worse':>7}{'better':>7}{'mean s':>8}"
     )
     for name in dict.fromkeys(row[0] for row in rows):
         for peer in peers:
@@ -142,8 +143,8 @@ def _summary(rows: list[tuple], peers: list[str]) -> None:
             )
             seconds = sum(row[8] for row in mine) / max(len(mine), 1)
             print(
-                f"{name:<18}{peer:<11}{len(mine):>9}{len(have):>8}{sum(row[7] for row in mine):>8}{gap:>24.2%}"
-                f" {worse:>7}{better:>7}{seconds:>8.2f}"
+                f"{name:<18}{peer:<11}{len(mine):>9}{len(have):>8}"
+                f"{sum(row[7] for row in mine):>8}{gap:>24.2%} {worse:>7}{better:>7}{seconds:>8.2f}"
             )
 
 

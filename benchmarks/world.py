@@ -33,7 +33,7 @@ from tests.envs.thesis_port import ThesisPort  # noqa: E402
 import tandem.envs  # noqa: E402
 from tandem.cell.model import Cell  # noqa: E402
 from tandem.files.load import load  # noqa: E402
-from tandem.lab.kinat2023 import (
+from tandem.lab.kinat2023 import (  # noqa: E402
     HUMAN,
     after_human,
     choices,
@@ -43,7 +43,7 @@ from tandem.lab.kinat2023 import (
     reward_set,
     station,
     step,
-)  # noqa: E402
+)
 
 INNER = 500
 """Steps in one compiled call."""
@@ -382,10 +382,8 @@ def main() -> None:
             print(f"{name:28}{batch:>6}  absent: {missing}")
             continue
         base = base or found.wall
-        print(
-            f"{name:28}{batch:>6}{found.wall:>14,.0f}{found.cpu:>14,.0f}{found.wall / base:>14,.1f}",
-            flush=True,
-        )
+        speeds = f"{found.wall:>14,.0f}{found.cpu:>14,.0f}{found.wall / base:>14,.1f}"
+        print(f"{name:28}{batch:>6}{speeds}", flush=True)
 
 
 if __name__ == "__main__":

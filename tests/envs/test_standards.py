@@ -8,7 +8,7 @@ of one robot and one human will not do for it, it names what it is made of in `M
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import gymnasium
@@ -377,9 +377,10 @@ def test_agents_before_the_reset_or_after_the_end_are_told_to_reset(name, option
     with pytest.raises(ResetNeeded, match="no episode has begun"):
         env.step(dict.fromkeys(env.possible_agents, 0))
     all_to_the_end(env)
-    everyone: Callable[[int], dict[str, int]] = lambda action: dict.fromkeys(
-        env.possible_agents, action
-    )  # noqa: E731
+
+    def everyone(action: int) -> dict[str, int]:
+        return dict.fromkeys(env.possible_agents, action)
+
     for actions in ({}, everyone(0), everyone(-1)):
         with pytest.raises(
             ResetNeeded, match=r"this episode has ended: call reset\(\) before step\(\)"

@@ -57,7 +57,9 @@ def page_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 WIDE = """[...document.querySelectorAll('.wide')].map(part => ({
-    label: part.getAttribute('aria-label'), hidden: part.scrollWidth - part.clientWidth, scrolls: getComputedStyle(part).overflowX === 'auto'}))"""
+    label: part.getAttribute('aria-label'),
+    hidden: part.scrollWidth - part.clientWidth,
+    scrolls: getComputedStyle(part).overflowX === 'auto'}))"""
 
 
 @pytest.fixture

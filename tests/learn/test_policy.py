@@ -125,7 +125,8 @@ agents = PPO.load({str(tmp_path / "policy.safetensors")!r})
 seen = np.array({np.asarray(world.observe(world.reset(jax.random.key(0)))).tolist()})
 actions, _ = agents.predict(seen, action_masks=np.ones((2, 8)))
 del sys.modules["jax"]
-print(json.dumps([actions.tolist(), [name for name in sys.modules if name.split(".")[0] in ("jax", "optax")]]))
+loaded = [name for name in sys.modules if name.split(".")[0] in ("jax", "optax")]
+print(json.dumps([actions.tolist(), loaded]))
 """
     out = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=True

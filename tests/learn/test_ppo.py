@@ -219,9 +219,11 @@ def test_an_agent_learns_from_its_own_observation_and_reward_only(shared):
     learner = ppo.start(jax.random.key(0), LateReward(), config)
     _, batch, _ = ppo.rollout(jax.random.key(1), learner, LateReward(), config)
     flat, ones = ppo._flat(batch, 2), jnp.ones((2, 512))
-    only_robot = lambda parameters: ppo.loss(
-        parameters, flat, ones.at[1].set(0), ones, jnp.asarray(0.0), config
-    )[1]["value"][0]  # noqa: E731
+
+    def only_robot(parameters):
+        nothing = jnp.asarray(0.0)
+        return ppo.loss(parameters, flat, ones.at[1].set(0), ones, nothing, config)[1]["value"][0]
+
     gradient = jax.grad(only_robot)(learner.parameters)["critic"]["0"]["weight"]
     if shared:
         assert gradient.any()

@@ -111,15 +111,19 @@ def test_text_is_at_least_16_pixels_and_no_label_leaves_its_bar(
 ) -> None:
     page = opened(FRONTS[name]())
     sizes = page.evaluate(
-        """[...document.querySelectorAll("p, td, th, li, dd, text, button, a")].filter(e => e.textContent.trim() && e.getClientRects().length)
-             .map(e => parseFloat(getComputedStyle(e).fontSize) * (e.ownerSVGElement ? Math.hypot(e.getScreenCTM().a, e.getScreenCTM().b) : 1))"""
+        """[...document.querySelectorAll("p, td, th, li, dd, text, button, a")]
+             .filter(e => e.textContent.trim() && e.getClientRects().length)
+             .map(e => parseFloat(getComputedStyle(e).fontSize) * (e.ownerSVGElement
+               ? Math.hypot(e.getScreenCTM().a, e.getScreenCTM().b) : 1))"""
     )
     assert min(sizes) >= 15.99
     outside = page.evaluate(
-        """[...document.querySelectorAll(".gantt g.task")].filter(e => e.getClientRects().length).flatMap(g => {
+        """[...document.querySelectorAll(".gantt g.task")]
+             .filter(e => e.getClientRects().length).flatMap(g => {
              const bar = g.querySelector("rect").getBoundingClientRect();
              return [...g.querySelectorAll("text")].filter(t => {
-               const box = t.getBoundingClientRect(); return box.left < bar.left - 1 || box.right > bar.right + 1;
+               const box = t.getBoundingClientRect();
+               return box.left < bar.left - 1 || box.right > bar.right + 1;
              }).map(t => t.textContent);
            })"""
     )
@@ -149,8 +153,10 @@ def test_on_paper_no_chart_and_no_table_is_cut(opened: Callable[..., Any], name:
     page = opened(FRONTS[name](), width=PAPER[0])
     page.emulate_media(media="print")
     boxes = page.evaluate(
-        """[...document.querySelectorAll("svg, table")].filter(e => e.getClientRects().length && !e.closest(".tiled > .chart")).map(e => {
-             const box = e.getBoundingClientRect(); return [e.tagName, e.getAttribute("class"), box.left, box.right, box.height];
+        """[...document.querySelectorAll("svg, table")]
+             .filter(e => e.getClientRects().length && !e.closest(".tiled > .chart")).map(e => {
+             const box = e.getBoundingClientRect();
+             return [e.tagName, e.getAttribute("class"), box.left, box.right, box.height];
            })"""
     )
     assert len(boxes) > 5

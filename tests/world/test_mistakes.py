@@ -296,9 +296,8 @@ def test_the_best_repair_takes_what_value_iteration_says() -> None:
     plan = Repair(p)
     names, arrays = world(per_second=2)
     lefts = 2 * max(map(max, TIME.values())) + 1
-    table = np.full(
-        (9**3 * lefts * 2,), -1, np.int32
-    )  # per task: open, right, wrong, doing/undoing by robot/human (two spare); ticks left; whose turn
+    # Per task: open, right, wrong, doing or undoing by robot or human (two spare); ticks; turn.
+    table = np.full((9**3 * lefts * 2,), -1, np.int32)
     code = {OPEN: 0, RIGHT: 1, WRONG: 2}
     for (tasks, waits), task in plan.best.items():
         who = plan.who((tasks, waits))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import bisect
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -108,13 +109,11 @@ class FittedText(Text):
         found = []
         for upright, along, across in rooms:
             # Shorter text is never wider, so the longest that fits is found by halving.
-            count = bisect.bisect_left(
-                range(len(last) - 3),
-                True,
-                key=lambda i, a=along, b=across: self._fits(renderer, _cut(last, i), size, a, b),
-            )  # type: ignore[misc]
+            cuts = [_cut(last, count) for count in range(len(last) - 3)]
+            fits = partial(self._fits, renderer, size=size, along=along, across=across)
+            count = bisect.bisect_left(cuts, True, key=fits)
             if count < len(last) - 3:
-                found.append((_cut(last, count), size, upright))
+                found.append((cuts[count], size, upright))
         yield from sorted(found, key=lambda choice: -len(choice[0]))
 
     def _fits(self, renderer: Any, words: str, size: float, along: float, across: float) -> bool:

@@ -71,11 +71,12 @@ def _sentence(change: Change) -> str:
             return f"task {name}: {_list_change('waits for', before or [], after or [])}"
         case ("tasks", name, "together"):
             if not before or not after:
-                return (
-                    f"task {name}:"
-                    f" {'can be done together now, by' if after else 'can no longer be done together, as by'}"
-                    f" {_joint(after or before)}"
+                can = (
+                    "can be done together now, by"
+                    if after
+                    else "can no longer be done together, as by"
                 )
+                return f"task {name}: {can} {_joint(after or before)}"
             return f"task {name}: done together by {_joint(after)} instead of {_joint(before)}"
     where = (
         f"{path[0][:-1]} {path[1]}: {' of '.join(path[2:])}"

@@ -218,10 +218,8 @@ def _too_small(path: Path, item: Any) -> str:
         case ("tasks", _, "deadline"):
             return f"{value}, but a deadline is later than 0 s. Leave it out if there is none."
     limit = item["ctx"].get("gt", item["ctx"].get("ge"))
-    return (
-        f"{value}, but must be"
-        f" {'more than ' if 'gt' in item['ctx'] else ''}{shown(limit)}{'' if 'gt' in item['ctx'] else ' or more'}."
-    )
+    wanted = f"more than {shown(limit)}" if "gt" in item["ctx"] else f"{shown(limit)} or more"
+    return f"{value}, but must be {wanted}."
 
 
 def _too_large(path: Path, item: Any) -> str:

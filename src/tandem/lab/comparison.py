@@ -171,11 +171,14 @@ def html(shown: Sequence[Shown], *, command: str) -> str:
 
 
 STYLE = """
-.figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(24rem, 1fr)); gap: 1rem; margin: 1rem 0; }
+.figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(24rem, 1fr)); gap: 1rem;
+  margin: 1rem 0; }
 .figures figure { margin: 0; break-inside: avoid; }
-.figures img { width: 100%; height: auto; max-height: 32rem; object-fit: contain; object-position: left top; }
+.figures img { width: 100%; height: auto; max-height: 32rem; object-fit: contain;
+  object-position: left top; }
 .matrix td { max-width: 12rem; overflow-wrap: anywhere; }
-/* The widest table has a dozen columns: as narrow as their words on a screen, which scrolls when that is not enough; on paper nothing scrolls. */
+/* The widest table has a dozen columns: as narrow as their words on a screen, which scrolls when
+   that is not enough; on paper nothing scrolls. */
 .wide table { font-size: .93rem; }
 .wide tbody th { min-width: 0; }
 @media print {

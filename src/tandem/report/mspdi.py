@@ -137,8 +137,9 @@ def _tasks(tasks: ElementTree.Element, result: Result, t: Words) -> None:
 
 def _notes(cell: Cell, a: Assignment, t: Words) -> str:
     who = " + ".join(looks(cell)[name].label for name in a.operators)
+    start, end, span = t.number(a.start), t.number(a.end), t.number(_span(a))
     return (
-        f"{t('gantt.bar', task=a.task, who=who, start=t.number(a.start), end=t.number(a.end), span=t.number(_span(a)))}."
+        f"{t('gantt.bar', task=a.task, who=who, start=start, end=end, span=span)}."
         f" {t('project.scale')}"
     )
 

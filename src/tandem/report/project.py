@@ -127,7 +127,8 @@ def _readme(cell: Cell, sentence: str) -> str:
     return f"""# {" ".join((cell.name or "Assembly cell").split())}
 
 - `{CELL}`: operators and tasks. Edit it in any editor.
-- `{VARIANTS}/`: other states of the cell, each a cell file. `{EXAMPLE_VARIANT}` is an example ({sentence}); copy `{CELL}` for others.
+- `{VARIANTS}/`: other states of the cell, each a cell file. `{EXAMPLE_VARIANT}` is an
+  example ({sentence}); copy `{CELL}` for others.
 - `{RESULTS}/`: what was found. Every result says which state of which cell it belongs to.
 
 Run these here:
@@ -138,8 +139,9 @@ tandem compare {CELL} {VARIANTS}/{EXAMPLE_VARIANT}
 tandem check .
 ```
 
-The first finds the plans and writes the report; open `{RESULTS}/plan.html` in a browser and print it. The second says what the
-variant would bring. The third lists each result as current or stale: after a change of the cell, plan anew.
+The first finds the plans and writes the report; open `{RESULTS}/plan.html` in a
+browser and print it. The second says what the variant would bring. The third lists each result as
+current or stale: after a change of the cell, plan anew.
 `tandem explain {CELL}` says why a plan is as it is.
 """
 

@@ -296,7 +296,8 @@ def windows_csv(path: Path) -> Path:
     for row in PLAIN_ROWS:
         time = "" if row[1] is None else f"{row[1]},0"
         after = row[4] if row[4] is not None else ""
-        text += f'{row[0]};{time};{"" if row[2] is None else row[2]};{"" if row[3] is None else row[3]};"{after}"\r\n'
+        second, third = ("" if value is None else value for value in row[2:4])
+        text += f'{row[0]};{time};{second};{third};"{after}"\r\n'
     path.write_bytes(text.encode("cp1252"))
     return path
 
@@ -393,7 +394,8 @@ def ods(
             "<manifest:manifest"
             ' xmlns:manifest="urn:oasis:names:tc:opendocument:xmlns:manifest:1.0">'
             '<manifest:file-entry manifest:full-path="/"'
-            ' manifest:media-type="application/vnd.oasis.opendocument.spreadsheet"/></manifest:manifest>',
+            ' manifest:media-type="application/vnd.oasis.opendocument.spreadsheet"/>'
+            "</manifest:manifest>",
         )
     return path
 

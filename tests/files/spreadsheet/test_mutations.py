@@ -331,16 +331,8 @@ def test_names_merged_downwards_and_cells_merged_across_are_refused(
         assert "Plan!A" in tried(replace(sheet, merged=(f"A{row + 1}:A{row + 2}",)))
     for row, left, right in itertools.product(ROWS, range(1, 7), range(2, 7)):
         if left < right and sheet.rows[row][left] is not None:
-            found = tried(
-                replace(
-                    sheet,
-                    merged=(
-                        (
-                            f"{get_column_letter(left + 1)}{row + 1}:{get_column_letter(right + 1)}{row + 1}"
-                        ),
-                    ),
-                )
-            )
+            first, last = get_column_letter(left + 1), get_column_letter(right + 1)
+            found = tried(replace(sheet, merged=(f"{first}{row + 1}:{last}{row + 1}",)))
             assert isinstance(found, str)
             assert f"{row + 1}: is merged over" in found
 

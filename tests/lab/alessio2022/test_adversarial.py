@@ -148,11 +148,11 @@ def test_what_the_opponent_does_is_decided_by_the_draws_alone():
 
 def test_one_of_several_opponents_plays_through_an_episode_each_in_its_share():
     both = OneOf((frozen(0), frozen(1), frozen(2)), jnp.array([0.25, 0.0, 0.75]))
-    choose = lambda episode: int(
-        both.choose(
-            Pennies(), Round(0), 1, jnp.ones(3, bool), Draws(jnp.full(2, episode), jnp.zeros(2))
-        )
-    )  # noqa: E731
+
+    def choose(episode):
+        draws = Draws(jnp.full(2, episode), jnp.zeros(2))
+        return int(both.choose(Pennies(), Round(0), 1, jnp.ones(3, bool), draws))
+
     assert [choose(episode) for episode in (0.0, 0.24, 0.26, 0.6, 0.999)] == [0, 0, 2, 2, 2]
 
 
@@ -209,9 +209,9 @@ def test_pennies_learned_in_turns_end_near_the_value_of_the_game():
 
 
 def test_the_same_key_gives_the_same_robot_and_another_key_another():
-    train = lambda seed: respond(jax.random.key(seed), hostile(Pennies()), frozen(0), jnp.int32(0))[
-        1
-    ]  # noqa: E731
+    def train(seed):
+        return respond(jax.random.key(seed), hostile(Pennies()), frozen(0), jnp.int32(0))[1]
+
     first, again, other = (train(seed) for seed in (1, 1, 2))
     assert jnp.array_equal(first, again)
     assert not jnp.array_equal(first, other)

@@ -280,7 +280,7 @@ def test_a_cell_without_difficulty_counts_its_stress() -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_what_was_paid_and_the_best_of_the_rest_never_fall_below_the_optimum_and_meet_it_at_the_start(
+def test_paid_and_the_best_of_the_rest_never_fall_below_the_optimum_and_meet_it_at_the_start(
     small: Cell, seed: int
 ) -> None:
     optimum = min(t + d for t, d in exact_front(small).points)

@@ -132,10 +132,9 @@ def _against_failed(situation: Situation, event: Event) -> Iterator[str]:
         return
     at = situation.running.get(event.task)
     if at is None:
-        yield (
-            f"task {event.task!r}"
-            f" {'is done; report it as wrong' if event.task in situation.done else 'is not under way'}."
-        )
+        done = event.task in situation.done
+        so = "is done; report it as wrong" if done else "is not under way"
+        yield f"task {event.task!r} {so}."
     elif not set(event.operators) <= set(at.operators):
         yield (
             f"task {event.task!r} is being done by {_and(at.operators)}, not by"

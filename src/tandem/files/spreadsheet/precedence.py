@@ -35,8 +35,10 @@ SIDES: dict[str, str] = {
 }
 """Headers in a list of pairs, less words such as "task"."""
 SIDE_OF: dict[str, Side] = {
-    word: side for side, words in SIDES.items() for word in words.split("|")
-}  # type: ignore[misc]
+    word: side  # type: ignore[misc]
+    for side, words in SIDES.items()
+    for word in words.split("|")
+}
 
 MATRIX: dict[str, str] = {"after": "predecessor mark", "before": "successor mark", "": "link mark"}
 """What the columns of a matrix mean, by what stands above them: nothing says which of the two tasks
@@ -50,7 +52,8 @@ ABOUT_PRECEDENCE = re.compile(
 
 NEUTRAL = re.compile(
     r"(sheet|tabelle|blatt|table)"
-    r" ?\d*|links?|kanten|edges|arcs|pairs|paare|graph|relations|beziehungen|netz(plan|werk)?|network"
+    r" ?\d*|links?|kanten|edges|arcs|pairs|paare|graph|relations|beziehungen|netz(plan|werk)?"
+    r"|network"
 )
 """Names of sheets that say nothing against it."""
 NOT_READ = (

@@ -243,8 +243,8 @@ class References:
         return [
             name
             for name, found in numbered.items()
-            if found and found[1] == ends[0][1] and low <= int(found[2]) <= high
-        ]  # type: ignore[index]
+            if found and found[1] == ends[0][1] and low <= int(found[2]) <= high  # type: ignore[index]
+        ]
 
 
 def unquoted(text: str) -> str:

@@ -181,13 +181,8 @@ def _fields(cell: Cell, lang: Language, every: bool) -> list[Field]:
         fields.append(Field(words["part"], lambda name, task: task.part, "", 18))
     for who in cell.operators:
         fields.append(
-            Field(
-                _headed(words["time"], "time", (who,), cell),
-                lambda name, task, who=who: task.time.get(who),
-                "number",
-                16,
-            )
-        )  # type: ignore[misc]
+            Field(_headed(words["time"], "time", (who,), cell), _entry("time", who), "number", 16)
+        )
     groups = list(
         {
             frozenset(joint.operators): joint.operators
@@ -202,10 +197,8 @@ def _fields(cell: Cell, lang: Language, every: bool) -> list[Field]:
     fields += _stress_fields(cell, words, groups, every)
     fields.append(Field(words["after"], lambda name, task: _list(task.after), "text", 20))
     for what in ("tool", "zone"):
-        if every or any_task(lambda t, what=what: getattr(t, what)):  # type: ignore[misc]
-            fields.append(
-                Field(words[what], lambda name, task, what=what: getattr(task, what), what, 14)
-            )  # type: ignore[misc]
+        if every or any(getattr(task, what) for task in tasks):
+            fields.append(Field(words[what], _value(what), what, 14))
     if every or any_task(lambda t: t.release):
         fields.append(
             Field(words["release"], lambda name, task: task.release or None, "number", 16)
@@ -226,14 +219,8 @@ def _stress_fields(
             Field(words["stress"], lambda name, task: _for_all(task.stress), "number", 12)
         )
     for who in _named(cell, (task.stress for task in tasks)):
-        fields.append(
-            Field(
-                _headed(words["stress of"], "stress", (who,), cell),
-                lambda name, task, who=who: _of(task.stress, who),
-                "number",
-                16,
-            )
-        )  # type: ignore[misc]
+        header = _headed(words["stress of"], "stress", (who,), cell)
+        fields.append(Field(header, _share("stress", who), "number", 16))
     for group in groups:
         values = [
             joint.stress
@@ -257,27 +244,34 @@ def _stress_fields(
     return fields
 
 
+def _value(key: str) -> Callable[[str, Task], Any]:
+    """Reads a key of a task."""
+    return lambda name, task: getattr(task, key)
+
+
+def _entry(key: str, who: str) -> Callable[[str, Task], Any]:
+    """Reads an operator's entry in a table of a task; None when it has none."""
+    return lambda name, task: getattr(task, key).get(who)
+
+
+def _share(key: str, who: str) -> Callable[[str, Task], Any]:
+    """Reads what of a task's number, which may be one for all, is that operator's by name."""
+    return lambda name, task: _of(getattr(task, key), who)
+
+
 def _operator_fields(cell: Cell, words: Mapping[str, str]) -> list[Field]:
     tasks = cell.tasks.values()
     fields = []
     for who in _named(cell, (task.difficulty for task in tasks)):
         header = _headed(words["difficulty"], "difficulty", (who,), cell)
-        fields.append(
-            Field(header, lambda name, task, who=who: task.difficulty.get(who), "number", 18)
-        )  # type: ignore[misc]
+        fields.append(Field(header, _entry("difficulty", who), "number", 18))
     if any(not isinstance(task.spread, Mapping) and task.spread for task in tasks):
         fields.append(
             Field(words["spread"], lambda name, task: _for_all(task.spread), "number", 12)
         )
     for who in _named(cell, (task.spread for task in tasks)):
-        fields.append(
-            Field(
-                _headed(words["spread of"], "spread", (who,), cell),
-                lambda name, task, who=who: _of(task.spread, who),
-                "number",
-                16,
-            )
-        )  # type: ignore[misc]
+        header = _headed(words["spread of"], "spread", (who,), cell)
+        fields.append(Field(header, _share("spread", who), "number", 16))
     if cell.same_operator:
         partners = {
             name: [other for one, other in cell.same_operator if one == name] for name in cell.tasks

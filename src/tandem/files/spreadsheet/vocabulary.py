@@ -121,7 +121,8 @@ class Meaning:
     def __str__(self) -> str:
         of = f" of {' + '.join(self.who)}" if self.who and not self.human else ""
         joint = f" of {self.human} in {' + '.join(self.who)}" if self.human else ""
-        return f"{self.what}{of}{joint}{f', {self.unit}' if self.unit else ''}{' per piece' if self.per_piece else ''}"
+        unit = f", {self.unit}" if self.unit else ""
+        return f"{self.what}{of}{joint}{unit}{' per piece' if self.per_piece else ''}"
 
 
 def key(text: str) -> str:

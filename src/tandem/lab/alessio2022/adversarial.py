@@ -308,9 +308,10 @@ def alternately(
         ),
         jnp.zeros((), bool),
     )
-    as_robot = lambda human: Against(
-        world, OneOf((ByChance(), human), jnp.array([mixed, 1 - mixed]))
-    )  # noqa: E731
+
+    def as_robot(human: Any) -> Against:
+        return Against(world, OneOf((ByChance(), human), jnp.array([mixed, 1 - mixed])))
+
     as_human = lambda robot: Against(world, robot, 1)  # noqa: E731
     pair = Pair(
         ppo.start(robot_key, as_robot(nobody), config),

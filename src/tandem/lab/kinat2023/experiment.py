@@ -239,7 +239,9 @@ def table(document: Mapping[str, Any]) -> str:
             "finished")),
             _mean(sampled["makespan"], " s"), _mean(sampled["stress"]),
             _share(row["best_of_n"]["return_optimal"]),
-            ", ".join(_show(pair) for pair in document["return_optimal"][rewards][str(row["factor"])]),
+            ", ".join(
+                _show(pair) for pair in document["return_optimal"][rewards][str(row["factor"])]
+            ),
         ]  # fmt: skip
         lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
     exact = ", ".join(_show(point) for point in document["exact_front"])

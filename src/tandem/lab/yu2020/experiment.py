@@ -282,7 +282,8 @@ def table(document: Mapping[str, Any]) -> str:
             f"{row['beats_longest_tail']:.0%}", f"{row['beats_best_random']:.0%}"]
               if "gap" in row else ["–"] * 4),
             " ".join(f"{seconds:g}" for seconds in row["desk"]) or "–",
-            f"{document['decisions'][row['player']]:.2g}" if row["player"] in document["decisions"] else "–",
+            f"{document['decisions'][row['player']]:.2g}"
+            if row["player"] in document["decisions"] else "–",
         ]  # fmt: skip
         lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
     lines += [

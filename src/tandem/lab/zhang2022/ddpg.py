@@ -232,9 +232,8 @@ class Draws(NamedTuple):
 
 def _draws(key: Array, world: World, config: Config) -> Draws:
     n, b, u = config.environments, config.minibatch, config.updates
-    shapes = Draws(
-        (n, 2), (n, world.actions), (u, b, 2), (u, b, world.actions * config.noise_in_targets)
-    )  # type: ignore[arg-type]
+    in_targets = world.actions * config.noise_in_targets
+    shapes = ((n, 2), (n, world.actions), (u, b, 2), (u, b, in_targets))  # of the fields of Draws
     sizes = [math.prod(shape) for shape in shapes]
     parts = jnp.split(
         jax.random.uniform(key, (sum(sizes),)), list(itertools.accumulate(sizes[:-1]))

@@ -153,10 +153,10 @@ def _while_on(
 
     def one(states: State, key: Array) -> tuple[State, Any]:
         shape = jax.eval_shape(move, states, key)[1]
-        nothing = lambda states, key: (
-            states,
-            jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shape),
-        )  # noqa: E731
+
+        def nothing(states: Any, key: Array) -> tuple[Any, Any]:
+            return states, jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shape)
+
         return jax.lax.cond(jnp.all(_are_over(games, states)), nothing, move, states, key)
 
     return one

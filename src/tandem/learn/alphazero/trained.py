@@ -47,9 +47,9 @@ class Trained:
         about = {
             "format": FORMAT,
             "network": self.judge.kind,
-            "sizes": asdict(self.judge),
+            "sizes": asdict(self.judge),  # type: ignore[call-overload]
             "notes": dict(self.notes),
-        }  # type: ignore[call-overload]
+        }
         write_tensors(
             path,
             {name: np.asarray(array) for name, array in _named(self.parameters).items()},

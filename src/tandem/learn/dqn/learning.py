@@ -258,9 +258,10 @@ def _rows(
         own(opened.waiting),
     )
     mine = jnp.arange(agents)[None] == me[:, None]
-    put = lambda all_, one: jnp.where(
-        mine.reshape(*mine.shape, *[1] * (all_.ndim - 2)), one[:, None], all_
-    )  # noqa: E731
+
+    def put(all_: Array, one: Array) -> Array:
+        return jnp.where(mine.reshape(*mine.shape, *[1] * (all_.ndim - 2)), one[:, None], all_)
+
     opened = Open(
         jax.tree.map(put, opened.state, states),
         put(opened.move, move),

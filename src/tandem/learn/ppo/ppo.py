@@ -584,9 +584,10 @@ def _epochs(
     def epoch(carry: Carry, key: Array) -> tuple[Carry, None]:
         # empty rows come last
         order = jnp.argsort(jax.random.uniform(key, (size,)) + ~batch.valid[0])
-        one = lambda place, carry: minibatch(
-            jax.lax.dynamic_slice(order, (place * portion,), (portion,)), carry
-        )  # noqa: E731
+
+        def one(place: Array, carry: Any) -> Any:
+            return minibatch(jax.lax.dynamic_slice(order, (place * portion,), (portion,)), carry)
+
         return jax.lax.fori_loop(0, portions, one, carry), None
 
     none = {
