@@ -14,10 +14,14 @@ if TYPE_CHECKING:
     from pettingzoo import ParallelEnv
 
 PARALLEL = {"events": "tandem.envs.parallel:EventsParallel", **added("environments")}
-"""Name -> the PettingZoo face, `module:class`."""
+"""Name -> the PettingZoo face, `module:class`. A new one is a line here, or an entry point of the
+group `tandem.environments`.
+"""
 
 SINGLE = {"tandem/RobotBesideHuman-v0": "tandem.envs.single:RobotBesideHuman", **added("gymnasium")}
-"""Gymnasium id -> the single-agent face, `module:class`."""
+"""Gymnasium id -> the single-agent face, `module:class`. A new one is a line here, or an entry
+point of the group `tandem.gymnasium`.
+"""
 
 
 def parallel_env(name: str, *arguments: Any, **options: Any) -> ParallelEnv[str, Any, Any]:

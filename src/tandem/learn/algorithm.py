@@ -28,6 +28,10 @@ class AnyRecipe(Protocol):
     """A recipe of any algorithm: frozen data that says which one, and that can be written down."""
 
     @property
+    def what(self) -> str:
+        """What it is, in a line."""
+
+    @property
     def algorithm(self) -> str:
         """A name in `tandem.learn.training.algorithms.ALGORITHMS`."""
 

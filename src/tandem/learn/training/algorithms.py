@@ -1,4 +1,4 @@
-"""The table of algorithms. One more is a module with a `Trainee`, and a line here."""
+"""The table of algorithms."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ ALGORITHMS = {
     "dqn": "tandem.learn.dqn.trainee:Trainee",
     **added("algorithms"),
 }
-"""Name -> the class that is made from an order, `module:class`. One more is a line here, or an
+"""Name -> the class that is made from an order, `module:class`. A new one is a line here, or an
 entry point of the group `tandem.algorithms`.
 """
 
