@@ -35,10 +35,6 @@ class AnyRecipe(Protocol):
     def algorithm(self) -> str:
         """A name in `tandem.learn.training.algorithms.ALGORITHMS`."""
 
-    @property
-    def config(self) -> Any:
-        """Of the learner."""
-
     def to_dict(self) -> dict[str, Any]:
         """Plain values, as a run keeps them."""
 
