@@ -9,9 +9,10 @@
     python3 dev.py lint             all of `test` that is not a test python3 dev.py fix
     mend what ruff can mend: format and simple findings python3 dev.py docs             build the
     documentation into docs/_build/html python3 dev.py bench [NAME ...] list the benchmarks, or run
-    one with its arguments python3 dev.py fuzz [NAME ...]  list the fuzzing programs, or run one:
-    random inputs until something differs python3 dev.py clean [--all]    remove what tools left
-    behind; with --all also .venv
+    one with its arguments python3 dev.py house [FOLDER]   rooms, lines, circles and density of the
+    code; beside another checkout's python3 dev.py fuzz [NAME ...]  list the fuzzing programs, or
+    run one: random inputs until something differs python3 dev.py clean [--all]    remove what tools
+    left behind; with --all also .venv
 
 What is needed is installed into .venv the first time, and again when pyproject.toml or
 constraints.txt change. Only the standard library is used here.
@@ -379,6 +380,11 @@ def fuzz(arguments: Sequence[str]) -> int:
     return call(PYTHON, "-m", f"tests.fuzz.{program.stem}", *arguments[1:])
 
 
+def house(arguments: Sequence[str]) -> int:
+    install("dev")
+    return call(PYTHON, "-m", "tests.house", *arguments)
+
+
 def clean(arguments: Sequence[str]) -> int:
     if "--all" in arguments and (STATE.exists() or not VENV.exists()):
         shutil.rmtree(VENV, ignore_errors=True)
@@ -393,8 +399,8 @@ def clean(arguments: Sequence[str]) -> int:
 
 
 VERBS: dict[str, Callable[[Sequence[str]], int]] = {
-    "run": run, "test": test, "lint": lint, "fix": fix, "docs": docs, "bench": bench, "fuzz": fuzz,
-    "clean": clean
+    "run": run, "test": test, "lint": lint, "fix": fix, "docs": docs, "bench": bench,
+    "house": house, "fuzz": fuzz, "clean": clean
 }  # fmt: skip
 
 

@@ -199,3 +199,19 @@ def test_one_operator_who_may_interrupt():
     assert preemptive([(0, 4, 0), (1, 2, 1)]) == 6
     assert preemptive([]) == 0
     assert preemptive([(5, 1, 2)]) == 8
+
+
+def test_least_stress_gives_each_task_to_whom_it_strains_least():
+    front = RULES["least-stress"](thesis())
+    assert front.points == [(34, 2)]
+
+
+def test_earliest_completion_gives_a_task_to_who_ends_it_first_though_busy_now():
+    cell = Cell.model_validate(
+        {
+            "operators": {"quick": {"kind": "robot"}, "slow": {"kind": "robot"}},
+            "tasks": {name: {"time": {"quick": 2, "slow": 9}} for name in ("a", "b", "c")},
+        }
+    )
+    (result,) = RULES["earliest-completion"](cell)
+    assert {step.operators for step in result.schedule} == {("quick",)}

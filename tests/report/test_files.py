@@ -15,11 +15,11 @@ import pytest
 from tests.draw.cells import front_of, gearbox_front, thesis, thesis_front
 
 from tandem.errors import UsageError
-from tandem.report.files import COLUMNS, ENDINGS, ready_to_write, to_csv, write
+from tandem.report.files import COLUMNS, EXPORTERS, ready_to_write, to_csv, write
 from tandem.schedule.model import Schedule
 
 
-@pytest.mark.parametrize("ending", ENDINGS)
+@pytest.mark.parametrize("ending", EXPORTERS)
 def test_every_ending_writes_the_same_file_twice_and_nothing_else(
     tmp_path: Path, ending: str
 ) -> None:
@@ -97,12 +97,12 @@ def test_names_are_asked_for_before_the_search(tmp_path: Path) -> None:
     assert "a name without an ending" in lines[1]
     assert "does not exist" in lines[2]
     assert "is a folder" in lines[3]
-    ready_to_write([tmp_path / f"good{ending}" for ending in ENDINGS])
+    ready_to_write([tmp_path / f"good{ending}" for ending in EXPORTERS])
     with pytest.raises(UsageError, match="cannot tell"):
         write(thesis_front(), tmp_path / "a.txt")
 
 
-@pytest.mark.parametrize("ending", ENDINGS)
+@pytest.mark.parametrize("ending", EXPORTERS)
 def test_a_full_disk_leaves_the_old_file_and_nothing_else(tmp_path: Path, ending: str) -> None:
     """The kernel refuses to write more than 200 bytes, as a full disk would."""
     target = tmp_path / f"plan{ending}"

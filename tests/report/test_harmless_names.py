@@ -20,7 +20,7 @@ import pytest
 
 import tandem
 from tandem.files.validate import cell_of
-from tandem.report.files import ENDINGS, write
+from tandem.report.files import EXPORTERS, write
 from tandem.report.terminal import GanttText
 
 NAMES = [
@@ -158,7 +158,7 @@ CHECKS: dict[str, Callable[[bytes], None]] = {
 
 
 @pytest.mark.parametrize("language", ["en", "de"])
-@pytest.mark.parametrize("ending", ENDINGS)
+@pytest.mark.parametrize("ending", EXPORTERS)
 def test_no_name_does_harm_in_any_file(
     tmp_path: Path, front: tandem.Front, ending: str, language: str
 ) -> None:

@@ -21,7 +21,20 @@ FOLDER = click.Path(file_okay=False, path_type=Path)
 PICTURE = click.Path(dir_okay=False, path_type=Path)
 
 
-@click.command("train")
+class _Train(click.Command):
+    """`train`, whose help lists the table of recipes, those that installed packages add
+    included.
+    """
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        from tandem.learn.training.recipes import RECIPES
+
+        with formatter.section("Recipes"):
+            formatter.write_dl([(name, recipe.what) for name, recipe in RECIPES.items()])
+        super().format_options(ctx, formatter)
+
+
+@click.command("train", cls=_Train)
 @click.argument("cell_file", metavar="[CELL]", required=False, type=click.Path(allow_dash=True))
 @click.option(
     "--format",
@@ -34,7 +47,7 @@ PICTURE = click.Path(dir_okay=False, path_type=Path)
     "recipe_name",
     default="tandem",
     show_default=True,
-    help="How to train; see the documentation.",
+    help="How to train: a name of the list above.",
 )
 @click.option(
     "--set",
@@ -46,7 +59,7 @@ PICTURE = click.Path(dir_okay=False, path_type=Path)
 @click.option(
     "--people",
     metavar="SPEC",
-    help="With `--recipe response`: beside whom, such as random:0.5 or population:FILE.",
+    help="With `tandem` and `response`: beside whom, such as random:0.5 or population:FILE.",
 )
 @click.option(
     "--stress-factor",
@@ -109,12 +122,9 @@ def train_command(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Train agents on CELL by trial and error, one for each operator.
+    """Train on CELL by trial and error what decides who begins which task, beside the exact front.
 
-    Recipes: tandem (ours: independent PPO), thesis (Kinat 2023); alphazero (ours: self-play with a
-    search, any number of operators), yu2020 (Yu, Huang and Chang 2020); dqn (ours: deep
-    Q-learning), yu2021 (Yu, Huang and Chang 2021); response (ours: one decider beside people who do
-    as they like, for `tandem simulate` and `tandem dispatch`).
+    What is learned serves `tandem evaluate`, `tandem simulate` and `tandem dispatch`.
 
     \b
     Examples:

@@ -17,6 +17,7 @@ import click
 from tandem.cli.answers import difference, tell_difference, variant_options
 from tandem.cli.project import sound, tell_folder
 from tandem.errors import CellError, Fault, UnsoundScheduleError, UsageError
+from tandem.files.formats.table import FORMATS
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
@@ -27,10 +28,7 @@ FORMAT = click.option(
     "--format",
     "form",
     metavar="NAME",
-    help=(
-        "What CELL is written in; told from its content when absent: yaml, json, fjs, fjs-dag, alb,"
-        " alwabp, case."
-    ),
+    help=f"What CELL is written in; told from its content when absent: {', '.join(FORMATS)}.",
 )
 
 

@@ -50,7 +50,7 @@ VERBS: dict[str, tuple[str, str, str]] = {
     "train": (
         "tandem.cli.learn",
         "train_command",
-        "Train agents by trial and error, one for each operator.",
+        "Learn by trial and error who begins which task.",
     ),
     "evaluate": (
         "tandem.cli.learn",

@@ -8,16 +8,22 @@ from typing import TYPE_CHECKING, Any
 import gymnasium
 
 from tandem.errors import UsageError
-from tandem.extensions import added, resolved
+from tandem.extensions import extended, resolved
 
 if TYPE_CHECKING:
     from pettingzoo import ParallelEnv
 
-PARALLEL = {"events": "tandem.envs.parallel:EventsParallel", **added("environments")}
-"""Name -> the PettingZoo face, `module:class`."""
+PARALLEL = extended("environments", {"events": "tandem.envs.parallel:EventsParallel"})
+"""Name -> the PettingZoo face, `module:class`. A new one is a line here, or an entry point of the
+group `tandem.environments`.
+"""
 
-SINGLE = {"tandem/RobotBesideHuman-v0": "tandem.envs.single:RobotBesideHuman", **added("gymnasium")}
-"""Gymnasium id -> the single-agent face, `module:class`."""
+SINGLE = extended(
+    "gymnasium", {"tandem/RobotBesideHuman-v0": "tandem.envs.single:RobotBesideHuman"}
+)
+"""Gymnasium id -> the single-agent face, `module:class`. A new one is a line here, or an entry
+point of the group `tandem.gymnasium`.
+"""
 
 
 def parallel_env(name: str, *arguments: Any, **options: Any) -> ParallelEnv[str, Any, Any]:

@@ -1,6 +1,4 @@
-"""The published systems that run here, and what each experiment module must offer. A new system is
-a module and one line in `SYSTEMS`.
-"""
+"""The published systems that run here, and what each experiment module must offer."""
 
 from __future__ import annotations
 
@@ -158,6 +156,7 @@ SYSTEMS: dict[str, System] = {
         takes_cases=True,
     ),
 }
+"""Name -> system. A new one is a module and a line here."""
 
 
 def system(name: str) -> System:

@@ -28,12 +28,12 @@ class AnyRecipe(Protocol):
     """A recipe of any algorithm: frozen data that says which one, and that can be written down."""
 
     @property
-    def algorithm(self) -> str:
-        """A name in `tandem.learn.training.algorithms.ALGORITHMS`."""
+    def what(self) -> str:
+        """What it is, in a line."""
 
     @property
-    def config(self) -> Any:
-        """Of the learner."""
+    def algorithm(self) -> str:
+        """A name in `tandem.learn.training.algorithms.ALGORITHMS`."""
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, as a run keeps them."""

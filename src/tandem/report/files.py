@@ -8,8 +8,8 @@ import io
 import json
 import os
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from tandem.cell.written import number
 from tandem.draw.saving import save
@@ -35,27 +35,18 @@ def write(
     date: str = "",
     language: str = "en",
 ) -> Path:
-    """Writes the front and returns where.
+    """Writes the front as the ending of the name says, a line of `EXPORTERS`, and returns where.
 
-    `.json` is the result document, `.csv` has one row for each task of each point, `.svg`, `.png`
-    and `.pdf` show the front above the knee's Gantt chart, `.html` is the report, `.md` the same
-    for wikis, `.xlsx` a workbook that `tandem import` reads too, `.xml` the knee's plan for MS
-    Project. `command` and `date` are for the reports, `language` for them and the pictures; `.json`
-    and `.csv` are the same in every language.
+    `command` and `date` are for the reports, `language` for them and the pictures.
 
     Raises:
       UsageError: the name has none of these endings.
       OSError: the file cannot be written; nothing is left behind.
     """
-    if Path(path).suffix.lower() not in ENDINGS:
-        raise UsageError(_not_ready(Path(path)))
     ending = Path(path).suffix.lower()
-    if ending == ".html":
-        return write_html(front, path, command=command, date=date, language=language)
-    if ending in REPORTS:
-        store(path, REPORTS[ending](front, command, date, language))
-    else:
-        WRITERS[ending](front, path, language)
+    if ending not in EXPORTERS:
+        raise UsageError(_not_ready(Path(path)))
+    EXPORTERS[ending].write(front, Path(path), About(command, date, language))
     return Path(path)
 
 
@@ -71,13 +62,13 @@ def ready_to_write(paths: Iterable[str | os.PathLike[str]]) -> None:
 
 def _not_ready(path: Path) -> str:
     ending, folder = path.suffix.lower(), Path(os.path.realpath(path)).parent
-    if ending not in ENDINGS:
-        near = difflib.get_close_matches(ending, ENDINGS, n=1, cutoff=0.5)
+    if ending not in EXPORTERS:
+        near = difflib.get_close_matches(ending, EXPORTERS, n=1, cutoff=0.5)
         hint = f" Did you mean {near[0]}?" if near else ""
         return (
             f"{path}: cannot tell what to write from"
             f" {repr(ending) if ending else 'a name without an ending'}; use"
-            f" {', '.join(ENDINGS)}.{hint}"
+            f" {', '.join(EXPORTERS)}.{hint}"
         )
     if path.is_dir():
         return f"{path}: is a folder; name a file."
@@ -144,53 +135,76 @@ def _harmless(name: str) -> str:
     return "'" + name if risky else name
 
 
-def _write_json(front: Front, path: str | os.PathLike[str], _: str) -> None:
+@dataclass(frozen=True)
+class About:
+    """What stands in an export beside the front: the command that made it, the day, the
+    language.
+    """
+
+    command: str
+    date: str
+    language: str
+
+
+def _write_json(front: Front, path: Path, about: About) -> None:
     store(path, to_json(front))
 
 
-def _write_csv(front: Front, path: str | os.PathLike[str], _: str) -> None:
+def _write_csv(front: Front, path: Path, about: About) -> None:
     text = to_csv(front)
     # Excel takes a CSV file for the local 8-bit encoding unless it begins with this mark; plain
     # ASCII does without.
     store(path, text if text.isascii() else text.encode("utf-8-sig"))
 
 
-def _write_picture(front: Front, path: str | os.PathLike[str], language: str) -> None:
+def _write_picture(front: Front, path: Path, about: About) -> None:
     from tandem.draw.overview import overview
 
-    save(overview(front, language=language), path)
+    save(overview(front, language=about.language), path)
 
 
-WRITERS: dict[str, Callable[[Front, Any, str], None]] = {
-    ".json": _write_json,
-    ".csv": _write_csv,
-    ".svg": _write_picture,
-    ".png": _write_picture,
-    ".pdf": _write_picture,
-}
+def _write_html(front: Front, path: Path, about: About) -> None:
+    write_html(front, path, command=about.command, date=about.date, language=about.language)
 
 
-def _workbook(front: Front, command: str, date: str, language: str) -> bytes:
+def _write_workbook(front: Front, path: Path, about: About) -> None:
     from tandem.report.xlsx import xlsx
 
-    return xlsx(front, command=command, date=date, language=language)
+    store(path, xlsx(front, command=about.command, date=about.date, language=about.language))
 
 
-def _project(front: Front, command: str, date: str, language: str) -> bytes:
+def _write_project(front: Front, path: Path, about: About) -> None:
     from tandem.report.mspdi import mspdi
 
-    return mspdi(front.knee, language=language)
+    store(path, mspdi(front.knee, language=about.language))
 
 
-def _markdown(front: Front, command: str, date: str, language: str) -> str:
+def _write_markdown(front: Front, path: Path, about: About) -> None:
     from tandem.report.markdown import markdown
 
-    return markdown(front, command=command, date=date, language=language)
+    text = markdown(front, command=about.command, date=about.date, language=about.language)
+    store(path, text)
 
 
-REPORTS: dict[str, Callable[[Front, str, str, str], str | bytes]] = {
-    ".xlsx": _workbook,
-    ".xml": _project,
-    ".md": _markdown,
+@dataclass(frozen=True)
+class Exporter:
+    """A line of the table: what the file is, and what writes it, whole or not at all."""
+
+    what: str
+    write: Callable[[Front, Path, About], None]
+
+
+PICTURE = "the front above the recommended plan's Gantt chart"
+
+EXPORTERS: dict[str, Exporter] = {
+    ".json": Exporter("every number, for programs; the same in every language", _write_json),
+    ".csv": Exporter("one row for each task of each point; the same in every language", _write_csv),
+    ".svg": Exporter(PICTURE, _write_picture),
+    ".png": Exporter(PICTURE, _write_picture),
+    ".pdf": Exporter(PICTURE, _write_picture),
+    ".html": Exporter("the report in one file that opens offline", _write_html),
+    ".xlsx": Exporter("a workbook, which `tandem import` reads too", _write_workbook),
+    ".xml": Exporter("the recommended plan for MS Project", _write_project),
+    ".md": Exporter("the report for wikis", _write_markdown),
 }
-ENDINGS = (*WRITERS, ".html", *REPORTS)
+"""How a file's name ends -> what is written there. A new exporter is a line here."""

@@ -378,6 +378,6 @@ KINDS: dict[str, Kind] = {
         lambda made: {"taste": harm(made.arrays), "follows": 0.0, "obeys": 0.0},
     ),
 }
-"""Every kind of person by name; `population:FILE` stands beside them."""
+"""Every kind of person by name; `population:FILE` stands beside them. A new one is a line here."""
 
 TASTES = ("prefers", "utility", "adversarial")

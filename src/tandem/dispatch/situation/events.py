@@ -74,7 +74,9 @@ KINDS: dict[str, Kind] = {
     "back": Kind("the human is there again and goes on with their task", "no", "one"),
     "tick": Kind("time has passed, nothing else"),
 }
-"""Every kind of event by its name."""
+"""Every kind of event by its name. A new one is a line here: then `transitions` says what it does,
+and `objections` what speaks against it.
+"""
 
 
 @dataclass(frozen=True)

@@ -66,6 +66,8 @@ FORMATS = {
     "fjs": Format("flexible job shop, FJSPLIB", fjs.read, fjs.looks_like, numbers=True),
     "yaml": Format("cell file, YAML", yaml_reader.read, lambda text: True),
 }
+"""Name -> format, in the order in which they are told. A new one is a file and a line here."""
+
 ENDINGS = {".alb": "alb", ".in2": "alb", ".fjs": "fjs", ".jsp": "jsp"}
 """How the names of files end that nobody gives to anything else."""
 

@@ -60,7 +60,7 @@ TRAININGS: dict[str, Training] = {
     "as described, plain: random human": Training("random", sees="published", lawful=False),
     "as described, adversarial, share 10 %": Training("adversary", sees="published", lawful=False),
 }
-"""Name -> training. A new one is a line here; `alessio2022.GRIDS` says which are run.
+"""Name -> training; `alessio2022.GRIDS` says which are run.
 
 "As described" sees the published channels and punishes impossible moves; the rest is our recipe."""
 

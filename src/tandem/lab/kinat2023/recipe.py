@@ -5,7 +5,7 @@ we would.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Literal, get_args
 
 from pydantic import ConfigDict
@@ -36,12 +36,14 @@ class StationRecipe:
       sees: a name in `OBSERVATIONS`: the thesis's observation as it is ("thesis") or in 0..1
         ("scaled"), or ours ("normalised").
       rewards: a name in `tandem.lab.kinat2023.REWARDS`. What idling costs is said by the stages.
+      what: it is, in a line; no setting.
     """
 
     config: Config
     pace: Pace
     sees: str
     rewards: str = "appendix"
+    what: str = field(default="", compare=False, kw_only=True)
 
     algorithm: ClassVar[str] = "station"
     __pydantic_config__: ClassVar[ConfigDict] = STRICT
@@ -95,6 +97,7 @@ THESIS = StationRecipe(
     ),
     pace="ticks",
     sees="thesis",
+    what="Kinat 2023: two agents, a robot and a human, on the thesis's station",
 )
 """Kinat (2023), chapters 5 and 6: what is written there. What is not, as the toolbox it used has it
 by default: two hidden layers, ReLU, raw advantages, learning after each episode or 512 steps,
@@ -117,6 +120,7 @@ STATION = StationRecipe(
     ),
     pace="decisions",
     sees="normalised",
+    what="the thesis's station by our settings: decisions instead of ticks, legal actions alone",
 )
 """Ours: only legal actions, 64 stations at once, decisions instead of ticks."""
 

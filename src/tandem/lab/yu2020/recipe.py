@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from pydantic import ConfigDict
@@ -22,10 +22,12 @@ class YuRecipe:
       config: of the learner.
       samples: games that are drawn from the visits when the best of several is asked for.
         ASSUMPTION: the authors play one.
+      what: it is, in a line; no setting.
     """
 
     config: YuConfig
     samples: int = 16
+    what: str = field(default="", compare=False, kw_only=True)
 
     algorithm: ClassVar[str] = "yu"
     __pydantic_config__: ClassVar[ConfigDict] = STRICT
@@ -41,7 +43,7 @@ class YuRecipe:
         return {"config": self.config.to_dict(), "samples": self.samples}
 
 
-YU_2020 = YuRecipe(YuConfig())
+YU_2020 = YuRecipe(YuConfig(), what="Yu, Huang and Chang 2020: self-play on the chessboard")
 """Yu, Huang and Chang (2020): their networks, search and schedule of 500 games. Their seed is
 999.
 """

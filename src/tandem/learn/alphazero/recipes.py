@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from pydantic import ConfigDict
@@ -25,12 +25,14 @@ class SearchRecipe:
       waiting: an operator may let its turn pass although it could do something.
       simulations: of the search that plays what was learned.
       samples: how many games it plays, of which the best counts.
+      what: it is, in a line; no setting.
     """
 
     config: Config
     waiting: bool = True
     simulations: int = 32
     samples: int = 16
+    what: str = field(default="", compare=False, kw_only=True)
 
     algorithm: ClassVar[str] = "alphazero"
     __pydantic_config__: ClassVar[ConfigDict] = STRICT
@@ -59,7 +61,8 @@ ALPHAZERO = SearchRecipe(
         games=32,
         minibatch=256,
         minibatches=16,
-    )
+    ),
+    what="self-play with a search: any number of operators, plays cells that it was not trained on",
 )
 """Ours: Gumbel search of 16 simulations, 32 games at a time. It is told what a cell is by features,
 so that it plays cells it was not trained on.

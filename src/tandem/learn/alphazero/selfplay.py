@@ -42,8 +42,8 @@ def wander(
 
 
 SEARCHES: dict[type[Any], Any] = {Search: search, Wander: wander}
-"""How a search is told -> the search. One more is a line here, or an entry by who has it
-(`SEARCHES[Mine] = my_search`).
+"""How a search is told -> the search. One more is an entry by who has it: `SEARCHES[Mine] =
+my_search`.
 """
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from pydantic import ConfigDict
@@ -24,11 +24,13 @@ class ValueRecipe:
       config: of the learner.
       waiting: an operator may let its turn pass although it could do something.
       samples: games in which a twentieth of the moves is random, of which the best counts.
+      what: it is, in a line; no setting.
     """
 
     config: Config
     waiting: bool = True
     samples: int = 64
+    what: str = field(default="", compare=False, kw_only=True)
 
     algorithm: ClassVar[str] = "dqn"
     __pydantic_config__: ClassVar[ConfigDict] = STRICT
@@ -44,5 +46,8 @@ class ValueRecipe:
         return {"config": self.config.to_dict(), "waiting": self.waiting, "samples": self.samples}
 
 
-DQN = ValueRecipe(Config(double=True, agents="each", horizon="next"))
+DQN = ValueRecipe(
+    Config(double=True, agents="each", horizon="next"),
+    what="deep Q-learning: a network for each operator, any number of them",
+)
 """Ours: double DQN, a network for each operator; a value goes on with whoever decides next."""

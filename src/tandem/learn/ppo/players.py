@@ -1,6 +1,4 @@
-"""What PPO has learned as it plays a cell, and who plays at random: episodes in NumPy beside
-somebody who does what is asked. No JAX is loaded.
-"""
+"""What PPO has learned as it plays a cell, in NumPy. No JAX is loaded."""
 
 from __future__ import annotations
 
@@ -10,20 +8,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tandem.cell.model import Cell, plain
+from tandem.cell.model import Cell
 from tandem.errors import UsageError
+from tandem.learn.episodes import played
 from tandem.learn.forms import unreadable
 from tandem.learn.networks import masked_log_softmax, sample
 from tandem.learn.policy import Policy
 from tandem.learn.ppo.decider import worth
 from tandem.learn.ppo.observation import observation_size
-from tandem.learn.results import Reached, cost, paid
-from tandem.schedule.model import Schedule
+from tandem.learn.results import Reached
 from tandem.world.arrays import Array, Arrays, Names
-from tandem.world.episode import Decider, Shift, play_one
-from tandem.world.people import compliant, crew
-from tandem.world.randomness import Draw, fate
-from tandem.world.state import legal_of
+from tandem.world.episode import Decider, Shift
 
 if TYPE_CHECKING:
     from tandem.learn.algorithm import Order
@@ -43,10 +38,10 @@ def players(
         must_be_whole(policy, arrays, path)
     fits(policy, arrays, cell)
     draws = np.random.default_rng(seed)
-    greedy = _played(
+    greedy = played(
         cell, order.stress_factor, _chooser(policy, lambda logits: int(np.argmax(logits))), 1
     )
-    sampled = _played(
+    sampled = played(
         cell, order.stress_factor, _chooser(policy, lambda logits: _drawn(logits, draws)), episodes
     )
     return {
@@ -54,19 +49,6 @@ def players(
         "sampled": sampled,
         f"best of {episodes}": [min(sampled, key=lambda one: one.cost)],
     }
-
-
-def at_random(cell: Cell, stress_factor: float, *, seed: int, episodes: int) -> list[Reached]:
-    """Episodes in which everybody begins any legal task, each as likely as the others, and waits
-    only where there is none.
-    """
-    draws = np.random.default_rng(seed)
-
-    def decide(arrays: Arrays, shift: Shift) -> Array:
-        legal = np.flatnonzero(legal_of(arrays, shift.mask, shift.turn))
-        return np.int32(draws.choice(legal) if len(legal) else -1)
-
-    return _played(cell, stress_factor, decide, episodes)
 
 
 def fits(policy: Policy, arrays: Arrays, cell: Cell) -> None:
@@ -124,28 +106,3 @@ def _drawn(logits: Array, draws: np.random.Generator) -> int:
     return int(
         sample(np, masked_log_softmax(np, np.where(legal, logits, 0.0), legal), draws.random(()))
     )
-
-
-def _played(cell: Cell, stress_factor: float, decide: Decider, episodes: int) -> list[Reached]:
-    names = Names.of(cell)
-    arrays = names.arrays()
-    obedient = crew(arrays, compliant(arrays))
-    nothing_happens = Draw.of(names, arrays)
-    found = []
-    for _ in range(episodes):
-        chance = fate(nothing_happens, arrays, np.full(nothing_happens.numbers, 0.5, np.float32))
-        played = play_one(names, arrays, chance, obedient, decide)
-        spent = cost(played.makespan, played.stress, **paid(stress_factor))
-        if played.done:
-            found.append(
-                Reached(
-                    plain(played.makespan),
-                    plain(round(played.stress, 6)),
-                    0,
-                    spent,
-                    Schedule(played.work),
-                )
-            )
-        else:
-            found.append(Reached(None, None, 0, float("inf"), None))
-    return found

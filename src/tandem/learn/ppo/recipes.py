@@ -5,7 +5,7 @@ like.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Protocol, TypeVar
 
 from pydantic import ConfigDict
@@ -23,10 +23,12 @@ class Recipe:
       config: of PPO.
       people: beside whom, as `tandem.world.behaviour` reads it. Of a population file the training
         part.
+      what: it is, in a line; no setting.
     """
 
     config: Config
     people: str = "compliant"
+    what: str = field(default="", compare=False, kw_only=True)
 
     algorithm: ClassVar[str] = "ppo"
     __pydantic_config__: ClassVar[ConfigDict] = STRICT
@@ -88,9 +90,10 @@ TANDEM = Recipe(
         epochs=4,
         gae=0.97,
         hidden=(64, 64),
-    )
+    ),
+    what="PPO: one decider for all operators of any cell, beside people who do as they are asked",
 )
-"""Ours, for any cell: everybody does what is asked."""
+"""Ours, for any cell."""
 
 RESPONSE = Recipe(
     Config(
@@ -107,6 +110,7 @@ RESPONSE = Recipe(
         hidden=(64, 64),
     ),
     people="random:0..1+pace:0.5..3",
+    what="the same beside people who do as they like, for `tandem simulate` and `tandem dispatch`",
 )
 """Half a minute of one core for a cell of seven tasks. The settings were found on the thesis's cell
 and kept for all others.

@@ -46,8 +46,8 @@ class Trainee:
     costs = staticmethod(lambda cell, order: paid(order.stress_factor))
 
     def __init__(self, order: Order) -> None:
-        self.order, self.names = order, Names.of(order.cell)
         assert isinstance(order.recipe, Recipe)
+        self.order, self.recipe, self.names = order, order.recipe, Names.of(order.cell)
         arrays, weights = self.names.arrays(), (1.0, order.stress_factor / SECOND)
         self.crowd = crowd(order.recipe.people, self.names, arrays, part="train")
         self.world = BesidePeople.of(self.crowd, weights=weights, seed=order.seeds[0])
@@ -62,8 +62,7 @@ class Trainee:
 
     @property
     def config(self) -> Config:
-        config: Config = self.order.recipe.config
-        return config
+        return self.recipe.config
 
     @property
     def paid(self) -> dict[str, Any]:

@@ -43,7 +43,7 @@ class PPO:
         seed: int = 0,
     ) -> None:
         chosen = recipe(recipe_name)
-        if not isinstance(chosen.config, Config):
+        if not isinstance(getattr(chosen, "config", None), Config):
             raise UsageError(
                 f"recipe {recipe_name!r}: is none of PPO's; use"
                 " `tandem.learn.training.trainer.train`."

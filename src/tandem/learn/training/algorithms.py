@@ -1,17 +1,19 @@
-"""The table of algorithms. One more is a module with a `Trainee`, and a line here."""
+"""The table of algorithms."""
 
 from __future__ import annotations
 
-from tandem.extensions import added, resolved
+from tandem.extensions import extended, resolved
 from tandem.learn.algorithm import Algorithm, Order
 
-ALGORITHMS = {
-    "ppo": "tandem.learn.ppo.trainee:Trainee",
-    "alphazero": "tandem.learn.alphazero.trainee:Trainee",
-    "dqn": "tandem.learn.dqn.trainee:Trainee",
-    **added("algorithms"),
-}
-"""Name -> the class that is made from an order, `module:class`. One more is a line here, or an
+ALGORITHMS = extended(
+    "algorithms",
+    {
+        "ppo": "tandem.learn.ppo.trainee:Trainee",
+        "alphazero": "tandem.learn.alphazero.trainee:Trainee",
+        "dqn": "tandem.learn.dqn.trainee:Trainee",
+    },
+)
+"""Name -> the class that is made from an order, `module:class`. A new one is a line here, or an
 entry point of the group `tandem.algorithms`.
 """
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from tandem.cell.model import Cell, plain
 from tandem.errors import NothingFoundError, UsageError
-from tandem.learn.ppo.players import at_random
+from tandem.learn.episodes import at_random
 from tandem.learn.results import Reached, relative_gap
 from tandem.learn.training.algorithms import trainee
 from tandem.learn.training.runs import RunFolder, asked_cell

@@ -19,7 +19,7 @@ from tandem.learn.settings import read
 RECIPES: Mapping[str, AnyRecipe] = Table(
     "recipes", {"tandem": TANDEM, "response": RESPONSE, "alphazero": ALPHAZERO, "dqn": DQN}
 )
-"""Name -> recipe. A new one is an entry here, or an entry point of the group `tandem.recipes`."""
+"""Name -> recipe. A new one is a line here, or an entry point of the group `tandem.recipes`."""
 
 
 def kinds() -> dict[str, type[AnyRecipe]]:
