@@ -24,6 +24,8 @@ def leaves(form: Any, value: Any, place: str = "") -> Iterator[tuple[str, Any, A
     """
     hints = typing.get_type_hints(form)
     for field in fields(form):
+        if not field.compare:
+            continue  # what a recipe is, in words: no setting
         kind, own, name = hints[field.name], getattr(value, field.name), f"{place}{field.name}"
         if is_dataclass(own):
             yield from leaves(type(own), own, f"{name}.")
