@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -116,6 +116,14 @@ OneOrEach = Annotated[
 """One number for all, or a number for each by name; 0 for who is not named."""
 
 
+class TimeOff(NamedTuple):
+    """A span in which an operator neither works nor takes up a tool, seconds, and what it is."""
+
+    start: float
+    end: float
+    what: Literal["break"]
+
+
 class Frozen(BaseModel):
     """Unknown keys are refused, values stay as they are."""
 
@@ -150,6 +158,11 @@ class Operator(Frozen):
             " changeover."
         ),
     )
+
+    @cached_property
+    def times_off(self) -> tuple[TimeOff, ...]:
+        """When it cannot work, in order; they do not overlap in a sound cell."""
+        return tuple(TimeOff(start, end, "break") for start, end in sorted(self.breaks))
 
 
 class Together(Frozen):
@@ -303,6 +316,22 @@ class Fields(Frozen):
     def robots(self) -> tuple[str, ...]:
         """Names of the robots, in the cell's order."""
         return tuple(name for name, operator in self.operators.items() if operator.kind == "robot")
+
+    @cached_property
+    def tool_names(self) -> tuple[str, ...]:
+        """All tools, those included that are only named: in this order they are counted."""
+        named = [
+            *(task.tool for task in self.tasks.values()),
+            *self.tools,
+            *(operator.tool for operator in self.operators.values()),
+        ]
+        return tuple(dict.fromkeys(name for name in named if name is not None))
+
+    @cached_property
+    def zone_names(self) -> tuple[str, ...]:
+        """All zones, those included that are only named: in this order they are counted."""
+        named = [*(task.zone for task in self.tasks.values()), *self.zones]
+        return tuple(dict.fromkeys(name for name in named if name is not None))
 
     def modes(self, task: str) -> tuple[Mode, ...]:
         """Every way of doing the task: each operator alone in the cell's order, then the joint ways
