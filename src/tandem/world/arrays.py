@@ -306,33 +306,39 @@ def _places(names: Names, layout: Layout) -> dict[str, Any]:
         names.per_second // layout.instance.per_second,
         len(names.tasks),
     )
-    tools = len(instance.tools) if any(tool >= 0 for tool in layout.tool) else 0
-    zones = len(instance.zones) if any(zone >= 0 for zone in layout.zone) else 0
+    tools = len(instance.tools) if any(tool >= 0 for tool in layout.instance.timed_tool) else 0
+    zones = len(instance.zones) if any(zone >= 0 for zone in layout.instance.timed_zone) else 0
     flat = [(task, way) for task, row in enumerate(instance.ways) for way in row] if tools else []
     swap = np.zeros((len(flat), len(instance.operators)), np.int64)
     for row, (task, way) in zip(swap, flat, strict=True):
-        if layout.tool[task] >= 0:
+        if layout.instance.timed_tool[task] >= 0:
             row[list(way.operators)] = [
-                instance.changeover[layout.tool[task]][operator] * scale
+                instance.changeover[layout.instance.timed_tool[task]][operator] * scale
                 for operator in way.operators
             ]
     return {
-        "way_tool": np.array([layout.tool[task] for task, _ in flat], np.int64),
+        "way_tool": np.array([layout.instance.timed_tool[task] for task, _ in flat], np.int64),
         "swap": swap,
-        "of_tool": np.arange(tools)[None, :] == np.array(layout.tool).reshape(tasks, 1),
-        "tool_places": np.array(
-            [places or len(instance.operators) for places in layout.tool_places[:tools]], np.int64
+        "of_tool": (
+            np.arange(tools)[None, :] == np.array(layout.instance.timed_tool).reshape(tasks, 1)
         ),
-        "of_zone": np.arange(zones)[None, :] == np.array(layout.zone).reshape(tasks, 1),
+        "tool_places": np.array(
+            [places or len(instance.operators) for places in layout.instance.tool_room[:tools]],
+            np.int64,
+        ),
+        "of_zone": (
+            np.arange(zones)[None, :] == np.array(layout.instance.timed_zone).reshape(tasks, 1)
+        ),
         "zone_places": np.array(
-            [places or len(instance.operators) for places in layout.zone_places[:zones]], np.int64
+            [places or len(instance.operators) for places in layout.instance.zone_room[:zones]],
+            np.int64,
         ),
     }
 
 
 def _sets(names: Names, layout: Layout) -> dict[str, Any]:
     instance, count = layout.instance, len(names.tasks)
-    team = np.array(layout.team)
+    team = np.array(layout.instance.team)
     teams = (team[:, None] == team[None, :]) & (team >= 0)[:, None] & ~np.eye(count, dtype=bool)
     listed = instance.stress_of_set or {}
     table = {
