@@ -123,6 +123,9 @@ class TimeOff(NamedTuple):
     end: float
     what: Literal["break"]
 
+    def __str__(self) -> str:
+        return f"has a break from {self.start:g} s to {self.end:g} s"
+
 
 class Frozen(BaseModel):
     """Unknown keys are refused, values stay as they are."""

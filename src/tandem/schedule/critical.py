@@ -204,8 +204,13 @@ class _Plan:
                 )
             elif begin == 0:
                 yield Link(a, "start")
-            elif any(exact(end) == begin for _, end in self.cell.operators[turn.operator].breaks):
-                yield Link(a, "break", turn.operator)
+            else:
+                ended = (
+                    off
+                    for off in self.cell.operators[turn.operator].times_off
+                    if exact(off.end) == begin
+                )
+                yield from (Link(a, off.what, turn.operator) for off in ended)
         for reason, place, before in self.handed[a.task]:
             if exact(self.of_task[before].end) == start:
                 yield Link(a, reason, place, before)
@@ -215,9 +220,9 @@ class _Plan:
         break.
         """
         blocks = [
-            (exact(start), exact(end), turn.change)
+            (exact(off.start), exact(off.end), turn.change)
             for turn in self.turns[a.task]
-            for start, end in self.cell.operators[turn.operator].breaks
+            for off in self.cell.operators[turn.operator].times_off
         ]
         end, moved = limit, True
         while moved:

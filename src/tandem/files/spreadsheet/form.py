@@ -4,7 +4,7 @@ understands; a test holds them to it.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, NamedTuple
 
 Language = Literal["en", "de"]
 
@@ -89,6 +89,35 @@ HEADERS: dict[Language, dict[str, str]] = {
         "robot": "Roboter",
     },
 }
+
+
+class OperatorColumn(NamedTuple):
+    """A column of the sheet of operators.
+
+    Attributes:
+      word: its header, a key of `HEADERS`, which the vocabulary takes to mean `means`.
+      key: of an operator in a cell file.
+      holds: how a value in it is read and written.
+      width: in characters.
+    """
+
+    word: str
+    means: str
+    key: str
+    holds: Literal["kind", "text", "amount", "time", "breaks"]
+    width: int
+
+
+OPERATOR_COLUMNS = (
+    OperatorColumn("kind", "kind", "kind", "kind", 12),
+    OperatorColumn("label", "label", "label", "text", 24),
+    OperatorColumn("stress limit", "stress limit", "stress_limit", "amount", 16),
+    OperatorColumn("breaks", "breaks", "breaks", "breaks", 22),
+    OperatorColumn("tool", "tool", "tool", "text", 16),
+)
+"""What a workbook says of an operator, behind the name: what is read, and in which order the
+template has it.
+"""
 
 HELP: dict[Language, tuple[tuple[str, str], ...]] = {
     "en": (
