@@ -180,7 +180,14 @@ def _too_late(cell: Fields, name: str, found: Mapping[str, Earliest]) -> str:
         chain = [*chain[:5], "", *chain[-6:]]
     steps = " then ".join(_step(cell, one) if one else "..." for one in chain)
     deadline, end = cell.tasks[name].deadline, found[name].end
-    around = " around the breaks" if found[name].chain_end <= _micro(deadline or 0.0) else ""
+    kinds = sorted(
+        {f"{off.what}s" for operator in cell.operators.values() for off in operator.times_off}
+    )
+    around = (
+        f" around the {' and '.join(kinds)}"
+        if found[name].chain_end <= _micro(deadline or 0.0)
+        else ""
+    )
     return (
         f"task {name!r} can never keep its deadline of {number(deadline or 0.0)} s: {steps} ends at"
         f" {number(end / MICRO)} s at the soonest{around}. Set the deadline to"
