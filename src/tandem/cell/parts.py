@@ -162,7 +162,7 @@ class Operator(Frozen):
         ),
     )
 
-    @cached_property
+    @property
     def times_off(self) -> tuple[TimeOff, ...]:
         """When it cannot work, in order; they do not overlap in a sound cell."""
         return tuple(TimeOff(start, end, "break") for start, end in sorted(self.breaks))
