@@ -6,7 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from decimal import Decimal
+from functools import cached_property, lru_cache
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
 from pydantic import (
@@ -121,9 +122,11 @@ class TimeOff(NamedTuple):
 
     start: float
     end: float
-    what: Literal["break"]
+    what: Literal["break", "setup"]
 
     def __str__(self) -> str:
+        if self.what == "setup":
+            return f"is set up only at {self.end:g} s"
         return f"has a break from {self.start:g} s to {self.end:g} s"
 
 
@@ -151,6 +154,14 @@ class Operator(Frozen):
             " runs into one."
         ),
     )
+    setup: Moment = Field(
+        default=0.0,
+        description=(
+            "Seconds that the operator needs once, from the start on, to get ready. In one piece:"
+            " where a break would fall into it, behind that break. No task and no changeover begins"
+            " before."
+        ),
+    )
     stress_limit: Amount | None = Field(
         default=None, description="The most stress that this human may collect in all."
     )
@@ -163,9 +174,43 @@ class Operator(Frozen):
     )
 
     @property
+    def setting_up(self) -> tuple[float, float] | None:
+        """From when to when it gets ready, seconds: at once, or behind the breaks that would fall
+        into it. None when it need not.
+        """
+        return _setting_up(self.setup, self.breaks)
+
+    @property
     def times_off(self) -> tuple[TimeOff, ...]:
-        """When it cannot work, in order; they do not overlap in a sound cell."""
-        return tuple(TimeOff(start, end, "break") for start, end in sorted(self.breaks))
+        """When it cannot work, in order; they do not overlap in a sound cell.
+
+        All that lies before it is ready is one time off: breaks in it make no difference.
+        """
+        return _times_off(self.setup, self.breaks)
+
+
+@lru_cache(maxsize=4096)
+def _setting_up(
+    setup: float, breaks: tuple[tuple[float, float], ...]
+) -> tuple[float, float] | None:
+    if not setup:
+        return None
+    start, length = Decimal(0), Decimal(repr(setup))
+    for off, back in sorted(breaks):
+        if Decimal(repr(off)) < start + length:
+            start = max(start, Decimal(repr(back)))
+    return float(start), float(start + length)
+
+
+# by the values, since a copy of a model with other values takes the model's own memory along
+@lru_cache(maxsize=4096)
+def _times_off(setup: float, breaks: tuple[tuple[float, float], ...]) -> tuple[TimeOff, ...]:
+    span = _setting_up(setup, breaks)
+    ready = 0.0 if span is None else span[1]
+    rest = tuple(
+        TimeOff(start, end, "break") for start, end in sorted(breaks) if not ready or start >= ready
+    )
+    return (TimeOff(0.0, ready, "setup"), *rest) if ready else rest
 
 
 class Together(Frozen):

@@ -45,6 +45,7 @@ class Shading:
 
 SHADINGS = {
     "break": Shading("break", "xxxx", "break"),
+    "setup": Shading("changeover", "....", "set-up"),
     "changeover": Shading("changeover", "....", "tool changeover"),
 }
 """Kind of time off -> how it is shown; each has the words `picture.KIND` and `gantt.KIND`."""
@@ -118,6 +119,8 @@ def lanes(
         shaded += [
             Shaded(c.start, c.end, "changeover", c.tool) for c in changes if c.operator == name
         ]
+        if bars and (span := cell.operators[name].setting_up) is not None:
+            shaded.append(Shaded(*span, "setup"))
         found.append(Lane(look, bars, tuple(shaded), busy[name], used[name]))
     return tuple(found)
 

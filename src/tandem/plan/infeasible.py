@@ -56,7 +56,7 @@ def reasons(cell: Cell, question: Question, *, seconds: float = 30.0) -> list[st
     return [f"{together}.", *(_without(cell, question, limit) for limit in group)]
 
 
-KEEP_AWAY = ("breaks",)
+KEEP_AWAY = ("breaks", "setup")
 """Keys of an operator that say when they cannot work."""
 
 

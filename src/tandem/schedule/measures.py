@@ -91,7 +91,9 @@ def utilisation(cell: Cell, schedule: Schedule) -> dict[str, float]:
 
 
 def changing(cell: Cell, schedule: Schedule) -> dict[str, float]:
-    """Seconds that each operator spends on changeovers."""
+    """Seconds that each operator spends on getting ready, if it does anything at all, and on
+    changeovers.
+    """
     return {name: float(seconds) for name, seconds in _changing(cell, schedule).items()}
 
 
@@ -109,7 +111,10 @@ def idle(cell: Cell, schedule: Schedule) -> dict[str, float]:
 
 
 def _changing(cell: Cell, schedule: Schedule) -> dict[str, Decimal]:
-    seconds = dict.fromkeys(cell.operators, Decimal(0))
+    seconds = {
+        name: exact(operator.setup) if schedule.of(name) else Decimal(0)
+        for name, operator in cell.operators.items()
+    }
     for change in changeovers(cell, schedule):
         seconds[change.operator] += exact(change.end) - exact(change.start)
     return seconds

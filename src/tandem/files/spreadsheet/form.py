@@ -51,6 +51,7 @@ HEADERS: dict[Language, dict[str, str]] = {
         "operator": "operator",
         "kind": "kind",
         "stress limit": "stress limit",
+        "setup": "setup [s]",
         "breaks": "breaks [s]",
         "capacity": "capacity",
         "changeover": "changeover {who} [s]",
@@ -80,6 +81,7 @@ HEADERS: dict[Language, dict[str, str]] = {
         "operator": "Bediener",
         "kind": "Art",
         "stress limit": "Belastungsgrenze",
+        "setup": "Rüstzeit [s]",
         "breaks": "Pausen [s]",
         "capacity": "Anzahl",
         "changeover": "Wechselzeit {who} [s]",
@@ -112,6 +114,7 @@ OPERATOR_COLUMNS = (
     OperatorColumn("kind", "kind", "kind", "kind", 12),
     OperatorColumn("label", "label", "label", "text", 24),
     OperatorColumn("stress limit", "stress limit", "stress_limit", "amount", 16),
+    OperatorColumn("setup", "changeover", "setup", "time", 14),
     OperatorColumn("breaks", "breaks", "breaks", "breaks", 22),
     OperatorColumn("tool", "tool", "tool", "text", 16),
 )
@@ -172,6 +175,13 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
             ),
         ),
         (
+            "setup [s]",
+            (
+                "Sheet Operators: what the operator needs once, at the start, to get ready. Empty:"
+                " nothing."
+            ),
+        ),
+        (
             "More operators",
             (
                 "Copy a column of times, write the new name into its header, and add a row in the"
@@ -229,6 +239,10 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
                 "Art: Mensch oder Roboter. Pausen: 300-600; 900-1000 (Sekunden). Belastungsgrenze:"
                 " das Meiste für diesen Menschen."
             ),
+        ),
+        (
+            "Rüstzeit [s]",
+            "Blatt Bediener: was der Bediener einmal, am Anfang, zum Rüsten braucht. Leer: nichts.",
         ),
         (
             "Mehr Bediener",
