@@ -89,6 +89,8 @@ def _operators(draw: st.DrawFn, most: int, step: float, rich: bool) -> dict[str,
                 operator["breaks"].append(
                     (round(first[1] + gap * step, 6), round(first[1] + (gap + 2) * step, 6))
                 )
+        if rich and draw(_seldom()):
+            operator["setup"] = round(draw(st.integers(1, 6)) * step, 6)
         if rich and kind == "human" and draw(_seldom()):
             operator["stress_limit"] = draw(st.integers(0, 14))
         operators[f"{kind}_{place}"] = operator

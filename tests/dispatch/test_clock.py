@@ -121,7 +121,7 @@ def test_a_plan_without_time_is_none() -> None:
     assert solve(left, (1.0, 0.0), seconds=0.0) is None
     found = solve(left, (1.0, 0.0), seconds=20.0)
     assert found is not None
-    assert found.ticks == 23 * moves.per_second
+    assert found.ticks == 23 * moves.instance.per_second
 
 
 def test_the_memory_of_searches_is_forgotten_bit_by_bit() -> None:

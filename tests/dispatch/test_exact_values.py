@@ -161,7 +161,7 @@ def test_every_wrong_state_is_repaired_as_quickly_as_value_iteration_says(
     wrong = [position for position in positions if position.wrong]
     assert len(wrong) > 20
     search, sweeps = (
-        Search(moves, (1 / moves.per_second, 0.0)),
+        Search(moves, (1 / moves.instance.per_second, 0.0)),
         repair_values(station(), 0.0, taking_apart=0.5),
     )
     for position in wrong:

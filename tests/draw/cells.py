@@ -263,7 +263,7 @@ def greedy(cell: Cell, *, dislike: float = 0.0) -> Schedule:
         while moved:
             moved = False
             for who in mode.operators:
-                for off, back in cell.operators[who].breaks:
+                for off, back, _ in cell.operators[who].times_off:
                     if start - change[who] < exact(back) and exact(off) < start + exact(mode.time):
                         start, moved = exact(back) + change[who], True
         return start

@@ -75,6 +75,8 @@ def _operators(random: Random, clock: _Clock) -> Data:
             if random.random() < 0.3:
                 later = round(back + clock.seconds(0.125), 6)
                 operator["breaks"].append([later, round(later + clock.seconds(0.125, 0.25), 6)])
+        if random.random() < 0.35:
+            operator["setup"] = clock.seconds(0, 0.6)
         if kind == "human" and random.random() < 0.25:
             operator["stress_limit"] = random.choice((0, 2, 3, 4.5, 6, 9))
         operators[f"{kind}{place}"] = operator

@@ -4,7 +4,7 @@ that knows neither.
 Each cell is drawn from its own seed, so that one cell is repeated by `--seed SEED --cells 1`. A
 cell is asked for its front and for a few single answers: least makespan, least stress, a weighted
 sum, each with and without limits that cut the front. Every schedule that comes back is looked at by
-the brute force too.
+the brute force too, and played in the event world, where it must take exactly its makespan.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from collections.abc import Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from random import Random
@@ -28,12 +29,19 @@ from tests.fuzz.cells import cell as random_cell
 from tests.plan.brute_force import Point, front_in_order, front_of_all, moments, worth
 
 from tandem.cell.model import Cell
-from tandem.errors import CellError, InfeasibleError, NothingFoundError, UsageError
+from tandem.errors import (
+    CellError,
+    InfeasibleError,
+    NothingFoundError,
+    UnsoundScheduleError,
+    UsageError,
+)
 from tandem.files.validate import cell_of
 from tandem.plan.door import RefusedScheduleWarning
 from tandem.plan.methods import METHODS
 from tandem.plan.question import Question
 from tandem.plan.result import Front
+from tandem.world.replay import replay
 
 JUDGES = ("exact", "exhaustive")
 WEIGHTS = (
@@ -79,6 +87,7 @@ class Tally:
     Attributes:
       cells: drawn. `refused` of them are no sound cells, which is right when they have no schedule.
       infeasible: cells without a schedule, as the brute force says.
+      replayed: schedules that were played in the event world.
       every_moment: cells small enough for the second brute force, which tries all moments.
     """
 
@@ -87,6 +96,8 @@ class Tally:
     refused: int = 0
     with_deadlines: int = 0
     with_releases: int = 0
+    with_setups: int = 0
+    replayed: int = 0
     every_moment: int = 0
     questions: Counter[str] = field(default_factory=Counter)
     findings: list[Finding] = field(default_factory=list)
@@ -97,16 +108,34 @@ class Tally:
             setattr(self, name, getattr(self, name) + value)
 
 
-def judge(seed: int) -> Tally:
-    """Draws the cell of this seed and asks the judges."""
+def drawn(seed: int, key: str | None) -> tuple[Random, dict[str, Any]]:
+    """The cell of this seed, and the draws behind it; the first one with the key where one is asked
+    for.
+    """
     random = Random(seed)
     data = random_cell(random)
-    tasks = data["tasks"].values()
-    tally = Tally(
-        cells=1,
-        with_deadlines=int(any("deadline" in task for task in tasks)),
-        with_releases=int(any("release" in task for task in tasks)),
-    )
+    while key is not None and not uses(data, key):
+        data = random_cell(random)
+    return random, data
+
+
+def uses(data: Mapping[str, Any], key: str) -> bool:
+    """Whether the cell says something with this key, be it its own or that of an operator, a task,
+    a tool or a zone.
+    """
+    parts = [
+        entry
+        for table in ("operators", "tasks", "tools", "zones")
+        for entry in data[table].values()
+    ]
+    return any(part.get(key) for part in (data, *parts))
+
+
+def judge(seed: int, key: str | None = None) -> Tally:
+    """Draws the cell of this seed and asks the judges."""
+    random, data = drawn(seed, key)
+    features = {f"with_{name}s": int(uses(data, name)) for name in ("deadline", "release", "setup")}
+    tally = Tally(cells=1, **features)
     right = front_in_order(data)
     tally.infeasible = int(not right)
     if moments(data) ** len(data["tasks"]) * _choices(data) <= MOST_MOMENTS:
@@ -129,9 +158,9 @@ def judge(seed: int) -> Tally:
     for question in questions(random, right):
         for method in JUDGES:
             tally.questions[f"{method} {_kind(question)}"] += 1
-            if (
-                said := wrong(data, cell, method, question, right, workers=1 + seed % 2)
-            ) is not None:
+            said, schedules = wrong(data, cell, method, question, right, workers=1 + seed % 2)
+            tally.replayed += schedules
+            if said is not None:
                 wanted = str(wanted_points(question, right))
                 tally.findings.append(Finding(seed, method, question.to_dict(), said, wanted, data))
     return tally
@@ -199,24 +228,26 @@ def wrong(
     question: Question,
     front: list[Point],
     workers: int = 1,
-) -> str | None:
-    """What the method said that is not right; None when all of it is."""
+) -> tuple[str | None, int]:
+    """What the method said that is not right, None when all of it is; and how many of its schedules
+    were played.
+    """
     wanted = wanted_points(question, front)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", RefusedScheduleWarning)
             said = METHODS[method](cell, question, time_limit=60, workers=workers)
     except InfeasibleError:
-        return "infeasible" if wanted else None
+        return ("infeasible" if wanted else None), 0
     except NothingFoundError as error:
-        return str(error)
+        return str(error), 0
     except UsageError as error:
-        return None if "digits" in str(error) else str(error)
+        return (None if "digits" in str(error) else str(error)), 0
     except Exception as error:  # noqa: BLE001  whatever it is, it is a finding
-        return f"{type(error).__name__}: {error}"
+        return f"{type(error).__name__}: {error}", 0
     if said.points not in ([[p] for p in wanted] if question.minimize == "weighted" else [wanted]):
-        return f"{said.points}, {'complete' if said.complete else 'not complete'}"
-    return _unproven(data, said)
+        return f"{said.points}, {'complete' if said.complete else 'not complete'}", 0
+    return _unproven(data, said) or _unlike_in_the_world(cell, said), len(said)
 
 
 def _unproven(data: Mapping[str, Any], front: Front) -> str | None:
@@ -239,6 +270,18 @@ def _unproven(data: Mapping[str, Any], front: Front) -> str | None:
     return None
 
 
+def _unlike_in_the_world(cell: Cell, front: Front) -> str | None:
+    """A schedule that the event world does not let be played, or that takes another time there."""
+    for result in front:
+        try:
+            took = replay(cell, result.schedule)
+        except UnsoundScheduleError as error:
+            return f"the world: {error}"
+        if took != result.makespan:
+            return f"the world: it takes {took} s, not {result.makespan} s"
+    return None
+
+
 def _choices(data: Mapping[str, Any]) -> int:
     count = 1
     for task in data["tasks"].values():
@@ -251,17 +294,17 @@ def _kind(question: Question) -> str:
     return question.minimize + (" with limits" if limited else "")
 
 
-def judge_all(seeds: range, until: float) -> Tally:
+def judge_all(seeds: range, until: float, key: str | None = None) -> Tally:
     """Judges the cells of these seeds, until the time is up (`time.time()`)."""
     tally = Tally()
     for seed in seeds:
         if time.time() > until:
             break
-        tally.add(judge(seed))
+        tally.add(judge(seed, key))
     return tally
 
 
-def run(cells: int, seed: int, minutes: float, workers: int) -> Tally:
+def run(cells: int, seed: int, minutes: float, workers: int, key: str | None = None) -> Tally:
     """The tally of so many cells, or of as many as there is time for; progress and findings are
     printed.
     """
@@ -270,15 +313,12 @@ def run(cells: int, seed: int, minutes: float, workers: int) -> Tally:
         range(first, min(first + SLICE, seed + cells)) for first in range(seed, seed + cells, SLICE)
     ]
     with ProcessPoolExecutor(workers) as pool:
-        done = (
-            pool.map(judge_all, slices, [until] * len(slices))
-            if workers > 1
-            else (judge_all(part, until) for part in slices)
-        )
+        work = partial(judge_all, until=until, key=key)
+        done = pool.map(work, slices) if workers > 1 else map(work, slices)
         for tally in done:
             total.add(tally)
             for finding in tally.findings:
-                report(finding)
+                report(finding, key)
             print(
                 f"\r{total.cells} cells, {len(total.findings)} differ",
                 end="",
@@ -289,25 +329,30 @@ def run(cells: int, seed: int, minutes: float, workers: int) -> Tally:
     return total
 
 
-def report(finding: Finding) -> None:
+def report(finding: Finding, key: str | None = None) -> None:
     """Prints a finding, where it is stored and how it is repeated."""
     print(
         f"\n{finding.method}, {json.dumps(finding.question)}\n  says  {finding.said}\n  right"
         f" {finding.right}"
     )
     print(
-        f"  {finding.store(FOUND)}\n  python3 dev.py fuzz judges --cells 1 --seed {finding.seed}",
+        f"  {finding.store(FOUND)}\n  python3 dev.py fuzz judges --cells 1 --seed"
+        f" {finding.seed}{_with(key)}",
         flush=True,
     )
 
 
-def summary(total: Tally, seed: int, wall_s: float) -> dict[str, Any]:
+def _with(key: str | None) -> str:
+    return "" if key is None else f" --with {key}"
+
+
+def summary(total: Tally, seed: int, wall_s: float, key: str | None = None) -> dict[str, Any]:
     """What was asked, of which versions, and how often they differed."""
     kept = {
         name: value for name, value in vars(total).items() if name not in ("findings", "questions")
     }
     return {
-        "command": f"python3 dev.py fuzz judges --cells {total.cells} --seed {seed}",
+        "command": f"python3 dev.py fuzz judges --cells {total.cells} --seed {seed}{_with(key)}",
         "first_seed": seed,
         "judged": total.cells - total.refused,
         **kept,
@@ -330,13 +375,16 @@ def main() -> int:
     parser.add_argument(
         "--seed", type=int, default=1, help="seed of the first cell; the others follow (1)"
     )
+    parser.add_argument(
+        "--with", dest="key", metavar="KEY", help="draw only cells that use this key, such as setup"
+    )
     parser.add_argument("--minutes", type=float, default=600.0, help="stop after so many minutes")
     parser.add_argument("--workers", type=int, default=1, help="processes (1)")
     parser.add_argument("--out", type=Path, help="write the summary to this file as well")
     asked = parser.parse_args()
     began = time.time()
-    total = run(asked.cells, asked.seed, asked.minutes, asked.workers)
-    text = json.dumps(summary(total, asked.seed, time.time() - began), indent=1)
+    total = run(asked.cells, asked.seed, asked.minutes, asked.workers, asked.key)
+    text = json.dumps(summary(total, asked.seed, time.time() - began, asked.key), indent=1)
     print(text)
     if asked.out:
         asked.out.write_text(text + "\n", encoding="utf-8")

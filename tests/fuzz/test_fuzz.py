@@ -16,6 +16,7 @@ from tests.fuzz.cells import cell as random_cell
 from tests.plan.brute_force import front_in_order, front_of_all, worth
 from tests.schedule.cells import thesis, thesis_schedule
 
+from tandem.cell.parts import Operator, TimeOff
 from tandem.files.validate import cell_of
 from tandem.plan import exact, portfolio
 from tandem.plan.methods import METHODS
@@ -27,6 +28,8 @@ def test_exact_and_exhaustive_search_answer_random_cells_as_brute_force_does():
     assert total.cells == 150
     assert total.with_deadlines > 50
     assert total.with_releases > 40
+    assert total.with_setups > 40
+    assert total.replayed > 400
     assert total.every_moment > 20
     assert sum(total.questions.values()) > 600
 
@@ -44,17 +47,17 @@ def test_what_works_on_large_cells_is_right_on_small_ones(monkeypatch):
 def test_the_cells_have_every_feature():
     cells = [random_cell(Random(seed)) for seed in range(300)]
     text = json.dumps(cells)
+    of_operators, of_tasks = (
+        ("breaks", "setup", "stress_limit"),
+        ("together", "release", "deadline", "after"),
+    )
     for word in (
-        "breaks",
-        "stress_limit",
+        *of_operators,
+        *of_tasks,
         "changeover",
         "capacity",
-        "together",
         "same_operator",
         "stress_of_set",
-        "release",
-        "deadline",
-        "after",
     ):
         assert text.count(f'"{word}"') > 20, word
     assert any(
@@ -63,6 +66,17 @@ def test_the_cells_have_every_feature():
         for task in data["tasks"].values()
         for time in task["time"].values()
     )
+
+
+def test_a_planner_that_forgets_the_setup_is_caught(monkeypatch):
+    breaks = property(
+        lambda operator: tuple(
+            TimeOff(start, end, "break") for start, end in sorted(operator.breaks)
+        )
+    )
+    monkeypatch.setattr(Operator, "times_off", breaks)
+    found = [finding for seed in range(1, 31) for finding in judges.judge(seed, "setup").findings]
+    assert {finding.method for finding in found} >= {"exact", "exhaustive"}
 
 
 def test_a_judge_that_leaves_out_a_point_is_caught(monkeypatch, tmp_path, capsys):

@@ -63,6 +63,10 @@ class Plain:
             name: sorted((_millionths(a), _millionths(b)) for a, b in entry.get("breaks") or ())
             for name, entry in data["operators"].items()
         }
+        self.setup = {
+            name: _millionths(entry.get("setup", 0)) for name, entry in data["operators"].items()
+        }
+        self.ready = {name: self._set_up(name) for name in self.kind}
         self.limit = {
             name: _millionths(entry["stress_limit"])
             for name, entry in data["operators"].items()
@@ -88,6 +92,19 @@ class Plain:
             frozenset(filter(None, str(names).split(","))): _millionths(value) for names,
             value in table.items()
         }  # fmt: skip
+
+    def _set_up(self, name: str) -> int:
+        """The first moment at which so long a piece of time without a break lies behind the
+        operator; 0 when none is needed.
+        """
+        long = self.setup[name]
+        begins = [0, *(back for _, back in self.breaks[name])]
+        fits = (
+            begin
+            for begin in begins
+            if not any(off < begin + long and begin < back for off, back in self.breaks[name])
+        )
+        return min(fits) + long if long else 0
 
     def _job(self, name: str, entry: Mapping[str, Any]) -> Job:
         stress = entry.get("stress", 0)
@@ -150,8 +167,10 @@ class Plain:
         return not any(first.name in job.after and step.start < first.end for first in done)
 
     def _one_at_a_time(self, who: str, done: tuple[Step, ...]) -> bool:
-        """Tasks, the changeovers right before them, and breaks, one after the other."""
-        hand, free = self.in_hand[who], 0
+        """Tasks, the changeovers right before them, and breaks, one after the other, when all is
+        set up.
+        """
+        hand, free = self.in_hand[who], self.ready[who]
         for step in sorted(
             (step for step in done if who in step.way.who), key=lambda step: step.start
         ):
@@ -220,6 +239,7 @@ def latest(plain: Plain) -> int:
     work = sum(max(way.time for way in job.ways) for job in plain.jobs.values())
     changes = len(plain.jobs) * max(plain.change.values(), default=0)
     waits = max(job.release for job in plain.jobs.values())
+    waits = max([waits, *plain.ready.values()])
     return (
         work
         + changes
@@ -287,12 +307,12 @@ def _appended(plain: Plain, done: tuple[Step, ...], job: Job, way: Way) -> Step 
     if not plain.allows_who((*done, Step(job.name, way, 0))):
         return None
     last = max((step.start for step in done), default=0)
-    ends = {
-        0,
-        job.release,
-        *(step.end for step in done),
-        *(back for who in way.who for _, back in plain.breaks[who]),
-    }
+    there = (
+        moment
+        for who in way.who
+        for moment in (plain.ready[who], *(back for _, back in plain.breaks[who]))
+    )
+    ends = {0, job.release, *(step.end for step in done), *there}
     changes = {
         0,
         *(plain.change.get((job.tool, who), 0) for who in way.who if job.tool is not None),
@@ -335,7 +355,7 @@ def _grid(plain: Plain) -> int:
     times = [way.time for job in plain.jobs.values() for way in job.ways]
     times += [job.release for job in plain.jobs.values()]
     times += [moment for breaks in plain.breaks.values() for pair in breaks for moment in pair]
-    return gcd(*times, *plain.change.values())
+    return gcd(*times, *plain.change.values(), *plain.ready.values())
 
 
 def _unbeaten(points: list[Pair]) -> list[Pair]:

@@ -11,6 +11,7 @@ from decimal import Decimal
 from math import gcd
 
 from tandem.cell.model import Cell
+from tandem.cell.parts import Operator
 from tandem.schedule.model import Assignment, Schedule
 
 
@@ -76,12 +77,21 @@ def _stress_fits(cell: Cell, rows: list[Assignment]) -> bool:
     )
 
 
+def _ready(operator: Operator, step: int) -> int:
+    """When the operator has been set up: the first moment behind so long a time without a break."""
+    long, begin = _ms(operator.setup), 0
+    while any(_ms(start) < begin + long and begin < _ms(end) for start, end in operator.breaks):
+        begin += step
+    return begin + long if long else 0
+
+
 def _moments_fit(cell: Cell, rows: list[Assignment]) -> bool:
     """Everyone does one thing at a time: a task, a changeover or a break; and no tool or zone is
     over its capacity.
     """
     times = [_ms(time) for a in rows for time in (a.start, a.end)]
     times += [_ms(time) for o in cell.operators.values() for pause in o.breaks for time in pause]
+    times += [_ms(o.setup) for o in cell.operators.values()]
     times += [_ms(time) for tool in cell.tools.values() for time in tool.changeover.values()]
     step = gcd(*times) or 1000
     doing: Counter[tuple[str, int]] = Counter()
@@ -93,6 +103,9 @@ def _moments_fit(cell: Cell, rows: list[Assignment]) -> bool:
     for name, operator in cell.operators.items():
         for start, end in operator.breaks:
             occupy(name, _ms(start), _ms(end))
+        for moment in range(0, _ready(operator, step), step):
+            if not doing[name, moment]:
+                occupy(name, moment, moment + step)
         hand = operator.tool
         for a in sorted((a for a in rows if name in a.operators), key=lambda a: a.start):
             occupy(name, _ms(a.start), _ms(a.end))

@@ -18,6 +18,9 @@ SAID = {
         "zone": r"zone (?P<name>.+) is free \((?P<who>.+) is done with (?P<task>.+) and out\)",
         "partner": r"(?P<who>.+) is ready too",
         "break": r"your break is over \((?P<off>.+) to (?P<back>.+) s\)",
+        "setup": (
+            r"you are set up \(set up first: (?P<seconds>.+) s, (?P<begin>.+) to (?P<ready>.+) s\)"
+        ),
         "release": r"it is (?P<release>.+) s or later",
         "previous": r"your last task is done",
         "start": r"at once",
@@ -32,11 +35,17 @@ SAID = {
         ),
         "partner": r"wenn auch (?P<who>.+) bereit ist",
         "break": r"wenn die eigene Pause vorbei ist \((?P<off>.+) bis (?P<back>.+) s\)",
+        "setup": (
+            r"wenn der eigene Platz gerüstet ist \(zuerst rüsten: (?P<seconds>.+) s, (?P<begin>.+)"
+            r" bis (?P<ready>.+) s\)"
+        ),
         "release": r"nicht vor (?P<release>.+) s",
         "previous": r"wenn der letzte eigene Vorgang fertig ist",
         "start": r"sofort",
     },
 }
+KINDS = {"release": "release", "ready": "setup"}
+"""What a moment is called in a sentence -> the kind of sentence."""
 HEADS = {
     "en": {
         "what to do": "task",
@@ -197,16 +206,15 @@ def _may_begin(
     }
     if not needed <= set(done):
         return None
-    release = max(
-        (
-            float(values["release"].replace(",", "."))
-            for t in turns
-            for values in t.conditions.get("release", [])
-        ),
-        default=0.0,
-    )
+    moments = [
+        values[kind]
+        for t in turns
+        for kind in ("release", "ready")
+        for values in t.conditions.get(KINDS[kind], [])
+    ]
+    told = [float(moment.replace(",", ".")) for moment in moments]
     return (
-        max([release, *(free[one] for one in together), *(done[task] for task in needed)]),
+        max([*told, *(free[one] for one in together), *(done[task] for task in needed)]),
         turn.task,
         together,
     )

@@ -94,6 +94,10 @@ def test_work_by_the_sheets_alone_keeps_to_the_cell_however_late_others_are(
     for name, task in cell.tasks.items():
         assert all(worked[first].end <= worked[name].start for first in task.after)
         assert worked[name].start >= task.release
+    for who, operator in cell.operators.items():
+        assert all(
+            w.start >= (operator.setting_up or (0, 0))[1] for w in worked.values() if who in w.who
+        )
     for kind, table in (("tool", cell.tools), ("zone", cell.zones)):
         for place in {getattr(task, kind) for task in cell.tasks.values()} - {None}:
             users = [w for w in worked.values() if getattr(cell.tasks[w.task], kind) == place]

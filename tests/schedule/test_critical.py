@@ -99,7 +99,7 @@ def test_a_path_explains_every_moment_of_a_schedule_by_rules(cell, rule):
         return
     path = critical_path(cell, plan)
     assert path[-1].assignment.end == makespan(plan)
-    assert path[0].reason in ("start", "release", "break")
+    assert path[0].reason in ("start", "release", "break", "setup")
     for before, link in itertools.pairwise(path):
         assert link.waited_for == before.assignment.task
         assert link.reason == "changeover" or before.assignment.end == link.assignment.start

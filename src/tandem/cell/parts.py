@@ -6,8 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Annotated, Any, Literal, TypeVar
+from decimal import Decimal
+from functools import cached_property, lru_cache
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -116,6 +117,19 @@ OneOrEach = Annotated[
 """One number for all, or a number for each by name; 0 for who is not named."""
 
 
+class TimeOff(NamedTuple):
+    """A span in which an operator neither works nor takes up a tool, seconds, and what it is."""
+
+    start: float
+    end: float
+    what: Literal["break", "setup"]
+
+    def __str__(self) -> str:
+        if self.what == "setup":
+            return f"is set up only at {self.end:g} s"
+        return f"has a break from {self.start:g} s to {self.end:g} s"
+
+
 class Frozen(BaseModel):
     """Unknown keys are refused, values stay as they are."""
 
@@ -140,6 +154,14 @@ class Operator(Frozen):
             " runs into one."
         ),
     )
+    setup: Moment = Field(
+        default=0.0,
+        description=(
+            "Seconds that the operator needs once, from the start on, to get ready. In one piece:"
+            " where a break would fall into it, behind that break. No task and no changeover begins"
+            " before."
+        ),
+    )
     stress_limit: Amount | None = Field(
         default=None, description="The most stress that this human may collect in all."
     )
@@ -150,6 +172,45 @@ class Operator(Frozen):
             " changeover."
         ),
     )
+
+    @property
+    def setting_up(self) -> tuple[float, float] | None:
+        """From when to when it gets ready, seconds: at once, or behind the breaks that would fall
+        into it. None when it need not.
+        """
+        return _setting_up(self.setup, self.breaks)
+
+    @property
+    def times_off(self) -> tuple[TimeOff, ...]:
+        """When it cannot work, in order; they do not overlap in a sound cell.
+
+        All that lies before it is ready is one time off: breaks in it make no difference.
+        """
+        return _times_off(self.setup, self.breaks)
+
+
+@lru_cache(maxsize=4096)
+def _setting_up(
+    setup: float, breaks: tuple[tuple[float, float], ...]
+) -> tuple[float, float] | None:
+    if not setup:
+        return None
+    start, length = Decimal(0), Decimal(repr(setup))
+    for off, back in sorted(breaks):
+        if Decimal(repr(off)) < start + length:
+            start = max(start, Decimal(repr(back)))
+    return float(start), float(start + length)
+
+
+# by the values, since a copy of a model with other values takes the model's own memory along
+@lru_cache(maxsize=4096)
+def _times_off(setup: float, breaks: tuple[tuple[float, float], ...]) -> tuple[TimeOff, ...]:
+    span = _setting_up(setup, breaks)
+    ready = 0.0 if span is None else span[1]
+    rest = tuple(
+        TimeOff(start, end, "break") for start, end in sorted(breaks) if not ready or start >= ready
+    )
+    return (TimeOff(0.0, ready, "setup"), *rest) if ready else rest
 
 
 class Together(Frozen):
@@ -303,6 +364,22 @@ class Fields(Frozen):
     def robots(self) -> tuple[str, ...]:
         """Names of the robots, in the cell's order."""
         return tuple(name for name, operator in self.operators.items() if operator.kind == "robot")
+
+    @cached_property
+    def tool_names(self) -> tuple[str, ...]:
+        """All tools, those included that are only named: in this order they are counted."""
+        named = [
+            *(task.tool for task in self.tasks.values()),
+            *self.tools,
+            *(operator.tool for operator in self.operators.values()),
+        ]
+        return tuple(dict.fromkeys(name for name in named if name is not None))
+
+    @cached_property
+    def zone_names(self) -> tuple[str, ...]:
+        """All zones, those included that are only named: in this order they are counted."""
+        named = [*(task.zone for task in self.tasks.values()), *self.zones]
+        return tuple(dict.fromkeys(name for name in named if name is not None))
 
     def modes(self, task: str) -> tuple[Mode, ...]:
         """Every way of doing the task: each operator alone in the cell's order, then the joint ways

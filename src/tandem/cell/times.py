@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from itertools import islice, pairwise
 from typing import TYPE_CHECKING
 
+from pydantic import BaseModel
+
 from tandem.cell.written import number
 from tandem.errors import Fault
 
@@ -102,7 +104,11 @@ class _Rests:
 
     def __init__(self, cell: Fields):
         self.of_each = {
-            who: [(_micro(a), _micro(b)) for a, b in operator.breaks if b > a]
+            who: [
+                (_micro(off.start), _micro(off.end))
+                for off in operator.times_off
+                if off.end > off.start
+            ]
             for who, operator in cell.operators.items()
         }
         self._joint: dict[tuple[str, ...], list[tuple[int, int]]] = {}
@@ -174,7 +180,14 @@ def _too_late(cell: Fields, name: str, found: Mapping[str, Earliest]) -> str:
         chain = [*chain[:5], "", *chain[-6:]]
     steps = " then ".join(_step(cell, one) if one else "..." for one in chain)
     deadline, end = cell.tasks[name].deadline, found[name].end
-    around = " around the breaks" if found[name].chain_end <= _micro(deadline or 0.0) else ""
+    kinds = sorted(
+        {f"{off.what}s" for operator in cell.operators.values() for off in operator.times_off}
+    )
+    around = (
+        f" around the {' and '.join(kinds)}"
+        if found[name].chain_end <= _micro(deadline or 0.0)
+        else ""
+    )
     return (
         f"task {name!r} can never keep its deadline of {number(deadline or 0.0)} s: {steps} ends at"
         f" {number(end / MICRO)} s at the soonest{around}. Set the deadline to"
@@ -243,7 +256,12 @@ def exact_planning_can_count_it(cell: Fields) -> Iterator[Fault]:
         stresses += strain
         longest += max(own, default=0.0) + changeover
         stressed += max(strain, default=0.0) * len(cell.operators)
-    ends = [end for operator in cell.operators.values() for pair in operator.breaks for end in pair]
+    ends = [
+        moment
+        for operator in cell.operators.values()
+        for off in operator.times_off
+        for moment in (off.start, off.end)
+    ]
     times += [
         *ends,
         *(seconds for tool in cell.tools.values() for seconds in tool.changeover.values()),
@@ -295,30 +313,25 @@ def _numbers(cell: Fields) -> Iterator[tuple[Path, float]]:
                 (("operators", who, "breaks", place, side), value)
                 for side, value in enumerate(pair)
             )
-        yield from _if_stated(("operators", who, "stress_limit"), operator.stress_limit)
+        yield from _numbers_of(operator, ("operators", who))
     for name, task in cell.tasks.items():
-        here: Path = ("tasks", name)
-        yield from _if_stated((*here, "time"), task.time)
-        yield from _if_stated((*here, "stress"), task.stress)
+        yield from _numbers_of(task, ("tasks", name))
         for place, joint in enumerate(task.together):
-            yield (*here, "together", place, "time"), joint.time
-            yield from _if_stated((*here, "together", place, "stress"), joint.stress)
-        yield from _if_stated((*here, "difficulty"), task.difficulty)
-        yield from _if_stated((*here, "spread"), task.spread)
-        yield (*here, "release"), task.release
-        yield from _if_stated((*here, "deadline"), task.deadline)
+            yield from _numbers_of(joint, ("tasks", name, "together", place))
     for name, tool in cell.tools.items():
-        yield from _if_stated(("tools", name, "changeover"), tool.changeover)
-    yield from _if_stated(("stress_of_set",), cell.stress_of_set)
+        yield from _numbers_of(tool, ("tools", name))
+    yield from (
+        ((("stress_of_set", key)), value) for key, value in (cell.stress_of_set or {}).items()
+    )
 
 
-def _if_stated(
-    path: Path, value: float | Mapping[str, float] | None
-) -> Iterator[tuple[Path, float]]:
-    if isinstance(value, Mapping):
-        yield from (((*path, key), number) for key, number in value.items())
-    elif value is not None:
-        yield path, value
+def _numbers_of(part: BaseModel, path: Path) -> Iterator[tuple[Path, float]]:
+    """Each number that is a key's value, and each in a table of numbers by name."""
+    for key, value in part:
+        if isinstance(value, float):
+            yield (*path, key), value
+        elif isinstance(value, Mapping):
+            yield from (((*path, key, name), number) for name, number in value.items())
 
 
 def _values(value: float | Mapping[str, float]) -> list[float]:

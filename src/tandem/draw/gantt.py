@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell
 from tandem.draw.figure import axes_or_new, gantt_size, legend_below, numbers_in
-from tandem.draw.lanes import Bar, Lane, lanes
+from tandem.draw.lanes import SHADINGS, Bar, Lane, kinds_shaded, lanes
 from tandem.draw.language import Words, words
 from tandem.draw.style import ACCENT, FAINT_INK, INK, RULE, SHADE
 from tandem.schedule.critical import critical_path
@@ -90,10 +90,10 @@ def draw_lanes(
     for place, lane in enumerate(rows):
         y = at + place
         ax.axhspan(y - HALF - 0.08, y + HALF + 0.08, color="#F6F7F8", zorder=0, lw=0)
-        for off in lane.breaks:
-            _shaded(ax, off.start, off.end, y, t("picture.break"), "xxxx")
-        for swap in lane.changeovers:
-            _shaded(ax, swap.start, swap.end, y, swap.why, "....")
+        for off in lane.shaded:
+            _shaded(
+                ax, off.start, off.end, y, off.tool or t(f"picture.{off.kind}"), off.shading.hatch
+            )
         for bar in lane.bars:
             _bar(ax, lane, bar, y)
             if deadlines and bar.deadline is not None:
@@ -299,15 +299,11 @@ def draw_legend(ax: Axes, rows: Sequence[Lane], t: Words, *, critical: bool) -> 
         entries.append(
             (Line2D([], [], color=INK, ls=(0, (1, 1)), marker="o", ms=4.5), t("picture.joint"))
         )
-    if any(lane.breaks for lane in rows):
-        entries.append(
-            (Patch(facecolor=SHADE, edgecolor="#9AA0A6", hatch="xxxx", lw=0), t("picture.break"))
-        )
-    if any(lane.changeovers for lane in rows):
+    for off in kinds_shaded(rows):
         entries.append(
             (
-                Patch(facecolor=SHADE, edgecolor="#9AA0A6", hatch="....", lw=0),
-                t("picture.changeover"),
+                Patch(facecolor=SHADE, edgecolor="#9AA0A6", hatch=SHADINGS[off].hatch, lw=0),
+                t(f"picture.{off}"),
             )
         )
     if any(bar.deadline is not None for lane in rows for bar in lane.bars):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Literal
 
 from tandem.cell.model import Cell
 from tandem.draw.style import Look, looks, task_label
@@ -27,14 +29,46 @@ class Bar:
 
 
 @dataclass(frozen=True)
+class Shading:
+    """How a time without a task is shown.
+
+    Attributes:
+      fill: of what kind it looks: "break" or "changeover".
+      hatch: matplotlib's notation for that.
+      word: what a legend in the terminal calls it.
+    """
+
+    fill: Literal["break", "changeover"]
+    hatch: str
+    word: str
+
+
+SHADINGS = {
+    "break": Shading("break", "xxxx", "break"),
+    "setup": Shading("changeover", "....", "set-up"),
+    "changeover": Shading("changeover", "....", "tool changeover"),
+}
+"""Kind of time off -> how it is shown; each has the words `picture.KIND` and `gantt.KIND`."""
+
+
+@dataclass(frozen=True)
 class Shaded:
-    """A time in which an operator works on no task: `why` names the tool taken up, or is
-    "break".
+    """A time in which an operator works on no task, seconds.
+
+    Attributes:
+      kind: a key of `SHADINGS`.
+      tool: what is taken up; empty when it is no changeover.
     """
 
     start: float
     end: float
-    why: str
+    kind: str
+    tool: str = ""
+
+    @property
+    def shading(self) -> Shading:
+        """How it is shown."""
+        return SHADINGS[self.kind]
 
 
 @dataclass(frozen=True)
@@ -43,8 +77,7 @@ class Lane:
 
     look: Look
     bars: tuple[Bar, ...]
-    breaks: tuple[Shaded, ...]
-    changeovers: tuple[Shaded, ...]
+    shaded: tuple[Shaded, ...]
     busy: float
     utilisation: float
 
@@ -78,11 +111,23 @@ def lanes(
             )
             for a in schedule.of(name)
         )
-        breaks = tuple(
+        shaded = [
             Shaded(start, min(end, until), "break")
             for start, end in cell.operators[name].breaks
             if start < until
-        )
-        swaps = tuple(Shaded(c.start, c.end, c.tool) for c in changes if c.operator == name)
-        found.append(Lane(look, bars, breaks, swaps, busy[name], used[name]))
+        ]
+        shaded += [
+            Shaded(c.start, c.end, "changeover", c.tool) for c in changes if c.operator == name
+        ]
+        if bars and (span := cell.operators[name].setting_up) is not None:
+            shaded.append(Shaded(*span, "setup"))
+        found.append(Lane(look, bars, tuple(shaded), busy[name], used[name]))
     return tuple(found)
+
+
+def kinds_shaded(rows: Iterable[Lane]) -> list[str]:
+    """The kinds of time without a task in these lanes, in the order of `SHADINGS`: a legend
+    explains them.
+    """
+    there = {off.kind for lane in rows for off in lane.shaded}
+    return [kind for kind in SHADINGS if kind in there]

@@ -60,8 +60,6 @@ def _reason(link: Link) -> str:
             return "starts at the beginning"
         case "release":
             return f"starts at its release, {number(link.assignment.start)} s"
-        case "break":
-            return f"waits for the end of {link.by}'s break"
         case "predecessor":
             return f"waits for task {link.by}, its predecessor"
         case "operator":
@@ -70,4 +68,6 @@ def _reason(link: Link) -> str:
             return f"waits for {link.by}, who changes tools after {link.waited_for}"
         case "tool" | "zone":
             return f"waits for {link.reason} {link.by}, held by {link.waited_for}"
-    return "could start earlier"
+        case "choice":
+            return "could start earlier"
+    return f"waits for the end of {link.by}'s {link.reason}"  # a time off

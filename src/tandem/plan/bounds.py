@@ -5,6 +5,7 @@ humans.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 
 from tandem.plan.list_scheduling import Layout
@@ -17,13 +18,39 @@ def least_makespan(layout: Layout) -> int:
     return max(chain_bound(layout), one_operator_bound(layout), load_bound(layout))
 
 
+@dataclass(frozen=True)
+class WorkPrices:
+    """Prices of the operators' time at which the tasks' cheapest work bounds a makespan best.
+
+    The makespan times `total` is at least the sum of `work` over the tasks.
+
+    Attributes:
+      of_operator: whole numbers above 0; `total` is their sum.
+      work: per task, ticks of its cheapest step, each operator's at their price.
+    """
+
+    of_operator: tuple[int, ...]
+    total: int
+    work: tuple[int, ...]
+
+    @classmethod
+    def of(cls, layout: Layout) -> WorkPrices:
+        """The layout's prices, by `load_prices`."""
+        prices = tuple(max(1, round(_SCALE * price)) for price in load_prices(layout)[1])
+        work = tuple(
+            min((step.ticks * sum(prices[o] for o in step.operators) for step in row), default=0)
+            for row in layout.steps
+        )
+        return cls(prices, sum(prices), work)
+
+
 def least_stress(layout: Layout) -> int | None:
     """Units of stress that no schedule falls below; None when `stress_of_set` lists no set that the
     operators' skills allow.
     """
     table = layout.instance.stress_of_set
     if table is None:
-        return sum(min((step.stress for step in row), default=0) for row in layout.steps)
+        return sum(layout.easiest)
     always = {
         task
         for task, row in enumerate(layout.steps)
@@ -46,18 +73,16 @@ def chain_bound(layout: Layout) -> int:
 
 
 def heads(layout: Layout) -> list[int]:
-    """Per task, ticks before which it cannot start because of releases and predecessors in their
-    quickest steps.
+    """Per task, ticks before which it cannot start.
+
+    Because of releases, predecessors in their quickest steps, and operators who come later.
     """
-    instance, head = layout.instance, [0] * len(layout.steps)
-    quickest = [min((step.ticks for step in row), default=0) for row in layout.steps]
+    instance, quickest, head = layout.instance, layout.quickest, [0] * len(layout.steps)
     for task in instance.order:
-        head[task] = max(
-            [
-                instance.release[task],
-                *(head[first] + quickest[first] for first in instance.before[task]),
-            ]
-        )
+        groups = (step.operators for step in layout.steps[task])
+        arrival = min((max(instance.arrival[o] for o in group) for group in groups), default=0)
+        ends = (head[first] + quickest[first] for first in instance.before[task])
+        head[task] = max([instance.release[task], arrival, *ends])
     return head
 
 
@@ -70,8 +95,7 @@ def one_operator_bound(layout: Layout) -> int:
         jobs = []
         for task, row in enumerate(layout.steps):
             if row and all(operator in step.operators for step in row):
-                ticks = min(step.ticks for step in row)
-                jobs.append((head[task], ticks, layout.tail[task] - ticks))
+                jobs.append((head[task], layout.quickest[task], layout.behind[task]))
         best = max(best, preemptive(jobs))
     return best
 

@@ -72,17 +72,14 @@ class Moves:
         self.layout, self.instance = layout, instance
         self.tasks = range(len(instance.tasks))
         self.operators = range(len(instance.operators))
-        self.full = (1 << len(instance.tasks)) - 1
-        self.needs = [sum(1 << first for first in before) for before in instance.before]
+        self.full, self.needs = instance.all_tasks, instance.needs
         self.latest_end = latest_end
         self.latest_start = [
-            end - min((step.ticks for step in row), default=0)
-            for end, row in zip(latest_end, layout.steps, strict=True)
+            end - own for end, own in zip(latest_end, layout.quickest, strict=True)
         ]
-        self.swaps = any(row is not None for row in layout.changeover)
+        self.swaps = instance.has_swaps
         self.longest_swap = [
-            max((row[o] for row in layout.changeover if row is not None), default=0)
-            for o in self.operators
+            max((row[o] for row in instance.changeover), default=0) for o in self.operators
         ]
         self.limited = [o for o in self.operators if instance.stress_limit[o] is not None]
         self.human = [
@@ -103,8 +100,8 @@ class Moves:
             free=(0,) * operators,
             hand=tuple(-1 if tool is None else tool for tool in self.instance.in_hand),
             ends=(0,) * len(self.tasks),
-            tools=tuple((0,) * places for places in self.layout.tool_places),
-            zones=tuple((0,) * places for places in self.layout.zone_places),
+            tools=tuple((0,) * places for places in self.instance.tool_room),
+            zones=tuple((0,) * places for places in self.instance.zone_room),
             loads=(0,) * operators,
             stress=0,
             humans=0,
@@ -137,7 +134,7 @@ class Moves:
                     continue
                 soonest = start if soonest is None else min(soonest, start)
                 end = start + step.ticks
-                if end <= self.latest_end[task] and end + self.behind(task) <= horizon:
+                if end <= self.latest_end[task] and end + self.layout.behind[task] <= horizon:
                     moves.append((task, place, step, start))
                     if end < cutoff and self.harmless[task][place]:
                         cutoff = end
@@ -165,10 +162,6 @@ class Moves:
         """Lets go of what was remembered for the sets of tasks so far."""
         self._candidates.clear()
         self._waited_for.clear()
-
-    def behind(self, task: int) -> int:
-        """Ticks on the longest chain behind the task."""
-        return self.layout.tail[task] - min(step.ticks for step in self.layout.steps[task])
 
     def key(self, node: Node) -> Key:
         """What two nodes must have in common to be compared."""
@@ -223,7 +216,7 @@ class Moves:
 
     def _start(self, node: Node, task: int, step: Step, ready: int) -> int | None:
         """The earliest start at or after `ready`; None when the step is not allowed here."""
-        team = self.layout.team[task]
+        team = self.instance.team[task]
         if team >= 0 and any(
             other == team and operators != step.operators for other, operators in node.teams
         ):
@@ -232,7 +225,7 @@ class Moves:
             limit = self.instance.stress_limit[operator]
             if limit is not None and node.loads[operator] + load > limit:
                 return None
-        start, tool, zone = ready, self.layout.tool[task], self.layout.zone[task]
+        start, tool, zone = ready, self.instance.timed_tool[task], self.instance.timed_zone[task]
         changes = [(operator, self._change(node, tool, operator)) for operator in step.operators]
         for operator, change in changes:
             start = max(start, node.free[operator] + change)
@@ -240,7 +233,7 @@ class Moves:
             start = max(start, node.tools[tool][len(step.operators) - 1])
         if zone >= 0 and node.zones[zone]:
             start = max(start, node.zones[zone][len(step.operators) - 1])
-        moved = self.layout.has_breaks
+        moved = self.instance.has_breaks
         while moved:
             moved = False
             for operator, change in changes:
@@ -250,17 +243,12 @@ class Moves:
         return start
 
     def _change(self, node: Node, tool: int, operator: int) -> int:
-        row = self.layout.changeover[tool] if tool >= 0 else None
+        row = self.instance.swap_ticks[tool] if tool >= 0 else None
         return 0 if row is None or node.hand[operator] in (-1, tool) else row[operator]
 
     def _appended(self, node: Node, task: int, place: int, step: Step, start: int) -> Node:
-        end, who, tool, zone, team = (
-            start + step.ticks,
-            step.operators,
-            self.layout.tool[task],
-            self.layout.zone[task],
-            self.layout.team[task],
-        )
+        instance, end, who = self.instance, start + step.ticks, step.operators
+        tool, zone, team = instance.timed_tool[task], instance.timed_zone[task], instance.team[task]
         free, loads, ends, hand = list(node.free), list(node.loads), list(node.ends), node.hand
         for operator, load in zip(who, step.load, strict=True):
             free[operator] = end
@@ -293,7 +281,7 @@ class Moves:
         return (
             least
             and not self.swaps
-            and self.layout.team[task] < 0
+            and self.instance.team[task] < 0
             and (self.instance.stress_of_set is None or len(others) == 1)
         )
 

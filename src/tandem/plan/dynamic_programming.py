@@ -288,7 +288,7 @@ class Limits:
     def __init__(self, layout: Layout, most_ticks: int) -> None:
         self.layout, self.instance = layout, layout.instance
         self.least_ticks = least_makespan(layout)
-        self.latest_end = _latest_ends(layout, most_ticks)
+        self.latest_end = layout.latest_ends(most_ticks)
         self.head = heads(layout)
         _, prices = load_prices(layout)
         self.prices = [round(1024 * price) for price in prices]
@@ -297,10 +297,7 @@ class Limits:
             if self.instance.stress_of_set is None
             else [(_bits(tasks), units) for tasks, units in self.instance.stress_of_set.items()]
         )
-        self.behind = [
-            tail - min((s.ticks for s in row), default=0)
-            for tail, row in zip(layout.tail, layout.steps, strict=True)
-        ]
+        self.behind = layout.behind
         self._of_mask: dict[int, tuple[int, list[tuple[int, int, int]], int]] = {}
         self._of_table: dict[tuple[int, int], int | None] = {}
 
@@ -369,7 +366,7 @@ class Limits:
                     for task, row in zip(tasks, rows, strict=True)
                     if all(operator in step.operators for step in row)
                 ]
-                ticks = sum(min(step.ticks for step in self.layout.steps[task]) for task in mine)
+                ticks = sum(self.layout.quickest[task] for task in mine)
                 own.append(
                     (
                         min((self.head[task] for task in mine), default=0),
@@ -397,21 +394,6 @@ class Limits:
 
 UNREACHABLE = 1 << 200
 """Units of stress that stand for "no listed set can be reached"; a bound only, never shown."""
-
-
-def _latest_ends(layout: Layout, most_ticks: int) -> list[int]:
-    """Per task, ticks by which it must have ended because of deadlines, its own and those of what
-    comes behind it, and the longest makespan.
-    """
-    instance, latest = layout.instance, [most_ticks] * len(layout.steps)
-    for task in reversed(instance.order):
-        deadline = instance.deadline[task]
-        afters = (
-            latest[after] - min((step.ticks for step in layout.steps[after]), default=0)
-            for after in instance.behind[task]
-        )
-        latest[task] = min([most_ticks, *([] if deadline is None else [deadline]), *afters])
-    return latest
 
 
 def _rank(question: Question, instance: Instance) -> Callable[[int, int], tuple[int, ...]] | None:

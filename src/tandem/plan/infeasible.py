@@ -14,7 +14,7 @@ from time import monotonic
 from typing import Any
 
 from tandem.cell.model import Cell
-from tandem.cell.parts import Tool, Zone
+from tandem.cell.parts import Operator, Tool, Zone
 from tandem.cell.written import number
 from tandem.errors import CellError, InfeasibleError, NothingFoundError
 from tandem.plan import exact
@@ -56,6 +56,10 @@ def reasons(cell: Cell, question: Question, *, seconds: float = 30.0) -> list[st
     return [f"{together}.", *(_without(cell, question, limit) for limit in group)]
 
 
+KEEP_AWAY = ("breaks", "setup")
+"""Keys of an operator that say when they cannot work."""
+
+
 def limits(cell: Cell, question: Question) -> Iterator[Limit]:
     """Everything that could be lifted: the question's limits first, then the cell's."""
     if question.max_makespan is not None:
@@ -86,8 +90,9 @@ def limits(cell: Cell, question: Question) -> Iterator[Limit]:
             f"that tasks {one} and {two} need the same operators", ("same_operator", one, two)
         )
     for name, operator in cell.operators.items():
-        if operator.breaks:
-            yield Limit(f"the breaks of {name}", ("operators", name, "breaks"))
+        for key in KEEP_AWAY:
+            if getattr(operator, key):
+                yield Limit(f"the {key} of {name}", ("operators", name, key))
     for name, task in cell.tasks.items():
         if task.release > 0:
             yield Limit(
@@ -105,6 +110,10 @@ def limits(cell: Cell, question: Question) -> Iterator[Limit]:
             )
 
 
+def _without_key(operator: Operator, key: str) -> Operator:
+    return operator.model_copy(update={key: Operator.model_fields[key].default})
+
+
 def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell, Question]:
     """The cell and the question without these limits."""
     operators, tasks = dict(cell.operators), dict(cell.tasks)
@@ -116,9 +125,7 @@ def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell,
         if room == "question":
             question = replace(question, **{names[0]: None})  # type: ignore[arg-type]
         elif room == "operators":
-            operators[names[0]] = operators[names[0]].model_copy(
-                update={names[1]: () if names[1] == "breaks" else None}
-            )
+            operators[names[0]] = _without_key(operators[names[0]], names[1])
         elif room == "tasks":
             tasks[names[0]] = tasks[names[0]].model_copy(
                 update={names[1]: 0.0 if names[1] == "release" else None}

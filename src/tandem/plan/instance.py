@@ -5,19 +5,25 @@ Only solvers read this form. The checker and the measures never do: they judge f
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from functools import cached_property
+from typing import Any, NamedTuple
 
 from tandem.cell.model import Cell
+from tandem.cell.parts import Tool, Zone
 from tandem.schedule.model import Assignment, Schedule
 
 
 @dataclass(frozen=True)
 class Way:
-    """One mode of one task. `operators` are indices, `ticks` the duration, `load` the stress per
-    operator (0 for robots).
+    """One mode of one task.
+
+    Attributes:
+      operators: indices.
+      ticks: the duration.
+      load: the stress per operator, 0 for robots.
     """
 
     operators: tuple[int, ...]
@@ -26,25 +32,33 @@ class Way:
 
     @cached_property
     def stress(self) -> int:
+        """Units of stress on all who take part."""
         return sum(self.load)
+
+    @cached_property
+    def who(self) -> int:
+        """The operators as bits."""
+        return bits(self.operators)
 
 
 @dataclass(frozen=True)
 class Instance:
     """The cell's numbers; tasks, operators, tools and zones are indices in the cell's order.
 
+    The fields are what the cell says; what searches want of it besides (bits, chains, what can
+    bind at all) are views, worked out when they are first asked for.
+
     Attributes:
       per_second: ticks in a second, a power of ten that makes every time of the cell whole.
       per_stress: units of stress in 1, likewise.
       ways: per task, every mode of it, in the order of `cell.modes`.
-      before, behind: per task, its direct predecessors and successors.
-      order: tasks so that predecessors come first.
+      before: per task, its direct predecessors.
       release, deadline: ticks per task; a task without a deadline has None.
       tool, zone: per task, an index or None. `tools` and `zones` are their names.
       tool_places, zone_places: capacity per tool and zone.
       changeover: `[tool][operator]` ticks.
       in_hand: per operator, the tool at the start or None.
-      breaks: per operator, `(from, to)` ticks, sorted, disjoint.
+      breaks: per operator, `(from, to)` ticks in which it does nothing, sorted, disjoint.
       stress_limit: per operator, units or None.
       same_operator: pairs of tasks.
       stress_of_set: set of tasks done by humans -> units; None when stress adds up.
@@ -60,8 +74,6 @@ class Instance:
     human: tuple[bool, ...]
     ways: tuple[tuple[Way, ...], ...]
     before: tuple[tuple[int, ...], ...]
-    behind: tuple[tuple[int, ...], ...]
-    order: tuple[int, ...]
     release: tuple[int, ...]
     deadline: tuple[int | None, ...]
     tool: tuple[int | None, ...]
@@ -78,140 +90,233 @@ class Instance:
     @classmethod
     def of(cls, cell: Cell) -> Instance:
         """The cell's instance: nothing is rounded."""
-        per_second, per_stress = _scale(_times_in(cell)), _scale(_stresses_in(cell))
-        operators, tasks = tuple(cell.operators), tuple(cell.tasks)
-        o = {name: i for i, name in enumerate(operators)}
-        t = {name: i for i, name in enumerate(tasks)}
-        tools = tuple(
-            dict.fromkeys(
-                [
-                    *(x.tool for x in cell.tasks.values() if x.tool),
-                    *cell.tools,
-                    *(x.tool for x in cell.operators.values() if x.tool),
-                ]
-            )
-        )
-        zones = tuple(
-            dict.fromkeys([*(x.zone for x in cell.tasks.values() if x.zone), *cell.zones])
-        )
-
-        def ticks(seconds: float) -> int:
-            return _whole(seconds, per_second)
-
-        def units(stress: float) -> int:
-            return _whole(stress, per_stress)
-
-        ways = tuple(
-            tuple(
-                Way(
-                    tuple(o[name] for name in mode.operators),
-                    ticks(mode.time),
-                    tuple(units(mode.stress.get(name, 0.0)) for name in mode.operators),
-                )
-                for mode in cell.modes(name)
-            )
-            for name in tasks
-        )
-        before = tuple(
-            tuple(dict.fromkeys(t[a] for a in task.after)) for task in cell.tasks.values()
-        )
-        behind: list[list[int]] = [[] for _ in tasks]
-        for task, firsts in enumerate(before):
-            for first in firsts:
-                behind[first].append(task)
+        count = _Count(_scale(_times_in(cell)), _scale(_stresses_in(cell)))
         return cls(
             cell=cell,
-            per_second=per_second,
-            per_stress=per_stress,
-            operators=operators,
-            tasks=tasks,
-            tools=tools,
-            zones=zones,
-            human=tuple(x.kind == "human" for x in cell.operators.values()),
-            ways=ways,
-            before=before,
-            behind=tuple(map(tuple, behind)),
-            order=_topological(before, behind),
-            release=tuple(ticks(x.release) for x in cell.tasks.values()),
-            deadline=tuple(
-                None if x.deadline is None else ticks(x.deadline) for x in cell.tasks.values()
-            ),
-            tool=tuple(
-                None if x.tool is None else tools.index(x.tool) for x in cell.tasks.values()
-            ),
-            zone=tuple(
-                None if x.zone is None else zones.index(x.zone) for x in cell.tasks.values()
-            ),
-            tool_places=tuple(cell.tools[x].capacity if x in cell.tools else 1 for x in tools),
-            zone_places=tuple(cell.zones[x].capacity if x in cell.zones else 1 for x in zones),
-            changeover=tuple(
-                tuple(
-                    ticks(cell.tools[x].changeover.get(who, 0.0)) if x in cell.tools else 0
-                    for who in operators
-                )
-                for x in tools
-            ),
-            in_hand=tuple(
-                None if x.tool is None else tools.index(x.tool) for x in cell.operators.values()
-            ),
-            breaks=tuple(
-                tuple(sorted((ticks(a), ticks(b)) for a, b in x.breaks))
-                for x in cell.operators.values()
-            ),
-            stress_limit=tuple(
-                None if x.stress_limit is None else units(x.stress_limit)
-                for x in cell.operators.values()
-            ),
-            same_operator=tuple((t[a], t[b]) for a, b in cell.same_operator),
-            stress_of_set=None
-            if cell.stress_of_set is None
-            else {
-                frozenset(t[name] for name in key.split(",") if name): units(value)
-                for key, value in cell.stress_of_set.items()
-            },
+            per_second=count.per_second,
+            per_stress=count.per_stress,
+            tools=cell.tool_names,
+            zones=cell.zone_names,
+            **_tasks(cell, count),
+            **_places(cell, count),
+            **_operators(cell, count),
         )
 
-    @cached_property
-    def horizon(self) -> int:
-        """Ticks by which everything can end, if it can end at all: all tasks one after the other,
-        behind every release and break.
+    def scaled(self, times: int, pace: Sequence[float] | None = None) -> Instance:
+        """The same in ticks that are `times` finer, and with everybody at their own pace.
+
+        Args:
+          pace: per operator, the factor on the stated times; a group goes at its slowest, and
+            every task takes at least a tick. Stated times when None.
         """
-        work = sum(max(way.ticks for way in ways) for ways in self.ways)
-        swaps = max((max(row) for row in self.changeover), default=0) * len(self.tasks)
-        waits = max(self.release, default=0) + sum(
-            end for breaks in self.breaks for _, end in breaks
+        if times == 1 and pace is None:
+            return self
+        pace = [1.0] * len(self.operators) if pace is None else pace
+
+        def way(stated: Way) -> Way:
+            slowest = max(pace[operator] for operator in stated.operators)
+            ticks = stated.ticks * times
+            return Way(stated.operators, max(1, round(ticks * slowest)), stated.load)
+
+        return replace(
+            self,
+            per_second=self.per_second * times,
+            ways=tuple(tuple(map(way, row)) for row in self.ways),
+            release=tuple(ticks * times for ticks in self.release),
+            deadline=tuple(None if ticks is None else ticks * times for ticks in self.deadline),
+            changeover=tuple(tuple(ticks * times for ticks in row) for row in self.changeover),
+            breaks=tuple(tuple((a * times, b * times) for a, b in row) for row in self.breaks),
         )
-        return work + swaps + waits
+
+    def restricted(
+        self,
+        tasks: Sequence[int],
+        ways: Sequence[Sequence[Way]],
+        release: Sequence[int],
+        *,
+        before: Sequence[Iterable[int]] | None = None,
+        **changed: Any,
+    ) -> Instance:
+        """These tasks alone as an instance of their own: its task `i` is `tasks[i]` here.
+
+        What the other tasks leave behind does not follow from this instance and is handed in: the
+        ways that are still open, releases that stand for what is being waited for, and among
+        `changed` the tools in hand, the breaks and the stress that is left.
+
+        Args:
+          ways, release: per task that stays.
+          before: per task that stays, tasks of this instance that must have ended first; those
+            that do not stay are dropped. Its predecessors when None.
+          changed: any other fields, as the restricted instance shall have them.
+        """
+        index = {task: i for i, task in enumerate(tasks)}
+        firsts = [self.before[task] for task in tasks] if before is None else before
+        kept: dict[str, Any] = {
+            "tasks": tuple(self.tasks[task] for task in tasks),
+            "ways": tuple(map(tuple, ways)),
+            "before": tuple(tuple(index[f] for f in row if f in index) for row in firsts),
+            "release": tuple(release),
+            "deadline": tuple(self.deadline[task] for task in tasks),
+            "tool": tuple(self.tool[task] for task in tasks),
+            "zone": tuple(self.zone[task] for task in tasks),
+            "same_operator": tuple(
+                (index[a], index[b]) for a, b in self.same_operator if a in index and b in index
+            ),
+            "stress_of_set": None,  # stress by sets of all tasks says nothing about some of them
+        }
+        return replace(self, **(kept | changed))
+
+    # ------------------------------------------------------------ precedence
+
+    @cached_property
+    def behind(self) -> tuple[tuple[int, ...], ...]:
+        """Per task, its direct successors."""
+        behind: list[list[int]] = [[] for _ in self.tasks]
+        for task, firsts in enumerate(self.before):
+            for first in firsts:
+                behind[first].append(task)
+        return tuple(map(tuple, behind))
+
+    @cached_property
+    def order(self) -> tuple[int, ...]:
+        """The tasks so that predecessors come first."""
+        return _topological(self.before, self.behind)
+
+    @cached_property
+    def needs(self) -> tuple[int, ...]:
+        """Per task, its direct predecessors as bits."""
+        return tuple(map(bits, self.before))
+
+    @cached_property
+    def followers(self) -> tuple[int, ...]:
+        """Per task, its direct successors as bits."""
+        return tuple(map(bits, self.behind))
 
     @cached_property
     def tail(self) -> tuple[int, ...]:
-        """Per task, ticks on the longest chain that starts with it, every task in its quickest
-        mode.
-        """
-        tail = [0] * len(self.tasks)
-        for task in reversed(self.order):
-            tail[task] = min(way.ticks for way in self.ways[task]) + max(
-                (tail[after] for after in self.behind[task]), default=0
-            )
-        return tuple(tail)
+        """Per task, ticks on the longest chain that starts with it, each task at its quickest."""
+        return self.chains([min(way.ticks for way in ways) for ways in self.ways])
 
     @cached_property
     def head(self) -> tuple[int, ...]:
-        """Per task, ticks before which it cannot start because of releases and predecessors in
-        their quickest modes.
+        """Per task, ticks before which it cannot start.
+
+        Because of releases, predecessors in their quickest modes, and operators who come later.
         """
         head = [0] * len(self.tasks)
         for task in self.order:
-            head[task] = max(
-                [
-                    self.release[task],
-                    *(
-                        head[first] + min(way.ticks for way in self.ways[first])
-                        for first in self.before[task]
-                    ),
-                ]
+            arrival = min(max(self.arrival[o] for o in way.operators) for way in self.ways[task])
+            ends = (
+                head[first] + min(way.ticks for way in self.ways[first])
+                for first in self.before[task]
             )
+            head[task] = max([self.release[task], arrival, *ends])
         return tuple(head)
+
+    def chains(self, ticks: Sequence[int]) -> tuple[int, ...]:
+        """Per task, the longest chain that starts with it, when task `i` takes `ticks[i]`."""
+        tail = [0] * len(self.tasks)
+        for task in reversed(self.order):
+            tail[task] = ticks[task] + max([tail[after] for after in self.behind[task]], default=0)
+        return tuple(tail)
+
+    # ------------------------------------------------------------ sets as bits
+
+    @cached_property
+    def all_tasks(self) -> int:
+        """Bits of all tasks."""
+        return (1 << len(self.tasks)) - 1
+
+    @cached_property
+    def everybody(self) -> int:
+        """Bits of all operators."""
+        return (1 << len(self.operators)) - 1
+
+    @cached_property
+    def humans(self) -> int:
+        """Bits of the humans."""
+        return bits(operator for operator, human in enumerate(self.human) if human)
+
+    # ------------------------------------------------------------ what can bind
+
+    @cached_property
+    def team(self) -> tuple[int, ...]:
+        """Per task, the number of its group of tasks that the same operators do; -1 for none."""
+        return _teams(len(self.tasks), self.same_operator)
+
+    @cached_property
+    def tool_room(self) -> tuple[int, ...]:
+        """Per tool, its capacity, or 0 when there are as many as operators: it never binds."""
+        return tuple(self._room(places) for places in self.tool_places)
+
+    @cached_property
+    def zone_room(self) -> tuple[int, ...]:
+        """Per zone, its capacity, or 0 when all operators find room: it never binds."""
+        return tuple(self._room(places) for places in self.zone_places)
+
+    def _room(self, places: int) -> int:
+        return places if places < len(self.operators) else 0
+
+    @cached_property
+    def swap_ticks(self) -> tuple[tuple[int, ...] | None, ...]:
+        """Per tool, ticks per operator to take it up; None when it costs nobody any."""
+        return tuple(row if any(row) else None for row in self.changeover)
+
+    @cached_property
+    def has_swaps(self) -> bool:
+        """Changing tools costs somebody time."""
+        return any(self.swap_ticks)
+
+    @cached_property
+    def has_breaks(self) -> bool:
+        """Somebody is off at some time."""
+        return any(self.breaks)
+
+    @cached_property
+    def has_limits(self) -> bool:
+        """Somebody has a limit of stress."""
+        return any(limit is not None for limit in self.stress_limit)
+
+    @cached_property
+    def has_teams(self) -> bool:
+        """Some tasks must be done by the same operators."""
+        return any(team >= 0 for team in self.team)
+
+    @cached_property
+    def timed_tool(self) -> tuple[int, ...]:
+        """Per task, its tool where that can matter for times, else -1."""
+        return tuple(
+            -1 if tool is None or not (self.has_swaps or self.tool_room[tool]) else tool
+            for tool in self.tool
+        )
+
+    @cached_property
+    def timed_zone(self) -> tuple[int, ...]:
+        """Per task, its zone where that can matter for times, else -1."""
+        return tuple(-1 if zone is None or not self.zone_room[zone] else zone for zone in self.zone)
+
+    @cached_property
+    def is_plain(self) -> bool:
+        """Tools, zones and breaks play no part in times."""
+        return not self.has_breaks and max((*self.timed_tool, *self.timed_zone), default=-1) < 0
+
+    @cached_property
+    def arrival(self) -> tuple[int, ...]:
+        """Per operator, ticks before which it does nothing, being off from the start."""
+        return tuple(row[0][1] if row and row[0][0] <= 0 else 0 for row in self.breaks)
+
+    @cached_property
+    def horizon(self) -> int:
+        """Ticks by which everything can end, if it can end at all.
+
+        All tasks one after the other, behind every release and break.
+        """
+        work = sum(max(way.ticks for way in ways) for ways in self.ways)
+        swaps = max((max(row) for row in self.changeover), default=0) * len(self.tasks)
+        waits = sum(end for breaks in self.breaks for _, end in breaks)
+        return work + swaps + waits + max(self.release, default=0)
+
+    # ------------------------------------------------------------ back into words
 
     def seconds(self, ticks: int) -> float:
         """Ticks in seconds: the nearest float, which prints as the exact decimal."""
@@ -261,7 +366,104 @@ class Instance:
         return tuple(starts)
 
 
-def _topological(before: tuple[tuple[int, ...], ...], behind: list[list[int]]) -> tuple[int, ...]:
+def bits(numbers: Iterable[int]) -> int:
+    """A set of whole numbers as bits: number `i` is bit `i`."""
+    return sum(1 << number for number in numbers)
+
+
+class _Count(NamedTuple):
+    """How many ticks and units of stress there are in 1."""
+
+    per_second: int
+    per_stress: int
+
+    def ticks(self, seconds: float) -> int:
+        return _whole(seconds, self.per_second)
+
+    def units(self, stress: float) -> int:
+        return _whole(stress, self.per_stress)
+
+
+def _tasks(cell: Cell, count: _Count) -> dict[str, Any]:
+    index = {name: i for i, name in enumerate(cell.tasks)}
+    tasks = cell.tasks.values()
+    table = cell.stress_of_set
+    return {
+        "tasks": tuple(cell.tasks),
+        "ways": tuple(tuple(_ways(cell, count, name)) for name in cell.tasks),
+        "before": tuple(tuple(dict.fromkeys(index[a] for a in task.after)) for task in tasks),
+        "release": tuple(count.ticks(task.release) for task in tasks),
+        "deadline": tuple(
+            None if task.deadline is None else count.ticks(task.deadline) for task in tasks
+        ),
+        "same_operator": tuple((index[a], index[b]) for a, b in cell.same_operator),
+        "stress_of_set": table
+        and {
+            frozenset(index[name] for name in key.split(",") if name): count.units(value)
+            for key, value in table.items()
+        },
+    }
+
+
+def _ways(cell: Cell, count: _Count, task: str) -> Iterator[Way]:
+    number = {name: i for i, name in enumerate(cell.operators)}
+    for mode in cell.modes(task):
+        loads = tuple(count.units(mode.stress.get(who, 0.0)) for who in mode.operators)
+        yield Way(tuple(number[who] for who in mode.operators), count.ticks(mode.time), loads)
+
+
+def _places(cell: Cell, count: _Count) -> dict[str, Any]:
+    """A tool or a zone that the cell does not list exists once and costs nothing."""
+    tools, zones = cell.tool_names, cell.zone_names
+    tasks = cell.tasks.values()
+    listed = [cell.tools.get(name, Tool()) for name in tools]
+    return {
+        "tool": tuple(None if task.tool is None else tools.index(task.tool) for task in tasks),
+        "zone": tuple(None if task.zone is None else zones.index(task.zone) for task in tasks),
+        "tool_places": tuple(tool.capacity for tool in listed),
+        "zone_places": tuple(cell.zones.get(name, Zone()).capacity for name in zones),
+        "changeover": tuple(
+            tuple(count.ticks(tool.changeover.get(who, 0.0)) for who in cell.operators)
+            for tool in listed
+        ),
+    }
+
+
+def _operators(cell: Cell, count: _Count) -> dict[str, Any]:
+    tools, operators = cell.tool_names, cell.operators.values()
+    return {
+        "operators": tuple(cell.operators),
+        "human": tuple(operator.kind == "human" for operator in operators),
+        "in_hand": tuple(None if x.tool is None else tools.index(x.tool) for x in operators),
+        "breaks": tuple(
+            tuple((count.ticks(off.start), count.ticks(off.end)) for off in operator.times_off)
+            for operator in operators
+        ),
+        "stress_limit": tuple(
+            None if x.stress_limit is None else count.units(x.stress_limit) for x in operators
+        ),
+    }
+
+
+def _teams(tasks: int, pairs: Iterable[tuple[int, int]]) -> tuple[int, ...]:
+    """Per task, the number of its connected group of pairs, or -1."""
+    root = list(range(tasks))
+
+    def find(task: int) -> int:
+        while root[task] != task:
+            task = root[task]
+        return task
+
+    paired = set()
+    for one, other in pairs:
+        root[find(one)] = find(other)
+        paired |= {one, other}
+    return tuple(find(task) if task in paired else -1 for task in range(tasks))
+
+
+def _topological(
+    before: Sequence[Sequence[int]], behind: Sequence[Sequence[int]]
+) -> tuple[int, ...]:
     waiting = [len(firsts) for firsts in before]
     ready = [task for task, count in enumerate(waiting) if count == 0]
     for task in ready:
@@ -300,8 +502,8 @@ def _times_in(cell: Cell) -> Iterable[float]:
     for tool in cell.tools.values():
         yield from tool.changeover.values()
     for operator in cell.operators.values():
-        for pair in operator.breaks:
-            yield from pair
+        for off in operator.times_off:
+            yield from (off.start, off.end)
 
 
 def _stresses_in(cell: Cell) -> Iterable[float]:

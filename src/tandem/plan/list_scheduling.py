@@ -10,7 +10,7 @@ and stress.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -34,99 +34,69 @@ class Step(NamedTuple):
 
 @dataclass(frozen=True)
 class Layout:
-    """An instance laid out for quick appending.
+    """An instance with those of its ways that a search may take.
 
     Attributes:
       steps: per task, its ways without those that need more of a tool or a zone than there is,
         without those that a partner in `same_operator` lacks, and without those that differ from
         another one in more stress alone.
-      team: per task, the number of its group of tasks that the same operators must do; -1 when it
-        is in none.
-      tool: per task, the index of its tool when that matters for time, else -1. `zone` likewise.
-      changeover: per tool, ticks per operator; None when none costs any.
-      tool_places, zone_places: capacity, or 0 when there are as many as operators, so that it never
-        binds.
-      must: per task and operator, the least stress that the task puts on the operator in any of its
-        steps.
     """
 
     instance: Instance
     steps: tuple[tuple[Step, ...], ...]
-    team: tuple[int, ...]
-    tool: tuple[int, ...]
-    zone: tuple[int, ...]
-    changeover: tuple[tuple[int, ...] | None, ...]
-    tool_places: tuple[int, ...]
-    zone_places: tuple[int, ...]
-    has_breaks: bool
-    has_limits: bool
-    must: tuple[tuple[int, ...], ...]
 
     @classmethod
     def of(cls, instance: Instance) -> Layout:
         """The instance's layout. A task that nobody can do has no steps."""
-        operators = len(instance.operators)
-        tool_places = tuple(places if places < operators else 0 for places in instance.tool_places)
-        zone_places = tuple(places if places < operators else 0 for places in instance.zone_places)
-        changeover = tuple(row if any(row) else None for row in instance.changeover)
-        swaps = any(changeover)
-        team = _teams(instance)
-        steps = _shared_by_teams(
-            team, [_steps(instance, task) for task in range(len(instance.tasks))]
-        )
-        return cls(
-            instance=instance,
-            steps=tuple(map(tuple, steps)),
-            team=team,
-            tool=tuple(
-                -1 if tool is None or not (swaps or tool_places[tool]) else tool
-                for tool in instance.tool
-            ),
-            zone=tuple(
-                -1 if zone is None or not zone_places[zone] else zone for zone in instance.zone
-            ),
-            changeover=changeover,
-            tool_places=tool_places,
-            zone_places=zone_places,
-            has_breaks=any(instance.breaks),
-            has_limits=any(limit is not None for limit in instance.stress_limit),
-            must=_must(steps, operators),
-        )
+        steps = [_steps(instance, task) for task in range(len(instance.tasks))]
+        return cls(instance, tuple(map(tuple, _shared_by_teams(instance.team, steps))))
 
     @cached_property
-    def plain(self) -> bool:
-        """Tools, zones and breaks play no part in times."""
-        return (
-            not self.has_breaks
-            and all(tool < 0 for tool in self.tool)
-            and all(zone < 0 for zone in self.zone)
-        )
+    def quickest(self) -> tuple[int, ...]:
+        """Per task, ticks of its quickest step."""
+        return tuple(min((step.ticks for step in row), default=0) for row in self.steps)
 
     @cached_property
     def tail(self) -> tuple[int, ...]:
-        """Per task, ticks on the longest chain that starts with it, every task in its quickest
-        step.
-        """
-        quickest = [min((step.ticks for step in row), default=0) for row in self.steps]
-        tail = [0] * len(quickest)
-        for task in reversed(self.instance.order):
-            tail[task] = quickest[task] + max(
-                (tail[after] for after in self.instance.behind[task]), default=0
-            )
-        return tuple(tail)
+        """Per task, ticks on the longest chain that starts with it, each task at its quickest."""
+        return self.instance.chains(self.quickest)
+
+    @cached_property
+    def behind(self) -> tuple[int, ...]:
+        """Per task, ticks on the longest chain behind it."""
+        return tuple(tail - own for tail, own in zip(self.tail, self.quickest, strict=True))
+
+    @cached_property
+    def easiest(self) -> tuple[int, ...]:
+        """Per task, units of stress of its easiest step."""
+        return tuple(min((step.stress for step in row), default=0) for row in self.steps)
+
+    @cached_property
+    def must(self) -> tuple[tuple[int, ...], ...]:
+        """Per task and operator, the least stress that any step of the task puts on them."""
+        operators = range(len(self.instance.operators))
+        return tuple(
+            tuple(min((_load(step, o) for step in row), default=0) for o in operators)
+            for row in self.steps
+        )
+
+    def latest_ends(self, most: int) -> list[int]:
+        """Per task, ticks by which it must have ended so that deadlines and `most` can be kept."""
+        instance, latest = self.instance, [most] * len(self.steps)
+        for task in reversed(instance.order):
+            deadline = instance.deadline[task]
+            afters = (latest[after] - self.quickest[after] for after in instance.behind[task])
+            latest[task] = min([most if deadline is None else min(deadline, most), *afters])
+        return latest
 
     def with_humans_at(self, tasks: Collection[int]) -> Layout:
         """The layout in which humans take part in these tasks and in no other."""
         human = self.instance.human
         steps = tuple(
-            tuple(
-                step
-                for step in row
-                if any(human[operator] for operator in step.operators) == (task in tasks)
-            )
+            tuple(step for step in row if any(human[o] for o in step.operators) == (task in tasks))
             for task, row in enumerate(self.steps)
         )
-        return replace(self, steps=steps, must=_must(steps, len(human)))
+        return Layout(self.instance, steps)
 
     def impossible(self) -> list[int]:
         """Tasks without any step: nobody can do them here."""
@@ -150,6 +120,7 @@ class State:
         "end",
         "free",
         "hand",
+        "instance",
         "layout",
         "load",
         "need",
@@ -166,85 +137,81 @@ class State:
     def __init__(self, layout: Layout) -> None:
         instance = layout.instance
         tasks, operators = len(instance.tasks), len(instance.operators)
-        self.layout = layout
+        self.layout, self.instance = layout, instance
         self.start, self.end, self.way = [-1] * tasks, [-1] * tasks, [-1] * tasks
         self.free = [0] * operators
         self.hand = [-1 if tool is None else tool for tool in instance.in_hand]
         self.ready = list(instance.release)
         self.waiting = [len(before) for before in instance.before]
-        self.tool_free = [[0] * places for places in layout.tool_places]
-        self.zone_free = [[0] * places for places in layout.zone_places]
+        self.tool_free = [[0] * places for places in instance.tool_room]
+        self.zone_free = [[0] * places for places in instance.zone_room]
         self.operators_of: dict[int, tuple[int, ...]] = {}
         self.load = [0] * operators
         self.stress = 0
         self.need = (
             [sum(row[o] for row in layout.must) for o in range(operators)]
-            if layout.has_limits
+            if instance.has_limits
             else [0] * operators
         )
 
-    def steps(self, task: int) -> Sequence[Step]:
+    def steps(self, task: int) -> tuple[Step, ...]:
         """The task's steps that keep stress limits and stay with the operators of its team. May be
         empty.
         """
-        layout = self.layout
-        steps: Sequence[Step] = layout.steps[task]
-        if (
-            layout.team[task] >= 0
-            and (operators := self.operators_of.get(layout.team[task])) is not None
-        ):
-            steps = [step for step in steps if step.operators == operators]
-        if layout.has_limits:
-            steps = [step for step in steps if self._within_limits(task, step)]
+        instance, steps = self.instance, self.layout.steps[task]
+        team = instance.team[task]
+        if team >= 0 and (operators := self.operators_of.get(team)) is not None:
+            steps = tuple(step for step in steps if step.operators == operators)
+        if instance.has_limits:
+            steps = tuple(step for step in steps if self._within_limits(task, step))
         return steps
 
     def earliest(self, task: int, step: Step) -> int:
         """The earliest tick at which the task can start in this way, appended to what is placed."""
-        start, free, layout = self.ready[task], self.free, self.layout
-        if layout.plain:
+        start, free, instance = self.ready[task], self.free, self.instance
+        if instance.is_plain:
             for operator in step.operators:
                 if free[operator] > start:
                     start = free[operator]
             return start
-        tool, zone = layout.tool[task], layout.zone[task]
-        row = layout.changeover[tool] if tool >= 0 else None
+        tool, zone = instance.timed_tool[task], instance.timed_zone[task]
+        row = instance.swap_ticks[tool] if tool >= 0 else None
         for operator in step.operators:
             begin = free[operator]
             if row is not None and self.hand[operator] != tool and self.hand[operator] >= 0:
                 begin += row[operator]
             if begin > start:
                 start = begin
-        if tool >= 0 and layout.tool_places[tool]:
+        if tool >= 0 and instance.tool_room[tool]:
             start = max(start, self.tool_free[tool][len(step.operators) - 1])
         if zone >= 0:
             start = max(start, self.zone_free[zone][len(step.operators) - 1])
-        return self._behind_breaks(tool, row, step, start) if layout.has_breaks else start
+        return self._behind_breaks(tool, row, step, start) if instance.has_breaks else start
 
     def put(self, task: int, step: Step, start: int) -> list[int]:
         """Places the task; returns the tasks that have become ready, all their predecessors being
         placed. Assumes `earliest(task, step) <= start`.
         """
-        layout, end = self.layout, start + step.ticks
+        instance, end = self.instance, start + step.ticks
         self.start[task], self.end[task], self.way[task] = start, end, step.way
-        tool, zone = layout.tool[task], layout.zone[task]
+        tool, zone, team = instance.timed_tool[task], instance.timed_zone[task], instance.team[task]
         for operator, load in zip(step.operators, step.load, strict=True):
             self.free[operator] = end
             self.load[operator] += load
             if tool >= 0:
                 self.hand[operator] = tool
         self.stress += step.stress
-        if tool >= 0 and layout.tool_places[tool]:
+        if tool >= 0 and instance.tool_room[tool]:
             _take(self.tool_free[tool], len(step.operators), end)
         if zone >= 0:
             _take(self.zone_free[zone], len(step.operators), end)
-        if layout.team[task] >= 0:
-            self.operators_of[layout.team[task]] = step.operators
-        if layout.has_limits:
-            self.need = [
-                need - must for need, must in zip(self.need, layout.must[task], strict=True)
-            ]
+        if team >= 0:
+            self.operators_of[team] = step.operators
+        if instance.has_limits:
+            must = self.layout.must[task]
+            self.need = [need - own for need, own in zip(self.need, must, strict=True)]
         released = []
-        for after in layout.instance.behind[task]:
+        for after in instance.behind[task]:
             if self.ready[after] < end:
                 self.ready[after] = end
             self.waiting[after] -= 1
@@ -264,7 +231,7 @@ class State:
         return list(zip(self.way, self.start, strict=True))
 
     def _within_limits(self, task: int, step: Step) -> bool:
-        must, limits = self.layout.must[task], self.layout.instance.stress_limit
+        must, limits = self.layout.must[task], self.instance.stress_limit
         for operator, load in zip(step.operators, step.load, strict=True):
             limit = limits[operator]
             if (
@@ -275,7 +242,7 @@ class State:
         return True
 
     def _behind_breaks(self, tool: int, row: tuple[int, ...] | None, step: Step, start: int) -> int:
-        breaks, moved = self.layout.instance.breaks, True
+        breaks, moved = self.instance.breaks, True
         while moved:
             moved = False
             for operator in step.operators:
@@ -319,21 +286,6 @@ def _steps(instance: Instance, task: int) -> list[Step]:
     return list(best.values())
 
 
-def _teams(instance: Instance) -> tuple[int, ...]:
-    """Per task, the number of its connected group of `same_operator` pairs, or -1."""
-    root = list(range(len(instance.tasks)))
-
-    def find(task: int) -> int:
-        while root[task] != task:
-            task = root[task]
-        return task
-
-    for one, other in instance.same_operator:
-        root[find(one)] = find(other)
-    paired = {task for pair in instance.same_operator for task in pair}
-    return tuple(find(task) if task in paired else -1 for task in range(len(root)))
-
-
 def _shared_by_teams(team: Sequence[int], steps: list[list[Step]]) -> list[list[Step]]:
     shared: dict[int, set[tuple[int, ...]]] = {}
     for task, row in enumerate(steps):
@@ -344,13 +296,6 @@ def _shared_by_teams(team: Sequence[int], steps: list[list[Step]]) -> list[list[
         row if team[task] < 0 else [step for step in row if step.operators in shared[team[task]]]
         for task, row in enumerate(steps)
     ]
-
-
-def _must(steps: Sequence[Sequence[Step]], operators: int) -> tuple[tuple[int, ...], ...]:
-    return tuple(
-        tuple(min((_load(step, o) for step in row), default=0) for o in range(operators))
-        for row in steps
-    )
 
 
 def _load(step: Step, operator: int) -> int:

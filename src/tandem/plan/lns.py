@@ -9,12 +9,13 @@ ours.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 
 from ortools.sat.python import cp_model
 
 from tandem.plan.cpsat import formulate
-from tandem.plan.instance import Instance
+from tandem.plan.instance import Instance, Way
 from tandem.plan.starts import Starts
 
 
@@ -51,64 +52,71 @@ def take_out(
     Only tasks that now belong to operators in `movers` are planned anew, among them; the others
     keep their operators and their order.
     """
-    before, free, behind = order[:first], order[first : first + count], order[first + count :]
-    place = {task: i for i, task in enumerate(free)}
-    end = {task: starts[task][1] + instance.ways[task][starts[task][0]].ticks for task in before}
-    fixed = _Fixed.of(instance, starts, before, end)
-    tail, first_of, floor = _tails_behind(instance, starts, behind, end, fixed)
-    ways = tuple(_still_open(instance, starts, task, place, movers) for task in free)
-    chain = _chains(instance, starts, free, movers)
-    release = [
-        max(
-            [
-                instance.release[t],
-                *(end[p] for p in instance.before[t] if p in end),
-                fixed.tool_free(instance.tool[t]),
-                fixed.zone_free(instance.zone[t]),
-            ]
-        )
-        for t in free
-    ]
-    tails = tuple(
-        tuple(
-            max(
-                [tail[b] for b in instance.behind[t] if b not in place]
-                + [first_of.get(o, 0) for o in instance.ways[t][w].operators],
-                default=0,
-            )
-            for w in ways[i]
-        )
-        for i, t in enumerate(free)
-    )
-    inside = replace(
+    cut = _Cut(
         instance,
-        tasks=tuple(instance.tasks[t] for t in free),
-        ways=tuple(tuple(instance.ways[t][w] for w in ways[i]) for i, t in enumerate(free)),
-        before=tuple(
-            tuple(place[p] for p in {*instance.before[t], *chain.get(t, ())} if p in place)
-            for t in free
-        ),
-        behind=tuple(tuple(place[b] for b in instance.behind[t] if b in place) for t in free),
-        order=tuple(place[t] for t in instance.order if t in place),
-        release=tuple(release),
-        deadline=tuple(instance.deadline[t] for t in free),
-        tool=tuple(instance.tool[t] for t in free),
-        zone=tuple(instance.zone[t] for t in free),
+        starts,
+        before=tuple(order[:first]),
+        free=tuple(order[first : first + count]),
+        behind=tuple(order[first + count :]),
+    )
+    fixed = _Fixed.of(cut)
+    ways = tuple(_still_open(cut, task, movers) for task in cut.free)
+    # What is behind the stretch keeps its order, and follows it as a chain of known length.
+    tail, first_of = _tails_behind(cut)
+    tails = tuple(
+        tuple(_longest_behind(cut, task, way, tail, first_of) for way in row)
+        for task, row in zip(cut.free, ways, strict=True)
+    )
+    # Who does not move keeps the order of their tasks: one comes before the next.
+    chain = _chains(cut, movers)
+    inside = instance.restricted(
+        cut.free,
+        [[instance.ways[t][w] for w in row] for t, row in zip(cut.free, ways, strict=True)],
+        [fixed.release(cut, task) for task in cut.free],
+        before=[dict.fromkeys((*instance.before[t], *chain.get(t, ()))) for t in cut.free],
         in_hand=fixed.in_hand,
         breaks=fixed.breaks(instance),
-        stress_limit=_limits_left(instance, starts, place),
-        same_operator=tuple(
-            (place[a], place[b]) for a, b in instance.same_operator if a in place and b in place
-        ),
-        stress_of_set=None,
+        stress_limit=_limits_left(cut),
     )
-    return Stretch(tuple(free), inside, ways, tails, floor)
+    return Stretch(cut.free, inside, ways, tails, _floor(cut, fixed, tail))
+
+
+@dataclass(frozen=True)
+class _Cut:
+    """A schedule in three parts: tasks before the stretch, those in it, and those behind it."""
+
+    instance: Instance
+    starts: Starts
+    before: tuple[int, ...]
+    free: tuple[int, ...]
+    behind: tuple[int, ...]
+
+    def way(self, task: int) -> Way:
+        """The way in which the schedule does the task."""
+        return self.instance.ways[task][self.starts[task][0]]
+
+    @cached_property
+    def end(self) -> dict[int, int]:
+        """Ticks of each task before the stretch."""
+        return {task: self.starts[task][1] + self.way(task).ticks for task in self.before}
+
+    @cached_property
+    def stretch(self) -> frozenset[int]:
+        """The tasks in the stretch."""
+        return frozenset(self.free)
+
+    def predecessors_end(self, task: int) -> int:
+        """Ticks by which its predecessors before the stretch have ended."""
+        return max([self.end[p] for p in self.instance.before[task] if p in self.end], default=0)
 
 
 @dataclass(frozen=True)
 class _Fixed:
-    """What the tasks before a stretch leave behind: when operators, tools and zones are free, and
-    the tools in hand.
+    """What the tasks before a stretch leave behind.
+
+    Attributes:
+      free: per operator, when they are free. `in_hand`: their tools.
+      tools, zones: when those are free that do not have room for all.
     """
 
     free: tuple[int, ...]
@@ -117,28 +125,31 @@ class _Fixed:
     zones: dict[int, int]
 
     @classmethod
-    def of(
-        cls, instance: Instance, starts: Starts, before: Sequence[int], end: dict[int, int]
-    ) -> _Fixed:
+    def of(cls, cut: _Cut) -> _Fixed:
+        instance = cut.instance
         free, hand = [0] * len(instance.operators), list(instance.in_hand)
         tools: dict[int, int] = {}
         zones: dict[int, int] = {}
-        for task in before:
-            tool, zone = instance.tool[task], instance.zone[task]
-            for operator in instance.ways[task][starts[task][0]].operators:
-                free[operator] = max(free[operator], end[task])
+        for task in cut.before:
+            tool, zone, end = instance.tool[task], instance.zone[task], cut.end[task]
+            for operator in cut.way(task).operators:
+                free[operator] = max(free[operator], end)
                 hand[operator] = hand[operator] if tool is None else tool
-            if tool is not None and instance.tool_places[tool] < len(instance.operators):
-                tools[tool] = max(tools.get(tool, 0), end[task])
-            if zone is not None and instance.zone_places[zone] < len(instance.operators):
-                zones[zone] = max(zones.get(zone, 0), end[task])
+            if tool is not None and instance.tool_room[tool]:
+                tools[tool] = max(tools.get(tool, 0), end)
+            if zone is not None and instance.zone_room[zone]:
+                zones[zone] = max(zones.get(zone, 0), end)
         return cls(tuple(free), tuple(hand), tools, zones)
 
-    def tool_free(self, tool: int | None) -> int:
-        return 0 if tool is None else self.tools.get(tool, 0)
-
-    def zone_free(self, zone: int | None) -> int:
-        return 0 if zone is None else self.zones.get(zone, 0)
+    def release(self, cut: _Cut, task: int) -> int:
+        """Ticks before which a task of the stretch finds no room, or waits for what is before."""
+        tool, zone = cut.instance.tool[task], cut.instance.zone[task]
+        return max(
+            cut.instance.release[task],
+            cut.predecessors_end(task),
+            0 if tool is None else self.tools.get(tool, 0),
+            0 if zone is None else self.zones.get(zone, 0),
+        )
 
     def breaks(self, instance: Instance) -> tuple[tuple[tuple[int, int], ...], ...]:
         """The operators' breaks, with the time before they are free as one more."""
@@ -151,62 +162,63 @@ class _Fixed:
         )
 
 
-def _tails_behind(
-    instance: Instance, starts: Starts, behind: Sequence[int], end: dict[int, int], fixed: _Fixed
-) -> tuple[dict[int, int], dict[int, int], int]:
-    """Per task behind the stretch the longest chain from its start on, order kept; the same per
-    operator; and what `before` makes of it.
+def _tails_behind(cut: _Cut) -> tuple[dict[int, int], dict[int, int]]:
+    """Ticks from the start of a task behind the stretch to the end of all, the order kept.
+
+    Per task, and per operator of their first task there.
     """
     tail: dict[int, int] = {}
     first_of: dict[int, int] = {}
-    floor = max(end.values(), default=0)
-    for task in reversed(behind):
-        way = instance.ways[task][starts[task][0]]
-        rest = [tail[b] for b in instance.behind[task]] + [
-            first_of.get(o, 0) for o in way.operators
-        ]
-        tail[task] = way.ticks + max(rest, default=0)
+    for task in reversed(cut.behind):
+        way = cut.way(task)
+        tail[task] = way.ticks + _longest_behind(cut, task, cut.starts[task][0], tail, first_of)
         for operator in way.operators:
             first_of[operator] = tail[task]
-        early = max(
-            [
-                instance.release[task],
-                *(end[p] for p in instance.before[task] if p in end),
-                *(fixed.free[o] for o in way.operators),
-            ]
-        )
+    return tail, first_of
+
+
+def _longest_behind(
+    cut: _Cut, task: int, way: int, tail: dict[int, int], first_of: dict[int, int]
+) -> int:
+    """Ticks of the longest chain behind the task, done in this way, of tasks behind the stretch."""
+    successors = [tail[b] for b in cut.instance.behind[task] if b in tail]
+    same_operators = [first_of.get(o, 0) for o in cut.instance.ways[task][way].operators]
+    return max([*successors, *same_operators], default=0)
+
+
+def _floor(cut: _Cut, fixed: _Fixed, tail: dict[int, int]) -> int:
+    """Ticks before which the whole cannot end, for the sake of what is not in the stretch."""
+    floor = max(cut.end.values(), default=0)
+    for task in cut.behind:
+        operators = [fixed.free[o] for o in cut.way(task).operators]
+        early = max(cut.instance.release[task], cut.predecessors_end(task), *operators)
         floor = max(floor, early + tail[task])
-    return tail, first_of, floor
+    return floor
 
 
-def _still_open(
-    instance: Instance, starts: Starts, task: int, place: dict[int, int], movers: frozenset[int]
-) -> tuple[int, ...]:
-    """The ways in which the task may be done: those among the movers that agree with its
-    `same_operator` partners outside the stretch.
+def _still_open(cut: _Cut, task: int, movers: frozenset[int]) -> tuple[int, ...]:
+    """The ways in which the task may be done.
+
+    Those among the movers that agree with its `same_operator` partners outside the stretch.
     """
-    now = starts[task][0]
-    if not movers.issuperset(instance.ways[task][now].operators):
-        return (now,)
-    partners = [b if a == task else a for a, b in instance.same_operator if task in (a, b)]
-    teams = [instance.ways[p][starts[p][0]].operators for p in partners if p not in place]
+    if not movers.issuperset(cut.way(task).operators):
+        return (cut.starts[task][0],)
+    pairs = [pair for pair in cut.instance.same_operator if task in pair]
+    outside = [other for pair in pairs for other in pair if other not in cut.stretch]
+    teams = [cut.way(partner).operators for partner in outside]
     return tuple(
-        w
-        for w, way in enumerate(instance.ways[task])
+        number
+        for number, way in enumerate(cut.instance.ways[task])
         if movers.issuperset(way.operators) and all(way.operators == team for team in teams)
     )
 
 
-def _chains(
-    instance: Instance, starts: Starts, free: Sequence[int], movers: frozenset[int]
-) -> dict[int, list[int]]:
-    """Per task, those that come before it because an operator who is not among the movers keeps his
-    order.
-    """
+def _chains(cut: _Cut, movers: frozenset[int]) -> dict[int, list[int]]:
+    """Per task, those that come before it because an operator who does not move keeps his order."""
     last: dict[int, int] = {}
     chain: dict[int, list[int]] = {}
-    for task in free:
-        for operator in instance.ways[task][starts[task][0]].operators:
+    for task in cut.free:
+        for operator in cut.way(task).operators:
             if operator not in movers:
                 if operator in last:
                     chain.setdefault(task, []).append(last[operator])
@@ -214,21 +226,18 @@ def _chains(
     return chain
 
 
-def _limits_left(
-    instance: Instance, starts: Starts, place: dict[int, int]
-) -> tuple[int | None, ...]:
-    if not any(limit is not None for limit in instance.stress_limit):
-        return instance.stress_limit
-    used = [0] * len(instance.operators)
-    for task, (way, _) in enumerate(starts):
-        if task not in place:
-            for operator, load in zip(
-                instance.ways[task][way].operators, instance.ways[task][way].load, strict=True
-            ):
-                used[operator] += load
+def _limits_left(cut: _Cut) -> tuple[int | None, ...]:
+    """Per operator, the stress that what is outside the stretch leaves; None for no limit."""
+    limits = cut.instance.stress_limit
+    if not cut.instance.has_limits:
+        return limits
+    used = [0] * len(limits)
+    for task in (*cut.before, *cut.behind):
+        way = cut.way(task)
+        for operator, load in zip(way.operators, way.load, strict=True):
+            used[operator] += load
     return tuple(
-        None if limit is None else limit - used[operator]
-        for operator, limit in enumerate(instance.stress_limit)
+        None if limit is None else limit - spent for limit, spent in zip(limits, used, strict=True)
     )
 
 

@@ -20,9 +20,9 @@ from operator import gt, mul
 from time import perf_counter
 from typing import NamedTuple
 
-from tandem.plan.bounds import least_makespan, load_prices
-from tandem.plan.instance import Instance
-from tandem.plan.list_scheduling import Layout
+from tandem.plan.bounds import WorkPrices, least_makespan
+from tandem.plan.instance import Instance, bits
+from tandem.plan.list_scheduling import Layout, Step
 
 MOST_NODES = 400_000
 """Nodes of one size kept at once before the proof is given up."""
@@ -70,14 +70,14 @@ def prove_makespan(
     """
     began = perf_counter()
     layout = Layout.of(instance)
-    bound, best, nodes = least_makespan(layout), None, 0
+    prices, bound, best, nodes = WorkPrices.of(layout), least_makespan(layout), None, 0
 
     def is_over() -> bool:
         return stop() or perf_counter() - began > deadline_s
 
     while bound < upper:
         for narrow in (width, None):
-            growth = _Growth(Ground.of(layout, upper - 1, most_units), narrow, is_over)
+            growth = _Growth(Ground.of(layout, prices, upper - 1, most_units), narrow, is_over)
             found = growth.run()
             nodes += growth.nodes
             if found is not None or growth.cut_short:
@@ -111,167 +111,107 @@ class Node(NamedTuple):
     before: Node | None
 
 
-class Move(NamedTuple):
-    """A way of doing a task; `is_easiest`: no other way of doing it has less stress."""
-
-    way: int
-    operators: tuple[int, ...]
-    ticks: int
-    units: int
-    is_easiest: bool
-
-
 @dataclass(frozen=True)
 class Ground:
-    """The numbers of one question "is there a schedule of at most `most` ticks?".
+    """One question, "is there a schedule of at most `most` ticks?", and what answers it quickly.
 
     Attributes:
-      kinds: the different sets of operator groups that tasks can be done by; `kind` is each task's.
+      most_units: the most stress that such a schedule may have; None for any.
+      kinds: the different sets of operator groups that tasks can be done by; `kind`: each task's.
       needs: per task, bits of its predecessors, and of the twin before it: of tasks that nothing
         tells apart the first goes first.
-      quickest: ticks; `behind`: of the chain behind the task; `latest_start`: so that deadlines and
-        `most` are kept.
-      easiest: units.
-      prices: per operator, whole numbers, so that the tasks' cheapest work at these prices bounds
-        the makespan best; `work`: that of each task.
-      own: per operator, tasks that all ways need them for. `can`: tasks that some way needs them
-        for.
+      latest_end: per task, ticks so that deadlines and `most` are kept; `latest_start` likewise.
+      own: per operator, tasks that all ways need them for. `can`: that some way needs them for.
     """
 
+    layout: Layout
+    prices: WorkPrices
     most: int
     most_units: int | None
-    moves: list[list[Move]]
     kinds: list[tuple[tuple[int, ...], ...]]
     kind: list[int]
-    before: tuple[tuple[int, ...], ...]
-    after: tuple[tuple[int, ...], ...]
-    order: tuple[int, ...]
-    release: tuple[int, ...]
     needs: list[int]
-    quickest: list[int]
-    behind: list[int]
+    latest_end: list[int]
     latest_start: list[int]
-    easiest: list[int]
-    prices: list[int]
-    work: list[int]
     own: list[list[int]]
     can: list[list[int]]
 
     @classmethod
-    def of(cls, layout: Layout, most: int, most_units: int | None) -> Ground:
+    def of(cls, layout: Layout, prices: WorkPrices, most: int, most_units: int | None) -> Ground:
         """Reads the layout."""
         instance = layout.instance
-        tasks, operators = range(len(layout.steps)), range(len(instance.operators))
-        easiest = [min((step.stress for step in row), default=0) for row in layout.steps]
-        moves = [
-            [
-                Move(
-                    step.way,
-                    step.operators,
-                    step.ticks,
-                    step.stress,
-                    most_units is None or step.stress == easiest[task],
-                )
-                for step in row
-            ]
-            for task, row in enumerate(layout.steps)
-        ]
-        quickest = [min((move.ticks for move in row), default=0) for row in moves]
-        latest = [most] * len(moves)
-        for task in reversed(instance.order):
-            deadline = instance.deadline[task]
-            end = min(
-                [
-                    most if deadline is None else min(deadline, most),
-                    *(latest[after] for after in instance.behind[task]),
-                ]
-            )
-            latest[task] = end - quickest[task]
-        prices = [round(1024 * price) for price in load_prices(layout)[1]]
-        groups = [tuple(sorted({move.operators for move in row})) for row in moves]
+        ends = layout.latest_ends(most)
+        groups = [tuple(sorted({step.operators for step in row})) for row in layout.steps]
         kinds = sorted(set(groups))
+        operators = range(len(instance.operators))
+        who = [[bits(group) for group in kind] for kind in groups]
         return cls(
+            layout=layout,
+            prices=prices,
             most=most,
             most_units=most_units,
-            moves=moves,
             kinds=kinds,
             kind=[kinds.index(group) for group in groups],
-            before=instance.before,
-            after=instance.behind,
-            order=instance.order,
-            release=instance.release,
             needs=[
-                sum(1 << first for first in (*before, *twin))
-                for before, twin in zip(instance.before, _twins(instance), strict=True)
+                own | bits(twin) for own, twin in zip(instance.needs, _twins(instance), strict=True)
             ],
-            quickest=quickest,
-            behind=[tail - least for tail, least in zip(layout.tail, quickest, strict=True)],
-            latest_start=latest,
-            easiest=easiest,
-            prices=prices,
-            work=[
-                min(
-                    (move.ticks * sum(prices[o] for o in move.operators) for move in row), default=0
-                )
-                for row in moves
-            ],
+            latest_end=ends,
+            latest_start=[end - own for end, own in zip(ends, layout.quickest, strict=True)],
             own=[
-                [
-                    task
-                    for task in tasks
-                    if moves[task] and all(o in move.operators for move in moves[task])
-                ]
+                [t for t, row in enumerate(who) if row and all(w >> o & 1 for w in row)]
                 for o in operators
             ],
             can=[
-                [task for task in tasks if any(o in move.operators for move in moves[task])]
-                for o in operators
+                [t for t, row in enumerate(who) if any(w >> o & 1 for w in row)] for o in operators
             ],
         )
 
+    @property
+    def instance(self) -> Instance:
+        """The cell's numbers."""
+        return self.layout.instance
+
     def root(self) -> Node:
-        """Nothing is appended."""
-        return Node(0, 0, (0,) * len(self.own), (0,) * len(self.moves), 0, None, None)
+        """Nothing is appended, and nobody is free before they come."""
+        return Node(0, 0, self.instance.arrival, (0,) * len(self.kind), 0, None, None)
 
     def children(self, node: Node) -> Iterator[Node]:
         """Every node with one task more, but for those in which a task starts when another could
         already have ended, at no cost.
         """
         mask, last, free, ends, units, _, _ = node
-        moves: list[tuple[int, int, Move]] = []
+        moves: list[tuple[int, int, Step]] = []
         cutoff = self.most + 1
+        instance, steps, easiest = self.instance, self.layout.steps, self.layout.easiest
         for task, needs in enumerate(self.needs):
             if mask >> task & 1 or needs & mask != needs:
                 continue
-            ready = max(last, self.release[task])
-            for first in self.before[task]:
+            # The task cannot start before the one appended last, its release and predecessors.
+            ready = max(last, instance.release[task])
+            for first in instance.before[task]:
                 if ends[first] > ready:
                     ready = ends[first]
-            latest = self.latest_start[task] + self.quickest[task]
-            for move in self.moves[task]:
+            for step in steps[task]:
                 start = ready
-                for operator in move.operators:
+                for operator in step.operators:
                     if free[operator] > start:
                         start = free[operator]
-                if start + move.ticks <= latest:
-                    moves.append((start, task, move))
-                    if move.is_easiest and start + move.ticks < cutoff:
-                        cutoff = start + move.ticks
-        for start, task, move in moves:
+                end = start + step.ticks
+                if end <= self.latest_end[task]:
+                    moves.append((start, task, step))
+                    # What starts when this one could have ended can as well come behind it.
+                    if end < cutoff and (self.most_units is None or step.stress == easiest[task]):
+                        cutoff = end
+        for start, task, step in moves:
             if start < cutoff:
-                end = start + move.ticks
+                end = start + step.ticks
                 fresh = list(free)
-                for operator in move.operators:
+                for operator in step.operators:
                     fresh[operator] = end
                 grown = (*ends[:task], end, *ends[task + 1 :])
+                chosen = (task, step.way, start)
                 yield Node(
-                    mask | 1 << task,
-                    start,
-                    tuple(fresh),
-                    grown,
-                    units + move.units,
-                    (task, move.way, start),
-                    node,
+                    mask | 1 << task, start, tuple(fresh), grown, units + step.stress, chosen, node
                 )
 
 
@@ -296,8 +236,7 @@ class _Growth:
 
     def __init__(self, ground: Ground, width: int | None, is_over: Callable[[], bool]) -> None:
         self.ground, self.width, self.is_over = ground, width, is_over
-        self.total_price = sum(ground.prices)
-        self.full = (1 << len(ground.moves)) - 1
+        self.layout, self.instance, self.prices = ground.layout, ground.instance, ground.prices
         self.nodes = 0
         self.cut_short = False
         self._rests: dict[int, _Rest] = {}
@@ -318,7 +257,7 @@ class _Growth:
                 for child in self.ground.children(node):
                     if self.ground.most_units is not None and child.units > self.ground.most_units:
                         continue
-                    if child.mask == self.full:
+                    if child.mask == self.instance.all_tasks:
                         return self._starts(child)
                     count += self._keep(kept, child)
             self.nodes += count
@@ -340,20 +279,20 @@ class _Growth:
         if head is None:
             return 0
         numbers = self._numbers(node, rest, head)
-        work = rest.work + sum(map(mul, self.ground.prices, numbers))
-        if work > self.ground.most * self.total_price:
+        work = rest.work + sum(map(mul, self.prices.of_operator, numbers))
+        if work > self.ground.most * self.prices.total:
             return 0
         row = kept.setdefault(node.mask, [])
         for item in row:
             if not any(map(gt, item[0], numbers)):
                 return 0
-        bound = max(*node.free, -(-work // self.total_price))
+        bound = max(*node.free, -(-work // self.prices.total))
         for operator, tasks in enumerate(rest.own):
             if tasks:
                 free, quickest, behind = (
                     node.free[operator],
-                    self.ground.quickest,
-                    self.ground.behind,
+                    self.layout.quickest,
+                    self.layout.behind,
                 )
                 jobs = sorted(
                     [
@@ -374,6 +313,11 @@ class _Growth:
         late.
         """
         ground, last, free = self.ground, node.last, node.free
+        release, before, quickest = (
+            self.instance.release,
+            self.instance.before,
+            self.layout.quickest,
+        )
         base = [
             max(last, min([max([free[o] for o in group]) for group in kind], default=last))
             for kind in ground.kinds
@@ -381,15 +325,15 @@ class _Growth:
         head, ends = [0] * len(ground.kind), list(node.ends)
         for task in rest.tasks:
             start = base[ground.kind[task]]
-            if ground.release[task] > start:
-                start = ground.release[task]
-            for first in ground.before[task]:
+            if release[task] > start:
+                start = release[task]
+            for first in before[task]:
                 if ends[first] > start:
                     start = ends[first]
             if start > ground.latest_start[task]:
                 return None
             head[task] = start
-            ends[task] = start + ground.quickest[task]
+            ends[task] = start + quickest[task]
         return head
 
     def _numbers(self, node: Node, rest: _Rest, head: list[int]) -> tuple[int, ...]:
@@ -422,28 +366,30 @@ class _Growth:
     def _rest(self, mask: int) -> _Rest:
         known = self._rests.get(mask)
         if known is None:
-            ground = self.ground
+            ground, instance = self.ground, self.instance
             waited_for = []
-            for task in ground.order:
+            for task in instance.order:
                 if mask >> task & 1 and (
                     kinds := [
-                        ground.kind[after] for after in ground.after[task] if not mask >> after & 1
+                        ground.kind[after]
+                        for after in instance.behind[task]
+                        if not mask >> after & 1
                     ]
                 ):
                     waited_for.append((task, kinds))
-            tasks = tuple(task for task in ground.order if not mask >> task & 1)
+            tasks = tuple(task for task in instance.order if not mask >> task & 1)
             known = self._rests[mask] = _Rest(
                 tasks,
                 [[task for task in own if not mask >> task & 1] for own in ground.own],
                 [[task for task in can if not mask >> task & 1] for can in ground.can],
                 waited_for,
-                sum(ground.work[task] for task in tasks),
-                sum(ground.easiest[task] for task in tasks),
+                sum(self.prices.work[task] for task in tasks),
+                sum(self.layout.easiest[task] for task in tasks),
             )
         return known
 
     def _starts(self, node: Node) -> list[tuple[int, int]]:
-        starts = [(0, 0)] * len(self.ground.moves)
+        starts = [(0, 0)] * len(self.instance.tasks)
         here: Node | None = node
         while here is not None and here.step is not None:
             task, way, start = here.step

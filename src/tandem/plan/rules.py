@@ -59,11 +59,11 @@ def _shuffled(layout: Layout, random: Random) -> list[float]:
 
 
 def _shortest(layout: Layout, _: Random) -> list[float]:
-    return [min(step.ticks for step in row) for row in layout.steps]
+    return list(map(float, layout.quickest))
 
 
 def _longest(layout: Layout, _: Random) -> list[float]:
-    return [-min(step.ticks for step in row) for row in layout.steps]
+    return [-float(ticks) for ticks in layout.quickest]
 
 
 def _longest_tail(layout: Layout, _: Random) -> list[float]:
@@ -97,7 +97,7 @@ def latest_start(layout: Layout, _: Random) -> list[float]:
                 *(latest[after] for after in instance.behind[task]),
             ]
         )
-        latest[task] = end - min(step.ticks for step in layout.steps[task])
+        latest[task] = end - layout.quickest[task]
     return latest
 
 

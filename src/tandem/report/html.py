@@ -12,6 +12,7 @@ from importlib import resources
 from pathlib import Path
 
 from tandem.cell.model import Cell
+from tandem.draw.lanes import kinds_shaded, lanes
 from tandem.draw.style import Look, looks
 from tandem.files.atomic import store
 from tandem.plan.result import Front, Result, Status
@@ -241,16 +242,8 @@ def _key(look: Look, cell: Cell) -> Markup:
 def _legend(cell: Cell, result: Result, t: Words) -> str:
     found = [t("plan.legend")]
     found += [t("plan.legend.joint")] if any(len(a.operators) > 1 for a in result.schedule) else []
-    found += (
-        [t("plan.legend.break")]
-        if any(operator.breaks for operator in cell.operators.values())
-        else []
-    )
-    found += (
-        [t("plan.legend.changeover")]
-        if any(tool.changeover for tool in cell.tools.values())
-        else []
-    )
+    rows = lanes(cell, result.schedule, until=result.makespan, critical=False)
+    found += [t(f"plan.legend.{kind}") for kind in kinds_shaded(rows)]
     return " ".join(found)
 
 

@@ -121,6 +121,7 @@ class _Sheet:
             *self._predecessors(a, {row.task for row in before}),
             *self._places(a, {row.task for row in before}),
             *(self.t("steps.wait.partner", who=self._label(who)) for who in self._partners(a)),
+            *(() if before else self._setup()),
             *self._breaks(before[-1].end if before else 0.0, a.start),
             *self._release(a),
         ]
@@ -145,6 +146,15 @@ class _Sheet:
                     who=self._names(given.before),
                     task=named(self.cell, given.before),
                 )
+
+    def _setup(self) -> Iterator[str]:
+        """What the operator needs before its first turn."""
+        if (span := self.cell.operators[self.operator].setting_up) is not None:
+            start, end = map(self.t.number, span)
+            seconds = self.t.seconds(self.cell.operators[self.operator].setup)
+            yield self.t(
+                "steps.wait.setup", seconds=seconds, span=self.t("steps.span", start=start, end=end)
+            )
 
     def _breaks(self, free: float, start: float) -> Iterator[str]:
         """The operator's own breaks between the last turn and this one."""

@@ -25,6 +25,11 @@ def assumptions(front: Front, t: Words) -> list[str]:
         for o, operator in cell.operators.items()
         for a, b in operator.breaks
     ]
+    setups = [
+        f"{shown[o].label} {t.number(operator.setup)} s"
+        for o, operator in cell.operators.items()
+        if operator.setup
+    ]
     limits = [
         f"{shown[o].label} {t.number(operator.stress_limit)}"
         for o, operator in cell.operators.items()
@@ -57,6 +62,7 @@ def assumptions(front: Front, t: Words) -> list[str]:
             )
         )
     found += [t("assume.breaks", breaks=", ".join(breaks))] if breaks else []
+    found += [t("assume.setup", setups=", ".join(setups))] if setups else []
     found += [t("assume.limits", limits=", ".join(limits))] if limits else []
     found += (
         [t("assume.same", pairs=", ".join(f"{a} + {b}" for a, b in cell.same_operator))]

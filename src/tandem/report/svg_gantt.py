@@ -92,26 +92,25 @@ def _panel(
         pieces.append(
             tag("rect", x=left, y=y + 5, width=WIDTH - left - 22, height=LANE - 10, class_="lane")
         )
-        for why, found in (("break", lane.breaks), ("changeover", lane.changeovers)):
-            for off in found:
-                if off.end > begin and off.start < stop:
-                    words = t(
-                        f"gantt.{why}",
-                        why=off.why,
-                        start=t.number(off.start),
-                        end=t.number(off.end),
+        for off in lane.shaded:
+            if off.end > begin and off.start < stop:
+                words = t(
+                    f"gantt.{off.kind}",
+                    why=off.tool,
+                    start=t.number(off.start),
+                    end=t.number(off.end),
+                )
+                pieces.append(
+                    tag(
+                        "rect",
+                        tag("title", words),
+                        x=x(off.start),
+                        y=y + 9,
+                        width=x(off.end) - x(off.start),
+                        height=BAR,
+                        fill=f"url(#fill-{off.shading.fill})",
                     )
-                    pieces.append(
-                        tag(
-                            "rect",
-                            tag("title", words),
-                            x=x(off.start),
-                            y=y + 9,
-                            width=x(off.end) - x(off.start),
-                            height=BAR,
-                            fill=f"url(#fill-{why})",
-                        )
-                    )
+                )
         for bar in lane.bars:
             if bar.end > begin and bar.start < stop:
                 pieces.append(

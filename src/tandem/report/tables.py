@@ -10,14 +10,7 @@ from tandem.plan.result import Front, Result, Status
 from tandem.report.language import Words
 from tandem.report.markup import Markup, hatch_id, join, tag
 from tandem.schedule.critical import critical_path, slack
-from tandem.schedule.measures import (
-    changeovers,
-    idle,
-    mode_of,
-    stress_by_human,
-    utilisation,
-    working,
-)
+from tandem.schedule.measures import changing, idle, mode_of, stress_by_human, utilisation, working
 from tandem.schedule.model import Assignment, Schedule
 
 MOST_PLANS = 6
@@ -133,9 +126,7 @@ def balance(cell: Cell, schedule: Schedule, t: Words) -> Markup:
         utilisation(cell, schedule),
         stress_by_human(cell, schedule),
     )
-    swaps = dict.fromkeys(cell.operators, 0.0)
-    for change in changeovers(cell, schedule):
-        swaps[change.operator] += change.end - change.start
+    swaps = changing(cell, schedule)
     total = max((a.end for a in schedule), default=0.0)
     keys = (
         "operator",

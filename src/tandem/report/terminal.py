@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from tandem.cell.model import Cell
 from tandem.cell.written import number, seconds, share
-from tandem.draw.lanes import Lane, lanes
+from tandem.draw.lanes import SHADINGS, Lane, kinds_shaded, lanes
 from tandem.draw.style import looks, shorten, task_label
 from tandem.plan.result import Front, Result, Status
 from tandem.schedule.critical import critical_path
@@ -231,8 +231,10 @@ class GanttText:
         rows = list(rows)
         parts = [f"{marks.human} human", f"{marks.robot} robot"]
         parts += ["+ joint task"] if any(bar.joint for lane in rows for bar in lane.bars) else []
-        parts += [f"{marks.pause} break"] if any(lane.breaks for lane in rows) else []
-        parts += [f"{marks.swap} tool changeover"] if any(lane.changeovers for lane in rows) else []
+        parts += [
+            f"{marks.shaded[SHADINGS[kind].fill]} {SHADINGS[kind].word}"
+            for kind in kinds_shaded(rows)
+        ]
         yield Text("  ".join(parts), style="dim")
         if self.critical:
             chain = [link.assignment.task for link in critical_path(self.cell, self.schedule)]
@@ -259,9 +261,13 @@ class _Marks:
     def __init__(self, *, plain: bool):
         self.human, self.robot = ("#", "=") if plain else ("█", "░")
         self.bar, self.edge = ("[", "|") if plain else ("▐", "│")
-        self.pause, self.swap, self.arrow, self.ellipsis = (
-            ("x", "~", "->", "..") if plain else ("╳", "~", "→", "…")
-        )
+        self.arrow, self.ellipsis = ("->", "..") if plain else ("→", "…")
+        self.pause, self.swap = ("x", "~") if plain else ("╳", "~")
+
+    @property
+    def shaded(self) -> dict[str, str]:
+        """The sign of each fill of a time without a task."""
+        return {"break": self.pause, "changeover": self.swap}
 
 
 def _can_print(encoding: str | None, marks: _Marks) -> bool:
@@ -292,12 +298,9 @@ def _lane_text(
             else range(0)
         )
 
-    for shaded, sign in [
-        *((off, marks.pause) for off in lane.breaks),
-        *((swap, marks.swap) for swap in lane.changeovers),
-    ]:
-        for x in columns(shaded.start, shaded.end):
-            signs[x], styles[x] = sign, "dim"
+    for off in lane.shaded:
+        for x in columns(off.start, off.end):
+            signs[x], styles[x] = marks.shaded[off.shading.fill], "dim"
     for bar in lane.bars:
         places = columns(bar.start, bar.end)
         strong = f"bold {colour}" if bar.critical else colour

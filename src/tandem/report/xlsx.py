@@ -20,7 +20,7 @@ from tandem.report.sources import assumptions, made
 from tandem.report.tables import named, shown_plans, status
 from tandem.schedule.critical import critical_path, slack
 from tandem.schedule.measures import (
-    changeovers,
+    changing,
     exact,
     idle,
     makespan,
@@ -155,22 +155,10 @@ def _balance(sheet: Worksheet, top: int, cell: Cell, schedule: Schedule, t: Word
     keys = ("operator", "kind", "busy", "changeover", "break", "idle", "stress")
     _put(sheet, top - 1, 1, t("balance.title"), bold=True)
     _header(sheet, top, [t(f"balance.{key}") for key in keys], [])
-    busy, free, loads, total = (
-        working(cell, schedule),
-        idle(cell, schedule),
-        stress_by_human(cell, schedule),
-        makespan(schedule),
-    )
+    busy, swaps, free = working(cell, schedule), changing(cell, schedule), idle(cell, schedule)
+    loads, total = stress_by_human(cell, schedule), makespan(schedule)
     for row, (name, look) in enumerate(looks(cell).items(), top + 1):
-        swaps = sum(
-            (
-                exact(change.end) - exact(change.start)
-                for change in changeovers(cell, schedule)
-                if change.operator == name
-            ),
-            exact(0),
-        )
-        off = exact(total) - exact(busy[name]) - swaps - exact(free[name])
+        off = exact(total) - exact(busy[name]) - exact(swaps[name]) - exact(free[name])
         _row(
             sheet,
             row,
@@ -178,7 +166,7 @@ def _balance(sheet: Worksheet, top: int, cell: Cell, schedule: Schedule, t: Word
                 look.label,
                 t(look.kind),
                 busy[name],
-                float(swaps),
+                swaps[name],
                 max(float(off), 0.0),
                 free[name],
                 loads.get(name),

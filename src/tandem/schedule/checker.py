@@ -17,7 +17,7 @@ from operator import attrgetter
 from typing import NamedTuple
 
 from tandem.cell.model import Cell
-from tandem.cell.parts import Mode
+from tandem.cell.parts import Mode, Operator
 from tandem.schedule.measures import changeover_times, exact, mode_of, stress_of_tasks, unlisted_set
 from tandem.schedule.model import Assignment, Schedule
 
@@ -233,12 +233,30 @@ def breaks_are_free_of_work(judged: Judged) -> Iterator[str]:
                 )
 
 
+def operators_are_set_up_first(judged: Judged) -> Iterator[str]:
+    for name, operator in judged.cell.operators.items():
+        ready = _ready(operator)
+        for row in judged.of_operator.get(name, ()):
+            if row.start < ready:
+                yield (
+                    f"operator {name!r}: does task {row.task!r} ({_span(row)}) before it is set up,"
+                    f" which takes {_s(exact(operator.setup))} between its breaks; {_s(ready)} is"
+                    " the earliest."
+                )
+
+
 def tools_change_hands_in_time(judged: Judged) -> Iterator[str]:
     for name, change in _changeovers(judged):
         if change.free > change.row.start:
             continue  # the tasks themselves overlap, which another rule says
         if change.start < change.free:
-            since = f"task {change.after.task!r}" if change.after else "the beginning"
+            since = (
+                f"task {change.after.task!r}"
+                if change.after
+                else "it is set up"
+                if change.free
+                else "the beginning"
+            )
             yield (
                 f"{_needs(name, change)}, which starts only {_s(change.row.start - change.free)}"
                 f" after {since}; {_s(change.free + change.time)} is the earliest."
@@ -348,6 +366,7 @@ RULES: tuple[Callable[[Judged], Iterator[str]], ...] = (
     releases_are_kept,
     deadlines_are_kept,
     breaks_are_free_of_work,
+    operators_are_set_up_first,
     tools_change_hands_in_time,
     breaks_are_free_of_changeovers,
     tools_are_enough,
@@ -378,7 +397,7 @@ class _Change(NamedTuple):
 
 def _changeovers(judged: Judged) -> Iterator[tuple[str, _Change]]:
     for name in judged.cell.operators:
-        after, free = None, Decimal(0)
+        after, free = None, _ready(judged.cell.operators[name])
         rows = judged.of_operator.get(name, [])
         for row, seconds in zip(
             rows, changeover_times(judged.cell, name, [row.task for row in rows]), strict=True
@@ -449,6 +468,16 @@ def _breaks(cell: Cell) -> Iterator[tuple[str, list[tuple[Decimal, Decimal]]]]:
     for name, operator in cell.operators.items():
         if operator.breaks:
             yield name, sorted((exact(start), exact(end)) for start, end in operator.breaks)
+
+
+def _ready(operator: Operator) -> Decimal:
+    """When it has been set up, in one piece that no break falls into; 0 when it need not be."""
+    need, begin = exact(operator.setup), Decimal(0)
+    for start, end in sorted((exact(start), exact(end)) for start, end in operator.breaks):
+        if not need or start - begin >= need:
+            break
+        begin = end
+    return begin + need if need else Decimal(0)
 
 
 def _overlapping(

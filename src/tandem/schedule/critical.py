@@ -13,7 +13,16 @@ from tandem.schedule.measures import changeover_times, exact
 from tandem.schedule.model import Assignment, Schedule
 
 Reason = Literal[
-    "start", "release", "break", "predecessor", "operator", "changeover", "tool", "zone", "choice"
+    "start",
+    "release",
+    "break",
+    "setup",
+    "predecessor",
+    "operator",
+    "changeover",
+    "tool",
+    "zone",
+    "choice",
 ]
 
 
@@ -24,10 +33,10 @@ class Link:
     Attributes:
       assignment: the task.
       reason: why it starts exactly when it does: at the "start" of the assembly (there may be a
-        changeover first), at its "release", when a "break" of `by` ends, when its "predecessor"
-        `by` ends, when the "operator" `by` is free, when that operator's "changeover" is done, when
-        a unit of the "tool" or a place in the "zone" `by` is given back; or by "choice": it could
-        have started earlier.
+        changeover first), at its "release", when a "break" or the "setup" of `by` ends, when its
+        "predecessor" `by` ends, when the "operator" `by` is free, when that operator's "changeover"
+        is done, when a unit of the "tool" or a place in the "zone" `by` is given back; or by
+        "choice": it could have started earlier.
       by: name of the predecessor, operator, tool or zone; empty otherwise.
       waited_for: the task before it on the path, which ended then; None at the path's beginning.
     """
@@ -42,6 +51,7 @@ class Link:
             "start": "from the start",
             "release": "at its release",
             "break": f"after a break of {self.by}",
+            "setup": f"when {self.by} is set up",
             "predecessor": f"when {self.waited_for} has ended",
             "operator": f"when {self.by} is free from {self.waited_for}",
             "changeover": f"when {self.by} has changed tools after {self.waited_for}",
@@ -126,6 +136,7 @@ _PREFERENCE: tuple[Reason, ...] = (
     "changeover",
     "release",
     "break",
+    "setup",
     "tool",
     "zone",
     "choice",
@@ -204,8 +215,13 @@ class _Plan:
                 )
             elif begin == 0:
                 yield Link(a, "start")
-            elif any(exact(end) == begin for _, end in self.cell.operators[turn.operator].breaks):
-                yield Link(a, "break", turn.operator)
+            else:
+                ended = (
+                    off
+                    for off in self.cell.operators[turn.operator].times_off
+                    if exact(off.end) == begin
+                )
+                yield from (Link(a, off.what, turn.operator) for off in ended)
         for reason, place, before in self.handed[a.task]:
             if exact(self.of_task[before].end) == start:
                 yield Link(a, reason, place, before)
@@ -215,9 +231,9 @@ class _Plan:
         break.
         """
         blocks = [
-            (exact(start), exact(end), turn.change)
+            (exact(off.start), exact(off.end), turn.change)
             for turn in self.turns[a.task]
-            for start, end in self.cell.operators[turn.operator].breaks
+            for off in self.cell.operators[turn.operator].times_off
         ]
         end, moved = limit, True
         while moved:

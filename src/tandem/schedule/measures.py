@@ -90,18 +90,34 @@ def utilisation(cell: Cell, schedule: Schedule) -> dict[str, float]:
     }
 
 
+def changing(cell: Cell, schedule: Schedule) -> dict[str, float]:
+    """Seconds that each operator spends on getting ready, if it does anything at all, and on
+    changeovers.
+    """
+    return {name: float(seconds) for name, seconds in _changing(cell, schedule).items()}
+
+
 def idle(cell: Cell, schedule: Schedule) -> dict[str, float]:
     """Seconds until the makespan in which an operator neither works, nor changes tools, nor has a
     break.
     """
     total = exact(makespan(schedule))
-    busy = _working(cell, schedule)
-    for change in changeovers(cell, schedule):
-        busy[change.operator] += exact(change.end) - exact(change.start)
+    busy, swaps = _working(cell, schedule), _changing(cell, schedule)
     for name, operator in cell.operators.items():
+        busy[name] += swaps[name]
         for start, end in operator.breaks:
             busy[name] += max(Decimal(0), min(total, exact(end)) - exact(start))
     return {name: float(total - seconds) for name, seconds in busy.items()}
+
+
+def _changing(cell: Cell, schedule: Schedule) -> dict[str, Decimal]:
+    seconds = {
+        name: exact(operator.setup) if schedule.of(name) else Decimal(0)
+        for name, operator in cell.operators.items()
+    }
+    for change in changeovers(cell, schedule):
+        seconds[change.operator] += exact(change.end) - exact(change.start)
+    return seconds
 
 
 @dataclass(frozen=True)

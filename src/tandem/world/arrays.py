@@ -148,6 +148,17 @@ class Names:
         return cls(cell, per_second, instance.per_stress)
 
     @cached_property
+    def instance(self) -> Instance:
+        """The cell in whole numbers, in these ticks."""
+        stated = Instance.of(self.cell)
+        return stated.scaled(self.per_second // stated.per_second)
+
+    @property
+    def tools(self) -> tuple[str, ...]:
+        """The tools' names, as `in_hand` counts them."""
+        return self.cell.tool_names
+
+    @cached_property
     def tasks(self) -> tuple[str, ...]:
         """The tasks' names."""
         return tuple(self.cell.tasks)
@@ -208,7 +219,7 @@ class Names:
                 f"undo is {undo!r}: give the share of a task's time that its disassembly takes,"
                 " more than 0, at most 100."
             )
-        layout = Layout.of(Instance.of(self.cell))
+        layout = Layout.of(self.instance)
         return Arrays(
             **{
                 key: _in_32_bits(part) for make in PARTS for key, part in make(self, layout).items()
@@ -223,116 +234,101 @@ def namespace(array: Array) -> Any:
 
 
 def _ways(names: Names, layout: Layout) -> dict[str, Any]:
-    instance, modes, scale = (
-        layout.instance,
-        names.ways,
-        names.per_second // layout.instance.per_second,
-    )
-    task = [instance.tasks.index(name) for name, _ in modes]
-    uses = np.array([[who in mode.operators for who in names.operators] for _, mode in modes])
-    flat = [way for row in instance.ways for way in row]
+    instance, modes = layout.instance, names.ways
+    flat = [
+        (task, number, way)
+        for task, row in enumerate(instance.ways)
+        for number, way in enumerate(row)
+    ]
+    task = np.array([task for task, _, _ in flat])
+    uses = np.zeros((len(flat), len(instance.operators)), bool)
     load = np.zeros(uses.shape, np.int64)
-    for row, way in zip(load, flat, strict=True):
-        row[list(way.operators)] = way.load
+    for row, (_, _, way) in enumerate(flat):
+        uses[row, list(way.operators)] = True
+        load[row, list(way.operators)] = way.load
     nothing_is_listed = instance.stress_of_set is not None and not instance.stress_of_set
     opened = [
         set[int]() if nothing_is_listed else {step.way for step in steps} for steps in layout.steps
     ]
-    place = [sum(other == mine for other in task[:way]) for way, mine in enumerate(task)]
     return {
-        "way_task": np.array(task),
-        "of_task": np.arange(len(instance.tasks))[None, :] == np.array(task)[:, None],
+        "way_task": task,
+        "of_task": np.arange(len(instance.tasks))[None, :] == task[:, None],
         "way_uses": uses,
         "way_size": uses.sum(axis=1),
-        "way_ticks": np.array([way.ticks * scale for way in flat]),
+        "way_ticks": np.array([way.ticks for _, _, way in flat]),
         "way_load": load,
-        "way_open": np.array(
-            [number in opened[mine] for number, mine in zip(place, task, strict=True)]
-        ),
+        "way_open": np.array([number in opened[mine] for mine, number, _ in flat]),
         "spread": np.array([_spread(names.cell, name, mode) for name, mode in modes], np.float32),
     }
 
 
 def _tasks(names: Names, layout: Layout) -> dict[str, Any]:
-    instance, scale, count = (
-        layout.instance,
-        names.per_second // layout.instance.per_second,
-        len(names.tasks),
-    )
-    needs = np.zeros((count, count), bool)
+    instance = layout.instance
+    needs = np.zeros((len(instance.tasks), len(instance.tasks)), bool)
     for task, firsts in enumerate(instance.before):
         needs[task, list(firsts)] = True
     return {
         "needs": needs,
-        "release": np.array(instance.release) * scale,
-        "deadline": np.array(
-            [NEVER if ticks is None else ticks * scale for ticks in instance.deadline]
-        ),
-        "tail": np.array(layout.tail) * scale,
+        "release": np.array(instance.release),
+        "deadline": np.array([NEVER if ticks is None else ticks for ticks in instance.deadline]),
+        "tail": np.array(layout.tail),
     }
 
 
 def _operators(names: Names, layout: Layout) -> dict[str, Any]:
-    instance, scale = layout.instance, names.per_second // layout.instance.per_second
+    instance = layout.instance
     order = sorted(
         range(len(instance.operators)),
         key=lambda operator: (not instance.human[operator], operator),
     )
     rest = np.full((len(instance.operators), max(map(len, instance.breaks)), 2), NEVER, np.int64)
     for row, breaks in zip(rest, instance.breaks, strict=True):
-        row[: len(breaks)] = np.array(breaks, np.int64).reshape(-1, 2) * scale
-    limited = any(limit is not None for limit in instance.stress_limit)
+        row[: len(breaks)] = np.array(breaks, np.int64).reshape(-1, 2)
+    limits = instance.stress_limit if instance.has_limits else ()
     return {
         "human": np.array(instance.human),
         "rank": np.argsort(order),
         "in_hand": np.array([-1 if tool is None else tool for tool in instance.in_hand]),
         "break_from": rest[..., 0],
         "break_to": rest[..., 1],
-        "limit": np.array(
-            (
-                [NEVER if limit is None else limit for limit in instance.stress_limit]
-                if limited
-                else []
-            ),
-            np.int64,
-        ),
+        "limit": np.array([NEVER if limit is None else limit for limit in limits], np.int64),
         "must": np.array(layout.must),
     }
 
 
 def _places(names: Names, layout: Layout) -> dict[str, Any]:
-    instance, scale, tasks = (
-        layout.instance,
-        names.per_second // layout.instance.per_second,
-        len(names.tasks),
+    instance, everybody = layout.instance, len(layout.instance.operators)
+    tool, zone = np.array(instance.timed_tool), np.array(instance.timed_zone)
+    tools = len(instance.tools) if (tool >= 0).any() else 0
+    zones = len(instance.zones) if (zone >= 0).any() else 0
+    flat = (
+        [(mine, way) for mine, row in zip(tool, instance.ways, strict=True) for way in row]
+        if tools
+        else []
     )
-    tools = len(instance.tools) if any(tool >= 0 for tool in layout.tool) else 0
-    zones = len(instance.zones) if any(zone >= 0 for zone in layout.zone) else 0
-    flat = [(task, way) for task, row in enumerate(instance.ways) for way in row] if tools else []
-    swap = np.zeros((len(flat), len(instance.operators)), np.int64)
-    for row, (task, way) in zip(swap, flat, strict=True):
-        if layout.tool[task] >= 0:
+    swap = np.zeros((len(flat), everybody), np.int64)
+    for row, (mine, way) in zip(swap, flat, strict=True):
+        if mine >= 0:
             row[list(way.operators)] = [
-                instance.changeover[layout.tool[task]][operator] * scale
-                for operator in way.operators
+                instance.changeover[mine][operator] for operator in way.operators
             ]
     return {
-        "way_tool": np.array([layout.tool[task] for task, _ in flat], np.int64),
+        "way_tool": np.array([mine for mine, _ in flat], np.int64),
         "swap": swap,
-        "of_tool": np.arange(tools)[None, :] == np.array(layout.tool).reshape(tasks, 1),
+        "of_tool": np.arange(tools)[None, :] == tool[:, None],
         "tool_places": np.array(
-            [places or len(instance.operators) for places in layout.tool_places[:tools]], np.int64
+            [places or everybody for places in instance.tool_room[:tools]], np.int64
         ),
-        "of_zone": np.arange(zones)[None, :] == np.array(layout.zone).reshape(tasks, 1),
+        "of_zone": np.arange(zones)[None, :] == zone[:, None],
         "zone_places": np.array(
-            [places or len(instance.operators) for places in layout.zone_places[:zones]], np.int64
+            [places or everybody for places in instance.zone_room[:zones]], np.int64
         ),
     }
 
 
 def _sets(names: Names, layout: Layout) -> dict[str, Any]:
     instance, count = layout.instance, len(names.tasks)
-    team = np.array(layout.team)
+    team = np.array(layout.instance.team)
     teams = (team[:, None] == team[None, :]) & (team >= 0)[:, None] & ~np.eye(count, dtype=bool)
     listed = instance.stress_of_set or {}
     table = {

@@ -204,12 +204,15 @@ def as_position(moves, data, state, human):
     """
     position = moves.root()
     running = []
-    for agent, bits in ((ROBOT, moves.everybody & ~moves.human), (HUMAN, moves.human)):
+    for agent, bits in (
+        (ROBOT, moves.instance.everybody & ~moves.instance.humans),
+        (HUMAN, moves.instance.humans),
+    ):
         task = int(state.doing[agent]) - 1
         if agent == HUMAN and human:
             task, left = human - 1, None
         else:
-            left = int(state.time[agent, task]) * moves.per_second if task >= 0 else 0
+            left = int(state.time[agent, task]) * moves.instance.per_second if task >= 0 else 0
         if task >= 0:
             way = next(way for way in moves.ways[task] if moves.who[way] == bits)
             running.append((way, moves.ticks[way] if left is None else left))

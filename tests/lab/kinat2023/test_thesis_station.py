@@ -104,6 +104,9 @@ BEYOND = {
             "human": {"kind": "human", "breaks": [[5.0, 6.0]]},
         }
     },
+    "operators.robot.setup": {
+        "operators": {"robot": {"kind": "robot", "setup": 4.0}, "human": {"kind": "human"}}
+    },
     "operators.human.stress_limit": {
         "operators": {"robot": {"kind": "robot"}, "human": {"kind": "human", "stress_limit": 5.0}}
     },

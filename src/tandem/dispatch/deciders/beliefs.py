@@ -13,6 +13,7 @@ from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.dispatch.situation.legal import legal
 from tandem.dispatch.situation.model import Running, Situation
+from tandem.plan.instance import Instance, bits
 
 AWAY_S = 60.0
 """ASSUMPTION: who is absent or failed is planned for as being back in so many seconds from now,
@@ -83,22 +84,15 @@ def position(moves: Moves, situation: Situation, factor: Mapping[str, float]) ->
     busy = {who for at in situation.running.values() for who in at.operators}
     for number, name in enumerate(cell.operators):
         if name in (situation.absent | situation.failed) - busy:
-            running.append((2 * moves.count + number, round(AWAY_S * moves.per_second)))
+            running.append((2 * moves.count + number, round(AWAY_S * cell.per_second)))
     return Position(
         done,
         tuple(sorted(running)),
         wrong & done,
-        0 if moves.timeless else round(situation.now * moves.per_second),
-        tuple(
-            cell.tools.index(situation.in_hand[name]) if name in situation.in_hand else -1
-            for name in cell.operators
-        )
-        if moves.swaps
-        else (),
-        tuple(round(situation.load.get(name, 0.0) * cell.per_stress) for name in cell.operators)
-        if moves.limited
-        else (),
-        _teams(moves, situation) if max(moves.team, default=-1) >= 0 else (),
+        0 if moves.timeless else round(situation.now * cell.per_second),
+        _in_hand(cell, situation) if cell.has_swaps else (),
+        _loads(cell, situation) if cell.has_limits else (),
+        _teams(cell, situation) if cell.has_teams else (),
     )
 
 
@@ -125,7 +119,7 @@ def numbered(moves: Moves, situation: Situation, starts: Iterable[Start]) -> tup
 
 def if_all_return(moves: Moves, here: Position) -> Position:
     """The position if everybody who is away came back at once: what bounds are reckoned from."""
-    away = round(AWAY_S * moves.per_second)
+    away = round(AWAY_S * moves.instance.per_second)
     running = tuple(
         (way, max(1, left - away) if left > away else left)
         for way, left in here.running
@@ -142,8 +136,8 @@ def ticks_left(moves: Moves, situation: Situation, at: Running, factor: Mapping[
     away = AWAY_S if at.rests_since is not None else 0.0
     return max(
         1,
-        round((left if left > 0 else OVERDUE * at.stated) * moves.per_second)
-        + round(away * moves.per_second),
+        round((left if left > 0 else OVERDUE * at.stated) * moves.instance.per_second)
+        + round(away * moves.instance.per_second),
     )
 
 
@@ -152,14 +146,26 @@ def cost_so_far(objective: Objective, situation: Situation) -> float:
     return objective.cost(situation.now, situation.stress)
 
 
-def _teams(moves: Moves, situation: Situation) -> tuple[tuple[int, int], ...]:
-    number = {name: o for o, name in enumerate(moves.instance.operators)}
-    place = {name: t for t, name in enumerate(moves.instance.tasks)}
+def _in_hand(instance: Instance, situation: Situation) -> tuple[int, ...]:
+    held = situation.in_hand
+    return tuple(
+        instance.tools.index(held[name]) if name in held else -1 for name in instance.operators
+    )
+
+
+def _loads(instance: Instance, situation: Situation) -> tuple[int, ...]:
+    load = situation.load
+    return tuple(round(load.get(name, 0.0) * instance.per_stress) for name in instance.operators)
+
+
+def _teams(instance: Instance, situation: Situation) -> tuple[tuple[int, int], ...]:
+    number = {name: o for o, name in enumerate(instance.operators)}
+    team = dict(zip(instance.tasks, instance.team, strict=True))
     begun = {task: work.operators for task, work in situation.done.items()}
     begun |= {task: at.operators for task, at in situation.running.items() if not at.undoing}
     found = {
-        moves.team[place[task]]: sum(1 << number[who] for who in operators)
+        team[task]: bits(number[who] for who in operators)
         for task, operators in begun.items()
-        if moves.team[place[task]] >= 0
+        if team[task] >= 0
     }
     return tuple(sorted(found.items()))

@@ -82,7 +82,7 @@ class ByRule:
         best = min(
             found,
             key=lambda state: self.objective.cost(
-                state.makespan / moves.per_second, moves.instance.stress(state.stress)
+                state.makespan / moves.instance.per_second, moves.instance.stress(state.stress)
             ),
         )
         begins = tuple(
@@ -107,9 +107,9 @@ class ByRule:
 
 def _begins(layout: Layout, state: State, task: int, start: int) -> bool:
     """The task starts now, but for the changeover that comes first."""
-    tool = layout.tool[task]
-    change = max(layout.changeover[tool] or (0,)) if tool >= 0 and layout.changeover[tool] else 0
-    return start == 0 or (0 < start <= change)
+    tool = layout.instance.timed_tool[task]
+    swap = layout.instance.swap_ticks[tool] if tool >= 0 else None
+    return start == 0 or (swap is not None and 0 < start <= max(swap))
 
 
 def _apart(moves: Moves, here: Position, way: int) -> int:
@@ -132,5 +132,9 @@ def _anything(moves: Moves, here: Position, legal: Set[int]) -> tuple[int, ...]:
     return (
         ()
         if not legal or here.running
-        else (max(legal, key=lambda way: (moves.tails[moves.task[way]], -moves.ticks[way], -way)),)
+        else (
+            max(
+                legal, key=lambda way: (moves.layout.tail[moves.task[way]], -moves.ticks[way], -way)
+            ),
+        )
     )

@@ -142,9 +142,9 @@ def _needs(moves: Moves, task: str, operators: tuple[str, ...]) -> Iterator[Need
     yield from (("operator", who) for who in operators)
     number, instance = moves.instance.tasks.index(task), moves.instance
     tool, zone = instance.tool[number], instance.zone[number]
-    if tool is not None and moves.tool_places[tool]:
+    if tool is not None and moves.instance.tool_room[tool]:
         yield "tool", tool
-    if zone is not None and moves.zone_places[zone]:
+    if zone is not None and moves.instance.zone_room[zone]:
         yield "zone", zone
 
 

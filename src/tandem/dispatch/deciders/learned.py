@@ -175,7 +175,6 @@ def state_of(names: Names, arrays: Arrays, situation: Situation) -> State:
     refused = [
         any(situation.is_refused(who, task) for who in mode.operators) for task, mode in names.ways
     ]
-    tools = _tools(names.cell)
     return state._replace(
         clock=np.int32(clock),
         way=way,
@@ -185,7 +184,7 @@ def state_of(names: Names, arrays: Arrays, situation: Situation) -> State:
         away_until=away,
         in_hand=np.array(
             [
-                tools.index(situation.in_hand[who]) if who in situation.in_hand else -1
+                names.tools.index(situation.in_hand[who]) if who in situation.in_hand else -1
                 for who in names.operators
             ],
             np.int32,
@@ -198,13 +197,3 @@ def state_of(names: Names, arrays: Arrays, situation: Situation) -> State:
         bad_at=bad,
         undoing=undoing,
     )
-
-
-def _tools(cell: Cell) -> list[str]:
-    """In the order in which the world counts them."""
-    named = [
-        *(task.tool for task in cell.tasks.values()),
-        *cell.tools,
-        *(operator.tool for operator in cell.operators.values()),
-    ]
-    return list(dict.fromkeys(filter(None, named)))

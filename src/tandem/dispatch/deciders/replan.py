@@ -146,7 +146,7 @@ def by_plan(
             because=because,
         )
     cost = cost_so_far(policy.objective, situation) + _cost(policy.objective, moves, plan)
-    end = situation.now + plan.ticks / moves.per_second
+    end = situation.now + plan.ticks / moves.instance.per_second
     because = (
         f"so that all is done at {end:.4g} s,"
         f" {'at the earliest' if plan.proven else 'the best plan found'}"
@@ -171,11 +171,7 @@ def starting(moves: Moves, here: Position, plan: Plan, legal: Set[int]) -> tuple
     chosen: list[int] = []
     for start, way in plan.begins:
         first = way + moves.count if here.wrong >> moves.task[way] & 1 else way
-        change = (
-            max((row[o] for row in moves.changeover for o in range(len(row))), default=0)
-            if moves.swaps
-            else 0
-        )
+        change = max((max(row) for row in moves.instance.changeover), default=0)
         if start <= change and first in legal and first in moves.legal(here):
             here = moves.begin(here, first)
             chosen.append(first)
@@ -190,7 +186,7 @@ def next_tasks(moves: Moves, here: Position, plan: Plan) -> dict[str, str]:
         for o, name in enumerate(moves.instance.operators):
             if (
                 moves.who[way] >> o & 1
-                and moves.human >> o & 1
+                and moves.instance.humans >> o & 1
                 and busy >> o & 1
                 and name not in found
             ):
@@ -254,7 +250,7 @@ class Robust:
         else:
             return by_plan(self, moves, situation, here, began)
         choice = ranked[0][0]
-        look_again = None if look is None else situation.now + look / moves.per_second
+        look_again = None if look is None else situation.now + look / moves.instance.per_second
         return reply(
             self.name,
             moves,
@@ -482,7 +478,11 @@ def _look(beliefs: Sequence[Belief], choice: tuple[int, ...]) -> int | None:
     ends = []
     for _, search, here in beliefs:
         after, _ = _begun(search.moves, here, choice)
-        ends += [left for way, left in after.running if search.moves.who[way] & search.moves.human]
+        ends += [
+            left
+            for way, left in after.running
+            if search.moves.who[way] & search.moves.instance.humans
+        ]
         if not _is_robot_idle(search.moves, after):
             return None
     return None if not ends else min(ends) + OVERDUE_TICKS
@@ -498,7 +498,7 @@ def _begun(moves: Moves, here: Position, choice: tuple[int, ...]) -> tuple[Posit
 
 def _is_robot_idle(moves: Moves, here: Position) -> bool:
     """A robot is idle though it could begin something."""
-    return any(not moves.who[way] & moves.human for way in moves.legal(here))
+    return any(not moves.who[way] & moves.instance.humans for way in moves.legal(here))
 
 
 def _product(shares: Iterable[float]) -> float:
@@ -532,8 +532,8 @@ def _models(cell: Cell, objective: Objective) -> Models:
 
 
 def _weights(objective: Objective, moves: Moves) -> tuple[float, float]:
-    return objective.time / moves.per_second, objective.stress / moves.instance.per_stress
+    return objective.time / moves.instance.per_second, objective.stress / moves.instance.per_stress
 
 
 def _cost(objective: Objective, moves: Moves, plan: Plan) -> float:
-    return objective.cost(plan.ticks / moves.per_second, moves.instance.stress(plan.units))
+    return objective.cost(plan.ticks / moves.instance.per_second, moves.instance.stress(plan.units))

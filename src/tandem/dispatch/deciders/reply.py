@@ -70,7 +70,7 @@ def reply(
             Alternative(tuple(moves.named(way) for way in ways), cost)
             for ways, cost in ranked[:MOST_ALTERNATIVES]
         ),
-        bound=ticks / moves.per_second,
+        bound=ticks / moves.instance.per_second,
         why=f"{phrase(situation, begins)}: {ground}.",
         by=by,
         latency_ms=1000 * (perf_counter() - began),

@@ -84,12 +84,14 @@ def _planned(cell: Cell, objective: Objective, pace: dict[str, float]) -> float 
     assert left is not None  # a cell has a task
     found = solve(
         left,
-        (objective.time / moves.per_second, objective.stress / moves.instance.per_stress),
+        (objective.time / moves.instance.per_second, objective.stress / moves.instance.per_stress),
         seconds=PLANNING_S,
     )
     if found is None or not found.proven:
         return None
-    return objective.cost(found.ticks / moves.per_second, moves.instance.stress(found.units))
+    return objective.cost(
+        found.ticks / moves.instance.per_second, moves.instance.stress(found.units)
+    )
 
 
 def _as_stated(cell: Cell, objective: Objective) -> float | None:

@@ -81,15 +81,6 @@ class Observer:
             for number, name in enumerate(self.names.operators)
             if row["away_until"][number] > clock
         ]
-        tools = list(
-            dict.fromkeys(
-                [
-                    *(x.tool for x in cell.tasks.values() if x.tool),
-                    *cell.tools,
-                    *(x.tool for x in cell.operators.values() if x.tool),
-                ]
-            )
-        )
         return Situation(
             cell,
             now=self.names.seconds(clock),
@@ -106,7 +97,7 @@ class Observer:
             },
             wrong=wrong,
             in_hand={
-                name: tools[tool]
+                name: self.names.tools[tool]
                 for name, tool in zip(self.names.operators, row["in_hand"], strict=True)
                 if 0 <= tool < NEVER
             },

@@ -117,7 +117,9 @@ class BeliefValues:
     def robot_choices(self, belief: Belief) -> Iterator[tuple[tuple[int, ...], float]]:
         """Every set of ways that the robots can begin now, with its value."""
         moves = self.moves
-        for chosen in moves.choices(belief[0][1], moves.everybody & ~moves.human):
+        for chosen in moves.choices(
+            belief[0][1], moves.instance.everybody & ~moves.instance.humans
+        ):
             after, units = belief, 0
             for way in chosen:
                 after, units = self.begun(after, way), units + moves.units[way]

@@ -186,7 +186,7 @@ class Values:
     def robot_choices(self, position: Position) -> Iterator[tuple[tuple[int, ...], float]]:
         """Every set of ways that the robots can begin now, with its value."""
         moves = self.moves
-        for chosen in moves.choices(position, moves.everybody & ~moves.human):
+        for chosen in moves.choices(position, moves.instance.everybody & ~moves.instance.humans):
             after, units = position, 0
             for way in chosen:
                 after, units = moves.begin(after, way), units + moves.units[way]
@@ -232,7 +232,7 @@ def values(
             ]
         )
     moves = Moves.of(cell, pace)
-    if moves.swaps:
+    if moves.instance.has_swaps:
         raise CellError(
             [
                 Fault(
@@ -249,7 +249,7 @@ def weights(moves: Moves, objective: Objective) -> tuple[float, float]:
     """The objective's weights per tick and per unit of stress, scaled so that a cost is in seconds
     where time alone counts.
     """
-    return objective.time / moves.per_second, objective.stress / moves.instance.per_stress
+    return objective.time / moves.instance.per_second, objective.stress / moves.instance.per_stress
 
 
 def expected(

@@ -77,7 +77,7 @@ class RepairValues(Values):
         ended = [
             way
             for way, left in position.running
-            if left <= ticks and way < moves.count and moves.who[way] & moves.human
+            if left <= ticks and way < moves.count and moves.who[way] & moves.instance.humans
         ]
         right = moves.after(position, ticks)
         for wrong in range(1 << len(ended) if self.forgets else 1):

@@ -4,8 +4,8 @@ they are, the others are planned anew.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from time import perf_counter
 
 from ortools.sat.python import cp_model
@@ -62,97 +62,119 @@ def rest(moves: Moves, position: Position, *, with_running: bool = True) -> Rest
     Without what runs, operators who are at something have a break instead, and what waits for it a
     release; its tool and zone are forgotten.
     """
-    full, runs = (
-        moves.instance,
-        {moves.task[way]: (way, left) for way, left in position.running if way < 2 * moves.count},
-    )
-    away = {
-        moves.who[way].bit_length() - 1: left
-        for way, left in position.running
-        if way >= 2 * moves.count
-    }
-    tasks = tuple(
-        t for t in range(len(full.tasks)) if not position.done >> t & 1 or position.wrong >> t & 1
-    )
-    ends: dict[int, int] = {}
-    if not with_running:
-        ends = {t: left for t, (_, left) in runs.items()}
-        away |= {
-            o: left
-            for way, left in position.running
-            for o in range(len(moves.prices))
-            if moves.who[way] >> o & 1
-        }
-        tasks = tuple(t for t in tasks if t not in runs or position.wrong >> t & 1)
-    if not tasks:
+    left = _Left.of(moves, position, with_running)
+    if not left.tasks:
         return None
-    place = {t: number for number, t in enumerate(tasks)}
-    rows: list[tuple[Way, ...]] = []
-    numbers: list[tuple[int, ...]] = []
-    for t in tasks:
-        if t in runs and not position.wrong >> t & 1:
-            way, left = runs[t]
-            rows.append((_way(moves, way, left, with_load=False),))
-            numbers.append((-1,))
-            continue
-        team = dict(position.teams).get(moves.team[t]) if moves.team[t] >= 0 else None
-        mine = [way for way in moves.ways[t] if team is None or moves.who[way] == team] or list(
-            moves.ways[t]
-        )
-        extra = [_apart(moves, position, runs.get(t), way) for way in mine]
-        rows.append(
-            tuple(
-                _way(moves, way, moves.ticks[way] + more)
-                for way, more in zip(mine, extra, strict=True)
-            )
-        )
-        numbers.append(tuple(mine))
-    fixed = [t in runs and not position.wrong >> t & 1 for t in tasks]
-    now = position.clock
-    return Rest(
-        replace(
-            full,
-            per_second=moves.per_second,
-            tasks=tuple(full.tasks[t] for t in tasks),
-            ways=tuple(rows),
-            before=tuple(
-                tuple(place[f] for f in full.before[t] if f in place) if not at else ()
-                for t, at in zip(tasks, fixed, strict=True)
-            ),
-            behind=tuple(
-                tuple(place[a] for a in full.behind[t] if a in place and not fixed[place[a]])
-                for t in tasks
-            ),
-            order=tuple(place[t] for t in full.order if t in place),
-            release=tuple(
-                0
-                if at
-                else max(
-                    [0, moves.release[t] - now, *(ends.get(first, 0) for first in full.before[t])]
-                )
-                for t, at in zip(tasks, fixed, strict=True)
-            ),
-            deadline=tuple(runs[t][1] if at else None for t, at in zip(tasks, fixed, strict=True)),
-            tool=tuple(full.tool[t] for t in tasks),
-            zone=tuple(full.zone[t] for t in tasks),
-            changeover=moves.changeover,
-            in_hand=tuple(None if tool < 0 else tool for tool in position.hand)
-            if position.hand
-            else full.in_hand,
-            breaks=tuple(_breaks(row, now, away.get(o, 0)) for o, row in enumerate(moves.breaks)),
-            stress_limit=tuple(
-                None
-                if limit is None
-                else max(0, limit - (position.load[o] if position.load else 0))
-                for o, limit in enumerate(moves.limits)
-            ),
-            same_operator=tuple(
-                (place[a], place[b]) for a, b in full.same_operator if a in place and b in place
-            ),
-        ),
-        tasks,
-        tuple(numbers),
+    full, rows = moves.instance, [left.open_ways(task) for task in left.tasks]
+    instance = full.restricted(
+        left.tasks,
+        [[way for way, _ in row] for row in rows],
+        [left.release(task) for task in left.tasks],
+        before=[() if task in left.fixed else full.before[task] for task in left.tasks],
+        # What runs ends when it ends; for all else, late is better than never.
+        deadline=tuple(left.fixed[t][1] if t in left.fixed else None for t in left.tasks),
+        in_hand=left.in_hand(),
+        breaks=left.breaks(),
+        stress_limit=left.stress_limit(),
     )
+    return Rest(instance, left.tasks, tuple(tuple(number for _, number in row) for row in rows))
+
+
+@dataclass(frozen=True)
+class _Left:
+    """What is left of an assembly at a position, task by task and operator by operator.
+
+    Attributes:
+      tasks: those that are to be planned.
+      running: task -> (way, ticks left) of all that is being done or taken apart.
+      fixed: the same of tasks to be planned that go on as they are.
+      ends: ticks of tasks that run and are not planned; what comes after them waits so long.
+      away: operator -> ticks in which they cannot be planned.
+    """
+
+    moves: Moves
+    position: Position
+    tasks: tuple[int, ...]
+    running: Mapping[int, tuple[int, int]]
+    fixed: Mapping[int, tuple[int, int]]
+    ends: Mapping[int, int]
+    away: Mapping[int, int]
+
+    @classmethod
+    def of(cls, moves: Moves, position: Position, with_running: bool) -> _Left:
+        """Reads the position."""
+        done, wrong = position.done, position.wrong
+        at_work = [(way, ticks) for way, ticks in position.running if way < 2 * moves.count]
+        running = {moves.task[way]: (way, ticks) for way, ticks in at_work}
+        unfinished = [t for t in range(len(moves.ways)) if not done >> t & 1 or wrong >> t & 1]
+        if with_running:
+            away = [(way, ticks) for way, ticks in position.running if way >= 2 * moves.count]
+            tasks, ends = unfinished, {}
+            fixed = {t: at for t, at in running.items() if not wrong >> t & 1}
+        else:
+            away = list(position.running)
+            tasks = [t for t in unfinished if t not in running or wrong >> t & 1]
+            ends = {t: ticks for t, (_, ticks) in running.items()}
+            fixed = {}
+        operators = range(len(moves.instance.operators))
+        off = {o: ticks for way, ticks in away for o in operators if moves.who[way] >> o & 1}
+        return cls(moves, position, tuple(tasks), running, fixed, ends, off)
+
+    def open_ways(self, task: int) -> list[tuple[Way, int]]:
+        """How the task can be done, and the way as `Moves` numbers it; -1 for what goes on."""
+        moves = self.moves
+        if task in self.fixed:
+            way, ticks = self.fixed[task]
+            mode = moves.modes[way]
+            return [(Way(mode.operators, ticks, (0,) * len(mode.operators)), -1)]
+        open_ = moves.ways[task]
+        # A team that has begun goes on; where that leaves nothing, anybody is better than nobody.
+        team = dict(self.position.teams).get(moves.instance.team[task])
+        if team is not None:
+            open_ = tuple(way for way in open_ if moves.who[way] == team) or open_
+        return [(self._with_taking_apart(task, way), way) for way in open_]
+
+    def _with_taking_apart(self, task: int, way: int) -> Way:
+        """The way as it is done; what is wrong comes off first, by whoever does it again."""
+        mode, apart = self.moves.modes[way], 0
+        if task in self.running:
+            apart = self.running[task][1]
+        elif self.position.wrong >> task & 1:
+            apart = self.moves.ticks[self.moves.count + way]
+        return Way(mode.operators, mode.ticks + apart, mode.load)
+
+    def release(self, task: int) -> int:
+        """Ticks from now before which the task cannot start, because of what is not planned."""
+        if task in self.fixed:
+            return 0
+        instance = self.moves.instance
+        ends = [self.ends.get(first, 0) for first in instance.before[task]]
+        return max(0, instance.release[task] - self.position.clock, *ends)
+
+    def in_hand(self) -> tuple[int | None, ...]:
+        """The tool that each operator holds now."""
+        if not self.position.hand:
+            return self.moves.instance.in_hand
+        return tuple(None if tool < 0 else tool for tool in self.position.hand)
+
+    def breaks(self) -> tuple[tuple[tuple[int, int], ...], ...]:
+        """The breaks that are still to come, seen from now, and absences."""
+        now = self.position.clock
+        rows = []
+        for operator, breaks in enumerate(self.moves.instance.breaks):
+            ahead = [(max(0, off - now), back - now) for off, back in breaks if back > now]
+            away = [(0, self.away[operator])] if operator in self.away else []
+            rows.append(tuple(sorted([*ahead, *away])))
+        return tuple(rows)
+
+    def stress_limit(self) -> tuple[int | None, ...]:
+        """What each operator may still collect."""
+        limits = self.moves.instance.stress_limit
+        load = self.position.load or (0,) * len(limits)
+        return tuple(
+            None if limit is None else max(0, limit - spent)
+            for limit, spent in zip(limits, load, strict=True)
+        )
 
 
 def solve(
@@ -216,25 +238,3 @@ def _plan(left: Rest, layout: Layout, found: Starts, bound: float, proven: bool)
     ]
     units = sum(left.instance.ways[t][way].stress for t, (way, _) in enumerate(starts))
     return Plan(tuple(sorted(begins)), state.makespan, units, bound, proven)
-
-
-def _way(moves: Moves, way: int, ticks: int, *, with_load: bool = True) -> Way:
-    operators = tuple(o for o in range(len(moves.prices)) if moves.who[way] >> o & 1)
-    load = dict(moves.loads[way]) if with_load else {}
-    return Way(operators, ticks, tuple(load.get(o, 0) for o in operators))
-
-
-def _apart(moves: Moves, position: Position, running: tuple[int, int] | None, way: int) -> int:
-    """Ticks of taking apart that a task needs before it can be done again; reckoned to whoever does
-    it again.
-    """
-    if running is not None:
-        return running[1]
-    task = moves.task[way]
-    return moves.ticks[moves.count + way] if position.wrong >> task & 1 else 0
-
-
-def _breaks(row: Sequence[tuple[int, int]], now: int, away: int) -> tuple[tuple[int, int], ...]:
-    """Those still to come, seen from now, and an absence."""
-    ahead = [(max(0, off - now), back - now) for off, back in row if back > now]
-    return tuple(sorted([*ahead, *([(0, away)] if away else [])]))

@@ -8,12 +8,20 @@ position.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import accumulate
 from typing import NamedTuple
 
-from tandem.dispatch.lookahead.numbers import Numbers
+from tandem.cell.model import Cell
+from tandem.errors import CellError, Fault
+from tandem.plan.bounds import WorkPrices
+from tandem.plan.instance import Instance, Way
+from tandem.plan.list_scheduling import Layout
+
+PER_SECOND = 1000
+"""Ticks in a second at least, so that a pace of 0.6 or 1.25 leaves whole numbers."""
 
 
 class Position(NamedTuple):
@@ -45,27 +53,145 @@ def _go_on() -> None:
 
 
 @dataclass(frozen=True)
-class Moves(Numbers):
-    """The moves of one cell in these numbers; what is ready, and what is left, is remembered by the
-    set of tasks.
+class Moves:
+    """The moves of one cell at certain paces; what is ready, and what is left, is remembered.
+
+    Ways are numbered through: those of the first task as `cell.modes` lists them, then the
+    second's, and so on: `count` ways of doing. Then come as many of taking apart what was done
+    wrongly, in the same order, and then, per operator, being away.
+
+    Attributes:
+      layout: the cell in whole numbers, paces in the times; `prices` bound its makespan.
+      taking_apart: how long taking a task apart takes, as a share of doing it in the same way.
+      ways: per task, the ways of doing it that are open.
     """
 
+    layout: Layout
+    prices: WorkPrices
+    taking_apart: float
+    ways: tuple[tuple[int, ...], ...]
     _ready: dict[tuple[int, int, int], tuple[int, ...]] = field(default_factory=dict)
     _rest: dict[int, tuple[int, int, int]] = field(default_factory=dict)
+
+    @classmethod
+    def of(
+        cls,
+        cell: Cell,
+        pace: Mapping[str, float] | None = None,
+        *,
+        taking_apart: float = 1.0,
+        max_stress: float | None = None,
+    ) -> Moves:
+        """The cell's moves when every operator needs `pace` times the stated time.
+
+        Args:
+          pace: by name, 1 for who is not named; a group goes at its slowest.
+          max_stress: limits the stress of the one human.
+
+        Raises:
+          CellError: stress comes from a table of sets: it is then no sum, and what is still to
+            come cannot be told apart from what was; or `max_stress` is to hold for several
+            humans together.
+        """
+        if cell.stress_of_set is not None:
+            what = (
+                "live decisions need a stress that adds up; take stress_of_set out, or plan with"
+                " `tandem plan`."
+            )
+            raise CellError([Fault(what, ("stress_of_set",))])
+        stated = Instance.of(cell)
+        finer = max(PER_SECOND, stated.per_second) // stated.per_second
+        instance = stated.scaled(finer, [(pace or {}).get(name, 1.0) for name in stated.operators])
+        layout = Layout.of(replace(instance, stress_limit=_limits(instance, max_stress)))
+        firsts = accumulate((len(row) for row in instance.ways), initial=0)
+        ways = tuple(
+            tuple(sorted(first + step.way for step in row))
+            for first, row in zip(firsts, layout.steps, strict=False)
+        )
+        return cls(layout, WorkPrices.of(layout), taking_apart, ways)
+
+    # ------------------------------------------------------------ per way, numbered through
+
+    @cached_property
+    def instance(self) -> Instance:
+        """The cell in whole numbers, paces in the times."""
+        return self.layout.instance
+
+    @cached_property
+    def modes(self) -> tuple[Way, ...]:
+        """The ways of doing."""
+        return tuple(way for row in self.instance.ways for way in row)
+
+    @cached_property
+    def count(self) -> int:
+        """How many ways of doing there are."""
+        return len(self.modes)
+
+    @cached_property
+    def task(self) -> tuple[int, ...]:
+        """The task of each way; whoever is away is at a task of their own, behind all others."""
+        tasks, away = len(self.instance.tasks), range(len(self.instance.operators))
+        own = [task for task, row in enumerate(self.instance.ways) for _ in row]
+        return (*own, *own, *(tasks + operator for operator in away))
+
+    @cached_property
+    def who(self) -> tuple[int, ...]:
+        """Bits of the operators of each way."""
+        own = [way.who for way in self.modes]
+        return (*own, *own, *(1 << operator for operator in range(len(self.instance.operators))))
+
+    @cached_property
+    def ticks(self) -> tuple[int, ...]:
+        """How long each way takes; how long somebody is away is known to the position alone."""
+        own = [way.ticks for way in self.modes]
+        apart = (max(1, round(ticks * self.taking_apart)) for ticks in own)
+        return (*own, *apart, *(1 for _ in self.instance.operators))
+
+    @cached_property
+    def loads(self) -> tuple[tuple[tuple[int, int], ...], ...]:
+        """`(operator, units of stress)` of each way."""
+        own = [tuple(zip(way.operators, way.load, strict=True)) for way in self.modes]
+        return (*own, *own, *(() for _ in self.instance.operators))
+
+    @cached_property
+    def units(self) -> tuple[int, ...]:
+        """The stress of each way."""
+        return tuple(sum(units for _, units in load) for load in self.loads)
+
+    @cached_property
+    def price(self) -> tuple[int, ...]:
+        """The prices of each way's operators together."""
+        prices = list(enumerate(self.prices.of_operator))
+        return tuple(sum(price for o, price in prices if bits >> o & 1) for bits in self.who)
+
+    # ------------------------------------------------------------ which rules matter
+
+    @cached_property
+    def timeless(self) -> bool:
+        """No rule looks at the clock."""
+        return not any(self.instance.release) and not self.instance.has_breaks
+
+    @cached_property
+    def plain(self) -> bool:
+        """Ways of different tasks and operators never stand in each other's way."""
+        at = self.instance
+        return self.timeless and at.is_plain and not (at.has_swaps or at.has_limits or at.has_teams)
+
+    # ------------------------------------------------------------ positions
 
     def root(self) -> Position:
         """Nothing has begun."""
         operators = len(self.instance.operators)
-        hand = (
-            tuple(-1 if tool is None else tool for tool in self.instance.in_hand)
-            if self.swaps
-            else ()
-        )
-        return Position(0, (), 0, 0, hand, (0,) * operators if self.limited else ())
+        in_hand = self.instance.in_hand if self.instance.has_swaps else ()
+        hand = tuple(-1 if tool is None else tool for tool in in_hand)
+        return Position(0, (), 0, 0, hand, (0,) * operators if self.instance.has_limits else ())
 
     def is_over(self, position: Position) -> bool:
         """Everything is done, and nothing of it must be done again."""
-        return not position.wrong and position.done & self.full == self.full
+        return (
+            not position.wrong
+            and position.done & self.instance.all_tasks == self.instance.all_tasks
+        )
 
     def begun(self, position: Position) -> int:
         """Bits of the tasks that have ended or are being done."""
@@ -103,34 +229,33 @@ class Moves(Numbers):
         if known is None:
             fine = done & ~wrong
             tasks = [
-                t for t, need in enumerate(self.need) if not begun >> t & 1 and need & fine == need
+                t
+                for t, need in enumerate(self.instance.needs)
+                if not begun >> t & 1 and need & fine == need
             ]
             found = [way for t in tasks for way in self.ways[t]]
             if wrong:
-                found += [
-                    self.count + way
-                    for t, row in enumerate(self.ways)
-                    if wrong >> t & 1 and not self.behind_task[t] & begun
-                    for way in row
-                ]
+                bare = [not followers & begun for followers in self.instance.followers]
+                off = [t for t in range(len(self.ways)) if wrong >> t & 1 and bare[t]]
+                found += [self.count + way for t in off for way in self.ways[t]]
             known = self._ready[done, begun, wrong] = tuple(found)
         return known
 
     def begin(self, position: Position, way: int) -> Position:
         """The way begins now. Assumes that it is legal."""
-        left = self.ticks[way] + (self._change(position, way) if self.swaps else 0)
+        left = self.ticks[way] + (self._change(position, way) if self.instance.has_swaps else 0)
         running = tuple(sorted([*position.running, (way, left)]))
         if self.plain:
             return Position(position.done, running, position.wrong)
         hand, load, teams, task = position.hand, position.load, position.teams, self.task[way]
-        tool = self.instance.tool[task]
-        if hand and tool is not None:
+        tool, team = self.instance.timed_tool[task], self.instance.team[task]
+        if hand and tool >= 0:
             hand = tuple(tool if self.who[way] >> o & 1 else held for o, held in enumerate(hand))
         if load:
             extra = dict(self.loads[way])
             load = tuple(units + extra.get(o, 0) for o, units in enumerate(load))
-        if self.team[task] >= 0 and all(team != self.team[task] for team, _ in teams):
-            teams = tuple(sorted([*teams, (self.team[task], self.who[way])]))
+        if team >= 0 and all(other != team for other, _ in teams):
+            teams = tuple(sorted([*teams, (team, self.who[way])]))
         return Position(position.done, running, position.wrong, position.clock, hand, load, teams)
 
     def next_event(self, position: Position) -> int | None:
@@ -208,13 +333,13 @@ class Moves(Numbers):
                 continue
             begun |= 1 << self.task[way]
             load += left * self.price[way]
-            chain = left + self.behind[way]
+            chain = left + self.layout.behind[self.task[way]]
             if chain > ticks:
                 ticks = chain
         rest = self._rest.get(begun)
         work, chain, ease = self._of_rest(begun) if rest is None else rest
         if work:
-            shared = -(-(work + load) // self.total)
+            shared = -(-(work + load) // self.prices.total)
             ticks = max(ticks, chain, shared)
         return ticks, ease
 
@@ -236,8 +361,8 @@ class Moves(Numbers):
     def _moments(self) -> list[int]:
         """Ticks at which the clock alone changes what is allowed, sorted."""
         return sorted(
-            {moment for row in self.breaks for pair in row for moment in pair}
-            | set(self.release) - {0}
+            {moment for row in self.instance.breaks for pair in row for moment in pair}
+            | set(self.instance.release) - {0}
         )
 
     def _of_rest(self, begun: int) -> tuple[int, int, int]:
@@ -245,11 +370,11 @@ class Moves(Numbers):
         stress.
         """
         left = [t for t in range(len(self.ways)) if not begun >> t & 1]
-        chain = max((self.tails[t] for t in left), default=0)
+        chain = max((self.layout.tail[t] for t in left), default=0)
         self._rest[begun] = known = (
-            sum(self.work[t] for t in left),
+            sum(self.prices.work[t] for t in left),
             chain,
-            sum(self.ease[t] for t in left),
+            sum(self.layout.easiest[t] for t in left),
         )
         return known
 
@@ -286,43 +411,42 @@ class Moves(Numbers):
         """Whether clock, breaks, tools, zones, limits and teams allow the way now. Assumes that it
         is ready and its operators are free.
         """
-        task, who = self.task[way], self.who[way]
-        if self.release[task] > position.clock:
+        instance, task, who = self.instance, self.task[way], self.who[way]
+        if instance.release[task] > position.clock:
             return False
-        operators = [o for o in range(len(self.prices)) if who >> o & 1]
-        if any(team == self.team[task] and others != who for team, others in position.teams):
+        operators = self.modes[way % self.count].operators
+        if any(team == instance.team[task] and others != who for team, others in position.teams):
             return False
-        if position.load and any(
-            self.limits[o] is not None and position.load[o] + units > self.limits[o]  # type: ignore[operator]
-            for o, units in self.loads[way]
-        ):
-            return False
+        if position.load:
+            for operator, units in self.loads[way]:
+                limit = instance.stress_limit[operator]
+                if limit is not None and position.load[operator] + units > limit:
+                    return False
         if not self.timeless:
             end = (
                 position.clock
                 + self.ticks[way]
-                + (self._change(position, way) if self.swaps else 0)
+                + (self._change(position, way) if self.instance.has_swaps else 0)
             )
             if any(
                 off < end and position.clock < back
                 for o in operators
-                for off, back in self.breaks[o]
+                for off, back in instance.breaks[o]
             ):
                 return False
-        return self._has_place(
-            position, self.instance.tool, self.tool_places, task, len(operators)
-        ) and self._has_place(position, self.instance.zone, self.zone_places, task, len(operators))
+        return all(
+            self._has_place(position, thing, room, task, len(operators))
+            for thing, room in (
+                (instance.timed_tool, instance.tool_room),
+                (instance.timed_zone, instance.zone_room),
+            )
+        )
 
     def _has_place(
-        self,
-        position: Position,
-        thing: Sequence[int | None],
-        places: Sequence[int],
-        task: int,
-        count: int,
+        self, position: Position, thing: Sequence[int], places: Sequence[int], task: int, count: int
     ) -> bool:
         mine = thing[task]
-        if mine is None or not places[mine]:
+        if mine < 0 or not places[mine]:
             return True
         # what comes after are absences, which take no place
         at_work = (way for way, _ in position.running if way < 2 * self.count)
@@ -331,11 +455,26 @@ class Moves(Numbers):
 
     def _change(self, position: Position, way: int) -> int:
         """Ticks that the operators need first to take up the way's tool."""
-        tool = self.instance.tool[self.task[way]]
-        if tool is None:
+        tool = self.instance.timed_tool[self.task[way]]
+        row = self.instance.swap_ticks[tool] if tool >= 0 else None
+        if row is None:
             return 0
-        return max(
-            self.changeover[tool][o] if position.hand[o] not in (-1, tool) else 0
-            for o in range(len(self.prices))
-            if self.who[way] >> o & 1
+        operators, hand = self.modes[way % self.count].operators, position.hand
+        return max(row[o] if hand[o] not in (-1, tool) else 0 for o in operators)
+
+
+def _limits(instance: Instance, max_stress: float | None) -> tuple[int | None, ...]:
+    """Units of stress per operator; the limit over all humans is the limit of the one there is."""
+    if max_stress is None:
+        return instance.stress_limit
+    if sum(instance.human) > 1:
+        what = (
+            "a limit on the stress of several humans together cannot be kept live; give each human"
+            " a stress_limit."
         )
+        raise CellError([Fault(what, ("operators",))])
+    most = int(max_stress * instance.per_stress + 1e-9)
+    return tuple(
+        min(most, most if limit is None else limit) if human else limit
+        for human, limit in zip(instance.human, instance.stress_limit, strict=True)
+    )

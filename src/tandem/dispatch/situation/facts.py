@@ -53,10 +53,10 @@ class Facts:
             team={
                 task: tuple(
                     other
-                    for other, number in zip(names, layout.team, strict=True)
+                    for other, number in zip(names, layout.instance.team, strict=True)
                     if number == mine >= 0 and other != task
                 )
-                for task, mine in zip(names, layout.team, strict=True)
+                for task, mine in zip(names, layout.instance.team, strict=True)
             },
             must={
                 task: {

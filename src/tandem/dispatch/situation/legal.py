@@ -87,7 +87,7 @@ def hindrances(situation: Situation, task: str, way: Mode) -> Iterator[str]:
     """What else stands against the task being begun now in this way, in sentences; none when
     nothing does.
     """
-    for rule in (_release, _refusals, _breaks, _room, _stress_limits, _teams, _listed_sets):
+    for rule in (_release, _refusals, _times_off, _room, _stress_limits, _teams, _listed_sets):
         yield from rule(situation, task, way)
 
 
@@ -97,7 +97,7 @@ def next_change(situation: Situation) -> float | None:
     """
     cell = situation.cell
     times = [cell.tasks[task].release for task in situation.open]
-    times += [back for operator in cell.operators.values() for _, back in operator.breaks]
+    times += [back for operator in cell.operators.values() for _, back, _ in operator.times_off]
     times += [until for until in situation.refused.values() if until is not None]
     return min((time for time in times if time > situation.now), default=None)
 
@@ -119,7 +119,9 @@ def _swaps(
     for who in operators:
         if situation.in_hand.get(who, tool) != tool:
             over = [
-                back for _, back in situation.cell.operators[who].breaks if back <= situation.now
+                off.end
+                for off in situation.cell.operators[who].times_off
+                if off.end <= situation.now
             ]
             swaps[who] = (
                 max([situation.since.get(who, 0.0), *over]),
@@ -143,8 +145,8 @@ def _refusals(situation: Situation, task: str, way: Mode) -> Iterator[str]:
             )
 
 
-def _breaks(situation: Situation, task: str, way: Mode) -> Iterator[str]:
-    if not any(situation.cell.operators[who].breaks for who in way.operators):
+def _times_off(situation: Situation, task: str, way: Mode) -> Iterator[str]:
+    if not any(situation.cell.operators[who].times_off for who in way.operators):
         return
     start, swaps = (
         start_of_work(situation, task, way.operators),
@@ -153,9 +155,9 @@ def _breaks(situation: Situation, task: str, way: Mode) -> Iterator[str]:
     end = exact(start + _stated(situation, task, way))
     for who in way.operators:
         begin = exact(start - swaps.get(who, (0.0, 0.0))[1])
-        for off, back in situation.cell.operators[who].breaks:
-            if off < end and begin < back:
-                yield f"{who!r} has a break from {off:g} s to {back:g} s"
+        for off in situation.cell.operators[who].times_off:
+            if off.start < end and begin < off.end:
+                yield f"{who!r} {off}"
 
 
 def _room(situation: Situation, task: str, way: Mode) -> Iterator[str]:

@@ -4,7 +4,7 @@ understands; a test holds them to it.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, NamedTuple
 
 Language = Literal["en", "de"]
 
@@ -51,6 +51,7 @@ HEADERS: dict[Language, dict[str, str]] = {
         "operator": "operator",
         "kind": "kind",
         "stress limit": "stress limit",
+        "setup": "setup [s]",
         "breaks": "breaks [s]",
         "capacity": "capacity",
         "changeover": "changeover {who} [s]",
@@ -80,6 +81,7 @@ HEADERS: dict[Language, dict[str, str]] = {
         "operator": "Bediener",
         "kind": "Art",
         "stress limit": "Belastungsgrenze",
+        "setup": "Rüstzeit [s]",
         "breaks": "Pausen [s]",
         "capacity": "Anzahl",
         "changeover": "Wechselzeit {who} [s]",
@@ -89,6 +91,36 @@ HEADERS: dict[Language, dict[str, str]] = {
         "robot": "Roboter",
     },
 }
+
+
+class OperatorColumn(NamedTuple):
+    """A column of the sheet of operators.
+
+    Attributes:
+      word: its header, a key of `HEADERS`, which the vocabulary takes to mean `means`.
+      key: of an operator in a cell file.
+      holds: how a value in it is read and written.
+      width: in characters.
+    """
+
+    word: str
+    means: str
+    key: str
+    holds: Literal["kind", "text", "amount", "time", "breaks"]
+    width: int
+
+
+OPERATOR_COLUMNS = (
+    OperatorColumn("kind", "kind", "kind", "kind", 12),
+    OperatorColumn("label", "label", "label", "text", 24),
+    OperatorColumn("stress limit", "stress limit", "stress_limit", "amount", 16),
+    OperatorColumn("setup", "changeover", "setup", "time", 14),
+    OperatorColumn("breaks", "breaks", "breaks", "breaks", 22),
+    OperatorColumn("tool", "tool", "tool", "text", 16),
+)
+"""What a workbook says of an operator, behind the name: what is read, and in which order the
+template has it.
+"""
 
 HELP: dict[Language, tuple[tuple[str, str], ...]] = {
     "en": (
@@ -140,6 +172,13 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
             (
                 "kind: human or robot. Breaks: 300-600; 900-1000 in seconds since the start. Stress"
                 " limit: the most for this human."
+            ),
+        ),
+        (
+            "setup [s]",
+            (
+                "Sheet Operators: what the operator needs once, at the start, to get ready. Empty:"
+                " nothing."
             ),
         ),
         (
@@ -200,6 +239,10 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
                 "Art: Mensch oder Roboter. Pausen: 300-600; 900-1000 (Sekunden). Belastungsgrenze:"
                 " das Meiste für diesen Menschen."
             ),
+        ),
+        (
+            "Rüstzeit [s]",
+            "Blatt Bediener: was der Bediener einmal, am Anfang, zum Rüsten braucht. Leer: nichts.",
         ),
         (
             "Mehr Bediener",

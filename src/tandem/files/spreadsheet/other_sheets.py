@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tandem.files.spreadsheet.findings import Findings
+from tandem.files.spreadsheet.form import OPERATOR_COLUMNS, OperatorColumn
 from tandem.files.spreadsheet.grid import Grid, blank, shown, tidy
 from tandem.files.spreadsheet.header import Column, Table, best_table
 from tandem.files.spreadsheet.references import References, UnknownTaskError
@@ -130,7 +131,9 @@ def operators_named(grids: Mapping[str, Grid]) -> list[str]:
 # --- operators ------------------------------------------------------------------------------------
 
 
-OPERATOR_WORDS = ("operator", "task", "label", "kind", "breaks", "stress limit", "tool")
+OPERATOR_WORDS = ("operator", "task", *(column.means for column in OPERATOR_COLUMNS))
+TELLING = tuple(column.means for column in OPERATOR_COLUMNS if column.holds != "text")
+"""Columns that only a sheet of operators has."""
 
 
 def lists_operators(grid: Grid) -> bool:
@@ -139,7 +142,7 @@ def lists_operators(grid: Grid) -> bool:
     return (
         table is not None
         and bool(table.having("operator", "task"))
-        and bool(table.having("kind", "breaks", "stress limit"))
+        and bool(table.having(*TELLING))
     )
 
 
@@ -169,40 +172,45 @@ def _operators(grid: Grid, found: Beside, findings: Findings) -> None:
 
 
 def _operator(table: Table, row: int, who: str, findings: Findings) -> dict[str, Any]:
-    grid = table.grid
     data: dict[str, Any] = {}
-    if kind := _column(table, "kind"):
-        text = findings.text(grid, row, kind.index)
-        data_kind = kind_of(text) if text else None
-        if data_kind:
-            data["kind"] = data_kind
-        elif text:
-            findings.fault(
-                f"holds {text!r}: the kind of {who!r} is 'human' or 'robot'.",
-                grid.place(row, kind.index),
-            )
-            data["kind"] = "human"
-        findings.places["operators", who, "kind"] = grid.place(row, kind.index)
-    for what in ("label", "tool"):
-        if (column := _column(table, what)) and (text := findings.text(grid, row, column.index)):
-            data[what] = text
-            findings.places["operators", who, what] = grid.place(row, column.index)
-    if column := _column(table, "stress limit"):
-        limit = findings.amount(grid, row, column.index, "a stress limit")
-        if limit is not None:
-            data["stress_limit"] = limit
-            findings.places["operators", who, "stress_limit"] = grid.place(row, column.index)
-    if (column := _column(table, "breaks")) and (text := findings.text(grid, row, column.index)):
-        breaks = _breaks(
-            text,
-            (column.meaning.unit if column.meaning else None) or "s",
-            grid.place(row, column.index),
-            findings,
-        )
-        if breaks:
-            data["breaks"] = breaks
-            findings.places["operators", who, "breaks"] = grid.place(row, column.index)
+    for wanted in OPERATOR_COLUMNS:
+        column = _column(table, wanted.means)
+        if column is None or (column.meaning is not None and column.meaning.who):
+            continue
+        findings.places["operators", who, wanted.key] = table.grid.place(row, column.index)
+        value = _value(table.grid, row, who, wanted, column, findings)
+        if value is not None:
+            data[wanted.key] = value
     return data
+
+
+def _value(
+    grid: Grid, row: int, who: str, wanted: OperatorColumn, column: Column, findings: Findings
+) -> Any:
+    """What a cell of the operators' sheet says, in the words of a cell file; None when it says
+    nothing.
+    """
+    place, unit = (
+        grid.place(row, column.index),
+        (column.meaning.unit if column.meaning else None) or "s",
+    )
+    match wanted.holds:
+        case "amount":
+            return findings.amount(grid, row, column.index, f"a {wanted.word}")
+        case "time":
+            return findings.time(grid, row, column.index, unit, zero=True)
+    text = findings.text(grid, row, column.index)
+    if not text:
+        return None
+    match wanted.holds:
+        case "breaks":
+            return _breaks(text, unit, place, findings) or None
+        case "kind":
+            kind = kind_of(text)
+            if kind is None:
+                findings.fault(f"holds {text!r}: the kind of {who!r} is 'human' or 'robot'.", place)
+            return kind or "human"
+    return text
 
 
 def _breaks(text: str, unit: str, place: str, findings: Findings) -> list[list[float]]:

@@ -13,11 +13,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
-from tandem.cell.parts import Task
+from tandem.cell.parts import Operator, Task
 from tandem.errors import UsageError
 from tandem.files.atomic import store
 from tandem.files.spreadsheet.draft import read_book
-from tandem.files.spreadsheet.form import CHECKS, EXAMPLE, HEADERS, HELP, SHEETS, Language
+from tandem.files.spreadsheet.form import (
+    CHECKS,
+    EXAMPLE,
+    HEADERS,
+    HELP,
+    OPERATOR_COLUMNS,
+    SHEETS,
+    Language,
+    OperatorColumn,
+)
 from tandem.files.spreadsheet.outline import LEADING
 from tandem.files.spreadsheet.references import unquoted
 from tandem.files.spreadsheet.rows import is_total
@@ -371,23 +380,17 @@ def _operators(book: Workbook, cell: Cell, lang: Language) -> None:
     sheet = book.create_sheet(SHEETS[lang]["operators"])
     _header(
         sheet,
-        [words[key] for key in ("operator", "kind", "label", "stress limit", "breaks", "tool")],
-        [18, 12, 24, 16, 22, 16],
+        [words["operator"], *(words[column.word] for column in OPERATOR_COLUMNS)],
+        [18, *(column.width for column in OPERATOR_COLUMNS)],
     )
     for row, (name, operator) in enumerate(cell.operators.items(), 2):
-        breaks = "; ".join(f"{plain(start)}-{plain(end)}" for start, end in operator.breaks)
-        values = [
-            name,
-            words[operator.kind],
-            operator.label,
-            operator.stress_limit,
-            breaks or None,
-            operator.tool,
-        ]
-        for column, value in enumerate(values, 1):
-            _put(sheet, row, column, value)
-    for row in range(2, len(cell.operators) + 12):
-        sheet.cell(row, 5).number_format = "@"
+        for place, value in enumerate(
+            [name, *(_of_operator(operator, column, words) for column in OPERATOR_COLUMNS)], 1
+        ):
+            _put(sheet, row, place, value)
+    for place, column in enumerate(OPERATOR_COLUMNS, 2):
+        for row in range(2, len(cell.operators) + 12) if column.holds == "breaks" else ():
+            sheet.cell(row, place).number_format = "@"
     kinds = DataValidation(
         type="list",
         formula1=f'"{words["human"]},{words["robot"]}"',
@@ -396,6 +399,19 @@ def _operators(book: Workbook, cell: Cell, lang: Language) -> None:
     )
     kinds.add(f"B2:B{len(cell.operators) + 11}")
     sheet.add_data_validation(kinds)
+
+
+def _of_operator(operator: Operator, column: OperatorColumn, words: Mapping[str, str]) -> Any:
+    """What stands in the column; nothing where the file would leave the key out."""
+    value = getattr(operator, column.key)
+    match column.holds:
+        case "kind":
+            return words[value]
+        case "breaks":
+            return "; ".join(f"{plain(start)}-{plain(end)}" for start, end in value) or None
+        case "time":
+            return value or None
+    return value
 
 
 def _things(book: Workbook, cell: Cell, lang: Language, every: bool) -> None:

@@ -136,7 +136,7 @@ def play(cell: Cell, robot: Robots, *, hostile: bool) -> Game:
         # both waiting for ever is worth infinity, and no option of that worth is taken
         assert ticks is not None
         position, ticks_so_far = moves.after(position, ticks), ticks_so_far + ticks
-    return Game(_seconds(ticks_so_far / moves.per_second), tuple(asked), spoiled)
+    return Game(_seconds(ticks_so_far / moves.instance.per_second), tuple(asked), spoiled)
 
 
 def _options(values: Values, position: Position, turn: int) -> dict[int | None, float]:
@@ -169,7 +169,7 @@ def trade(cell: Cell, hostile: Values | None = None) -> list[tuple[float, float]
     """
     hostile, best = hostile or values(cell, HOSTILE), values(cell)
     moves = hostile.moves
-    root, second = moves.root(), moves.per_second
+    root, second = moves.root(), moves.instance.per_second
     ticks = lambda seconds: round(seconds * second)  # noqa: E731
     least, optimum = ticks(hostile.value(root)), ticks(best.value(root))
     guarded = _Guarded(hostile)
@@ -194,7 +194,11 @@ class _Guarded:
     """
 
     def __init__(self, hostile: Values):
-        self.hostile, self.moves, self.second = hostile, hostile.moves, hostile.moves.per_second
+        self.hostile, self.moves, self.second = (
+            hostile,
+            hostile.moves,
+            hostile.moves.instance.per_second,
+        )
         self.known: dict[tuple[Position, int], float] = {}
 
     def value(self, position: Position, left: int) -> float:
@@ -377,12 +381,12 @@ def as_state(moves: Moves, data: Station, position: Position, per_second: int) -
     ended = np.array([bool(position.done >> task & 1) for task in range(len(moves.ways))])
     time[:, ended] = 0
     for way, left in position.running:
-        task, agent = moves.task[way], HUMAN if moves.who[way] & moves.human else ROBOT
+        task, agent = moves.task[way], HUMAN if moves.who[way] & moves.instance.humans else ROBOT
         if left == moves.ticks[way]:
             named = task + 1
             continue
         time[:, task] = 0
-        time[agent, task] = round(left * per_second / moves.per_second)
+        time[agent, task] = round(left * per_second / moves.instance.per_second)
         doing[agent] = task + 1
     return State(time, doing, ended, np.zeros((), np.int32), np.zeros((), np.float32)), named
 
@@ -392,7 +396,7 @@ def _without_stress(data: Station) -> Station:
 
 
 def _robot(moves: Moves) -> int:
-    return moves.everybody & ~moves.human
+    return moves.instance.everybody & ~moves.instance.humans
 
 
 def _way(moves: Moves, task: int, who: int) -> int:

@@ -9,11 +9,12 @@ do it) is let through.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault, UsageError
+from tandem.lab.refusal import beyond
 
 UNMOUNT_SHARE = 0.5
 """ASSUMPTION: taking a part off takes half the time of mounting it."""
@@ -54,7 +55,7 @@ def product(cell: Cell, *, unmount_share: float = UNMOUNT_SHARE) -> Product:
             f"unmount_share is {unmount_share!r}: taking a part off takes time; give a number"
             " above 0."
         )
-    if faults := [fault for rule in RULES for fault in rule(cell)]:
+    if faults := list(_beyond_it(cell)):
         raise CellError(faults)
     numbers = {name: number for number, name in enumerate(cell.tasks)}
     below: dict[str, frozenset[int]] = {}
@@ -81,44 +82,12 @@ def product(cell: Cell, *, unmount_share: float = UNMOUNT_SHARE) -> Product:
     )
 
 
-def _operators_are_always_there(cell: Cell) -> Iterator[Fault]:
-    for name, operator in cell.operators.items():
-        for key, value in (
-            ("breaks", operator.breaks),
-            ("stress_limit", operator.stress_limit is not None),
-        ):
-            if value:
-                yield Fault(_unknown(key), ("operators", name, key))
-
-
-def _tasks_know_no_clock(cell: Cell) -> Iterator[Fault]:
-    for name, task in cell.tasks.items():
-        for key, value in (("release", task.release), ("deadline", task.deadline is not None)):
-            if value:
-                yield Fault(_unknown(key), ("tasks", name, key))
-
-
-def _no_tool_is_in_hand(cell: Cell) -> Iterator[Fault]:
-    for name, task in cell.tasks.items():
-        if task.tool is not None:
-            yield Fault(_unknown("tool"), ("tasks", name, "tool"))
-
-
-def _nobody_is_remembered(cell: Cell) -> Iterator[Fault]:
-    for key, value in (
-        ("same_operator", bool(cell.same_operator)),
-        ("stress_of_set", cell.stress_of_set is not None),
-    ):
-        if value:
-            yield Fault(_unknown(key), (key,))
-
-
-RULES: tuple[Callable[[Cell], Iterator[Fault]], ...] = (
-    _operators_are_always_there,
-    _tasks_know_no_clock,
-    _no_tool_is_in_hand,
-    _nobody_is_remembered,
-)
+def _beyond_it(cell: Cell) -> Iterator[Fault]:
+    """Operators are always there and remembered by nobody; tasks know no clock and no tool."""
+    task = ("time", "together", "stress", "after", "zone", "difficulty", "spread")
+    yield from (
+        Fault(_unknown(path[-1]), path) for path in beyond(cell, operator=("tool",), task=task)
+    )
 
 
 def _unknown(key: str) -> str:

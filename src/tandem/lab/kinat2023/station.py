@@ -10,9 +10,9 @@ from decimal import Decimal
 import numpy as np
 
 from tandem.cell.model import Cell
-from tandem.cell.parts import Task
 from tandem.errors import CellError, Fault, UsageError
 from tandem.lab.kinat2023.world import Station
+from tandem.lab.refusal import beyond
 
 LONGEST = 30_000
 """The largest time, ticks, that the world's whole numbers are meant for."""
@@ -74,23 +74,10 @@ def _one_robot_and_one_human(cell: Cell) -> Iterator[Fault]:
 
 
 def _only_what_it_knows(cell: Cell) -> Iterator[Fault]:
-    for name, operator in cell.operators.items():
-        for key, value in (
-            ("breaks", operator.breaks),
-            ("stress_limit", operator.stress_limit is not None),
-        ):
-            if value:
-                yield Fault(_unknown(key), ("operators", name, key))
-    for name, task in cell.tasks.items():
-        for key in ("together", "tool", "zone", "release", "deadline"):
-            if _says_something(task, key):
-                yield Fault(_unknown(key), ("tasks", name, key))
-    for key, value in (
-        ("same_operator", bool(cell.same_operator)),
-        ("stress_of_set", cell.stress_of_set is not None),
-    ):
-        if value:
-            yield Fault(_unknown(key), (key,))
+    task = ("time", "stress", "after", "difficulty", "spread")
+    yield from (
+        Fault(_unknown(path[-1]), path) for path in beyond(cell, operator=("tool",), task=task)
+    )
 
 
 def _somebody_can_do_each_task(cell: Cell) -> Iterator[Fault]:
@@ -138,10 +125,6 @@ def _times_do_not_fit(cell: Cell, per_second: int) -> Iterator[Fault]:
 
 def _ticks(seconds: float, per_second: int) -> Decimal:
     return Decimal(repr(seconds)) * per_second
-
-
-def _says_something(task: Task, key: str) -> bool:
-    return bool(getattr(task, key) != Task.model_fields[key].default)
 
 
 def _unknown(key: str) -> str:

@@ -19,6 +19,7 @@ from tandem.cell.model import Cell
 from tandem.cell.parts import Task
 from tandem.errors import CellError, Fault
 from tandem.files.validate import cell_of
+from tandem.lab.refusal import beyond
 from tandem.lab.yu2020.columns import MOST_SETS, TooManyError, clash, rows, spans
 
 ROBOT, HUMAN = "robot", "human"
@@ -241,23 +242,10 @@ def one_robot_and_one_human(cell: Cell) -> Iterator[Fault]:
 
 def only_what_the_board_knows(cell: Cell) -> Iterator[Fault]:
     """Time and precedence, nothing else."""
-    for name, operator in cell.operators.items():
-        for key, given in (
-            ("breaks", bool(operator.breaks)),
-            ("stress_limit", operator.stress_limit is not None),
-        ):
-            if given:
-                yield Fault(_unknown(key), ("operators", name, key))
-    for name, task in cell.tasks.items():
-        for key in ("together", "tool", "zone", "release", "deadline", "stress"):
-            if getattr(task, key) != Task.model_fields[key].default:
-                yield Fault(_unknown(key), ("tasks", name, key))
-    for key, given in (
-        ("same_operator", bool(cell.same_operator)),
-        ("stress_of_set", cell.stress_of_set is not None),
-    ):
-        if given:
-            yield Fault(_unknown(key), (key,))
+    task = ("time", "after", "difficulty", "spread")
+    yield from (
+        Fault(_unknown(path[-1]), path) for path in beyond(cell, operator=("tool",), task=task)
+    )
 
 
 def times_are_whole_and_do_not_depend_on_who(cell: Cell) -> Iterator[Fault]:

@@ -141,7 +141,7 @@ def rest(
         return None, 0.0
     back = {
         tool: int(tick)
-        for tool, tick in zip(cell.tools, np.asarray(happened.back_at), strict=False)
+        for tool, tick in zip(names.tools, np.asarray(happened.back_at), strict=False)
     }
     data = cell.to_dict()
     data["tasks"] = {}
@@ -178,14 +178,15 @@ def rest(
             min(int(np.asarray(assembly.free_at)[place]), clock),
         )
         rests = [
-            (max(0, names.ticks(a) - origin), names.ticks(b) - origin) for a, b in operator.breaks
+            (max(0, names.ticks(a) - origin), names.ticks(b) - origin)
+            for a, b, _ in operator.times_off
         ] + [(0, busy - origin)]
         data["operators"][name] = {
             "kind": operator.kind,
             "breaks": [[names.seconds(a), names.seconds(b)] for a, b in _merged(rests)],
         }
         if tool >= 0:
-            data["operators"][name]["tool"] = list(cell.tools)[tool]
+            data["operators"][name]["tool"] = names.tools[tool]
     return cell_of(data), names.seconds(lead)
 
 
