@@ -100,7 +100,7 @@ def test_the_python_examples_run(
     monkeypatch.chdir(tmp_path)
     assert run(["template", "-o", "tasks.xlsx"]) == 0
     module = types.ModuleType(page.stem.replace("-", "_"))
-    monkeypatch.setitem(sys.modules, module.__name__, module)  # where a dataclass looks up its types
+    monkeypatch.setitem(sys.modules, module.__name__, module)  # where a dataclass looks
     for block in blocks(page, "python"):
         exec(compile(block, str(page), "exec"), module.__dict__)
     assert "23.0 7.0" in capsys.readouterr().out or page.name != "python.md"
