@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from tests.plan.brute_force import front_in_order
 
-from tandem.cell.model import Cell
+from tandem.files.validate import cell_of
 from tandem.plan.methods import METHODS
 from tandem.plan.question import Question
 
@@ -100,11 +100,11 @@ CELLS = [
 @pytest.mark.parametrize("data", CELLS)
 def test_the_front_of_fine_times_is_proven(data, workers):
     right = front_in_order(data)
-    front = METHODS["exact"](Cell.of(data), time_limit=LIMIT_S, workers=workers)
+    front = METHODS["exact"](cell_of(data), time_limit=LIMIT_S, workers=workers)
     assert front.points == right
     assert front.complete
     for minimize, point in (("makespan", right[0]), ("stress", right[-1])):
         best = METHODS["exact"](
-            Cell.of(data), Question(minimize), time_limit=LIMIT_S, workers=workers
+            cell_of(data), Question(minimize), time_limit=LIMIT_S, workers=workers
         )
         assert (best.points, best.complete) == ([point], True)

@@ -1,8 +1,8 @@
 """The thesis's station in ticks of one second: state in, state out.
 
 Source: Kinat (2023), chapter 5 and appendix E. The order inside a tick, and every quirk of it, is
-kept to the letter; each quirk has a test of its own in `tests/envs/test_thesis_quirks.py` and a
-line in `docs/environments.md`.
+kept to the letter; each quirk has a test of its own in `tests/lab/kinat2023/test_thesis_quirks.py`
+and a line in `docs/environments.md`.
 
 Pure functions over an array namespace: NumPy arrays in, NumPy arrays out; under `jax.jit` and
 `jax.vmap` the same lines are traced. They describe one station; `vmap` adds the batch. No function
