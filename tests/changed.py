@@ -1,15 +1,18 @@
-"""`pytest --changed`: only the tests that a change can break, so that a developer hears of it
-within two minutes.
+"""`pytest --changed`: only the tests that a change can break, so that one hears of it soon.
 
-A test file runs when it was changed itself, when it stands in the room of a changed module, or when
-what it imports leads down to one. Tests that are marked slow run only in the room that was changed;
-the whole suite (`python3 dev.py test`) runs them all.
+A test file runs when it was changed itself, when it stands in the room of a changed file, or when
+what it imports leads down to a changed module. Of the commands that it calls on the command line
+only those count that it names. A change of a page runs the tests that read the pages, one of an
+example those that name it. Tests that are marked slow run only in the room that was changed; the
+whole suite (`python3 dev.py test`) runs them all.
 """
 
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -19,6 +22,17 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 EVERYTHING = ("pyproject.toml", "constraints.txt", "tests/conftest.py")
 """What all tests depend on."""
+COMMANDS = "tandem.cli.root"
+"""The module that finds commands by their names. Nothing else imports it but tests."""
+ADDED = {
+    "environments": "tandem.envs.registry",
+    "gymnasium": "tandem.envs.registry",
+    "recipes": "tandem.learn.training.recipes",
+    "algorithms": "tandem.learn.training.algorithms",
+}
+"""Group of entry points -> the module whose table they fill: it loads them by their names."""
+READ = ("docs/", "README.md", "CONTRIBUTING.md", "examples/", "benchmarks/", "dev.py")
+"""What tests read as files."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -55,9 +69,10 @@ def changed_files(since: str = "") -> frozenset[str]:
 
 
 def _git(*arguments: str) -> list[str]:
-    return subprocess.run(
+    found = subprocess.run(
         ["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=True
-    ).stdout.split("\n")[:-1]
+    )
+    return found.stdout.split("\n")[:-1]
 
 
 def _concerns(item: pytest.Item, files: frozenset[str]) -> bool:
@@ -65,56 +80,94 @@ def _concerns(item: pytest.Item, files: frozenset[str]) -> bool:
     if files & set(EVERYTHING):
         return is_quick
     file = item.path.relative_to(ROOT).as_posix()
-    if file in files or (
-        room_of(file) in {room_of(name) for name in files if name.startswith("src/")}
-    ):
+    rooms = {room_of(name) for name in files if name.startswith("src/")}
+    if file in files or room_of(file) in rooms:
         return True
-    return is_quick and bool(_imports(item.path) & _downstream(files))
+    return is_quick and (bool(needs(item.path) & downstream(files)) or _reads(item.path, files))
 
 
 def room_of(file: str) -> tuple[str, ...]:
     """The room of a source or test file: its first folder, in the laboratory the paper's too."""
     folders = Path(file.removeprefix("src/tandem/").removeprefix("tests/")).parts[:-1]
-    return folders[: 2 if folders[:1] == ("lab",) else 1]
+    return folders[: 2 if folders[:1] == ("lab",) else 1] or ("",)
 
 
 @cache
 def _graph() -> Any:
-    """What imports what, and that the command line finds its commands by name."""
+    """What imports what, and which modules are found by their names in entry points."""
     import grimp
 
-    from tandem.cli.root import VERBS
+    from tandem.extensions import added
 
-    graph = grimp.build_graph("tandem")
-    for module, _ in VERBS.values():
-        graph.add_import(importer="tandem.cli.root", imported=module)
+    graph = grimp.build_graph("tandem", cache_dir=None)
+    for group, table in ADDED.items():
+        for home in added(group).values():
+            if (module := home.split(":")[0]) in graph.modules:
+                graph.add_import(importer=table, imported=module)
     return graph
 
 
 @cache
-def _downstream(files: frozenset[str]) -> frozenset[str]:
+def downstream(files: frozenset[str]) -> frozenset[str]:
     """The modules that a change of these files can break."""
-    graph = _graph()
     found = set()
     for name in files:
         if name.startswith("src/tandem/") and name.endswith(".py"):
             module = ".".join(Path(name).with_suffix("").parts[1:]).removesuffix(".__init__")
-            if module in graph.modules:
-                found |= {module, *graph.find_downstream_modules(module)}
+            if module in _graph().modules:
+                found |= {module, *_graph().find_downstream_modules(module)}
     return frozenset(found)
 
 
 @cache
-def _imports(path: Path) -> frozenset[str]:
-    """The modules of Tandem that a test file imports itself, or through the helpers of other
-    tests.
-    """
+def needs(path: Path) -> frozenset[str]:
+    """The modules of Tandem that a test file imports, itself or through the helpers of other tests,
+    and those of the commands that it calls."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
     found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        named = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-        if isinstance(node, ast.ImportFrom) and node.module:
-            named = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
-        for name in named:
-            helper = ROOT / Path(*name.split(".")).with_suffix(".py")
-            found |= _imports(helper) if name.startswith("tests.") and helper.exists() else {name}
+    for name in _imported(tree):
+        helper = ROOT / Path(*name.split(".")).with_suffix(".py")
+        found |= needs(helper) if name.startswith("tests.") and helper.exists() else {name}
+    strings = _strings(tree)
+    if COMMANDS in found or any(text.split(".")[0] == "tandem" for text in strings):
+        found |= _commands(strings)
     return frozenset(found)
+
+
+def _imported(tree: ast.Module) -> Iterator[str]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            yield node.module
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def _strings(tree: ast.Module) -> list[str]:
+    return [
+        node.value
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    ]
+
+
+def _commands(strings: list[str]) -> set[str]:
+    """The modules of the commands whose names stand at the head of a text; of all where none
+    does.
+    """
+    from tandem.cli.root import VERBS
+
+    lines = [text for text in strings if text.strip() and not re.search(r"[\n;]", text)]
+    heads = {text.split()[0] for text in lines}  # what has more lines is a program or a file
+    called = {module for verb, (module, *_) in VERBS.items() if verb in heads}
+    return called or {module for module, *_ in VERBS.values()}
+
+
+def _reads(path: Path, files: frozenset[str]) -> bool:
+    """Whether the test file names one of the changed files that tests read, or its folder."""
+    text = path.read_text(encoding="utf-8")
+    for name in (name for name in files if name.startswith(READ)):
+        folder = name.split("/")[0]
+        if name in text or re.search(rf"[\"']{re.escape(folder)}[\"']", text):
+            return True
+    return False

@@ -10,6 +10,7 @@ import shutil
 import sys
 import types
 from pathlib import Path
+from pkgutil import resolve_name
 
 import click
 import pytest
@@ -140,3 +141,48 @@ def settled(text: str) -> str:
     it.
     """
     return re.sub(r"\d+(\.\d+)? s, cp-sat [\d.]+", "* s, cp-sat *", " ".join(text.split()))
+
+
+def named_in_code(pattern: str) -> set[tuple[str, str]]:
+    """Page and match of all that stands in the pages' code; the page that adds files adds its
+    own.
+    """
+    pages = [page for page in PAGES if page.name != "add-a-method.md"]
+    return {
+        (page.name, name)
+        for page in pages
+        for code in re.findall(r"^```.*?^```|`[^`\n]+`", page.read_text(), re.DOTALL | re.MULTILINE)
+        for name in re.findall(pattern, code)
+    }
+
+
+GROUPS = {f"tandem.{name}" for name in ("environments", "gymnasium", "recipes", "algorithms")}
+
+
+def test_every_name_of_the_package_on_the_pages_is_there() -> None:
+    names = named_in_code(r"(?<![\w./-])tandem(?:\.[A-Za-z_]\w*)+")
+    lost = [(page, name) for page, name in names if name not in GROUPS and not is_there(name)]
+    assert lost == []
+
+
+def is_there(name: str) -> bool:
+    """Whether it leads to a module, or to something in one."""
+    try:
+        resolve_name(name)
+    except (ImportError, AttributeError):
+        return False
+    return True
+
+
+def test_every_file_on_the_pages_is_there() -> None:
+    """By its path from the root, from the package, or from a room of it."""
+    rooms = [ROOT, ROOT / "src" / "tandem", *(ROOT / "src" / "tandem").iterdir()]
+    paths = named_in_code(r"(?<![\w./-])[a-z][\w-]*(?:/[\w-]+)+\.(?:py|yaml|json|csv|md)\b")
+    ours = {
+        (page, path)
+        for page, path in paths
+        if not path.startswith(("results/", "line/", "line-3/", "tandem-out/", "runs/"))
+    }
+    assert [
+        (page, path) for page, path in ours if not any((room / path).exists() for room in rooms)
+    ] == []

@@ -97,17 +97,18 @@ def test_an_archive_of_countless_parts_is_not_read(tmp_path: Path) -> None:
 def test_a_child_that_computes_for_ever_is_ended_by_its_limit(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The limit is the child's own: it is started from a copy of its file that allows one second
-    and then never ends.
+    """The limit is the child's own: it is started from a copy of its file that never ends, with one
+    second to compute.
     """
-    source = Path(confined.__file__).read_text(encoding="utf-8")
-    endless = source.replace("MOST_CPU_S = 20", "MOST_CPU_S = 1").replace(
-        "    _limit()\n", "    _limit()\n    while True:\n        pass\n"
+    source = confined.WORKER.read_text(encoding="utf-8")
+    endless = re.sub(
+        r"^(    _limit\(.*\)\n)", r"\1    while True:\n        pass\n", source, flags=re.MULTILINE
     )
-    assert len(endless) != len(source)
+    assert endless != source
     copy = tmp_path / "endless.py"
     copy.write_text(endless, encoding="utf-8")
-    monkeypatch.setattr(confined, "__file__", str(copy))
+    monkeypatch.setattr(confined, "WORKER", copy)
+    monkeypatch.setattr(confined, "MOST_CPU_S", 1)
     assert "is damaged, or would take more than" in refusal(
         books.sheet(tmp_path / "book.xlsx", ROWS)
     )
