@@ -21,8 +21,8 @@ from tandem.learn.alphazero.network import Scorer
 from tandem.learn.alphazero.selfplay import find, played
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.cell_env import CellGame
-from tandem.learn.env import Look, many
-from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES
+from tandem.learn.env import many
+from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES, Look
 from tandem.learn.rollout import play
 
 pytestmark = pytest.mark.usefixtures("quickly_compiled")

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,10 +24,11 @@ from tandem.dispatch.evaluation.observed import Observer
 from tandem.dispatch.lookahead.objective import SECONDS
 from tandem.dispatch.situation.model import Situation
 from tandem.errors import UsageError
+from tandem.learn.algorithm import Learnt
 from tandem.learn.networks import init
 from tandem.learn.policy import Policy
 from tandem.learn.ppo import config, observation
-from tandem.learn.ppo.decider import decider
+from tandem.learn.ppo.decider import decider, worth
 from tandem.learn.ppo.recipes import RESPONSE
 from tandem.learn.training.trainer import resume, train
 from tandem.world import episode
@@ -162,7 +164,8 @@ def test_live_it_decides_as_in_the_world_it_was_trained_in(file: str, spec: str)
         Draw.of(names, arrays),
     )
     played = episode.play_many(jax.random.key(1), draw, arrays, people, decider(policy))
-    live = Learned(policy, names, names.arrays(undo=1.0), Models(cell))
+    learnt = Learnt(partial(worth, policy))
+    live = Learned(learnt, names, names.arrays(undo=1.0), Models(cell))
     stage = Stage.of(names, arrays, draw, people, 1)
     np.testing.assert_array_equal(
         stage.play(live).makespan, np.asarray(played.makespan) / names.per_second

@@ -16,6 +16,7 @@ from typing import IO, TYPE_CHECKING, Any
 import click
 
 from tandem.cli.planning import FORMAT, Weights
+from tandem.cli.seeds import say_which_seed
 from tandem.cli.simulate import Prior
 from tandem.errors import UsageError
 
@@ -113,7 +114,7 @@ class Moment(click.ParamType):  # type: ignore[type-arg]  # older releases of cl
         " 0.6:1,1:3,2:1."
     ),
 )
-@click.option("--learned", help="A trained policy: a file, or the folder of a run.")
+@click.option("--learned", help="A trained policy: a file, or the folder of a run (its best seed).")
 @click.option(
     "--taking-apart",
     type=click.FloatRange(0.0, min_open=True),
@@ -216,6 +217,7 @@ def _run(
     sys.setswitchinterval(0.001)
     _same_as_kept(ctx, journal, given)
     floor = None if given["people"] is None else _floor(cell, given)
+    say_which_seed(given["learned"])
     shift = Shift.open(cell, journal, _settings(given), given["start"])
     if shift.basis is not None and shift.basis.doubt:
         click.echo(f"{shift.settings.policy}: {shift.basis.doubt}", err=True)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tandem.cli.compiled import keep_compiled, needs_jax
+from tandem.cli.seeds import say_which_seed
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
@@ -261,7 +262,7 @@ def _show_training(document: dict[str, Any]) -> None:
 @click.command("evaluate")
 @click.argument("run", type=FOLDER)
 @click.argument("cell_file", metavar="[CELL]", required=False, type=click.Path(allow_dash=True))
-@click.option("--seed", type=int, help="Which of the run's seeds; its first when absent.")
+@click.option("--seed", type=int, help="Which of the run's seeds; its best when absent.")
 @click.option(
     "--episodes",
     type=click.IntRange(2, 100_000),
@@ -313,6 +314,8 @@ def evaluate_command(
     keep_compiled()
     from tandem.learn.training.evaluate import evaluate
 
+    if seed is None:
+        say_which_seed(str(run))
     found = evaluate(
         run,
         load(cell_file) if cell_file else None,

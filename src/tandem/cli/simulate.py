@@ -12,6 +12,7 @@ import click
 from tandem.cell.written import number
 from tandem.cli.compiled import needs_jax
 from tandem.cli.planning import FORMAT, Weights
+from tandem.cli.seeds import say_which_seed
 from tandem.errors import UsageError
 
 PICTURE = click.Path(dir_okay=False, path_type=Path)
@@ -141,7 +142,11 @@ class Prior(click.ParamType):  # type: ignore[type-arg]  # older releases of cli
     help="Seconds to gain before an announced task is changed.",
 )
 @click.option(
-    "--learned", help="A trained policy, for `learned` and `auto`: a file, or the folder of a run."
+    "--learned",
+    help=(
+        "A trained policy, for `learned` and `auto`: a file, or the folder of a run (its best"
+        " seed)."
+    ),
 )
 @click.option("--chart", type=PICTURE, help="Draw what came out into this .svg, .png or .pdf.")
 @click.option("-o", "--output", type=PICTURE, help="Write the document into this .json file too.")
@@ -178,6 +183,7 @@ def simulate_command(
     if chart is not None and chart.suffix.lower() not in (".svg", ".png", ".pdf"):
         raise UsageError(f"--chart {chart}: a picture's name ends in .svg, .png or .pdf.")
     trial = _trial(_split(policies), split_people(people), given)
+    say_which_seed(given["learned"])
     documents = judge(cell, trial, (lambda _: None) if quiet else _tell)
     for remark in dict.fromkeys(remark for one in documents for remark in _remarks(one)):
         _tell(remark)

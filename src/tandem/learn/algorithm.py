@@ -4,7 +4,7 @@ offer.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -15,6 +15,8 @@ from tandem.cell.model import Cell
 from tandem.errors import UsageError
 from tandem.files.messages import shown
 from tandem.learn.results import Reached
+from tandem.world.arrays import Array, Arrays
+from tandem.world.state import State
 
 Learners = Any
 """All that a training needs to go on: a tree of arrays whose leading axis are the seeds; a
@@ -143,3 +145,33 @@ class Algorithm(Protocol):
 
     def save_policy(self, learners: Learners, place: int, path: Path) -> None:
         """Writes the policy of the seed at that place."""
+
+
+Worth = Callable[[Arrays, State, Array, Array], Array]
+"""`[W + 1]` float32, how much is to be said for each way, the last one being to wait; minus
+infinity for what is not legal. Of the cell, how it stands, `[W]` bool what may begin now, `[]` int
+whose turn it is.
+"""
+
+
+@dataclass(frozen=True)
+class Learnt:
+    """What was learned, as it decides on one cell: in NumPy, where there is no JAX.
+
+    Attributes:
+      worth: of each choice. The best is taken.
+      believes: e to the power of a worth is in proportion to how sure it is of that choice. Else a
+        worth is minus a cost, and says nothing of that kind.
+    """
+
+    worth: Worth
+    believes: bool = True
+
+
+Reader = Callable[[Path, Cell], Learnt]
+"""The policy in a file, as it decides on the cell: what an algorithm whose policies can be
+dispatched adds to `tandem.learn.training.algorithms.DECIDERS`. It loads no JAX.
+
+Raises CellError when the file is no policy of the algorithm, UsageError when it does not fit the
+cell.
+"""

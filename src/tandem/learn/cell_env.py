@@ -14,8 +14,9 @@ import numpy as np
 
 from tandem.cell.model import Cell, plain
 from tandem.errors import UsageError
-from tandem.learn.observation import Ahead, Standing, ahead, look, missing, time_to_come
+from tandem.learn.observation import Ahead, Look
 from tandem.learn.results import Reached
+from tandem.learn.turns import choices, least_to_come, observe, told
 from tandem.world import state as world
 from tandem.world.arrays import NEVER, Arrays, Names
 from tandem.world.state import State
@@ -104,23 +105,13 @@ class CellGame:
             )
         names = Names.of(cell)
         arrays = names.arrays()
-        seconds = arrays.way_ticks / names.per_second
-        mean = np.mean([seconds[arrays.way_task == task].min() for task in range(len(names.tasks))])
-        unit = mean * time_weight
-        stress = (arrays.way_load * arrays.human).sum(1) / names.per_stress * stress_weight / unit
-        told = ahead(
-            arrays.way_task, arrays.way_uses, seconds / mean, stress, arrays.needs, arrays.human
-        )
-        unit, per_second, per_stress = (
-            np.float32(unit),
-            np.float32(names.per_second),
-            np.float32(names.per_stress),
-        )
+        known = told(names, arrays, time_weight=time_weight, stress_weight=stress_weight)
+        per_second, per_stress = np.float32(names.per_second), np.float32(names.per_stress)
         weights = np.float32(time_weight), np.float32(stress_weight)
         return cls(
             arrays,
-            told,
-            unit,
+            known.ahead,
+            known.unit,
             per_second,
             per_stress,
             weights[0],
@@ -144,13 +135,8 @@ class CellGame:
         return self._until_asked(jax.tree.map(jnp.asarray, world.reset(arrays)))
 
     def legal(self, state: Asked) -> Array:
-        mine = world.legal_of(self.arrays, state.mask, state.turn)
-        if not self.waiting:
-            return mine
-        return jnp.append(
-            mine,
-            (state.turn >= 0) & world.may_wait(self.arrays, state.world, state.mask, state.turn),
-        )
+        arrays = self.arrays
+        return choices(arrays, state.world, state.mask, state.turn, waiting=self.waiting)
 
     def to_play(self, state: Asked) -> Array:
         return state.turn
@@ -172,29 +158,19 @@ class CellGame:
     def is_over(self, state: Asked) -> Array:
         return state.turn < 0
 
-    def observe(self, state: Asked) -> Any:
-        legal, now = self.legal(state), self._standing(state.world)
-        ways = self.arrays.way_ticks.shape[0]
-        waits_for_none = (missing(self.ahead, now.ended) == 0) & ~now.begun
-        there = self.arrays.way_open & waits_for_none[self.arrays.way_task]
-        way, waits = jnp.arange(ways), jnp.zeros(ways, bool)
-        if self.waiting:
-            way, waits, there = (
-                jnp.append(way, 0),
-                jnp.append(waits, True),
-                jnp.append(there, legal[-1]),
-            )
-        return look(self.ahead, now, state.turn, way, there, legal, waits)
+    def observe(self, state: Asked) -> Look:
+        """What whose turn it is sees."""
+        tick, waiting = self._tick, self.waiting
+        stands, mask, turn = state.world, state.mask, state.turn
+        return observe(self.ahead, self.arrays, stands, mask, turn, tick=tick, waiting=waiting)
 
     def least(self, state: Asked) -> Array:
-        stress = jnp.sum(jnp.where(state.world.way < 0, self.ahead.least_stress, 0.0))
-        return (time_to_come(self.ahead, self._standing(state.world)) + stress) * self.unit
+        return least_to_come(self.ahead, self.arrays, state.world, self._tick) * self.unit
 
-    def _standing(self, state: State) -> Standing:
-        tick = 1.0 / (self.per_second * self.unit / self.time_weight)
-        begun, ended = state.way >= 0, world.mounted(state)
-        left = jnp.where(begun & ~ended, state.end_at - state.clock, 0) * tick
-        return Standing(begun, ended, left, jnp.maximum(state.free_at - state.clock, 0) * tick)
+    @property
+    def _tick(self) -> Array:
+        """`[]` float32, what a tick costs, in units."""
+        return 1.0 / (self.per_second * self.unit / self.time_weight)
 
     def _until_asked(self, state: State) -> Asked:
         """Time runs until somebody can choose, or all is done, or nothing can go on."""

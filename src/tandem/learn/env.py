@@ -11,7 +11,7 @@ All agents pay the same cost, so a value never changes its sign on the way up a 
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 import jax
 import jax.numpy as jnp
@@ -19,19 +19,6 @@ import numpy as np
 
 Array = Any
 State = Any
-
-
-class Look(NamedTuple):
-    """What a network that knows no sizes is shown. `K` moves, `F` and `G` features; see
-    `tandem.learn.observation`.
-
-    moves: `[K, F]` float32, a row for each move. there: `[K]` bool, the rows that mean something
-    now (also what only others may do). whole: `[G]` float32, of the state.
-    """
-
-    moves: Array
-    there: Array
-    whole: Array
 
 
 class Game(Protocol):
@@ -76,9 +63,8 @@ class Game(Protocol):
         """`[]` bool."""
 
     def observe(self, state: State) -> Any:
-        """What the network is shown, seen by the agent whose turn it is: a `Look`, or whatever a
-        game's own network takes.
-        """
+        """What the network is shown, seen by the agent whose turn it is: a
+        `tandem.learn.observation.Look`, or whatever a game's own network takes."""
 
     def least(self, state: State) -> Array:
         """`[]` float32, a cost that is certainly still to come; 0 where nothing is known."""

@@ -40,6 +40,13 @@ def init(
     return layers
 
 
+def mapped(function: Callable[[Array], Array], network: Any) -> Any:
+    """The same nested dictionaries, each array replaced by what the function makes of it."""
+    if not isinstance(network, dict):
+        return function(network)
+    return {name: mapped(function, part) for name, part in network.items()}
+
+
 def forward(xp: ModuleType, network: Network, inputs: Array, activation: str) -> Array:
     """`[..., out]` from `inputs` `[..., in]`; the activation (`ACTIVATIONS`) stands between the
     layers, not after the last.

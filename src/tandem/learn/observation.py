@@ -13,14 +13,26 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 
-from tandem.learn.env import Look
+from tandem.world.arrays import namespace
 
 Array = Any
 
 MOVE_FEATURES, WHOLE_FEATURES = 22, 14
+
+
+class Look(NamedTuple):
+    """What a network that knows no sizes is shown. `K` moves, `F` and `G` features.
+
+    moves: `[K, F]` float32, a row for each move. there: `[K]` bool, the rows that mean something
+    now
+      (also what only others may do). whole: `[G]` float32, of the state.
+    """
+
+    moves: Array
+    there: Array
+    whole: Array
 
 
 class Ahead(NamedTuple):
@@ -104,15 +116,15 @@ def time_to_come(ahead: Ahead, now: Standing) -> Array:
     """`[]` a time that is certainly still to come: the longest chain, the fullest operator, or all
     work shared out evenly.
     """
-    waiting = 1.0 - now.begun
-    chain = jnp.max(
-        jnp.where(
-            now.begun, jnp.where(now.ended, 0.0, now.left + ahead.tail - ahead.least), ahead.tail
+    xp, waiting = namespace(now.left), 1.0 - now.begun
+    chain = xp.max(
+        xp.where(
+            now.begun, xp.where(now.ended, 0.0, now.left + ahead.tail - ahead.least), ahead.tail
         )
     )
     load = now.busy + waiting @ ahead.only
-    shared = (jnp.sum(now.busy) + waiting @ ahead.least) / now.busy.shape[0]
-    return jnp.maximum(jnp.maximum(chain, jnp.max(load)), shared)
+    shared = (xp.sum(now.busy) + waiting @ ahead.least) / now.busy.shape[0]
+    return xp.maximum(xp.maximum(chain, xp.max(load)), shared)
 
 
 def missing(ahead: Ahead, ended: Array) -> Array:
@@ -133,15 +145,16 @@ def look(
       mine: `[K]` bool, legal for `me`.
       waits: `[K]` bool, the moves that begin nothing.
     """
-    my = (jnp.arange(ahead.uses.shape[1]) == me).astype(jnp.float32)
+    xp = namespace(now.left)
+    my = (xp.arange(ahead.uses.shape[1]) == me).astype(xp.float32)
     others = 1.0 - my
     task = ahead.task[way]
-    real = (there & ~waits).astype(jnp.float32)
-    to_come = jnp.maximum(time_to_come(ahead, now), 1e-3)
+    real = (there & ~waits).astype(xp.float32)
+    to_come = xp.maximum(time_to_come(ahead, now), 1e-3)
     waiting = 1.0 - now.begun
     # [T, 3]: mine alone, others' alone, open
-    kinds = jnp.stack([ahead.only @ my, ahead.only @ others, ahead.open], 1)
-    behind = jnp.stack(
+    kinds = xp.stack([ahead.only @ my, ahead.only @ others, ahead.open], 1)
+    behind = xp.stack(
         [ahead.behind_only[task] @ my, ahead.behind_only[task] @ others, ahead.behind_open[task]], 1
     )
     after = ahead.needs[:, task].T  # [K, T]
@@ -149,7 +162,7 @@ def look(
     running = now.begun & ~now.ended
     helps = after * (missing(ahead, now.ended | running) == 1)[None] @ kinds
     loads = waiting @ kinds
-    longest = jnp.max(jnp.where(now.begun, 0.0, ahead.tail))
+    longest = xp.max(xp.where(now.begun, 0.0, ahead.tail))
     uses = ahead.uses[way]
     able = uses @ my
     starts = ahead.time[way]
@@ -162,23 +175,22 @@ def look(
         *(
             starts - ahead.least[task],
             able,
-            jnp.sum(uses, 1) - 1.0,
-            jnp.minimum(uses @ others, 1.0),
+            xp.sum(uses, 1) - 1.0,
+            xp.minimum(uses @ others, 1.0),
             ahead.open[task] > 0,
         ),
         *(mine, now.busy @ uses.T),
     ]
-    rows = jnp.stack([jnp.asarray(part, jnp.float32) for part in parts], 1) * real[:, None]
-    rows = jnp.concatenate([rows, waits.astype(jnp.float32)[:, None]], 1)
-    busy_others = jnp.where(my > 0, 0.0, now.busy)
+    rows = xp.stack([xp.asarray(part, xp.float32) for part in parts], 1) * real[:, None]
+    rows = xp.concatenate([rows, waits.astype(xp.float32)[:, None]], 1)
+    busy_others = xp.where(my > 0, 0.0, now.busy)
     soonest = (
-        jnp.min(jnp.where(my > 0, jnp.inf, now.busy)) if ahead.uses.shape[1] > 1 else jnp.zeros(())
+        xp.min(xp.where(my > 0, xp.inf, now.busy)) if ahead.uses.shape[1] > 1 else xp.zeros(())
     )
-    ready_mine, ready_others = jnp.sum(real * able * starts), jnp.sum(real * (1 - able) * starts)
-    whole = jnp.stack([
-        to_come / 10, *(loads / to_come), longest / to_come, jnp.max(busy_others), soonest,
+    ready_mine, ready_others = xp.sum(real * able * starts), xp.sum(real * (1 - able) * starts)
+    whole = xp.stack([
+        to_come / 10, *(loads / to_come), longest / to_come, xp.max(busy_others), soonest,
         ready_mine / 4, ready_others / 4,
-        jnp.sum(real) / 10, jnp.sum(mine) / 10, ahead.human @ my, jnp.max(now.left),
-        jnp.mean(waiting),
+        xp.sum(real) / 10, xp.sum(mine) / 10, ahead.human @ my, xp.max(now.left), xp.mean(waiting),
     ])  # fmt: skip
-    return Look(rows, there, whole.astype(jnp.float32))
+    return Look(rows, there, whole.astype(xp.float32))

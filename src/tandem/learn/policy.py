@@ -36,6 +36,7 @@ class Notes(Form):
     sees: str = ""
     rewards: str = ""
     people: str = ""
+    waiting: bool = True
 
 
 class _About(Form):

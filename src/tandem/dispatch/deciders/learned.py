@@ -1,6 +1,4 @@
-"""`learned`: a trained best response to many people (`tandem train CELL --recipe response`), a
-network in NumPy.
-"""
+"""`learned`: what `tandem train` learned, by whichever algorithm: a network in NumPy."""
 
 from __future__ import annotations
 
@@ -19,9 +17,8 @@ from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.lookahead.transitions import Moves
 from tandem.dispatch.situation.model import Situation
 from tandem.errors import UsageError
-from tandem.learn.policy import Policy
-from tandem.learn.ppo.decider import worth
-from tandem.learn.ppo.players import fits, must_be_whole
+from tandem.learn.algorithm import Learnt
+from tandem.learn.training.algorithms import decider_of
 from tandem.learn.training.runs import RunFolder
 from tandem.world import state as world
 from tandem.world.arrays import NEVER, Arrays, Names
@@ -32,11 +29,10 @@ AWAY_S = 60.0
 
 
 def learned(cell: Cell, objective: Objective, options: Options) -> Learned:
-    """The best response in `options.learned`: a policy's file, or the folder of its run (the first
-    seed then).
+    """The policy in `options.learned`: a file, or the folder of a run (its best seed then).
 
     Raises:
-      UsageError: none is named, or it was trained on a cell of another shape.
+      UsageError: none is named, it does not fit the cell, or its world knows no events.
       CellError: the file is no policy, or the world cannot hold the cell.
     """
     if options.learned is None:
@@ -46,31 +42,19 @@ def learned(cell: Cell, objective: Objective, options: Options) -> Learned:
     path = Path(options.learned)
     if path.is_dir():
         run = RunFolder(path)
-        if not run.seeds:
-            raise UsageError(f"{path}: holds no trained policy. Train one with: tandem train CELL")
-        path = run.policy(run.seeds[0])
-    policy = Policy.load(path)
-    # files of earlier versions say "response"
-    if policy.notes.get("kind") not in ("ppo", "response"):
-        raise UsageError(
-            f"{path}: was trained on the thesis's station, which knows no events. Train one for"
-            " dispatch with: tandem train CELL"
-        )
+        path = run.policy(run.best_seed())
     names = Names.of(cell)
-    arrays = names.arrays(undo=1.0)
-    if policy.notes.get("digest") == cell.digest:
-        must_be_whole(policy, arrays, path)
-    fits(policy, arrays, cell)
-    return Learned(policy, names, arrays, Models(cell, objective.max_stress))
+    found = decider_of(path, cell)
+    return Learned(found, names, names.arrays(undo=1.0), Models(cell, objective.max_stress))
 
 
 @dataclass(frozen=True)
 class Learned:
-    """A trained best response. Whose turn it is at a moment: the humans first, then the robots,
-    each seeing what those before were asked for.
+    """A trained policy. Whose turn it is at a moment: the humans first, then the robots, each
+    seeing what those before were asked for.
     """
 
-    policy: Policy
+    learnt: Learnt
     names: Names
     arrays: Arrays
     models: Models
@@ -81,9 +65,11 @@ class Learned:
         began = perf_counter()
         moves = self.models.of(situation, 1.0)
         choice, ranked = self._choose(moves, situation)
-        because = "what the trained response is most for"
-        if ranked:
+        because = "what the trained policy is most for"
+        if ranked and self.learnt.believes:
             because += f" ({100 * ranked[0][1]:.0f} % of its belief among {len(ranked)} choices)"
+        elif ranked:
+            because += f", among {len(ranked)} choices"
         costless: Ranked = [(ways, None) for ways, _ in ranked]
         return reply(
             self.name,
@@ -109,7 +95,7 @@ class Learned:
             turn = world.turn(arrays, mask)
             if turn < 0:
                 break
-            sure = worth(self.policy, arrays, state, mask, turn)
+            sure = self.learnt.worth(arrays, state, mask, turn)
             barred = [
                 way
                 for way in np.flatnonzero(mask).tolist()

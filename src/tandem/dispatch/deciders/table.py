@@ -66,7 +66,7 @@ POLICIES: dict[str, Entry] = {
         "tandem.dispatch.deciders.by_value:minimax",
     ),
     "learned": Entry(
-        "what `tandem train` learned, a network in NumPy",
+        "what `tandem train` learned, by any of its algorithms: a network in NumPy",
         "tandem.dispatch.deciders.learned:learned",
     ),
     "auto": Entry(

@@ -16,21 +16,24 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 from types import ModuleType
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 
-import jax
-import jax.numpy as jnp
+import numpy as np
 from pydantic import ConfigDict
 
-from tandem.learn.env import Game, Look, State
 from tandem.learn.forms import STRICT
 from tandem.learn.networks import Network, forward, init
-from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES
+from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES, Look
 from tandem.learn.ppo.config import MOST_UNITS
 from tandem.learn.settings import counts, must_hold
+from tandem.world.arrays import namespace
+
+if TYPE_CHECKING:
+    from tandem.learn.env import Game
 
 Array = Any
 Parameters = Any
+State = Any
 
 
 class Opinion(NamedTuple):
@@ -70,14 +73,15 @@ def opinion(judge: Judge, parameters: Parameters, game: Game, state: State) -> O
     found = judge.read(
         parameters, game.observe(state), game.least(state) / game.unit, game.to_play(state)
     )
-    return found._replace(to_come=jnp.where(game.is_over(state), 0.0, found.to_come))
+    xp = namespace(found.logits)
+    return found._replace(to_come=xp.where(game.is_over(state), 0.0, found.to_come))
 
 
 def liked(judge: Judge, parameters: Parameters, game: Game, state: State) -> Array:
     """`[]` int32, the legal move that the network likes best; any once the game is over."""
-    return jnp.argmax(
-        jnp.where(game.legal(state), opinion(judge, parameters, game, state).logits, IMPOSSIBLE)
-    )
+    logits = opinion(judge, parameters, game, state).logits
+    xp = namespace(logits)
+    return xp.argmax(xp.where(game.legal(state), logits, IMPOSSIBLE))
 
 
 IMPOSSIBLE = -1e9
@@ -104,8 +108,17 @@ class Scorer:
         """Glorot-uniform weights; those of the last layer of the policy are small, so that it
         prefers nothing.
         """
+        return drawn(key, self._sizes, {"policy": 0.01})
+
+    def like(self, arrays: Mapping[str, Any]) -> dict[str, Network]:
+        zeros = partial(np.zeros, dtype=np.float32)
+        return {name: init(zeros, size) for name, size in self._sizes.items()}
+
+    @property
+    def _sizes(self) -> dict[str, tuple[int, ...]]:
+        """Inputs, hidden units and outputs of each part."""
         units = self.units
-        sizes: dict[str, tuple[int, ...]] = {
+        return {
             "moves": (MOVE_FEATURES, units),
             "whole": (WHOLE_FEATURES, units),
             "mix": (units, units),
@@ -114,15 +127,11 @@ class Scorer:
             "policy": (units, 1),
             "value": (2 * units + WHOLE_FEATURES, units, 1),
         }
-        return drawn(key, sizes, {"policy": 0.01})
-
-    def like(self, arrays: Mapping[str, Any]) -> Parameters:
-        return jax.eval_shape(self.start, jax.random.key(0))
 
     def read(
         self, parameters: dict[str, Network], seen: Look, least: Array, mover: Array
     ) -> Opinion:
-        return self.judge(jnp, parameters, seen, least)
+        return self.judge(namespace(seen.moves), parameters, seen, least)
 
     def judge(
         self, xp: ModuleType, parameters: dict[str, Network], seen: Look, least: Array
@@ -148,6 +157,8 @@ def drawn(
     Args:
       last: by name, see `networks.init`; 1 when absent.
     """
+    import jax
+
     numbers = jax.random.uniform(
         key, (sum(a * b for size in sizes.values() for a, b in pairwise(size)),), minval=-1.0
     )

@@ -132,11 +132,15 @@ class Trainee:
 
     def save_policy(self, learners: training.Learner, place: int, path: Path) -> None:
         parameters = jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters)
+        order, cell = self.order, self.order.cell
         notes = {
-            "cell": self.order.cell.name,
-            "digest": self.order.cell.digest,
-            "recipe": self.order.name,
-            "seed": self.order.seeds[place],
+            "kind": "alphazero",
+            "cell": cell.name,
+            "digest": cell.digest,
+            "recipe": order.name,
+            "stress_factor": order.stress_factor,
+            "seed": order.seeds[place],
+            "waiting": self.recipe.waiting,
         }
         Trained(training.judge(self.recipe.config), parameters, notes).save(path)
 

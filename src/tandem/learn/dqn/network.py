@@ -8,15 +8,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import jax
-import jax.numpy as jnp
+import numpy as np
 from pydantic import ConfigDict
 
 from tandem.learn.alphazero.network import Opinion, Scorer
-from tandem.learn.env import Look
 from tandem.learn.forms import STRICT
+from tandem.learn.networks import mapped
+from tandem.learn.observation import Look
 from tandem.learn.ppo.config import MOST_UNITS
 from tandem.learn.settings import counts, must_hold
+from tandem.world.arrays import namespace
 
 Array = Any
 
@@ -50,14 +51,25 @@ class ValueNetworks:
         )
 
     def start(self, key: Array, game: Any = None) -> Any:
+        import jax
+
         return jax.vmap(Scorer(self.units).start)(jax.random.split(key, self.agents))
 
     def like(self, arrays: Mapping[str, Any]) -> Any:
-        return jax.eval_shape(self.start, jax.random.key(0))
+        def each(leaf: Any) -> Any:
+            return np.zeros((self.agents, *leaf.shape), leaf.dtype)
+
+        return mapped(each, Scorer(self.units).like(arrays))
 
     def read(self, parameters: Any, seen: Look, least: Array, mover: Array) -> Opinion:
         """The logits are minus the Q-values, so that the best move has the largest."""
-        each = jax.vmap(lambda own: Scorer(self.units).judge(jnp, own, seen, least))(parameters)
-        mine = jnp.clip(mover, 0, self.agents - 1)
+        xp, scorer = namespace(seen.moves), Scorer(self.units)
+        mine = xp.clip(mover, 0, self.agents - 1)
+        if xp is np:
+            own = scorer.judge(np, mapped(lambda leaf: leaf[mine], parameters), seen, least)
+            return Opinion(-(own.to_come + own.logits), own.to_come)
+        import jax
+
+        each = jax.vmap(lambda own: scorer.judge(xp, own, seen, least))(parameters)
         to_come = each.to_come[mine]
         return Opinion(-(to_come + each.logits[mine]), to_come)

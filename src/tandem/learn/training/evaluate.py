@@ -121,7 +121,8 @@ def evaluate(
 
     Args:
       cell: another cell than the run's own; for PPO it needs the same shape.
-      seed: which policy; the run's first when absent. It also seeds the draws.
+      seed: which policy; the run's best when absent (`RunFolder.best_seed`). It also seeds the
+        draws.
       episodes: of the sampled and the random player.
       front_limit: seconds for the exact front.
 
@@ -132,7 +133,7 @@ def evaluate(
     run = RunFolder(Path(folder))
     asked = run.asked()
     if seed is None:
-        seed = run.seeds[0] if run.seeds else asked.seeds[0]
+        seed = run.best_seed() if run.seeds else asked.seeds[0]
     if seed not in run.seeds:
         raise UsageError(
             f"{folder}: has no policy of seed {seed}; there are"

@@ -16,6 +16,7 @@ import csv
 import importlib.metadata
 import io
 import json
+import math
 import os
 import platform
 import re
@@ -32,6 +33,7 @@ from tandem.errors import CellError, UsageError
 from tandem.files.atomic import store
 from tandem.files.validate import cell_of
 from tandem.learn.forms import Form, key_of, parsed, read_document, unreadable
+from tandem.learn.results import cost, paid
 from tandem.learn.training.algorithms import ALGORITHMS, FORMERLY
 
 RUNS = Path("runs")
@@ -65,14 +67,35 @@ class _Figures(Form):
     seed: int
 
 
+class _Played(Form):
+    """What a player reached; None where the assembly was not finished."""
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="allow")
+
+    makespan: float | None
+    stress: float | None
+
+
+class _Seed(Form):
+    """The result of one seed."""
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="allow")
+
+    seed: int
+    greedy: _Played
+    people_makespan: float | None = None
+    people_stress: float | None = None
+
+
 class _Result(Form):
     """`result.json`, as far as others rely on it."""
 
     model_config = ConfigDict(frozen=True, strict=True, extra="allow")
 
     run: str
-    seeds: list[dict[str, Any]]
+    seeds: list[_Seed]
     interrupted: bool
+    stress_factor: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -169,8 +192,42 @@ class RunFolder:
         """The result document. Raises CellError when the training has not ended, or the document is
         damaged.
         """
+        return self._result().model_dump(exclude_unset=True)
+
+    def best_seed(self) -> int:
+        """The seed of the policy that did best when the run tried what it had learned: beside its
+        people where it has some, else greedily. The first that there is, while the training goes
+        on.
+
+        Raises:
+          UsageError: there is no policy yet.
+          CellError: the result is damaged.
+        """
+        if not self.seeds:
+            raise UsageError(
+                f"{self.path}: holds no trained policy. Train one with: tandem train CELL"
+            )
+        if not (self.path / "result.json").exists():
+            return self.seeds[0]
+        result = self._result()
+        tried = {row.seed: _loss(row, result.stress_factor) for row in result.seeds}
+        return min(self.seeds, key=lambda seed: (tried.get(seed, math.inf), seed))
+
+    def chosen(self) -> str:
+        """Which seed `best_seed` names, in words; empty where there is only one."""
+        if len(self.seeds) < 2:
+            return ""
+        ended = (self.path / "result.json").exists()
+        why = (
+            "the best by the run's own evaluation"
+            if ended
+            else "the first, while the training goes on"
+        )
+        return f"{self.path}: seed {self.best_seed()} of {len(self.seeds)}, {why}."
+
+    def _result(self) -> _Result:
         try:
-            return read_document(self.path / "result.json", _Result).model_dump()
+            return read_document(self.path / "result.json", _Result)
         except OSError as error:
             what = (
                 "holds a run that has not ended; go on with --resume (result.json:"
@@ -263,6 +320,17 @@ class RunFolder:
 
 MOST_LINES = 5
 """Damaged lines of figures, of which a message speaks."""
+
+
+def _loss(row: _Seed, stress_factor: float) -> float:
+    """What the seed's policy cost when it was tried; infinite where the assembly was not
+    finished.
+    """
+    tried = (row.people_makespan, row.people_stress)
+    makespan, stress = (row.greedy.makespan, row.greedy.stress) if None in tried else tried
+    if makespan is None or stress is None:
+        return math.inf
+    return cost(makespan, stress, **paid(stress_factor))
 
 
 def _row(file: Path, line: bytes) -> dict[str, Any]:
