@@ -65,16 +65,6 @@ class _Figures(Form):
     seed: int
 
 
-class _Result(Form):
-    """`result.json`, as far as others rely on it."""
-
-    model_config = ConfigDict(frozen=True, strict=True, extra="allow")
-
-    run: str
-    seeds: list[dict[str, Any]]
-    interrupted: bool
-
-
 @dataclass(frozen=True)
 class RunFolder:
     """One run on disk."""
@@ -164,19 +154,6 @@ class RunFolder:
             return read_document(self.path / "run.json", Asked)
         except OSError as error:
             raise unreadable(self.path, [f"holds no run (run.json: {error.strerror})."]) from error
-
-    def result(self) -> dict[str, Any]:
-        """The result document. Raises CellError when the training has not ended, or the document is
-        damaged.
-        """
-        try:
-            return read_document(self.path / "result.json", _Result).model_dump()
-        except OSError as error:
-            what = (
-                "holds a run that has not ended; go on with --resume (result.json:"
-                f" {error.strerror})."
-            )
-            raise unreadable(self.path, [what]) from error
 
     def write_result(self, document: Mapping[str, Any]) -> None:
         self._write("result.json", document)
