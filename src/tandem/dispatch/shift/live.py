@@ -8,6 +8,7 @@ the journal, in one transaction. All but the wall clock is a pure function of th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
@@ -65,6 +66,10 @@ class Settings:
     objective: Objective = field(default_factory=Objective)
     options: Options = field(default_factory=Options)
     taking_apart: float = TAKING_APART
+
+    def __post_init__(self) -> None:
+        if not 0 < self.taking_apart < math.inf:
+            raise UsageError(f"taking apart {self.taking_apart:g}: must be a share above 0.")
 
     def to_dict(self) -> Document:
         """As plain values."""
