@@ -12,14 +12,22 @@ import pytest
 from tests.dispatch.cells import GEARBOX
 
 from tandem.dispatch.journal import Entry, Journal, JournalError
+from tandem.dispatch.shift.documents import document
+from tandem.dispatch.shift.live import Settings
+from tandem.dispatch.situation.model import Situation
 from tandem.errors import UsageError
 
-OPENING = Entry(0, "2026-03-02T06:00:00Z", "", None, None, {"type": "decision"}, "digest")
+SETTINGS = Settings(policy="longest-tail")
+DECISION = document(
+    Situation.of(GEARBOX), SETTINGS.decider(GEARBOX).decide(Situation.of(GEARBOX)), 0
+)
+OPENING = Entry(0, "2026-03-02T06:00:00Z", "", None, None, DECISION, "digest")
+ANSWER = {"type": "answer", "number": 1, "event": "tick", "accepted": True, "remarks": []}
 
 
 def begun(path: Path) -> Journal:
     journal = Journal(path)
-    journal.begin(GEARBOX, {"policy": "plain"}, None, OPENING)
+    journal.begin(GEARBOX, SETTINGS.to_dict(), None, OPENING)
     return journal
 
 
@@ -29,7 +37,7 @@ def test_what_was_appended_is_there_for_the_next_one(tmp_path: Path) -> None:
         "2026-03-02T06:00:01Z",
         '{"täst": 1}',
         {"event": "tick", "at": 1.5},
-        {"accepted": True},
+        ANSWER,
         None,
         "other",
     )

@@ -10,6 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from tests.schedule.cells import THESIS, gearbox, thesis
 from tests.strategies import cells
 
+import tandem
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError
@@ -215,3 +216,32 @@ def test_earliest_completion_gives_a_task_to_who_ends_it_first_though_busy_now()
     )
     (result,) = RULES["earliest-completion"](cell)
     assert {step.operators for step in result.schedule} == {("quick",)}
+
+
+def test_no_rule_looks_at_every_waiting_task_before_each_step():
+    """On a cell of independent tasks, most of which wait all the time, the looks grow with the
+    tasks, not with their square.
+    """
+    looks = []
+    for tasks in (200, 400):
+        layout = Layout.of(Instance.of(layered(tasks, layers=1, seed=1)))
+        for name, rule in SPECS.items():
+            count = 0
+
+            def counted(end, step, rule=rule):
+                nonlocal count
+                count += 1
+                return rule.time * end + rule.stress * step.stress
+
+            assert rule.build(layout, rule.priority(layout, Random(0)), counted) is not None
+            looks.append((name, count))
+    small, large = dict(looks[: len(SPECS)]), dict(looks[len(SPECS) :])
+    assert all(large[name] < 3 * small[name] for name in SPECS), (small, large)
+
+
+def test_after_its_limit_a_search_makes_no_second_schedule():
+    found = []
+    front = tandem.plan(layered(300, seed=2), time_limit=1e-9, on_solution=found.append)
+    assert len(front) == 1
+    assert not front.complete
+    assert len(found) == 1

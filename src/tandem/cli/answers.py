@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tandem.cell.written import number, signed
-from tandem.errors import UsageError
+from tandem.errors import CellError, UsageError
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
@@ -179,7 +179,7 @@ def compare_command(
         )
     if results[0] is not None and results[1] is not None:
         _tell_stale(before_file, after_file)
-        _compare_results(results[0], results[1], point, as_json)
+        _compare_results(results[0], results[1], (before_file, after_file), point, as_json)
         return
     _compare_cells(before_file, after_file, planned, time_limit, seed, as_json)
 
@@ -231,14 +231,20 @@ def _compare_cells(
 
 
 def _compare_results(
-    before: dict[str, Any], after: dict[str, Any], point: int | None, as_json: bool
+    before: dict[str, Any],
+    after: dict[str, Any],
+    files: tuple[str, str],
+    point: int | None,
+    as_json: bool,
 ) -> None:
     from tandem.explain.compare import compare_schedules
     from tandem.schedule.model import Schedule
 
     places = [
-        _point_of(document, point, name)
-        for document, name in ((before, "the first"), (after, "the second"))
+        _point_of(document, point, name, file)
+        for document, name, file in zip(
+            (before, after), ("the first", "the second"), files, strict=True
+        )
     ]
     rows = [
         document["front"][place] for document, place in zip((before, after), places, strict=True)
@@ -588,24 +594,31 @@ def _print(document: dict[str, Any]) -> None:
 
 
 def _result_document(path: Path) -> dict[str, Any] | None:
-    """The result document in a file, or None when it holds something else."""
+    """The result document in a file, or None when it holds something else.
+
+    Raises CellError for one that means to be a result and is damaged.
+    """
+    from tandem.report.results import is_result, read_result
+
     try:
         document = json.loads(path.read_bytes())
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return None
-    rows = document.get("front") if isinstance(document, dict) else None
-    sound = isinstance(rows, list) and all(
-        isinstance(row, dict) and {"makespan", "stress", "assignments"} <= set(row) for row in rows
-    )
-    return document if sound and rows else None
+    return read_result(path) if is_result(document) else None
 
 
-def _point_of(document: dict[str, Any], point: int | None, name: str) -> int:
+def _point_of(document: dict[str, Any], point: int | None, name: str, file: str) -> int:
+    """Which point of the front is meant, from 0; `name` and `file` are for messages."""
     from tandem.plan.result import knee_index
+    from tandem.report.results import points_of
 
+    try:
+        values = points_of(document)
+    except CellError as error:
+        raise CellError([fault.at(file) for fault in error.faults]) from None
     rows = document["front"]
     if point is None:
-        return knee_index([(row["makespan"], row["stress"]) for row in rows])
+        return knee_index(values)
     if not 1 <= point <= len(rows):
         raise UsageError(
             f"--point {point}: {name} front has {len(rows)} point{'s' * (len(rows) != 1)}, counted"

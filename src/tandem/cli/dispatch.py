@@ -289,11 +289,11 @@ def _same_as_kept(ctx: click.Context, journal: Journal, given: dict[str, Any]) -
     """Takes what is not stated from the journal; what is stated must be what the shift was begun
     with.
     """
-    from tandem.dispatch.shift.live import Settings
+    from tandem.dispatch.shift.live import kept_settings
 
     if journal.is_new:
         return
-    kept = Settings.from_dict(journal.about()["settings"])
+    kept = kept_settings(journal)
     there = {
         "policy": kept.policy,
         "budget": kept.options.budget_ms,

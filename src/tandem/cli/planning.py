@@ -270,7 +270,7 @@ def check_command(
     not sound, 6 when a schedule breaks it.
     """
     from tandem.files.load import load
-    from tandem.report.project import schedules_of, stale
+    from tandem.report.results import read_result, schedules_of, stale
     from tandem.schedule.checker import faults
 
     if cell_file != "-" and Path(cell_file).is_dir():
@@ -280,7 +280,7 @@ def check_command(
             )
         return tell_folder(Path(cell_file), as_json)
     cell = load(cell_file, form)
-    document = _document(result_file) if result_file else {"front": []}
+    document = read_result(result_file) if result_file else {"front": []}
     found = [
         (place, faults(cell, schedule))
         for place, schedule in enumerate(schedules_of(document), start=1)
@@ -339,55 +339,10 @@ def methods_command(as_json: bool) -> None:
         click.echo(f"{name:<{width}}  {describe(name)}")
 
 
-def _document(path: Path) -> dict[str, Any]:
-    """A result document with sound rows of schedules."""
-    from tandem.report.project import schedules_of
-
-    try:
-        document: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        schedules_of(document)
-    except OSError as error:
-        raise CellError(
-            [
-                Fault(
-                    f"cannot be read: {(error.strerror or 'unknown').lower()}. Name another file.",
-                    (),
-                    str(path),
-                )
-            ]
-        ) from error
-    except json.JSONDecodeError as error:
-        place = f"{path}:{error.lineno}:{error.colno}"
-        raise CellError(
-            [
-                Fault(
-                    "is no result document: no well-formed JSON here. Give what `tandem plan CELL"
-                    " --json` prints.",
-                    (),
-                    place,
-                )
-            ]
-        ) from error
-    except (UnicodeDecodeError, RecursionError, ValueError) as error:
-        raise CellError(
-            [
-                Fault(
-                    "is no result document: no JSON text. Give what `tandem plan CELL --json`"
-                    " prints.",
-                    (),
-                    str(path),
-                )
-            ]
-        ) from error
-    except CellError as error:
-        raise CellError([fault.at(str(path)) for fault in error.faults]) from error
-    return document
-
-
 def _first_schedule(path: Path, cell: Cell) -> Schedule:
-    from tandem.report.project import schedules_of, stale
+    from tandem.report.results import read_result, schedules_of, stale
 
-    document = _document(path)
+    document = read_result(path)
     schedules = schedules_of(document)
     if not schedules:
         raise CellError([Fault("holds no schedule.", (), str(path))])

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from tandem.cli.sheets import tell_notes
-from tandem.errors import UnsoundScheduleError, UsageError
+from tandem.errors import CellError, UnsoundScheduleError, UsageError
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
@@ -85,7 +85,7 @@ def tell_folder(folder: Path, as_json: bool) -> None:
     stale.
 
     Raises:
-      CellError: a cell is not sound, or there is none.
+      CellError: a cell is not sound, or there is none; or a result is damaged.
       UnsoundScheduleError: a current result breaks the cell that it belongs to.
     """
     from tandem.report.project import State, cells_of, standings
@@ -117,6 +117,8 @@ def tell_folder(folder: Path, as_json: bool) -> None:
             " state of the cell. Plan anew.",
             err=True,
         )
+    if damage := [fault for standing in found for fault in standing.damage]:
+        raise CellError(damage)
     if any(standing.faults for standing in found):
         raise UnsoundScheduleError(
             [f"{standing.path}: {fault}" for standing in found for fault in standing.faults]
@@ -145,6 +147,8 @@ def _line(standing: Standing, folder: Path) -> str:
             return f"{standing.path}: stale: made for another state of the cell"
         case State.UNKNOWN:
             return f"{standing.path}: does not say which cell it belongs to"
+        case State.DAMAGED:
+            return f"{standing.path}: damaged"
     assert standing.belongs_to is not None
     many = f"{standing.schedules} schedule{'s' * (standing.schedules != 1)}"
     judged = (
@@ -166,10 +170,10 @@ def _row(standing: Standing, folder: Path) -> dict[str, object]:
 
     return {
         "file": standing.path.relative_to(folder).as_posix(),
-        "stale": None if standing.state is State.UNKNOWN else standing.state is State.STALE,
+        "stale": {State.STALE: True, State.CURRENT: False}.get(standing.state),
         "belongs_to": (
             standing.belongs_to.relative_to(folder).as_posix() if standing.belongs_to else None
         ),
         "schedules": standing.schedules,
-        "faults": list(standing.faults),
+        "faults": [*standing.faults, *(fault.message for fault in standing.damage)],
     }

@@ -20,14 +20,20 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, Literal, TypeVar
+
+from pydantic import AwareDatetime, Field, ValidationError
 
 from tandem import __version__
 from tandem.cell.model import Cell
 from tandem.errors import TandemError, UsageError
+from tandem.learn.forms import Form, complaints
 
 FORMAT = 1
 """Of the journal. One of another format is refused."""
+
+MOST_FAULTS = 3
+"""Of one damaged document, of which a message speaks."""
 
 IN_MEMORY = ":memory:"
 """The journal of a shift that nobody wants to keep."""
@@ -51,6 +57,121 @@ class JournalError(TandemError):
     """The journal cannot be used for this shift."""
 
     exit_code = 3
+
+
+class _Objective(Form):
+    """What a shift makes small; see `Objective`."""
+
+    time: float
+    stress: float
+    max_stress: float | None
+
+
+class _Options(Form):
+    """What was set of its decider; see `Options`."""
+
+    budget_ms: float
+    seed: int
+    random: float
+    prior: tuple[tuple[float, float], ...]
+    frozen_s: float
+    change_penalty: float
+    learned: str | None
+
+
+class _Settings(Form):
+    """What a shift is steered by; see `Settings` in `shift/live.py`."""
+
+    policy: str
+    objective: _Objective
+    options: _Options
+    taking_apart: float = Field(gt=0)
+
+
+class _About(Form):
+    """The table `shift`: what the shift was opened with."""
+
+    format: Literal[1]
+    tandem: str
+    digest: str
+    cell: dict[str, Any]
+    settings: _Settings
+    start: AwareDatetime | None
+
+
+class _Start(Form):
+    task: str
+    operators: tuple[str, ...]
+
+
+class _Order(_Start):
+    order: int
+
+
+class _Alternative(Form):
+    starts: tuple[_Start, ...]
+    expected_cost: float | None
+
+
+class _Decision(Form):
+    """A decision as the floor heard it; see `documents.document`."""
+
+    type: Literal["decision"]
+    number: int
+    at: float
+    starts: tuple[_Order, ...]
+    announced: dict[str, str]
+    asks: tuple[_Start, ...]
+    take_apart: tuple[str, ...]
+    revoked: tuple[_Order, ...]
+    alternatives: tuple[_Alternative, ...]
+    expected_cost: float | None
+    bound: float | None
+    why: str
+    by: str
+    instead: Literal["", "late", "failed"]
+    look_again: float | None
+    over: bool
+    latency_ms: float
+    fault: str = ""
+    stuck: tuple[str, ...] = ()
+
+
+class _Answer(Form):
+    """What the floor was told of a line."""
+
+    type: Literal["answer"]
+    number: int
+    event: str | None = None
+    id: str | None = None
+    accepted: bool
+    reasons: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+    duplicate_of: int | None = None
+
+
+class _Event(Form):
+    """An event that was taken. Whether it fits the cell and the shift, the shift tells."""
+
+    event: str
+    at: float
+    task: str | None = None
+    operator: str | None = None
+    operators: tuple[str, ...] | None = None
+    until: float | None = None
+    id: str | None = None
+
+
+class _Row(Form):
+    """The columns of an entry that are no documents."""
+
+    number: int
+    received: str
+    line: str | bytes
+    situation: str
+
+
+Made = TypeVar("Made", bound=Form)
 
 
 @dataclass(frozen=True)
@@ -155,28 +276,44 @@ class Journal:
             self._insert(entry, id)
 
     def about(self) -> dict[str, Any]:
-        """What the shift was opened with."""
-        return {
-            key: json.loads(value)
-            for key, value in self.connection.execute("SELECT key, value FROM shift")
-        }
+        """What the shift was opened with. Raises JournalError when that cannot be relied on."""
+        found = self._about()
+        self._held(_About, json.dumps(found), "shift")
+        return found
 
     def entries(self) -> Iterator[Entry]:
-        """All entries, in order."""
-        for row in self.connection.execute(
-            "SELECT number, received, line, event, answer, decision, situation FROM entries ORDER"
-            " BY number"
-        ):
-            number, received, line, *texts, situation = row
-            event, answer, decision = (None if text is None else json.loads(text) for text in texts)
-            yield Entry(number, received, line, event, answer, decision, situation)
+        """All entries, in order. Raises JournalError at one that is not as entries are, or
+        missing.
+        """
+        columns = "number, received, line, event, answer, decision, situation"
+        expected = 0
+        for row in self._rows(f"SELECT {columns} FROM entries ORDER BY number"):
+            number, received, line, event, answer, decision, situation = row
+            here = f"entry {number}"
+            if number != expected:
+                raise self._damaged(f"entry {expected} is missing")
+            expected += 1
+            self._plain(
+                {"number": number, "received": received, "line": line, "situation": situation}, here
+            )
+            yield Entry(
+                number,
+                received,
+                line,
+                self._document(_Event, event, f"{here}, event"),
+                self._document(_Answer, answer, f"{here}, answer"),
+                self._document(_Decision, decision, f"{here}, decision"),
+                situation,
+            )
+        if not expected:
+            raise self._damaged("entry 0 is missing")
 
     def with_id(self, id: str) -> tuple[int, dict[str, Any]] | None:
         """The number and the event of the entry that was taken under this id."""
-        found = self.connection.execute(
-            "SELECT number, event FROM entries WHERE id = ?", (id,)
-        ).fetchone()
-        return (found[0], json.loads(found[1])) if found else None
+        for number, text in self._rows("SELECT number, event FROM entries WHERE id = ?", (id,)):
+            event = self._document(_Event, text, f"entry {number}, event")
+            return None if event is None else (number, event)
+        return None
 
     def close(self, *, forget_lock: bool = False) -> None:
         """Closes the file and gives the lock back; with `forget_lock` the lock's file goes too.
@@ -222,7 +359,7 @@ class Journal:
             raise JournalError(
                 f"{self.path}: this is a database, but no journal of a shift. Name another file."
             )
-        about = self.about()
+        about = self._about()
         if about.get("format") != FORMAT or about.get("tandem") != __version__:
             raise JournalError(
                 f"{self.path}: the journal is of format {about.get('format')}, by Tandem"
@@ -230,6 +367,55 @@ class Journal:
                 " decide otherwise. End the shift with the version that began it, or name another"
                 " file."
             )
+
+    def _about(self) -> dict[str, Any]:
+        """The table `shift` as it stands there."""
+        found = {}
+        for key, text in self._rows("SELECT key, value FROM shift"):
+            found[str(key)] = self._json(text, f"shift, {key}")
+        return found
+
+    def _rows(self, query: str, values: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+        """The rows that a query gives. Raises JournalError where they cannot be read as they
+        are.
+        """
+        try:
+            yield from self.connection.execute(query, values)
+        except sqlite3.Error as error:
+            raise self._damaged(f"its tables cannot be read ({error})") from error
+
+    def _document(self, form: type[Made], text: Any, place: str) -> dict[str, Any] | None:
+        """A document of an entry, None where there is none."""
+        if text is None:
+            return None
+        found = self._json(text, place)
+        self._held(form, text, place)
+        return dict(found)
+
+    def _json(self, text: Any, place: str) -> Any:
+        try:
+            return json.loads(text)
+        except (ValueError, TypeError, RecursionError) as error:
+            why = str(error).splitlines()[0]
+            raise self._damaged(f"{place}: is no JSON that can be read ({why})") from error
+
+    def _held(self, form: type[Form], text: str | bytes, place: str) -> None:
+        """Raises JournalError, with all that is wrong, when the JSON text is not of that form."""
+        try:
+            form.model_validate_json(text)
+        except ValidationError as error:
+            raise self._damaged(f"{place}: {_few(form, error)}") from None
+
+    def _plain(self, row: dict[str, Any], place: str) -> None:
+        """Raises JournalError when the columns of an entry that are no documents are not theirs."""
+        try:
+            _Row.model_validate(row)
+        except ValidationError as error:
+            raise self._damaged(f"{place}: {_few(_Row, error)}") from None
+
+    def _damaged(self, what: str) -> JournalError:
+        remedy = "It was changed, or is damaged. Restore a copy, or name another file."
+        return JournalError(f"{self.path}: {what}. {remedy}")
 
     def _transaction(self) -> _Transaction:
         return _Transaction(self)
@@ -251,6 +437,13 @@ class Journal:
             entry.situation,
         )
         self.connection.execute("INSERT INTO entries VALUES (?, ?, ?, ?, ?, ?, ?, ?)", row)
+
+
+def _few(form: type[Form], error: ValidationError) -> str:
+    """What is wrong with data of a form, in a sentence that can still be read."""
+    told = [fault.rstrip(".") for fault in dict.fromkeys(complaints(form, error))]
+    more = [f"and {len(told) - MOST_FAULTS} more"] * (len(told) > MOST_FAULTS)
+    return "; ".join([*told[:MOST_FAULTS], *more])
 
 
 class _Transaction:

@@ -4,7 +4,6 @@ result and gap to the exact optimum.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,9 +11,8 @@ from typing import Any
 
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
-from tandem.files.atomic import store
 from tandem.files.load import load
-from tandem.lab.records import stored_document
+from tandem.lab.records import stored_document, write_document
 from tandem.learn.training.runs import versions
 
 RANDOM_TASKS, RANDOM_SEEDS = 12, (0, 1)
@@ -72,9 +70,7 @@ def reproduce(
         "versions": versions(),
         "rows": run(cases, seeds=seeds, tell=tell),
     }
-    folder.mkdir(parents=True, exist_ok=True)
-    store(folder / STORED, json.dumps(document, indent=1) + "\n")
-    return document
+    return write_document(folder / STORED, document, indent=1)
 
 
 def stored() -> dict[str, Any]:

@@ -117,6 +117,8 @@ class _Search:
             bound, prices = load_prices(self.layout)
             self._note(inf, bound)
             for name in ("balanced", *(name for name in SPECS if name not in SAMPLING)):
+                if self.archive.found and self._is_late():
+                    return
                 self._by_rule(name, random, prices)
         few = islice(
             attempts(
@@ -132,6 +134,12 @@ class _Search:
             for attempt in few:
                 if attempt is not None:
                     self._offer(self.door.admit(attempt.starts()))
+                if self._is_late():
+                    return
+
+    def _is_late(self) -> bool:
+        """The limit is over. A first schedule is looked for all the same."""
+        return self.until is not None and monotonic() > self.until
 
     def _by_rule(self, name: str, random: Random, prices: list[float] | None) -> None:
         if (state := build(self.layout, SPECS[name], random, prices=prices)) is not None:

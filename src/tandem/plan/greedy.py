@@ -109,7 +109,7 @@ def by_score(layout: Layout, priority: Sequence[float], score: Score) -> State |
     `clockwise`.
 
     Scores grow as operators fill up, so one that was right when it was pushed is looked at again
-    only when it comes to the top.
+    only when it comes to the top; of many that have grown alike, `LOOKAHEAD` at a time.
     """
     state = State(layout)
     ready: list[tuple[float, float, int]] = [
@@ -117,16 +117,20 @@ def by_score(layout: Layout, priority: Sequence[float], score: Score) -> State |
     ]
     heapify(ready)
     while ready:
-        known, _, task = ready[0]
-        best = _best(state, task, score, state.free)
-        if best is None:
-            return None
-        fresh = score(best[1] + best[0].ticks, best[0])
-        heappop(ready)
-        if fresh > known and ready and (fresh, priority[task], task) > ready[0]:
-            heappush(ready, (fresh, priority[task], task))
-            continue
-        for after in state.put(task, *best):
+        looked_at: list[tuple[float, float, int]] = []
+        found: dict[int, tuple[Step, int]] = {}
+        while ready and len(looked_at) < LOOKAHEAD and (not looked_at or ready[0] < min(looked_at)):
+            _, rank, task = heappop(ready)
+            best = _best(state, task, score, state.free)
+            if best is None:
+                return None
+            looked_at.append((score(best[1] + best[0].ticks, best[0]), rank, task))
+            found[task] = best
+        chosen = min(looked_at)
+        for item in looked_at:
+            if item is not chosen:
+                heappush(ready, item)
+        for after in state.put(chosen[2], *found[chosen[2]]):
             heappush(ready, (0.0, priority[after], after))
     return state
 

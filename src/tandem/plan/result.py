@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
@@ -49,12 +50,12 @@ class Result:
     status: Status
     bound: Bound
 
-    @property
+    @cached_property
     def makespan(self) -> float:
         """When the last task ends, seconds."""
         return makespan(self.schedule)
 
-    @property
+    @cached_property
     def stress(self) -> float:
         """The cell's measure of stress: the sum over tasks done by humans unless the cell says
         otherwise.

@@ -16,14 +16,11 @@ from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault, UsageError
 from tandem.files.atomic import store
 from tandem.files.load import dumps, load
-from tandem.files.messages import shown
+from tandem.report.results import is_result, schedules_of
 from tandem.schedule.checker import faults
-from tandem.schedule.model import Schedule
 
 CELL, VARIANTS, RESULTS, README = "cell.yaml", "variants", "results", "README.md"
 EXAMPLE_VARIANT = "faster.yaml"
-LATEST = 1e15
-"""No moment of a schedule is later, seconds: beyond it a float no longer holds microseconds."""
 ENDINGS = (".json", ".html")
 """Results that say which cell they belong to."""
 EMBEDDED = re.compile(r'<script type="application/json" id="result">(.*?)</script>', re.DOTALL)
@@ -34,6 +31,7 @@ class State(StrEnum):
 
     CURRENT = "current"
     STALE = "stale"
+    DAMAGED = "damaged"
     UNKNOWN = "unknown"
 
 
@@ -45,6 +43,7 @@ class Standing:
       belongs_to: the cell file that it was made for; None when it is stale or does not say.
       schedules: how many it holds.
       faults: what breaks the cell that it belongs to; empty when it belongs to none.
+      damage: what keeps it from being a result, each fault at its place.
     """
 
     path: Path
@@ -52,6 +51,7 @@ class Standing:
     belongs_to: Path | None = None
     schedules: int = 0
     faults: tuple[str, ...] = ()
+    damage: tuple[Fault, ...] = ()
 
 
 def lay_out(
@@ -201,9 +201,10 @@ def _standing(path: Path, cells: Mapping[Path, Cell], homes: Mapping[str, Path])
     if not isinstance(digest, str):
         return Standing(path, State.UNKNOWN)
     try:
-        schedules = schedules_of(document)
-    except CellError:
-        schedules = []
+        schedules = schedules_of(document) if is_result(document) else []
+    except CellError as error:
+        damage = tuple(fault.at(str(path)) for fault in error.faults)
+        return Standing(path, State.DAMAGED, damage=damage)
     home = homes.get(digest)
     if home is None:
         return Standing(path, State.STALE, None, len(schedules))
@@ -238,71 +239,6 @@ def _document(path: Path) -> dict[str, Any]:
             carried = EMBEDDED.search(text)
             text = carried[1] if carried else "{}"
         document = json.loads(text)
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return {}
     return document if isinstance(document, dict) else {}
-
-
-def schedules_of(document: Mapping[str, Any]) -> list[Schedule]:
-    """The schedules of a result document. Raises CellError with everything that keeps it from being
-    one.
-    """
-    if wrong := list(_misshapen(document)):
-        raise CellError(wrong)
-    return [Schedule.from_list(point["assignments"]) for point in document["front"]]
-
-
-def _misshapen(document: Any) -> Iterator[Fault]:
-    """What keeps a document from being the result of `tandem plan --json`, each with its place in
-    it.
-    """
-    if not isinstance(document, Mapping) or not isinstance(document.get("front"), list):
-        yield Fault(
-            f"is no result document, but {shown(document)} without a list `front`. Give what"
-            " `tandem plan CELL --json` prints."
-        )
-        return
-    for place, point in enumerate(document["front"], 1):
-        here = f"point {place} of the front"
-        if not isinstance(point, Mapping) or not isinstance(point.get("assignments"), list):
-            yield Fault(
-                f"{here} is {shown(point)} without a list `assignments`. Plan anew, or take the"
-                " point out."
-            )
-            continue
-        for number, row in enumerate(point["assignments"], 1):
-            if problem := _misshapen_row(row):
-                yield Fault(f"{here}, assignment {number}: {problem}.")
-
-
-def _misshapen_row(row: Any) -> str:
-    """What is wrong with one assignment; empty when nothing is."""
-    if not isinstance(row, Mapping):
-        return (
-            f'is {shown(row)}, but must be like {{"task": "1", "operators": ["robot"], "start": 0,'
-            ' "end": 9}'
-        )
-    if missing := [key for key in ("task", "operators", "start", "end") if key not in row]:
-        return (
-            f"{' and '.join(f'`{key}`' for key in missing)} {'is' if len(missing) == 1 else 'are'}"
-            " missing"
-        )
-    for key in ("start", "end"):
-        value = row[key]
-        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < LATEST:
-            return f"{key} is {shown(value)}, but must be a number of seconds"
-    if not isinstance(row["operators"], list) or not all(
-        isinstance(who, str | int) for who in row["operators"]
-    ):
-        return f"operators is {shown(row['operators'])}, but must be a list of names"
-    return (
-        ""
-        if isinstance(row["task"], str | int)
-        else f"task is {shown(row['task'])}, but must be a name"
-    )
-
-
-def stale(document: Mapping[str, Any], cell: Cell) -> bool | None:
-    """The result was made for another state of the cell; None when it does not say."""
-    digest = document.get("cell_digest")
-    return None if digest is None else digest != cell.digest

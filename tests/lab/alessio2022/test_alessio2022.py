@@ -12,6 +12,8 @@ import pytest
 
 pytest.importorskip("jax", reason="learning needs the extra tandem[learn]")
 
+from tests.lab.changed_records import refuses_changed_records
+
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.dispatch.lookahead.dynamic_programming import minimax, values
@@ -38,6 +40,10 @@ def quick(tmp_path_factory):
 @pytest.fixture(scope="module")
 def long():
     return experiment.stored()
+
+
+def test_a_changed_record_stops_the_reproduction(quick, tmp_path, capfd):
+    refuses_changed_records(["reproduce", "alessio2022", "--quick"], quick[0], tmp_path, capfd)
 
 
 def test_a_quick_run_is_kept_goes_on_and_says_that_it_is_one(quick):

@@ -10,9 +10,17 @@ import pytest
 
 pytest.importorskip("jax", reason="learning needs the extra tandem[learn]")
 
+from tests.lab.changed_records import refuses_changed_records
+
 from tandem.lab.antonelli2021 import experiment
 from tandem.lab.antonelli2021.markov import policy_values, reaching_states, value_iteration
 from tandem.lab.kinat2023.runs import thesis_cell
+
+SHORTER = {
+    "CHANCES": (0.0, 0.3, 0.1, 0.2, 0.3),
+    "TRAINED_AT": (0.0,),
+    "PRECISE": replace(experiment.PRECISE, steps=200_000),
+}
 
 
 @pytest.fixture(scope="module")
@@ -23,9 +31,8 @@ def short(tmp_path_factory):
     folder = tmp_path_factory.mktemp("antonelli")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(experiment, "cells", lambda: {"flanges": experiment.own_cell()})
-        patch.setattr(experiment, "CHANCES", (0.0, 0.3, 0.1, 0.2, 0.3))
-        patch.setattr(experiment, "TRAINED_AT", (0.0,))
-        patch.setattr(experiment, "PRECISE", replace(experiment.PRECISE, steps=200_000))
+        for name, value in SHORTER.items():
+            patch.setattr(experiment, name, value)
         return folder, experiment.reproduce(folder, quick=True, seeds=1)
 
 
@@ -43,16 +50,13 @@ def test_a_short_run_fills_every_player_and_says_that_it_is_one(short):
     assert "81 states, 71 of them with a part that sits wrongly" in text
 
 
-def test_what_was_found_before_is_not_computed_again_unless_something_else_is_asked(tmp_path):
-    calls = []
-
-    def ask(**asked):
-        return experiment._kept(
-            tmp_path / "records" / "x.json", asked, lambda: calls.append(asked) or [len(calls)]
-        )
-
-    assert [ask(seeds=1), ask(seeds=1), ask(seeds=2)] == [[1], [1], [2]]
-    assert calls == [{"seeds": 1}, {"seeds": 2}]
+def test_a_changed_record_stops_the_reproduction(short, tmp_path, capfd, monkeypatch):
+    monkeypatch.setattr(experiment, "cells", lambda: {"flanges": experiment.own_cell()})
+    for name, value in SHORTER.items():
+        monkeypatch.setattr(experiment, name, value)
+    refuses_changed_records(
+        ["reproduce", "antonelli2021", "--quick", "--seeds", "1"], short[0], tmp_path, capfd
+    )
 
 
 def test_planner_and_value_iteration_agree_on_a_human_who_makes_no_mistakes(short):

@@ -15,6 +15,7 @@ from tandem.lab import other_cells
 from tandem.lab.kinat2023 import experiment
 from tandem.lab.kinat2023.recipe import THESIS
 from tandem.lab.kinat2023.runs import FACTORS, PUBLISHED, VARIANTS, run_all, run_thesis, thesis_cell
+from tandem.lab.records import read_record
 from tandem.learn.ppo.config import Stage
 from tandem.learn.ppo.recipes import longer
 
@@ -88,7 +89,7 @@ def test_runs_that_have_a_record_are_not_run_again(tmp_path, monkeypatch):
     assert calls == [("thesis", 0, 0), ("thesis", 5, 0), ("thesis", 0, 1), ("thesis", 5, 1)]
     assert list(run_all(tmp_path, ["thesis"], range(2), factors=(0, 5))) == first
     assert len(calls) == 4
-    assert [json.loads(file.read_text())["seed"] for file in first] == [0, 0, 1, 1]
+    assert [read_record(file)["seed"] for file in first] == [0, 0, 1, 1]
 
 
 def test_a_run_repeats_for_its_seed():

@@ -11,8 +11,11 @@ import pytest
 
 pytest.importorskip("jax", reason="learning needs the extra tandem[learn]")
 
+from tests.lab.changed_records import refuses_changed_records
+
 import tandem
 from tandem.errors import CellError
+from tandem.lab.records import read_record
 from tandem.lab.yu2020 import experiment, games, layout, runs
 from tandem.lab.yu2020.board import desk, random_board
 from tandem.lab.yu2020.play import follow, play
@@ -101,9 +104,13 @@ def test_a_run_that_was_stopped_goes_on_with_the_records_that_are_there(quick, m
         "tandem.lab.yu2020.board_training.train", lambda *_, **__: pytest.fail("trained again")
     )
     files = list(runs.run_all(folder / "records", range(1), [], runs.QUICK, lambda _: None))
-    assert [json.loads(file.read_text()) for file in files] == [
+    assert [read_record(file) for file in files] == [
         record for record in document["records"] if record["trained_on"] != "nothing"
     ]
+
+
+def test_a_changed_record_stops_the_reproduction(quick, tmp_path, capfd):
+    refuses_changed_records(["reproduce", "yu2020", "--quick"], quick[0], tmp_path, capfd)
 
 
 def test_the_figures_are_drawn(quick, tmp_path):

@@ -7,13 +7,15 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from tests.lab.changed_records import refuses_changed_records
 
 import tandem
+from tandem.errors import CellError
 from tandem.lab.systems import SYSTEMS
 from tandem.lab.yu2020.board import desk
 from tandem.lab.yu2021 import experiment
 
-STORED = Path(experiment.__file__).parent / "results" / experiment.STORED
+STORED = Path(experiment.__file__).parent / "results.json"
 
 pytest.importorskip("jax", reason="learning needs the extra tandem[learn]")
 
@@ -53,7 +55,7 @@ def test_the_recipes_differ_in_what_their_names_say_and_have_one_budget():
 
 
 @pytest.mark.slow
-def test_a_short_run_of_the_same_code(tmp_path, monkeypatch):
+def test_a_short_run_of_the_same_code(tmp_path, tmp_path_factory, monkeypatch, capfd):
     from tandem.learn.training import trainer
 
     monkeypatch.setattr(
@@ -82,6 +84,9 @@ def test_a_short_run_of_the_same_code(tmp_path, monkeypatch):
     assert all(file.exists() for file in experiment.draw_figures(document, tmp_path))
     assert experiment.reproduce(tmp_path, quick=True)["rows"] == document["rows"], (
         "kept runs are not made again"
+    )
+    refuses_changed_records(
+        ["reproduce", "yu2021", "--quick"], tmp_path, tmp_path_factory.mktemp("changed"), capfd
     )
 
 
@@ -112,3 +117,22 @@ def test_the_stored_run_is_consistent_and_its_table_can_be_printed():
     table = experiment.table(document)
     assert table.count("not public") == len(document["rows"])
     assert "yu2021" in SYSTEMS
+
+
+def test_a_run_folder_of_other_seeds_is_not_taken_for_this_one(tmp_path):
+    from tandem.learn.training.runs import RunFolder
+
+    cell = experiment.Instance(3, 2, 1).cell()
+    run = RunFolder(tmp_path / "records" / "desk-3-rows-2-robots-1-human-ours-1")
+    recipe = experiment.recipes(64, len(cell.tasks))["ours"]
+    asked = {
+        "cell": cell.to_dict(),
+        "recipe": "yu2021",
+        "algorithm": "alphazero",
+        "settings": recipe.to_dict(),
+    }
+    run.begin({**asked, "seeds": [7], "stress_factor": 0.0, "front_limit": 1.0})
+    with pytest.raises(
+        CellError, match="ours-1: holds a training of another cell or of other seeds"
+    ):
+        experiment._learned(cell, recipe, [0], run)

@@ -7,6 +7,7 @@ same budget), so that a journal can be replayed.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
@@ -15,6 +16,9 @@ from tandem.errors import UsageError
 
 if TYPE_CHECKING:
     from tandem.dispatch.situation.model import Situation
+
+LONGEST_BUDGET_MS = 3_600_000
+"""Of a decision. Nobody waits longer, and no clock has to count further."""
 
 Start = tuple[str, tuple[str, ...]]
 """A task, and the operators who begin it together."""
@@ -47,23 +51,24 @@ class Options:
     learned: str | None = None
 
     def __post_init__(self) -> None:
-        if not self.budget_ms > 0:
-            raise UsageError(f"budget {self.budget_ms:g} ms: must be more than 0.")
+        if not 0 < self.budget_ms <= LONGEST_BUDGET_MS:
+            raise UsageError(
+                f"budget {self.budget_ms:g} ms: must be more than 0, "
+                f"and at most {LONGEST_BUDGET_MS}, an hour."
+            )
         if not 0 <= self.random <= 1:
             raise UsageError(f"random {self.random:g}: a share lies between 0 and 1.")
-        if (
-            not self.prior
-            or any(not (pace > 0 and share >= 0) for pace, share in self.prior.items())
-            or not sum(self.prior.values()) > 0
+        if not 0 < sum(self.prior.values()) < math.inf or any(
+            not 0 < pace < math.inf or share < 0 for pace, share in self.prior.items()
         ):
             raise UsageError(
                 f"prior {prior_words(self.prior)}: needs pace factors above 0, each with a"
                 " probability of 0 or more."
             )
-        if self.frozen_s < 0 or self.change_penalty < 0:
+        if not (0 <= self.frozen_s < math.inf and 0 <= self.change_penalty < math.inf):
             raise UsageError(
-                f"frozen {self.frozen_s:g} s, change penalty {self.change_penalty:g} s: neither can"
-                " be negative."
+                f"frozen {self.frozen_s:g} s, change penalty {self.change_penalty:g} s: "
+                "both must be a number of seconds, 0 or more."
             )
 
 

@@ -9,10 +9,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Decision, Start
 from tandem.dispatch.journal import Entry
 from tandem.dispatch.shift.deadline import Answered
-from tandem.dispatch.situation.events import Event
+from tandem.dispatch.situation.events import Event, EventError, read_event
 from tandem.dispatch.situation.legal import hindrances, is_ready, legal, next_change
 from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.situation.transitions import ordered, revoked
@@ -194,6 +195,25 @@ def event_of(data: Mapping[str, Any]) -> Event:
         tuple(operators),
         data.get("until"),
         data.get("id"),
+    )
+
+
+def kept_event(data: Mapping[str, Any], cell: Cell) -> Event | None:
+    """The event as a journal keeps it; None when it is none of this cell."""
+    try:
+        return read_event(json.dumps(data), cell)
+    except EventError:
+        return None
+
+
+def is_of(choice: Told, cell: Cell) -> bool:
+    """Whether every task, operator and human that is told of is one of the cell."""
+    tasks = {*(task for task, _ in choice.starts), *choice.announced.values()}
+    operators = {who for _, group in choice.starts for who in group}
+    return (
+        tasks <= set(cell.tasks)
+        and operators <= set(cell.operators)
+        and set(choice.announced) <= set(cell.humans)
     )
 
 

@@ -8,6 +8,7 @@ the journal, in one transaction. All but the wall clock is a pure function of th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
@@ -15,7 +16,7 @@ from typing import Any, Self
 
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Basis, Options, basis_of
-from tandem.dispatch.deciders.table import policy
+from tandem.dispatch.deciders.table import POLICIES, policy
 from tandem.dispatch.journal import Entry, Journal, JournalError
 from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.shift.deadline import Answered, InTime
@@ -25,6 +26,8 @@ from tandem.dispatch.shift.documents import (
     digest,
     document,
     event_of,
+    is_of,
+    kept_event,
     over,
     told,
 )
@@ -39,6 +42,7 @@ from tandem.dispatch.situation.events import (
 from tandem.dispatch.situation.model import TAKING_APART, Situation
 from tandem.dispatch.situation.objections import objections, remarks
 from tandem.dispatch.situation.transitions import after, ordered
+from tandem.errors import UsageError
 
 RULE = "longest-tail"
 """The rule that answers when the decider cannot."""
@@ -62,6 +66,10 @@ class Settings:
     objective: Objective = field(default_factory=Objective)
     options: Options = field(default_factory=Options)
     taking_apart: float = TAKING_APART
+
+    def __post_init__(self) -> None:
+        if not 0 < self.taking_apart < math.inf:
+            raise UsageError(f"taking apart {self.taking_apart:g}: must be a share above 0.")
 
     def to_dict(self) -> Document:
         """As plain values."""
@@ -214,23 +222,30 @@ class Shift:
         self._moved(opening, moved)
 
     def _go_on(self) -> None:
+        """Lives through the journal. Raises JournalError at an entry that does not lead on."""
         for entry in self.journal.entries():
-            moved = (
-                self.situation
-                if entry.event is None
-                else after(self.situation, event_of(entry.event))
-            )
-            moved = (
-                moved
-                if entry.decision is None
-                else ordered(moved, told(entry.decision), entry.number)
-            )
-            if digest(moved) != entry.situation or entry.number != self.number + 1:
+            moved = self._led(entry)
+            if moved is None or digest(moved) != entry.situation:
                 raise JournalError(
                     f"{self.journal.path}: entry {entry.number} does not lead where the journal"
                     " says. It was changed, or is damaged."
                 )
             self._moved(entry, moved)
+
+    def _led(self, entry: Entry) -> Situation | None:
+        """Where an entry leads; None when it tells of what cannot have happened, or been told,
+        here.
+        """
+        moved = self.situation
+        if entry.event is not None:
+            event = kept_event(entry.event, self.cell)
+            if event is None or objections(moved, event):
+                return None
+            moved = after(moved, event)
+        if entry.decision is None:
+            return moved
+        choice = told(entry.decision)
+        return ordered(moved, choice, entry.number) if is_of(choice, self.cell) else None
 
     def _moved(self, entry: Entry, moved: Situation) -> None:
         self.situation, self.number = moved, entry.number
@@ -290,7 +305,7 @@ class Shift:
 
 def opened_with(journal: Journal, cell: Cell) -> tuple[Settings, datetime | None]:
     """The settings and the stated start of the shift in the journal. Raises JournalError when it is
-    of another cell.
+    of another cell, or they cannot be those.
     """
     about = journal.about()
     if about["digest"] != cell.digest:
@@ -300,9 +315,22 @@ def opened_with(journal: Journal, cell: Cell) -> tuple[Settings, datetime | None
             f" one is {cell.name!r} (digest {cell.digest}). Give the cell as it was when the shift"
             " began, or name another journal."
         )
-    return Settings.from_dict(about["settings"]), (
-        None if about["start"] is None else datetime.fromisoformat(about["start"])
-    )
+    settings = kept_settings(journal)
+    return settings, None if about["start"] is None else datetime.fromisoformat(about["start"])
+
+
+def kept_settings(journal: Journal) -> Settings:
+    """What the shift in the journal is steered by. Raises JournalError when nothing can be."""
+    try:
+        settings = Settings.from_dict(journal.about()["settings"])
+        if settings.policy not in POLICIES:
+            raise UsageError(f"there is no policy {settings.policy!r}.")
+    except UsageError as error:
+        raise JournalError(
+            f"{journal.path}: shift, settings: {error} It was changed, or is damaged. Name another"
+            " journal."
+        ) from None
+    return settings
 
 
 def _kept(line: str | bytes) -> str | bytes:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import datetime
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -18,6 +18,10 @@ Value = str | float | bool | datetime.date | datetime.time | datetime.timedelta
 
 MOST_ROWS = 10_000
 """A sheet with more rows than this is data of another kind, not the tasks of one station."""
+MOST_CELLS, MOST_TEXT = 500_000, 10_000_000
+"""Of a sheet, its columns reckoned to the last one that holds anything, and characters in all of
+it: ten thousand tasks with fifty columns. What is larger would keep the import busy for minutes.
+"""
 
 
 @dataclass(frozen=True)
@@ -120,6 +124,32 @@ class Book:
     passed_over: Mapping[str, str] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
     sees_errors: bool = True
+
+
+def trimmed(rows: Sequence[Sequence[Value]]) -> list[Sequence[Value]]:
+    """The rows without the empty columns behind the last one that holds anything."""
+    width = max((_filled_width(row) for row in rows), default=0)
+    return [row[:width] for row in rows]
+
+
+def _filled_width(row: Sequence[Value]) -> int:
+    width = len(row)
+    while width and row[width - 1] == "":
+        width -= 1
+    return width
+
+
+def flood(rows: Sequence[Sequence[Value]]) -> str:
+    """Why a sheet is more than Tandem reads, as the end of a sentence; empty when it is not."""
+    if len(rows) > MOST_ROWS:
+        return f"has {len(rows):,} rows, and Tandem reads at most {MOST_ROWS:,}"
+    cells = len(rows) * max(map(len, rows), default=0)
+    if cells > MOST_CELLS:
+        return f"has {cells:,} cells, and Tandem reads at most {MOST_CELLS:,}"
+    signs = sum(len(value) for row in rows for value in row if isinstance(value, str))
+    if signs > MOST_TEXT:
+        return f"holds {signs:,} characters, and Tandem reads at most {MOST_TEXT:,}"
+    return ""
 
 
 def letters(column: int) -> str:

@@ -118,14 +118,12 @@ def _has_a_time(table: Table, row: int) -> bool:
 
 def _repeats_header(table: Table, row: int) -> bool:
     filled = dict(table.grid.filled(row))
-    own = [column for column in table.columns if column.index in filled]
-    same = [
-        c
-        for c in own
-        if key(shown(filled[c.index]))
-        and key(shown(filled[c.index])) == key(shown(table.grid.rows[table.header_row][c.index]))
-    ]
-    return len(same) >= 2 and len(same) == len(own)
+    own = [column.index for column in table.columns if column.index in filled]
+    header = table.grid.rows[table.header_row]
+    words = ((key(shown(filled[index])), index) for index in own)
+    return len(own) >= 2 and all(
+        word and word == key(shown(header[index])) for word, index in words
+    )
 
 
 def _sums_up(table: Table, row: int, before: list[int]) -> bool:

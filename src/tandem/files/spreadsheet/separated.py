@@ -7,13 +7,16 @@ import io
 import re
 from collections import Counter
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 from tandem.errors import CellError, Fault
-from tandem.files.spreadsheet.grid import MOST_ROWS, Book, Grid, letters
+from tandem.files.spreadsheet.grid import MOST_ROWS, MOST_TEXT, Book, Grid, flood, letters, trimmed
 
 MOST_COLUMNS, MOST_SIGNS = 16_384, 32_767
 """What a sheet and a cell of Excel hold."""
+
+KEEP = "Keep only the tasks of one station."
 
 SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas"}
 """In the order in which they are believed when two fit equally well: a comma may be a decimal
@@ -28,13 +31,16 @@ def read(path: Path, content: bytes) -> Book:
       CellError: when the content is not text, or holds too many rows.
     """
     text, encoding = _decode(path, content)
-    lines = text.splitlines()
-    if lines and lines[0].lower().startswith("sep=") and len(lines[0]) == 5:
-        separator = lines[0][4]
-        text = "\n" + "\n".join(lines[1:])  # keeps the row numbers
+    head, _, rest = text.partition("\n")
+    stated = head.rstrip("\r")
+    if stated.lower().startswith("sep=") and len(stated) == 5:
+        separator = stated[4]
+        text = "\n" + rest  # keeps the row numbers
     else:
-        separator = _separator(lines)
+        separator = _separator(text)
     records = _records(path, text, separator)
+    if too_much := flood(trimmed([record.fields for record in records])):
+        raise CellError([Fault(f"{too_much}. {KEEP}", place=path.name)])
     _refuse_stray_quotes(path, text, separator, records)
     rows = [record.fields for record in records]
     width = max(map(len, rows), default=0)
@@ -65,10 +71,7 @@ def _records(path: Path, text: str, separator: str) -> list[Record]:
             records.append(Record(fields, line, reader.line_num))
             line = reader.line_num
             if len(records) > MOST_ROWS:
-                message = (
-                    f"has more than {MOST_ROWS:,} rows, the most that Tandem reads. Keep only the"
-                    " tasks of one station."
-                )
+                message = f"has more than {MOST_ROWS:,} rows, the most that Tandem reads. {KEEP}"
                 raise CellError([Fault(message, place=path.name)])
             _refuse_a_flood(path, fields, len(records))
     except csv.Error as error:
@@ -176,9 +179,10 @@ def _decode(path: Path, content: bytes) -> tuple[str, str]:
         return content.decode("cp1252", errors="replace"), "Windows-1252"
 
 
-def _separator(lines: list[str]) -> str:
+def _separator(text: str) -> str:
     """The separator by which most lines have the same number of columns, more than one."""
-    sample = "\n".join([line for line in lines if line.strip()][:200])
+    lines = (line for line in io.StringIO(text[:MOST_TEXT]) if line.strip())
+    sample = "".join(islice(lines, 200))
 
     def share(separator: str) -> float:
         try:

@@ -180,8 +180,8 @@ def written(text: str) -> Written | None:
     """The one number that a text holds, with a unit of time behind it or not; None when it holds
     something else.
     """
-    found = WRITTEN.fullmatch(_in_one_line(text))
-    if not found or len(text) > MOST_DIGITS:
+    found = WRITTEN.fullmatch(_in_one_line(text)) if len(text) <= MOST_DIGITS else None
+    if not found:
         return None
     group, mark, part = found["group"], MARKS.get(found["mark"]), found["part"] or ""
     unit = unit_named(found["unit"]) if found["unit"] else None
@@ -206,6 +206,8 @@ def _in_one_line(text: str) -> str:
     """Blanks of every width as single ones, invisible marks away; line breaks and soft hyphens
     stay, as they part what looks like one number.
     """
+    if text.isascii():
+        return text.strip()
     plain = unicodedata.normalize("NFC", text)
     kept = (
         " " if unicodedata.category(c) == "Zs" else c

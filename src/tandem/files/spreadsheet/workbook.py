@@ -11,7 +11,7 @@ from typing import Any
 from tandem.errors import CellError, Fault
 from tandem.files.spreadsheet import hidden_content, separated
 from tandem.files.spreadsheet.confined import REMEDY, RefusedError, open_apart
-from tandem.files.spreadsheet.grid import MOST_ROWS, Book, Grid
+from tandem.files.spreadsheet.grid import Book, Grid, flood, trimmed
 
 MOST_BYTES = 50_000_000
 MOST_BYTES_UNPACKED = 600_000_000
@@ -38,10 +38,11 @@ def open_book(path: Path) -> Book:
         password, or no workbook at all.
     """
     try:
-        content = path.read_bytes() if path.stat().st_size <= MOST_BYTES else None
+        with open(path, "rb") as file:
+            content = file.read(MOST_BYTES + 1)  # no more of it, whatever size it claims
     except OSError as error:
         raise refused(path, f"cannot be read: {error.strerror or error}.") from error
-    if content is None:
+    if len(content) > MOST_BYTES:
         raise refused(
             path,
             f"is larger than {MOST_BYTES // 1_000_000} MB. Keep only the sheet with the tasks, and"
@@ -141,10 +142,8 @@ def _calamine(path: Path, content: bytes) -> Book:
                 path,
                 f"sheet {sheet.name!r} cannot be read ({error}). Open and save the workbook anew.",
             ) from error
-        if len(rows) > MOST_ROWS:
-            passed_over[sheet.name] = (
-                f"it has {len(rows):,} rows, and Tandem reads at most {MOST_ROWS:,}"
-            )
+        if too_much := flood(trimmed(rows)):
+            passed_over[sheet.name] = f"it {too_much}"
             continue
         sight = sights.get(sheet.name, hidden_content.Sight())
         visible = sheet.visible == calamine.SheetVisibleEnum.Visible

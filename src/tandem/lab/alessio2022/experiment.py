@@ -8,7 +8,6 @@ stands for them is in `docs/alessio.md`, marked ASSUMPTION.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -16,13 +15,12 @@ from statistics import fmean
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell
-from tandem.files.atomic import store
 from tandem.lab.alessio2022 import cells, exact, grid_runs, results_table, robots
 from tandem.lab.alessio2022.grid_runs import ADVERSARIAL, DESCRIBED, PLAIN
 from tandem.lab.alessio2022.layout import Layout, layout
 from tandem.lab.kinat2023.station import station, whole_ticks
 from tandem.lab.kinat2023.world import Station
-from tandem.lab.records import read_record, stored_document
+from tandem.lab.records import kept_record, stored_document, write_document
 from tandem.lab.statistics import interval, larger, rank_sum
 from tandem.learn.training.runs import versions
 
@@ -92,9 +90,7 @@ def reproduce(
         _of_grid(name, list(_trained(name, trainings, number, quick, kept)), kept)
         for name, trainings in plan.items()
     ]
-    folder.mkdir(parents=True, exist_ok=True)
-    store(folder / STORED, json.dumps(document, separators=(",", ":")) + "\n")
-    return document
+    return write_document(folder / STORED, document)
 
 
 def stored() -> dict[str, Any]:
@@ -207,11 +203,12 @@ class _Kept:
         file = self.folder / (
             name.replace(":", "").replace(",", "").replace(" %", "").replace(" ", "-") + ".json"
         )
-        if not file.exists():
+
+        def told() -> Any:
             self.tell(name)
-            self.folder.mkdir(parents=True, exist_ok=True)
-            store(file, json.dumps(make()) + "\n")
-        return read_record(file)
+            return make()
+
+        return kept_record(file, told)
 
 
 def _trained(

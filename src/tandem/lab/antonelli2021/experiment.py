@@ -7,7 +7,6 @@ described" are ours (ASSUMPTION).
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
@@ -18,7 +17,6 @@ from typing import Any
 import numpy as np
 
 from tandem.cell.model import Cell
-from tandem.files.atomic import store
 from tandem.files.validate import cell_of
 from tandem.lab.antonelli2021 import Repair, qlearning, repair
 from tandem.lab.antonelli2021.cells import cells, own_cell
@@ -31,7 +29,7 @@ from tandem.lab.antonelli2021.markov import (
 from tandem.lab.antonelli2021.qlearning import Config
 from tandem.lab.kinat2023.runs import thesis_cell
 from tandem.lab.origin import origin
-from tandem.lab.records import read_record, stored_document
+from tandem.lab.records import kept_record, stored_document, write_document
 from tandem.lab.systems import Features, Played
 from tandem.learn.training.runs import versions
 from tandem.plan.methods import plan
@@ -140,33 +138,18 @@ def reproduce(
     for name, cell in cells().items():
         tell(f"{name}: {count} seeds at p = {', '.join(f'{p:g}' for p in chances)}")
         make = partial(on_cell, cell, chances, range(count), ours)
-        document["cells"][name] = _kept(
-            records / f"{name}.json", {**asked, "cell": cell.digest}, make
+        document["cells"][name] = kept_record(
+            records / f"{name}.json", make, {**asked, "cell": cell.digest}
         )
     document["precision"] = []
     for p, horizon in ({0.1: PRECISE_AT[0.1]} if quick else PRECISE_AT).items():
         tell(f"precision at p = {p:g}: {precise.steps:,} rounds")
         make_rows = partial(precision, own_cell(), {p: horizon}, precise)
-        document["precision"] += _kept(
-            records / f"precision-{p:g}.json", {**asked, "horizon": horizon}, make_rows
+        document["precision"] += kept_record(
+            records / f"precision-{p:g}.json", make_rows, {**asked, "horizon": horizon}
         )
     document["speed"] = speed(thesis_cell())
-    folder.mkdir(parents=True, exist_ok=True)
-    store(folder / STORED, json.dumps(document, separators=(",", ":")) + "\n")
-    return document
-
-
-def _kept(file: Path, asked: Mapping[str, Any], make: Callable[[], Any]) -> Any:
-    """What was found when the same was asked before; made and written down else."""
-    question = json.loads(json.dumps(asked))
-    if file.exists():
-        record = read_record(file)
-        if isinstance(record, dict) and record.get("asked") == question and "found" in record:
-            return record["found"]
-    file.parent.mkdir(parents=True, exist_ok=True)
-    found = make()
-    store(file, json.dumps({"asked": question, "found": found}, separators=(",", ":")) + "\n")
-    return found
+    return write_document(folder / STORED, document)
 
 
 def stored() -> dict[str, Any]:

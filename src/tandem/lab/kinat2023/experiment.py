@@ -4,7 +4,6 @@ here, our recipe, and the exact optimum.
 
 from __future__ import annotations
 
-import json
 import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -28,7 +27,7 @@ from tandem.lab.kinat2023.runs import (
 from tandem.lab.kinat2023.station import station, whole_ticks
 from tandem.lab.kinat2023.world import State, Station
 from tandem.lab.origin import origin
-from tandem.lab.records import read_record, stored_document
+from tandem.lab.records import read_record, stored_document, write_document
 from tandem.lab.systems import Features, Played
 from tandem.learn.ppo.recipes import longer
 from tandem.learn.training.runs import versions
@@ -57,8 +56,6 @@ def reproduce(
       quick: two seeds and a fiftieth of the budgets.
       seeds: of the thesis's recipe; 10 when absent. Ours has 20.
     """
-    from tandem.files.atomic import store
-
     if quick:
         records = list(_quick_records(seeds or 1))
     else:
@@ -70,9 +67,7 @@ def reproduce(
             tell(f"{file.name}")
             records.append(read_record(file))
     document = assemble(records, quick=quick)
-    folder.mkdir(parents=True, exist_ok=True)
-    store(folder / STORED, json.dumps(document, separators=(",", ":")) + "\n")
-    return document
+    return write_document(folder / STORED, document)
 
 
 def stored() -> dict[str, Any]:

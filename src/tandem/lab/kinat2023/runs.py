@@ -7,9 +7,7 @@ run has ended, so that a batch that was stopped goes on where it was.
 
 from __future__ import annotations
 
-import json
 import math
-import os
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
@@ -20,6 +18,7 @@ from typing import Any
 from tandem.cell.model import Cell
 from tandem.files.load import load
 from tandem.lab.kinat2023.recipe import STATION, THESIS, StationRecipe, varied
+from tandem.lab.records import kept_record
 
 FACTORS = (0, 1, 5)
 PUBLISHED = {0: (23, 17), 1: (23, 7), 5: (24, 3)}
@@ -56,17 +55,13 @@ def run_all(
     """Every run of the thesis's recipe that has no record in `folder` yet, seed by seed; yields
     each record's file.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     for seed in seeds:
         for variant in variants:
             for factor in factors:
                 file = (
                     folder / f"{variant.replace(', ', '_').replace(' ', '-')}_{factor}_{seed}.json"
                 )
-                if not file.exists():
-                    part = file.with_suffix(f".{os.getpid()}.part")
-                    part.write_text(json.dumps(run_thesis(variant, factor, seed)))
-                    part.replace(file)
+                kept_record(file, partial(run_thesis, variant, factor, seed))
                 yield file
 
 

@@ -5,7 +5,6 @@ proven optimum, on random boards and on their desk.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from functools import partial
@@ -18,7 +17,7 @@ from tandem.cell.model import Cell
 from tandem.lab.kinat2023.experiment import mean
 from tandem.lab.origin import origin
 from tandem.lab.quick import compiled_quickly
-from tandem.lab.records import kept_record, read_record, stored_document
+from tandem.lab.records import kept_record, read_record, stored_document, write_document
 from tandem.lab.systems import Features, Played
 from tandem.lab.yu2020 import games, runs
 from tandem.lab.yu2020.board import Board, desk
@@ -64,15 +63,11 @@ def reproduce(
       quick: ten boards, one seed, trainings of seconds.
       seeds: trainings of each recipe; 5 when absent.
     """
-    from tandem.files.atomic import store
-
     with compiled_quickly() if quick else nullcontext():
         document = _document(
             folder / "records", quick, range(seeds or (1 if quick else SEEDS)), tell
         )
-    folder.mkdir(parents=True, exist_ok=True)
-    store(folder / STORED, json.dumps(document, separators=(",", ":")) + "\n")
-    return document
+    return write_document(folder / STORED, document)
 
 
 def _document(

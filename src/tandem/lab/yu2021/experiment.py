@@ -9,28 +9,28 @@ dispatch rule, random play and the exact optimum.
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from statistics import fmean
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from tandem.cell.model import Cell
-from tandem.files.atomic import store
 from tandem.files.validate import cell_of
 from tandem.lab.quick import compiled_quickly
-from tandem.lab.records import stored_document
+from tandem.lab.records import kept_record, stored_document, write_document
 from tandem.lab.systems import Features, Played
 from tandem.lab.yu2020.board import ROBOT, desk
 from tandem.lab.yu2021.recipe import YU_2021
 from tandem.learn.alphazero.recipes import ALPHAZERO, SearchRecipe
 from tandem.learn.dqn.recipes import ValueRecipe
+from tandem.learn.forms import unreadable
 from tandem.learn.results import Reached
-from tandem.learn.training.runs import RunFolder, versions
+from tandem.learn.training.runs import RunFolder, asked_cell, versions
 
 STORED = "yu2021.json"
 SEEDS = 3
@@ -135,9 +135,7 @@ def reproduce(
         "published": PUBLISHED,
         "rows": rows,
     }
-    folder.mkdir(parents=True, exist_ok=True)
-    store(folder / STORED, json.dumps(document, indent=1) + "\n")
-    return document
+    return write_document(folder / STORED, document, indent=1)
 
 
 def _row(
@@ -162,19 +160,12 @@ def _row(
     learned = {}
     for name, recipe in recipes(games, len(cell.tasks)).items():
         began = time.process_time()
-        result, curve = _trained(
-            cell,
-            recipe,
-            seeds,
-            records / f"{instance.name} {name}".replace(", ", "-").replace(" ", "-"),
+        run = RunFolder(records / f"{_file_name(instance.name)}-{_file_name(name)}-{len(seeds)}")
+        learned[name] = kept_record(
+            run.path.with_suffix(".json"),
+            partial(_learned, cell, recipe, seeds, run),
+            {"cell": cell.digest, "recipe": recipe.to_dict(), "seeds": list(seeds)},
         )
-        learned[name] = {
-            "greedy": [row["greedy"]["makespan"] for row in result["seeds"]],
-            "best_of_n": [row["best_of_n"]["makespan"] for row in result["seeds"]],
-            "n": result["seeds"][0]["best_of_n"]["n"],
-            "cpu_s": round(sum(row["cpu_s"] for row in result["seeds"]), 1),
-            "curve": curve,
-        }
         tell(f"  {name}: greedy {learned[name]['greedy']}, {time.process_time() - began:.0f} CPU s")
     return {
         "instance": instance.name,
@@ -189,38 +180,66 @@ def _row(
     }
 
 
-def _trained(
-    cell: Cell, recipe: ValueRecipe | SearchRecipe, seeds: Sequence[int], folder: Path
-) -> tuple[dict[str, Any], list[Any]]:
-    """The result of the run in the folder, made or gone on with when it is not there; and each
-    seed's (decisions, greedy seconds).
+def _learned(
+    cell: Cell, recipe: ValueRecipe | SearchRecipe, seeds: Sequence[int], run: RunFolder
+) -> dict[str, Any]:
+    """What a training reached, and each seed's (decisions, greedy seconds). One that was stopped
+    is gone on with in its folder.
 
-    Raises KeyboardInterrupt when the training was stopped: what it has saved is gone on with the
-    next time.
+    Raises:
+      CellError: the folder holds another training, or one that is damaged.
+      KeyboardInterrupt: it was stopped again; what it has saved is gone on with the next time.
     """
     from tandem.learn.training import trainer
 
-    run = RunFolder(folder)
-    if not (folder / "run.json").exists():
+    if (run.path / "run.json").exists():
+        _same_training(run, cell, seeds)
+        result = trainer.resume(run.path)
+    else:
         result = trainer.train(
             cell,
             recipe_name="yu2021",
             own_recipe=recipe,
             seeds=tuple(seeds),
-            folder=folder,
+            folder=run.path,
             front_limit=1.0,
         )
-    elif not (folder / "result.json").exists():
-        result = trainer.resume(folder)
-    else:
-        result = run.result()
     if result["interrupted"]:
         raise KeyboardInterrupt
+    played = result["seeds"]
+    return {
+        "greedy": [row["greedy"]["makespan"] for row in played],
+        "best_of_n": [row["best_of_n"]["makespan"] for row in played],
+        "n": played[0]["best_of_n"]["n"],
+        "cpu_s": round(sum(row["cpu_s"] for row in played), 1),
+        "curve": _curves(run, seeds),
+    }
+
+
+def _same_training(run: RunFolder, cell: Cell, seeds: Sequence[int]) -> None:
+    """Raises CellError when the folder holds the training of another cell or of other seeds."""
+    asked = run.asked()
+    if asked.seeds != tuple(seeds) or asked_cell(run, asked).digest != cell.digest:
+        other = "holds a training of another cell or of other seeds. Delete it: it is made anew."
+        raise unreadable(run.path, [other])
+
+
+def _curves(run: RunFolder, seeds: Sequence[int]) -> list[list[list[float | None]]]:
+    """Per seed the (decisions, seconds of the greedy policies) of every interval."""
     rows = run.figures()
-    return result, [
+    if rows and (missing := {"steps", "greedy_makespan"} - rows[0].keys()):
+        without = (
+            f"has no figures {' and '.join(sorted(missing))}. Delete the folder: it is made anew."
+        )
+        raise unreadable(run.path / "metrics.jsonl", [without])
+    return [
         [[row["steps"], row["greedy_makespan"]] for row in rows if row["seed"] == seed]
         for seed in seeds
     ]
+
+
+def _file_name(name: str) -> str:
+    return name.replace(", ", "-").replace(" ", "-")
 
 
 def _random(cell: Cell) -> list[float]:
@@ -311,7 +330,7 @@ def draw_figures(document: Mapping[str, Any], folder: Path) -> list[Path]:
             levels=levels,
         )
         for form in ("svg", "png"):
-            file = folder / f"{row['instance'].replace(', ', '-').replace(' ', '-')}.{form}"
+            file = folder / f"{_file_name(row['instance'])}.{form}"
             save(ax, file)
             files.append(file)
     return files

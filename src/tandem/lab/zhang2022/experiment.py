@@ -7,16 +7,14 @@ Their numbers are not public: the cell, the cost and every setting of the traini
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from tandem.cell.model import Cell
-from tandem.files.atomic import store
 from tandem.lab.kinat2023.runs import thesis_cell
-from tandem.lab.records import kept_record, stored_document
+from tandem.lab.records import kept_record, stored_document, write_document
 from tandem.lab.systems import Features, Played
 from tandem.lab.zhang2022.runs import (
     ARMS,
@@ -85,9 +83,7 @@ def reproduce(
     document["other_cells"] = [
         kept_record(file, partial(_on, name, size, tell)) for name, file in kept
     ]
-    folder.mkdir(parents=True, exist_ok=True)
-    store(folder / STORED, json.dumps(document, separators=(",", ":")) + "\n")
-    return document
+    return write_document(folder / STORED, document)
 
 
 def assemble(
