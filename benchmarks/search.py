@@ -5,7 +5,7 @@ and how long one decision takes.
 
 One table, one run, one machine. All play whole games on the height-adjustable desk (Yu, Huang and
 Chang 2020): 53 pieces, 30 simulations for each decision. "Yu 2020" is their search and networks;
-the peer is `tests/learn/plain_yu.py`, held against it by a test. Weights are untrained.
+the peer is `tests/lab/yu2020/plain_yu.py`, held against it by a test. Weights are untrained.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from tests.learn.plain_yu import PlainGame, PlainSearch  # noqa: E402
+from tests.lab.yu2020.plain_yu import PlainGame, PlainSearch  # noqa: E402
 
 from tandem.lab import yu2020  # noqa: E402
 from tandem.lab.yu2020.board import desk  # noqa: E402
