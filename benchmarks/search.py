@@ -25,7 +25,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from tests.learn.plain_yu import PlainGame, PlainSearch  # noqa: E402
+from tests.lab.yu2020.plain_yu import PlainGame, PlainSearch  # noqa: E402
 
 from tandem.lab import yu2020  # noqa: E402
 from tandem.lab.yu2020.board import desk  # noqa: E402

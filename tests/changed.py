@@ -49,6 +49,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
+@pytest.hookimpl(trylast=True)  # rooms mark their slow tests first
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     since = config.getoption("--changed")
     if since is None:
@@ -129,7 +130,7 @@ def needs(path: Path) -> frozenset[str]:
         helper = ROOT / Path(*name.split(".")).with_suffix(".py")
         found |= needs(helper) if name.startswith("tests.") and helper.exists() else {name}
     strings = _strings(tree)
-    if COMMANDS in found or any(text.split(".")[0] == "tandem" for text in strings):
+    if COMMANDS in found or ("-m" in strings and {"tandem", "tandem.cli"} & set(strings)):
         found |= _commands(strings)
     return frozenset(found)
 

@@ -18,6 +18,16 @@ THESIS = {
 }
 
 
+REPRODUCTIONS = {"quick", "short"}
+"""Fixtures that run a published system once, in small: ten seconds and more."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if REPRODUCTIONS & set(getattr(item, "fixturenames", ())):
+            item.add_marker(pytest.mark.slow)
+
+
 def cell_of(tasks: dict, **more) -> Cell:
     """name -> (seconds per operator, stress, after) as a cell with one robot and one human."""
     return Cell.model_validate(

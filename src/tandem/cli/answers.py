@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tandem.cell.written import number, signed
+from tandem.cli.options import FORMAT
 from tandem.errors import CellError, UsageError
 
 if TYPE_CHECKING:
@@ -22,12 +23,6 @@ if TYPE_CHECKING:
     from tandem.plan.result import Front
 
 CELL = click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=True))
-FORMAT = click.option(
-    "--format",
-    "form",
-    metavar="NAME",
-    help="What CELL is written in; told from its content when absent.",
-)
 AS_JSON = click.option(
     "--json", "as_json", is_flag=True, help="Print one document on stdout and nothing else there."
 )

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tandem.cli.compiled import needs_jax
+from tandem.cli.options import FORMAT
 
 if TYPE_CHECKING:
     from tandem.lab.yu2020.board import Board
@@ -20,12 +21,7 @@ PLACE = 7
 
 @click.command("board")
 @click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=True))
-@click.option(
-    "--format",
-    "form",
-    metavar="NAME",
-    help="What CELL is written in; told from its content when absent.",
-)
+@FORMAT
 @click.option(
     "-o",
     "--output",

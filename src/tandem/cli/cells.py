@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from tandem.cli.options import FORMAT
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
@@ -151,12 +152,7 @@ def desk_command(output: Path | None, picture: Path | None) -> None:
 
 @click.command("convert")
 @click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=True))
-@click.option(
-    "--format",
-    "form",
-    metavar="NAME",
-    help="What CELL is written in; told from its content when absent.",
-)
+@FORMAT
 @OUTPUT
 def convert_command(cell_file: str, form: str | None, output: Path | None) -> None:
     """Turn a file of a public format into a cell file.

@@ -15,7 +15,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 import click
 
-from tandem.cli.planning import FORMAT, Weights
+from tandem.cli.options import FORMAT, Weights
 from tandem.cli.seeds import say_which_seed
 from tandem.cli.simulate import Prior
 from tandem.errors import UsageError

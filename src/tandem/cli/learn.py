@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tandem.cli.compiled import keep_compiled, needs_jax
+from tandem.cli.options import FORMAT
 from tandem.cli.seeds import say_which_seed
 from tandem.errors import UsageError
 
@@ -37,12 +38,7 @@ class _Train(click.Command):
 
 @click.command("train", cls=_Train)
 @click.argument("cell_file", metavar="[CELL]", required=False, type=click.Path(allow_dash=True))
-@click.option(
-    "--format",
-    "form",
-    metavar="NAME",
-    help="What CELL is written in; told from its content when absent.",
-)
+@FORMAT
 @click.option(
     "--recipe",
     "recipe_name",

@@ -15,38 +15,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tandem.cli.answers import difference, tell_difference, variant_options
+from tandem.cli.options import FORMAT, Weights
 from tandem.cli.project import sound, tell_folder
 from tandem.errors import CellError, Fault, UnsoundScheduleError, UsageError
-from tandem.files.formats.table import FORMATS
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
     from tandem.plan.result import Front
     from tandem.schedule.model import Schedule
-
-FORMAT = click.option(
-    "--format",
-    "form",
-    metavar="NAME",
-    help=f"What CELL is written in; told from its content when absent: {', '.join(FORMATS)}.",
-)
-
-
-class Weights(click.ParamType):  # type: ignore[type-arg]  # older releases of click take no parameter
-    """Two numbers joined by a comma."""
-
-    name = "TIME,STRESS"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[float, float]:
-        if isinstance(value, tuple):
-            return value
-        try:
-            time, stress = (float(part) for part in str(value).split(","))
-        except ValueError:
-            self.fail(f"{value!r} is not two numbers joined by a comma, such as 1,0.5.", param, ctx)
-        return time, stress
 
 
 @click.command("plan")

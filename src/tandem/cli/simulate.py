@@ -11,7 +11,7 @@ import click
 
 from tandem.cell.written import number
 from tandem.cli.compiled import needs_jax
-from tandem.cli.planning import FORMAT, Weights
+from tandem.cli.options import FORMAT, Weights
 from tandem.cli.seeds import say_which_seed
 from tandem.errors import UsageError
 
