@@ -29,49 +29,53 @@ class Screen:
         """Shows the document, read against where the shift stands."""
         match document["type"]:
             case "shift":
-                self._say(
-                    f"{document['cell'] or 'shift'}, decided by {document['policy']}. Advice, not a"
-                    " safety function."
-                )
-                if document["resumed"]:
-                    self._say(
-                        f"going on at {document['at']:g} s, after entry {document['number']}."
-                    )
-            case "answer" if not document["accepted"]:
-                for reason in document["reasons"]:
-                    self._say(f"refused    {reason}", "red")
-            case "answer" if "duplicate_of" in document:
-                self._say(
-                    "known      this event was taken already, as number"
-                    f" {document['duplicate_of']}."
-                )
+                self._begun(document)
             case "answer":
-                self._say(f"{'' if shift.event is None else happened(shift.event)}", "bold")
-                for remark in document["remarks"]:
-                    self._say(f"odd        {remark}", "yellow")
+                self._answered(shift, document)
             case "decision":
-                believed = estimates(shift.situation, shift.settings.options.prior)
-                for line in orders(shift.situation, document, believed):
-                    self._say(line)
-                for reason in document.get("stuck", []):
-                    self._say(f"stuck      {reason}", "red")
-                before, self.paces = (
-                    self.paces,
-                    [
-                        f"  {'pace':<8} {human} needs {pace.words}"
-                        for human, pace in believed.items()
-                        if pace.seen
-                    ],
-                )
-                for line in self.paces:
-                    if line not in before:
-                        self._say(line)
+                self._decided(shift, document)
             case "summary":
                 state = "over" if document["over"] else "not over"
                 self._say(
                     f"{state} at {document['at']:g} s, stress {document['stress']:g};"
                     f" {document['events']} events, {_latency(document)}."
                 )
+
+    def _begun(self, document: dict[str, Any]) -> None:
+        self._say(
+            f"{document['cell'] or 'shift'}, decided by {document['policy']}. Advice, not a"
+            " safety function."
+        )
+        if document["resumed"]:
+            self._say(f"going on at {document['at']:g} s, after entry {document['number']}.")
+
+    def _answered(self, shift: Shift, document: dict[str, Any]) -> None:
+        """An event that was refused, one that is known already, or one that has happened."""
+        if not document["accepted"]:
+            for reason in document["reasons"]:
+                self._say(f"refused    {reason}", "red")
+        elif "duplicate_of" in document:
+            self._say(
+                f"known      this event was taken already, as number {document['duplicate_of']}."
+            )
+        else:
+            self._say("" if shift.event is None else happened(shift.event), "bold")
+            for remark in document["remarks"]:
+                self._say(f"odd        {remark}", "yellow")
+
+    def _decided(self, shift: Shift, document: dict[str, Any]) -> None:
+        """What is to be done now, why nothing can be, and the paces that have changed."""
+        believed = estimates(shift.situation, shift.settings.options.prior)
+        for line in orders(shift.situation, document, believed):
+            self._say(line)
+        for reason in document.get("stuck", []):
+            self._say(f"stuck      {reason}", "red")
+        seen = {human: pace for human, pace in believed.items() if pace.seen}
+        paces = [f"  {'pace':<8} {human} needs {pace.words}" for human, pace in seen.items()]
+        for line in paces:
+            if line not in self.paces:
+                self._say(line)
+        self.paces = paces
 
     def _say(self, text: str, style: str | None = None) -> None:
         self.console.print(text, style=style, soft_wrap=True)

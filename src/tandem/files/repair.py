@@ -87,22 +87,18 @@ def _stand_in(flaw: Flaw) -> tuple[Path, Any]:
             return path, "human"
         case ("operators", name, "breaks", place, *_):
             return ("operators", name, "breaks", place), _GONE
-        case ("tasks", name):
+        case ("tasks", _):
             return path, {}
-        case ("tasks", name, "time", _):
+        case ("tasks", _, "time", _) | ("tasks", _, "together", _, "time"):
             return path, 1
-        case ("tasks", name, "together", place, "time"):
-            return path, 1
-        case ("tasks", name, "together", place, "stress", *_):
-            return path, _GONE
-        case ("tasks", name, "together", place, *_):
-            return ("tasks", name, "together", place), _GONE
+        case ("tasks", name, "together", way, *rest) if rest[:1] != ["stress"]:
+            return ("tasks", name, "together", way), _GONE
         case ("zones" | "tools", _):
             return path, {"capacity": ROOM}
         case ("zones" | "tools", _, "capacity"):
             return path, ROOM
-        case ("same_operator", place, *_):
-            return ("same_operator", place), _GONE
+        case ("same_operator", pair, *_):
+            return ("same_operator", pair), _GONE
         case ("stress_of_set", _):
             return path, 0
     return path, _GONE

@@ -62,6 +62,12 @@ KEEP_AWAY = ("breaks", "setup")
 
 def limits(cell: Cell, question: Question) -> Iterator[Limit]:
     """Everything that could be lifted: the question's limits first, then the cell's."""
+    yield from _of_question(question)
+    yield from _wanted(cell)
+    yield from _given(cell)
+
+
+def _of_question(question: Question) -> Iterator[Limit]:
     if question.max_makespan is not None:
         yield Limit(
             f"the limit on the makespan ({number(question.max_makespan)} s)",
@@ -71,6 +77,10 @@ def limits(cell: Cell, question: Question) -> Iterator[Limit]:
         yield Limit(
             f"the limit on stress ({number(question.max_stress)})", ("question", "max_stress")
         )
+
+
+def _wanted(cell: Cell) -> Iterator[Limit]:
+    """What somebody has decided: how much stress, until when, who with whom."""
     for name, operator in cell.operators.items():
         if operator.stress_limit is not None:
             yield Limit(
@@ -89,6 +99,10 @@ def limits(cell: Cell, question: Question) -> Iterator[Limit]:
         yield Limit(
             f"that tasks {one} and {two} need the same operators", ("same_operator", one, two)
         )
+
+
+def _given(cell: Cell) -> Iterator[Limit]:
+    """What the station is like: when people and parts are there, and how many places there are."""
     for name, operator in cell.operators.items():
         for key in KEEP_AWAY:
             if getattr(operator, key):

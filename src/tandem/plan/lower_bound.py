@@ -179,7 +179,25 @@ class Ground:
         """Every node with one task more, but for those in which a task starts when another could
         already have ended, at no cost.
         """
-        mask, last, free, ends, units, _, _ = node
+        mask, _, free, ends, units, _, _ = node
+        moves, cutoff = self._moves(node)
+        for start, task, step in moves:
+            if start < cutoff:
+                end = start + step.ticks
+                fresh = list(free)
+                for operator in step.operators:
+                    fresh[operator] = end
+                grown = (*ends[:task], end, *ends[task + 1 :])
+                chosen = (task, step.way, start)
+                yield Node(
+                    mask | 1 << task, start, tuple(fresh), grown, units + step.stress, chosen, node
+                )
+
+    def _moves(self, node: Node) -> tuple[list[tuple[int, int, Step]], int]:
+        """What can be appended, as `(start, task, step)`; and the moment from which on no start is
+        needed, because something else could have ended by then at no cost.
+        """
+        mask, last, free, ends, _, _, _ = node
         moves: list[tuple[int, int, Step]] = []
         cutoff = self.most + 1
         instance, steps, easiest = self.instance, self.layout.steps, self.layout.easiest
@@ -202,17 +220,7 @@ class Ground:
                     # What starts when this one could have ended can as well come behind it.
                     if end < cutoff and (self.most_units is None or step.stress == easiest[task]):
                         cutoff = end
-        for start, task, step in moves:
-            if start < cutoff:
-                end = start + step.ticks
-                fresh = list(free)
-                for operator in step.operators:
-                    fresh[operator] = end
-                grown = (*ends[:task], end, *ends[task + 1 :])
-                chosen = (task, step.way, start)
-                yield Node(
-                    mask | 1 << task, start, tuple(fresh), grown, units + step.stress, chosen, node
-                )
+        return moves, cutoff
 
 
 class _Rest(NamedTuple):

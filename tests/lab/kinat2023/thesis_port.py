@@ -37,7 +37,7 @@ class ThesisPort:
         self.stress = np.float32(0)
         self.done = False
 
-    def step(self, action):
+    def step(self, action):  # noqa: C901
         action = [int(action[ROBOT]), int(action[HUMAN])]
         reward = np.array([self.pay["step"], self.pay["step"]], np.float32)
         illegal = [False, False]

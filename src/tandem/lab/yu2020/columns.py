@@ -203,69 +203,101 @@ class _Node(NamedTuple):
     choices: list[int]
 
 
+class _Sequences:
+    """The search for an order of a part's tasks, left to right, in which whatever must meet stands
+    side by side while it is open. Depth first; a set of begun tasks is tried once.
+    """
+
+    def __init__(self, order: Order, part: list[str], sides: _Sides):
+        number = {task: index for index, task in enumerate(part)}
+        self.size, self.sides = len(part), sides
+        self.direct = [sum(1 << number[other] for other in order.direct[task]) for task in part]
+        self.related = [
+            sum(
+                1 << number[other] for other in part if other != task and order.ordered(task, other)
+            )
+            for task in part
+        ]
+
+    def found(self) -> list[int] | None:
+        """The tasks in the order in which they begin; None when there is none.
+
+        Raises TooManyError when too many sets would have to be tried.
+        """
+        nothing = (0,) * self.size
+        tried, path = {0}, [_Node(0, frozenset(), nothing, self._choices(0, nothing))]
+        while path[-1].begun != (1 << self.size) - 1:
+            if not path[-1].choices:
+                path.pop()
+                if not path:
+                    return None
+                continue
+            task = path[-1].choices.pop()
+            if (then := path[-1].begun | 1 << task) not in tried:
+                tried.add(then)
+                if (node := self._begin(path[-1], task)) is not None:
+                    path.append(node)
+            if len(tried) > MOST_SETS:
+                raise TooManyError
+        return [
+            (later.begun & ~earlier.begun).bit_length() - 1 for earlier, later in pairwise(path)
+        ]
+
+    def _open(self, begun: int) -> int:
+        """The tasks that have begun and still wait for one that they must meet, as bits."""
+        return sum(
+            1 << task
+            for task in range(self.size)
+            if begun >> task & 1 and self.direct[task] & ~begun
+        )
+
+    def _choices(self, begun: int, left_of: Sequence[int]) -> list[int]:
+        """Who may begin now, last those that leave fewest tasks open. When one leaves none open
+        that was not, no other need be tried.
+        """
+        still = self._open(begun)
+        can = [
+            task
+            for task in range(self.size)
+            if not begun >> task & 1
+            and not still & ~self.related[task]
+            and not left_of[task] & ~begun
+        ]
+        after = {task: self._open(begun | 1 << task) for task in can}
+        harmless = [task for task in can if not after[task] & ~still]
+        return harmless[:1] or sorted(
+            can,
+            key=lambda task: (
+                after[task].bit_count(),
+                -(self.direct[task] & begun).bit_count(),
+                task,
+            ),
+            reverse=True,
+        )
+
+    def _begin(self, node: _Node, task: int) -> _Node | None:
+        """The node in which the task has begun too, to the left of all that have not; None when
+        that contradicts what is decided.
+        """
+        begun, decided, left_of = node.begun | 1 << task, set(node.decided), list(node.left_of)
+        for other in range(self.size):
+            if begun >> other & 1 or (task, other) not in self.sides.class_of:
+                continue
+            if self.sides.class_of[other, task] in decided:
+                return None
+            if (side := self.sides.class_of[task, other]) not in decided:
+                decided.add(side)
+                for left, right in self.sides.members[side]:
+                    left_of[right] |= 1 << left
+        return _Node(begun, frozenset(decided), tuple(left_of), self._choices(begun, left_of))
+
+
 def _of_part(order: Order, part: list[str]) -> list[str] | None:
     sides = _Sides(order, part)
     if sides.clash is not None:
         return None
-    number, everything = {task: place for place, task in enumerate(part)}, (1 << len(part)) - 1
-    direct = [sum(1 << number[other] for other in order.direct[task]) for task in part]
-    related = [
-        sum(1 << number[other] for other in part if other != task and order.ordered(task, other))
-        for task in part
-    ]
-
-    def open_of(begun: int) -> int:
-        return sum(1 << i for i in range(len(part)) if begun >> i & 1 and direct[i] & ~begun)
-
-    def choices(begun: int, left_of: Sequence[int]) -> list[int]:
-        """Who may begin now, last those that leave fewest tasks open. When one leaves none open
-        that was not, no other need be tried.
-        """
-        still = open_of(begun)
-        can = [
-            i
-            for i in range(len(part))
-            if not begun >> i & 1 and not still & ~related[i] and not left_of[i] & ~begun
-        ]
-        after = {i: open_of(begun | 1 << i) for i in can}
-        harmless = [i for i in can if not after[i] & ~still]
-        return harmless[:1] or sorted(
-            can,
-            key=lambda i: (after[i].bit_count(), -(direct[i] & begun).bit_count(), i),
-            reverse=True,
-        )
-
-    def begin(node: _Node, task: int) -> _Node | None:
-        begun, decided, left_of = node.begun | 1 << task, set(node.decided), list(node.left_of)
-        for other in range(len(part)):
-            if not begun >> other & 1 and (task, other) in sides.class_of:
-                place = sides.class_of[task, other]
-                if sides.class_of[other, task] in decided:
-                    return None
-                if place not in decided:
-                    decided.add(place)
-                    for left, right in sides.members[place]:
-                        left_of[right] |= 1 << left
-        return _Node(begun, frozenset(decided), tuple(left_of), choices(begun, left_of))
-
-    nothing = (0,) * len(part)
-    tried, path = {0}, [_Node(0, frozenset(), nothing, choices(0, nothing))]
-    while path[-1].begun != everything:
-        if not path[-1].choices:
-            path.pop()
-            if not path:
-                return None
-            continue
-        task = path[-1].choices.pop()
-        if (then := path[-1].begun | 1 << task) not in tried:
-            tried.add(then)
-            if (node := begin(path[-1], task)) is not None:
-                path.append(node)
-        if len(tried) > MOST_SETS:
-            raise TooManyError
-    return [
-        part[(later.begun & ~earlier.begun).bit_length() - 1] for earlier, later in pairwise(path)
-    ]
+    found = _Sequences(order, part, sides).found()
+    return None if found is None else [part[task] for task in found]
 
 
 def _joined_columns(order: Order, columns: list[list[str]]) -> list[set[str]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -11,6 +11,48 @@ from tandem.errors import UsageError
 from tandem.learn.networks import ACTIVATIONS
 
 ACTORS_LEARN = ("relaxed", "expected")
+
+
+RANGES: tuple[tuple[tuple[str, ...], Callable[[float], bool], str], ...] = (
+    (
+        (
+            "steps",
+            "environments",
+            "updates",
+            "warm_up",
+            "replay",
+            "minibatch",
+            "ahead",
+            "candidates",
+        ),
+        lambda value: value >= 1,
+        "be 1 or more",
+    ),
+    (
+        (
+            "discount",
+            "target_rate",
+            "last_rate",
+            "explore_from",
+            "explore_to",
+            "explore_until",
+            "noise_memory",
+        ),
+        lambda value: 0 <= value <= 1,
+        "lie between 0 and 1",
+    ),
+    (
+        ("actor_rate", "critic_rate", "temperature"),
+        lambda value: math.isfinite(value) and value > 0,
+        "be more than 0",
+    ),
+    (
+        ("noise", "entropy"),
+        lambda value: math.isfinite(value) and value >= 0,
+        "be a number, 0 or more",
+    ),
+)
+"""Settings, what holds of each, and the same in words."""
 
 
 @dataclass(frozen=True)
@@ -86,35 +128,10 @@ class Config:
 
     def faults(self) -> Iterator[str]:
         """Everything that is wrong with it."""
-        for name in (
-            "steps",
-            "environments",
-            "updates",
-            "warm_up",
-            "replay",
-            "minibatch",
-            "ahead",
-            "candidates",
-        ):
-            if getattr(self, name) < 1:
-                yield f"{name} {getattr(self, name)}: must be 1 or more."
-        for name in (
-            "discount",
-            "target_rate",
-            "last_rate",
-            "explore_from",
-            "explore_to",
-            "explore_until",
-            "noise_memory",
-        ):
-            if not 0 <= getattr(self, name) <= 1:
-                yield f"{name} {getattr(self, name)}: must lie between 0 and 1."
-        for name in ("actor_rate", "critic_rate", "temperature"):
-            if not (math.isfinite(getattr(self, name)) and getattr(self, name) > 0):
-                yield f"{name} {getattr(self, name)}: must be more than 0."
-        for name in ("noise", "entropy"):
-            if not (math.isfinite(getattr(self, name)) and getattr(self, name) >= 0):
-                yield f"{name} {getattr(self, name)}: must be a number, 0 or more."
+        for names, holds, must in RANGES:
+            for name in names:
+                if not holds(getattr(self, name)):
+                    yield f"{name} {getattr(self, name)}: must {must}."
         if self.environments >= 1 and self.replay // self.environments < self.ahead + 2:
             yield (
                 f"replay {self.replay}: holds too few steps of {self.environments} environments for"
