@@ -68,6 +68,16 @@ def test_the_search_for_a_lower_bound_proves_the_optimum_behind_a_setup() -> Non
     assert (proof.bound, proof.upper, proof.starts) == (11, 11, None)
 
 
+def test_who_comes_too_late_to_help_does_not_raise_the_bound() -> None:
+    cell = cell_of({
+        "operators": {"anna": {"kind": "human"}, "ben": {"kind": "human", "setup": 50}},
+        "tasks": {"base": {"time": {"anna": 2, "ben": 2}}, "cover": {"time": {"anna": 3,
+        "ben": 1}}},
+    })  # fmt: skip
+    proof = prove_makespan(Instance.of(cell), 9, 30.0)
+    assert (proof.bound, proof.upper) == (5, 5)
+
+
 def test_a_setup_that_leaves_no_time_is_named_among_what_could_be_lifted() -> None:
     cell = cell_of({
         "operators": {"anna": {"kind": "human", "setup": 5}},

@@ -62,66 +62,56 @@ KEEP_AWAY = ("breaks", "setup")
 
 def limits(cell: Cell, question: Question) -> Iterator[Limit]:
     """Everything that could be lifted: the question's limits first, then the cell's."""
-    yield from _of_question(question)
-    yield from _wanted(cell)
-    yield from _given(cell)
-
-
-def _of_question(question: Question) -> Iterator[Limit]:
     if question.max_makespan is not None:
-        yield Limit(
-            f"the limit on the makespan ({number(question.max_makespan)} s)",
-            ("question", "max_makespan"),
-        )
+        words = f"the limit on the makespan ({number(question.max_makespan)} s)"
+        yield Limit(words, ("question", "max_makespan"))
     if question.max_stress is not None:
-        yield Limit(
-            f"the limit on stress ({number(question.max_stress)})", ("question", "max_stress")
-        )
+        words = f"the limit on stress ({number(question.max_stress)})"
+        yield Limit(words, ("question", "max_stress"))
+    for rule in (_on_stress_and_ends, _on_who_does_what, _on_who_and_what_is_there, _on_room):
+        yield from rule(cell)
 
 
-def _wanted(cell: Cell) -> Iterator[Limit]:
-    """What somebody has decided: how much stress, until when, who with whom."""
+def _on_stress_and_ends(cell: Cell) -> Iterator[Limit]:
     for name, operator in cell.operators.items():
         if operator.stress_limit is not None:
-            yield Limit(
-                f"the stress limit of {name} ({number(operator.stress_limit)})",
-                ("operators", name, "stress_limit"),
-            )
+            words = f"the stress limit of {name} ({number(operator.stress_limit)})"
+            yield Limit(words, ("operators", name, "stress_limit"))
     for name, task in cell.tasks.items():
         if task.deadline is not None:
-            yield Limit(
-                f"the deadline of task {name} ({number(task.deadline)} s)",
-                ("tasks", name, "deadline"),
-            )
+            words = f"the deadline of task {name} ({number(task.deadline)} s)"
+            yield Limit(words, ("tasks", name, "deadline"))
+
+
+def _on_who_does_what(cell: Cell) -> Iterator[Limit]:
     if cell.stress_of_set is not None:
-        yield Limit("the list of allowed sets of human tasks (stress_of_set)", ("stress_of_set",))
+        words = "the list of allowed sets of human tasks (stress_of_set)"
+        yield Limit(words, ("stress_of_set",))
     for one, two in cell.same_operator:
-        yield Limit(
-            f"that tasks {one} and {two} need the same operators", ("same_operator", one, two)
-        )
+        words = f"that tasks {one} and {two} need the same operators"
+        yield Limit(words, ("same_operator", one, two))
 
 
-def _given(cell: Cell) -> Iterator[Limit]:
-    """What the station is like: when people and parts are there, and how many places there are."""
+def _on_who_and_what_is_there(cell: Cell) -> Iterator[Limit]:
     for name, operator in cell.operators.items():
         for key in KEEP_AWAY:
             if getattr(operator, key):
                 yield Limit(f"the {key} of {name}", ("operators", name, key))
     for name, task in cell.tasks.items():
         if task.release > 0:
-            yield Limit(
-                f"the release of task {name} ({number(task.release)} s)", ("tasks", name, "release")
-            )
-    for kind, used in (
-        ("zones", {t.zone for t in cell.tasks.values()}),
-        ("tools", {t.tool for t in cell.tasks.values()}),
-    ):
+            words = f"the release of task {name} ({number(task.release)} s)"
+            yield Limit(words, ("tasks", name, "release"))
+
+
+def _on_room(cell: Cell) -> Iterator[Limit]:
+    zones, tools = (
+        {getattr(task, kind) for task in cell.tasks.values()} for kind in ("zone", "tool")
+    )
+    for kind, used in (("zones", zones), ("tools", tools)):
         for name in sorted(x for x in used if x):
             shared = getattr(cell, kind).get(name)
-            yield Limit(
-                f"the {kind[:-1]} {name}, of which there is {shared.capacity if shared else 1}",
-                (kind, name),
-            )
+            words = f"the {kind[:-1]} {name}, of which there is {shared.capacity if shared else 1}"
+            yield Limit(words, (kind, name))
 
 
 def _without_key(operator: Operator, key: str) -> Operator:

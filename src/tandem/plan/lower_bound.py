@@ -173,7 +173,9 @@ class Ground:
 
     def root(self) -> Node:
         """Nothing is appended, and nobody is free before they come."""
-        return Node(0, 0, self.instance.arrival, (0,) * len(self.kind), 0, None, None)
+        # Who comes after the end asked about does nothing, and must not seem to work until then.
+        free = tuple(min(at, self.most) for at in self.instance.arrival)
+        return Node(0, 0, free, (0,) * len(self.kind), 0, None, None)
 
     def children(self, node: Node) -> Iterator[Node]:
         """Every node with one task more, but for those in which a task starts when another could

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import accumulate
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault
@@ -64,12 +64,31 @@ class Moves:
       layout: the cell in whole numbers, paces in the times; `prices` bound its makespan.
       taking_apart: how long taking a task apart takes, as a share of doing it in the same way.
       ways: per task, the ways of doing it that are open.
+      instance: the layout's. `modes`: the ways of doing, `count` of them.
+      task: per way, its task; whoever is away is at a task of their own, behind all others.
+      who: per way, bits of its operators. `loads`: `(operator, units of stress)`; `units`: all of
+        it.
+      ticks: per way, how long it takes; how long somebody is away is known to the position alone.
+      price: per way, the prices of its operators together.
+      timeless: no rule looks at the clock.
+      plain: ways of different tasks and operators never stand in each other's way.
     """
 
     layout: Layout
     prices: WorkPrices
     taking_apart: float
     ways: tuple[tuple[int, ...], ...]
+    instance: Instance = field(init=False, repr=False)
+    modes: tuple[Way, ...] = field(init=False, repr=False)
+    count: int = field(init=False, repr=False)
+    task: tuple[int, ...] = field(init=False, repr=False)
+    who: tuple[int, ...] = field(init=False, repr=False)
+    ticks: tuple[int, ...] = field(init=False, repr=False)
+    loads: tuple[tuple[tuple[int, int], ...], ...] = field(init=False, repr=False)
+    units: tuple[int, ...] = field(init=False, repr=False)
+    price: tuple[int, ...] = field(init=False, repr=False)
+    timeless: bool = field(init=False, repr=False)
+    plain: bool = field(init=False, repr=False)
     _ready: dict[tuple[int, int, int], tuple[int, ...]] = field(default_factory=dict)
     _rest: dict[int, tuple[int, int, int]] = field(default_factory=dict)
 
@@ -110,72 +129,10 @@ class Moves:
         )
         return cls(layout, WorkPrices.of(layout), taking_apart, ways)
 
-    # ------------------------------------------------------------ per way, numbered through
-
-    @cached_property
-    def instance(self) -> Instance:
-        """The cell in whole numbers, paces in the times."""
-        return self.layout.instance
-
-    @cached_property
-    def modes(self) -> tuple[Way, ...]:
-        """The ways of doing."""
-        return tuple(way for row in self.instance.ways for way in row)
-
-    @cached_property
-    def count(self) -> int:
-        """How many ways of doing there are."""
-        return len(self.modes)
-
-    @cached_property
-    def task(self) -> tuple[int, ...]:
-        """The task of each way; whoever is away is at a task of their own, behind all others."""
-        tasks, away = len(self.instance.tasks), range(len(self.instance.operators))
-        own = [task for task, row in enumerate(self.instance.ways) for _ in row]
-        return (*own, *own, *(tasks + operator for operator in away))
-
-    @cached_property
-    def who(self) -> tuple[int, ...]:
-        """Bits of the operators of each way."""
-        own = [way.who for way in self.modes]
-        return (*own, *own, *(1 << operator for operator in range(len(self.instance.operators))))
-
-    @cached_property
-    def ticks(self) -> tuple[int, ...]:
-        """How long each way takes; how long somebody is away is known to the position alone."""
-        own = [way.ticks for way in self.modes]
-        apart = (max(1, round(ticks * self.taking_apart)) for ticks in own)
-        return (*own, *apart, *(1 for _ in self.instance.operators))
-
-    @cached_property
-    def loads(self) -> tuple[tuple[tuple[int, int], ...], ...]:
-        """`(operator, units of stress)` of each way."""
-        own = [tuple(zip(way.operators, way.load, strict=True)) for way in self.modes]
-        return (*own, *own, *(() for _ in self.instance.operators))
-
-    @cached_property
-    def units(self) -> tuple[int, ...]:
-        """The stress of each way."""
-        return tuple(sum(units for _, units in load) for load in self.loads)
-
-    @cached_property
-    def price(self) -> tuple[int, ...]:
-        """The prices of each way's operators together."""
-        prices = list(enumerate(self.prices.of_operator))
-        return tuple(sum(price for o, price in prices if bits >> o & 1) for bits in self.who)
-
-    # ------------------------------------------------------------ which rules matter
-
-    @cached_property
-    def timeless(self) -> bool:
-        """No rule looks at the clock."""
-        return not any(self.instance.release) and not self.instance.has_breaks
-
-    @cached_property
-    def plain(self) -> bool:
-        """Ways of different tasks and operators never stand in each other's way."""
-        at = self.instance
-        return self.timeless and at.is_plain and not (at.has_swaps or at.has_limits or at.has_teams)
+    def __post_init__(self) -> None:
+        # Fields, not views: a search looks at them a million times, and fields are the quickest.
+        for name, value in (_per_way(self) | _rules(self.layout.instance)).items():
+            object.__setattr__(self, name, value)
 
     # ------------------------------------------------------------ positions
 
@@ -188,10 +145,8 @@ class Moves:
 
     def is_over(self, position: Position) -> bool:
         """Everything is done, and nothing of it must be done again."""
-        return (
-            not position.wrong
-            and position.done & self.instance.all_tasks == self.instance.all_tasks
-        )
+        every = self.instance.all_tasks
+        return not position.wrong and position.done & every == every
 
     def begun(self, position: Position) -> int:
         """Bits of the tasks that have ended or are being done."""
@@ -328,12 +283,14 @@ class Moves:
     def floor(self, position: Position) -> tuple[int, int]:
         """(ticks, units) below which no continuation falls."""
         begun, load, ticks = position.done & ~position.wrong, 0, 0
+        task_of, behind = self.task, self.layout.behind
         for way, left in position.running:
             if way >= self.count:
                 continue
-            begun |= 1 << self.task[way]
+            task = task_of[way]
+            begun |= 1 << task
             load += left * self.price[way]
-            chain = left + self.layout.behind[self.task[way]]
+            chain = left + behind[task]
             if chain > ticks:
                 ticks = chain
         rest = self._rest.get(begun)
@@ -434,13 +391,10 @@ class Moves:
                 for off, back in instance.breaks[o]
             ):
                 return False
-        return all(
-            self._has_place(position, thing, room, task, len(operators))
-            for thing, room in (
-                (instance.timed_tool, instance.tool_room),
-                (instance.timed_zone, instance.zone_room),
-            )
-        )
+        count = len(operators)
+        if not self._has_place(position, instance.timed_tool, instance.tool_room, task, count):
+            return False
+        return self._has_place(position, instance.timed_zone, instance.zone_room, task, count)
 
     def _has_place(
         self, position: Position, thing: Sequence[int], places: Sequence[int], task: int, count: int
@@ -448,8 +402,9 @@ class Moves:
         mine = thing[task]
         if mine < 0 or not places[mine]:
             return True
-        # what comes after are absences, which take no place
-        at_work = (way for way, _ in position.running if way < 2 * self.count)
+        at_work = (
+            way for way, _ in position.running if way < 2 * self.count
+        )  # what comes after are absences, which take no place
         taken = sum(self.who[way].bit_count() for way in at_work if thing[self.task[way]] == mine)
         return taken + count <= places[mine]
 
@@ -478,3 +433,35 @@ def _limits(instance: Instance, max_stress: float | None) -> tuple[int | None, .
         min(most, most if limit is None else limit) if human else limit
         for human, limit in zip(instance.human, instance.stress_limit, strict=True)
     )
+
+
+def _per_way(moves: Moves) -> dict[str, Any]:
+    """The ways of doing, of taking apart and of being away, in this order: what each is."""
+    instance = moves.layout.instance
+    away = range(len(instance.operators))
+    modes = tuple(way for row in instance.ways for way in row)
+    task = [task for task, row in enumerate(instance.ways) for _ in row]
+    who, ticks = [way.who for way in modes], [way.ticks for way in modes]
+    apart = [max(1, round(one * moves.taking_apart)) for one in ticks]
+    loads = [tuple(zip(way.operators, way.load, strict=True)) for way in modes]
+    units = [way.stress for way in modes]
+    prices = moves.prices.of_operator
+    price = [sum(prices[operator] for operator in way.operators) for way in modes]
+    return {
+        "instance": instance,
+        "modes": modes,
+        "count": len(modes),
+        "task": (*task, *task, *(len(instance.tasks) + operator for operator in away)),
+        "who": (*who, *who, *(1 << operator for operator in away)),
+        "ticks": (*ticks, *apart, *(1 for _ in away)),
+        "loads": (*loads, *loads, *(() for _ in away)),
+        "units": (*units, *units, *(0 for _ in away)),
+        "price": (*price, *price, *prices),
+    }
+
+
+def _rules(at: Instance) -> dict[str, bool]:
+    """Which rules matter in this cell."""
+    timeless = not any(at.release) and not at.has_breaks
+    free = at.is_plain and not (at.has_swaps or at.has_limits or at.has_teams)
+    return {"timeless": timeless, "plain": timeless and free}

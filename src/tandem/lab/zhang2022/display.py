@@ -77,7 +77,7 @@ def words(cell: Cell, names: Names, data: Duo, happened: Happened) -> str:
         return f"{names.tasks[which]!r} has to be done again"
     if happened.kind == Kind.TOOL_MISSING:
         return (
-            f"the {list(cell.tools)[which]} is missing until"
+            f"the {names.tools[which]} is missing until"
             f" {names.seconds(int(happened.back_at[which])):g} s"
         )
     return ""
