@@ -259,3 +259,21 @@ def test_each_plan_has_an_instruction_sheet_for_each_operator(language: str, hea
     assert [len(rows), "4" in rows[-1]] == [len(front[0].schedule.of("human")), True]
     for turn, row in zip(turns(front.cell, front[0].schedule, "human", t), rows, strict=True):
         assert all(escape(sentence) in row for sentence in (*turn.wait, *turn.hands_to))
+
+
+@pytest.mark.parametrize(
+    ("word", "pieces"),
+    [
+        (
+            "tandem.lab.antonelli2021.qlearning",
+            ["tandem.", "lab.", "antonelli", "2021.", "qlearning"],
+        ),
+        ("board_training", ["board_", "training"]),
+        ("SmallestOfAllCells", ["Smallest", "Of", "All", "Cells"]),
+        ("Donaudampfschifffahrt", ["Donaudamp", "fschifffa", "hrt"]),
+        ("12345678.12345678", ["12345678.", "12345678"]),
+        ("short.word", ["short.word"]),
+    ],
+)
+def test_a_long_word_of_a_cell_is_broken_at_its_joints_first(word: str, pieces: list[str]) -> None:
+    assert tag("td", word) == f"<td>{'<wbr>'.join(pieces)}</td>"

@@ -90,6 +90,7 @@ def compare(
             )
         except CellError as error:
             missing = error.faults[0].message
+            tell(f"{name}: {error.faults[0]}")
         tell(f"{name}: what it can do")
         figures = experiment.draw_figures(document, folder / name) if document is not None else []
         words = experiment.table(document) if document is not None else ""

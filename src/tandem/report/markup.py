@@ -18,6 +18,10 @@ LONGEST_WORD, PIECE = 12, 9
 """A word with more letters than that may be broken between pieces of so many, so that a table never
 needs more room than paper has.
 """
+JOINT = re.compile(r"(?<=[^\W_][._])(?=[^\W\d_])|(?<=[a-z])(?=[A-Z])")
+"""Where a long word is broken first: `tandem.learn.ppo` behind its dots, `early_stop` and
+`SmallCell` between their words.
+"""
 WIDE, NARROW = "mwMW%@—", "iljtfrI.,:;'|!()[]/ "
 
 
@@ -50,9 +54,14 @@ def _breakable(child: object) -> object:
 def _pieces(text: str) -> Iterator[str | None]:
     """The text in pieces, None where a line may be broken within a word."""
     for word in re.split(r"(\s+|(?<=[-/]))", text):
-        yield word[:PIECE] if len(word) > LONGEST_WORD else word
-        for place in range(PIECE, len(word), PIECE) if len(word) > LONGEST_WORD else ():
-            yield from (None, word[place : place + PIECE])
+        if len(word) <= LONGEST_WORD:
+            yield word
+            continue
+        for number, part in enumerate(JOINT.split(word)):
+            yield from (None,) * (number > 0)
+            yield part[:PIECE] if len(part) > LONGEST_WORD else part
+            for place in range(PIECE, len(part), PIECE) if len(part) > LONGEST_WORD else ():
+                yield from (None, part[place : place + PIECE])
 
 
 def join(children: Iterable[object]) -> Markup:

@@ -167,3 +167,69 @@ def test_thousands_of_ranges_of_predecessors_end_soon(tmp_path: Path) -> None:
         tmp_path / "book.xlsx", [ROWS[0], *tasks, [200, 5, 6, ";".join(["1-199"] * 3000)]]
     )
     assert len(import_cell(path)[0].tasks["200"].after) == 199
+
+
+HEADER = "task;human [s];robot [s]"
+FLOODS = {
+    "rows": "a;5;6\n" * 10_001,
+    "cells": f"{HEADER}{';x' * 240}\n" + f"a;5;6{';7' * 240}\n" * 2_200,
+    "text": f"{HEADER}\n" + f"a;{'9' * 32_000};6\n" * 320,
+    "a field": f'{HEADER}\n"' + "a;5\n" * 40_000,
+    "commas": "," * 20_000,
+}
+
+
+@pytest.mark.parametrize("what", FLOODS)
+def test_a_flood_of_text_ends_in_one_message(tmp_path: Path, what: str) -> None:
+    path = tmp_path / "tasks.csv"
+    path.write_text(FLOODS[what])
+    said = refusal(path)
+    assert re.search(
+        r"more than 10,000 rows|cells, and Tandem|characters, and Tandem|field limit|20,001"
+        r" columns",
+        said,
+    )
+
+
+def test_a_text_file_that_never_ends_is_not_read_to_its_end(tmp_path: Path) -> None:
+    zeros = Path("/dev/zero")
+    if not zeros.exists():
+        pytest.skip("this system has no /dev/zero")
+    (tmp_path / "tasks.csv").symlink_to(zeros)
+    assert "is larger than 50 MB" in refusal(tmp_path / "tasks.csv")
+
+
+def test_empty_columns_behind_the_table_count_for_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "tasks.csv"
+    path.write_text(
+        f"{HEADER}{';' * 16_000}\n" + "".join(f"t{i};5;6{';' * 100}\n" for i in range(200))
+    )
+    cell, _ = import_cell(path)
+    assert {dict(task.time)["robot"] for task in cell.tasks.values()} == {6}
+
+
+@pytest.mark.parametrize("header", ["after", "same operator"])
+def test_a_list_of_every_other_task_in_every_row_ends_at_a_row(tmp_path: Path, header: str) -> None:
+    path = tmp_path / "tasks.csv"
+    others = [" ".join(f"t{k}" for k in range(i)) for i in range(700)]
+    path.write_text(f"{HEADER};{header}\n" + "".join(f"t{i};5;6;{others[i]}\n" for i in range(700)))
+    with pytest.raises(
+        CellError, match=r"tasks!D\d+: brings the references to other tasks to more than 200,000"
+    ):
+        import_cell(path)
+
+
+@pytest.mark.parametrize("ending", ["\n", "\r\n", "\r"])
+def test_a_stated_separator_is_taken_with_every_end_of_line(tmp_path: Path, ending: str) -> None:
+    path = tmp_path / "tasks.csv"
+    path.write_bytes(ending.join(["sep=|", "task|human [s]|robot [s]", "a, b|5|6", ""]).encode())
+    assert list(import_cell(path)[0].tasks) == ["a, b"]
+
+
+def test_a_sheet_of_too_many_cells_is_passed_over_with_its_reason(tmp_path: Path) -> None:
+    path = books.sheet(
+        tmp_path / "book.xlsx", [[*ROWS[0], *["x"] * 300], *[["a", 1, 2, None, *[7] * 300]] * 1_700]
+    )
+    assert open_book(path).passed_over == {
+        "Sheet1": "it has 517,104 cells, and Tandem reads at most 500,000"
+    }

@@ -312,14 +312,12 @@ def _what_is_missing(table: Table | None) -> str:
     read = listed(
         f"{column.header!r} as {column.meaning}" for column in table.columns if column.meaning
     )
-    missing = (
-        "names the tasks"
-        if not table.having("number", "task", "label")
-        else "holds a time, such as 'Time robot [s]'"
-    )
+    missing, told = "holds a time, such as 'Time robot [s]'", "header=time robot [s]"
+    if not table.having("number", "task", "label"):
+        missing, told = "names the tasks", "header=task"
     return (
-        f"in the header at {place} no column {missing}. Understood were: {read}. Say what a column"
-        ' means with --map "header=time robot [s]".'
+        f"in the header at {place} no column {missing}. Understood were: {read}. "
+        f'Say what a column means with --map "{told}".'
     )
 
 

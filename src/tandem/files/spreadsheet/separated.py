@@ -16,6 +16,9 @@ from tandem.files.spreadsheet.grid import MOST_ROWS, MOST_TEXT, Book, Grid, floo
 MOST_COLUMNS, MOST_SIGNS = 16_384, 32_767
 """What a sheet and a cell of Excel hold."""
 
+STATED = re.compile(r"sep=(.)(?:\r\n|\r|\n|\Z)", re.IGNORECASE)
+"""The first line with which Excel states the separator."""
+
 KEEP = "Keep only the tasks of one station."
 
 SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas"}
@@ -31,18 +34,16 @@ def read(path: Path, content: bytes) -> Book:
       CellError: when the content is not text, or holds too many rows.
     """
     text, encoding = _decode(path, content)
-    head, _, rest = text.partition("\n")
-    stated = head.rstrip("\r")
-    if stated.lower().startswith("sep=") and len(stated) == 5:
-        separator = stated[4]
-        text = "\n" + rest  # keeps the row numbers
+    if stated := STATED.match(text):
+        separator = stated[1]
+        text = "\n" + text[stated.end() :]  # keeps the row numbers
     else:
         separator = _separator(text)
     records = _records(path, text, separator)
-    if too_much := flood(trimmed([record.fields for record in records])):
+    rows = trimmed([record.fields for record in records])
+    if too_much := flood(rows):
         raise CellError([Fault(f"{too_much}. {KEEP}", place=path.name)])
     _refuse_stray_quotes(path, text, separator, records)
-    rows = [record.fields for record in records]
     width = max(map(len, rows), default=0)
     full = tuple((*row, *[""] * (width - len(row))) for row in rows)
     remark = (
@@ -181,7 +182,7 @@ def _decode(path: Path, content: bytes) -> tuple[str, str]:
 
 def _separator(text: str) -> str:
     """The separator by which most lines have the same number of columns, more than one."""
-    lines = (line for line in io.StringIO(text[:MOST_TEXT]) if line.strip())
+    lines = (line for line in io.StringIO(text[:MOST_TEXT], newline=None) if line.strip())
     sample = "".join(islice(lines, 200))
 
     def share(separator: str) -> float:

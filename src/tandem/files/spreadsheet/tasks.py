@@ -14,6 +14,7 @@ from tandem.files.spreadsheet.header import Column, Table
 from tandem.files.spreadsheet.joint import WhoError, people_in, ways
 from tandem.files.spreadsheet.merged import say_what_is_merged
 from tandem.files.spreadsheet.outline import (
+    MOST_LINKS,
     Outline,
     Row,
     between_tasks,
@@ -64,6 +65,7 @@ class Tasks:
         first named.
       linked: something says what comes before what, or fails to.
       people: everybody whom this table or other sheets name.
+      paired: the pairs of `same_operator`, to know them again.
     """
 
     tasks: dict[str, dict[str, Any]] = field(default_factory=dict)
@@ -71,6 +73,7 @@ class Tasks:
     operators: dict[str, str] = field(default_factory=dict)
     linked: bool = False
     people: list[str] = field(default_factory=list)
+    paired: set[tuple[str, str]] = field(default_factory=set)
 
 
 def read_tasks(
@@ -625,6 +628,13 @@ def _lists(
         for entry in entries:
             for row in entry.rows:
                 links += _list(table, entry, row, column, what, references, found, findings)
+                if len(links) + len(found.same_operator) > MOST_LINKS:
+                    findings.fault(
+                        f"brings the references to other tasks to more than {MOST_LINKS:,}. "
+                        "Name only what comes directly before.",
+                        table.grid.place(row, column.index),
+                    )
+                    return
     references = References(names, known, rows, counted)
     links += matrix_links(
         table, {entry.name: entry.rows[0] for entry in entries}, references, findings
@@ -678,7 +688,8 @@ def _list(
                 Link(entry.name, name, place) if what == "before" else Link(name, entry.name, place)
             )
         elif entry.name in found.tasks and name in found.tasks:
-            if [entry.name, name] not in found.same_operator:
+            if (entry.name, name) not in found.paired:
+                found.paired.add((entry.name, name))
                 findings.places["same_operator", len(found.same_operator)] = place
                 found.same_operator.append([entry.name, name])
         elif entry.name in found.tasks:
