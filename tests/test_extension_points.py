@@ -24,7 +24,7 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 sys.path.insert(0, str(ROOT / "docs"))
 
 import reference  # noqa: E402
-from tandem.extensions import resolved  # noqa: E402
+from tandem.extensions import added, extended, resolved  # noqa: E402
 
 
 def first_line(thing: Any) -> str:
@@ -151,3 +151,16 @@ def test_the_help_of_train_lists_every_recipe() -> None:
 
     told = " ".join(train_command.get_help(Context(train_command)).split())
     assert [name for name, recipe in RECIPES.items() if f"{name} {recipe.what}" not in told] == []
+
+
+def test_a_name_that_tandem_has_stays_tandems() -> None:
+    ours = {"thesis": "tandem.mine:OURS"}
+    table = extended("recipes", ours)
+    assert table["thesis"] == "tandem.mine:OURS"
+    assert table["yu2020"] == "tandem.lab.yu2020.recipe:YU_2020"
+
+
+def test_what_the_laboratory_adds_is_found_by_entry_points_alone() -> None:
+    assert set(added("environments")) >= {"thesis", "chessboard", "grid", "duo"}
+    assert set(added("gymnasium")) >= {"tandem/Thesis-v0", "tandem/Repair-v0"}
+    assert set(added("recipes")) >= {"thesis", "station", "yu2020", "yu2021"}
