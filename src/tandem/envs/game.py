@@ -269,8 +269,8 @@ class Game:
     def complaint(self, operator: int, action: int) -> str:
         """What a strict game says of an illegal action."""
         legal = ", ".join(
-            f"{place} ({self._named(place)})"
-            for place in map(int, np.flatnonzero(self.mask(operator)))
+            f"{move} ({self._named(move)})"
+            for move in map(int, np.flatnonzero(self.mask(operator)))
         )
         who, named = self.names.operators[operator], self._named(action)
         return (

@@ -48,9 +48,9 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         self.render_mode = self.game.options.render_mode
         names, of = self.game.names.operators, self.game.cell
         self.operators = {
-            f"{kind}_{place}": names.index(who)
+            f"{kind}_{index}": names.index(who)
             for kind, group in (("robot", of.robots), ("human", of.humans))
-            for place, who in enumerate(group)
+            for index, who in enumerate(group)
         }
         self.possible_agents = list(self.operators)
         self.agents: list[str] = []

@@ -143,8 +143,8 @@ class Algorithm(Protocol):
         Each is `{"makespan": seconds or None, "stress": ..., "illegal": ...}`.
         """
 
-    def save_policy(self, learners: Learners, place: int, path: Path) -> None:
-        """Writes the policy of the seed at that place."""
+    def save_policy(self, learners: Learners, index: int, path: Path) -> None:
+        """Writes the policy of the seed at that index."""
 
 
 Worth = Callable[[Arrays, State, Array, Array], Array]

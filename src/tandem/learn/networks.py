@@ -33,10 +33,10 @@ def init(
       draw: shape -> an array of that shape, uniform in [-1, 1), of the wanted namespace and type.
     """
     layers: Network = {}
-    for place, (inputs, outputs) in enumerate(itertools.pairwise(sizes)):
-        reach = math.sqrt(6 / (inputs + outputs)) * (last if place == len(sizes) - 2 else 1.0)
+    for index, (inputs, outputs) in enumerate(itertools.pairwise(sizes)):
+        reach = math.sqrt(6 / (inputs + outputs)) * (last if index == len(sizes) - 2 else 1.0)
         weight = draw((inputs, outputs)) * reach
-        layers[str(place)] = {"weight": weight, "bias": weight[0] * 0}
+        layers[str(index)] = {"weight": weight, "bias": weight[0] * 0}
     return layers
 
 
@@ -55,9 +55,9 @@ def forward(xp: ModuleType, network: Network, inputs: Array, activation: str) ->
       xp: the namespace of the arrays, `numpy` or `jax.numpy`.
     """
     flow = inputs
-    for place in range(len(network)):
-        layer = network[str(place)]
-        if place:
+    for index in range(len(network)):
+        layer = network[str(index)]
+        if index:
             flow = xp.tanh(flow) if activation == "tanh" else xp.maximum(flow, 0)
         flow = flow @ layer["weight"]
         flow = flow + layer["bias"].reshape((1,) * (flow.ndim - 1) + (-1,))

@@ -84,12 +84,12 @@ def ahead(
     behind = needs.T.copy()  # [i, j]: j comes after i
     for middle in range(tasks):
         behind |= behind[:, middle : middle + 1] & behind[middle]
-    ways = [np.flatnonzero(task == place) for place in range(tasks)]
+    ways = [np.flatnonzero(task == index) for index in range(tasks)]
     least = np.array([time[own].min() for own in ways])
     always = np.array([uses[own].all(0) for own in ways])
     tail = np.zeros(tasks)
-    for place in sorted(range(tasks), key=lambda place: behind[place].sum()):
-        tail[place] = least[place] + max(tail[behind[place]], default=0.0)
+    for index in sorted(range(tasks), key=lambda index: behind[index].sum()):
+        tail[index] = least[index] + max(tail[behind[index]], default=0.0)
     only = always * least[:, None]
     nobodys = np.where(always.any(1), 0.0, least)
     parts = {

@@ -38,8 +38,8 @@ def play(
         _play(jax.random.key(seed), trained.judge, trained.parameters, many(game, games), looking)
     )
     return [
-        reached(cell, jax.tree.map(lambda leaf, place=place: leaf[place], found))
-        for place in range(games)
+        reached(cell, jax.tree.map(lambda leaf, index=index: leaf[index], found))
+        for index in range(games)
     ]
 
 
@@ -51,10 +51,10 @@ def alone(cell: Cell, game: CellGame, judge: Judge, parameters: Any) -> list[tup
     seeds = range(len(expected))
     return [
         (
-            reached(cell, jax.tree.map(lambda leaf, place=place: leaf[place, 0], found)),
-            float(expected[place]),
+            reached(cell, jax.tree.map(lambda leaf, index=index: leaf[index, 0], found)),
+            float(expected[index]),
         )
-        for place in seeds
+        for index in seeds
     ]
 
 

@@ -128,23 +128,23 @@ class Moves:
                 ]
             )
             soonest = None
-            for place, step in enumerate(self.layout.steps[task]):
+            for index, step in enumerate(self.layout.steps[task]):
                 start = self._start(node, task, step, ready)
                 if start is None:
                     continue
                 soonest = start if soonest is None else min(soonest, start)
                 end = start + step.ticks
                 if end <= self.latest_end[task] and end + self.layout.behind[task] <= horizon:
-                    moves.append((task, place, step, start))
-                    if end < cutoff and self.harmless[task][place]:
+                    moves.append((task, index, step, start))
+                    if end < cutoff and self.harmless[task][index]:
                         cutoff = end
             if soonest is None or soonest > min(
                 self.latest_start[task], horizon - self.layout.tail[task]
             ):
                 return
-        for task, place, step, start in moves:
+        for task, index, step, start in moves:
             if start < cutoff:
-                yield self._appended(node, task, place, step, start)
+                yield self._appended(node, task, index, step, start)
 
     def candidates(self, mask: int) -> tuple[int, ...]:
         """Tasks not yet appended whose predecessors are."""
@@ -246,7 +246,7 @@ class Moves:
         row = self.instance.swap_ticks[tool] if tool >= 0 else None
         return 0 if row is None or node.hand[operator] in (-1, tool) else row[operator]
 
-    def _appended(self, node: Node, task: int, place: int, step: Step, start: int) -> Node:
+    def _appended(self, node: Node, task: int, index: int, step: Step, start: int) -> Node:
         instance, end, who = self.instance, start + step.ticks, step.operators
         tool, zone, team = instance.timed_tool[task], instance.timed_zone[task], instance.team[task]
         free, loads, ends, hand = list(node.free), list(node.loads), list(node.ends), node.hand
@@ -269,7 +269,7 @@ class Moves:
             zones=_taken(node.zones, zone, len(who), end),
             loads=tuple(loads),
             stress=node.stress + step.stress,
-            humans=node.humans | self.human[task][place] << task,
+            humans=node.humans | self.human[task][index] << task,
             teams=teams,
             step=(task, step, start),
             before=node,

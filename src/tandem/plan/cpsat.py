@@ -180,11 +180,11 @@ def _changeovers(plan: Decisions, operator: int) -> list[cp_model.IntervalVar]:
     into: dict[int, list[cp_model.IntVar]] = {t: [] for t in tasks}
     nobody = model.new_bool_var("no tool used")
     arcs.append((0, 0, nobody))
-    for place, task in enumerate(tasks, start=1):
+    for index, task in enumerate(tasks, start=1):
         does = _any_of(plan, plan.does(task, operator))
-        arcs.append((place, place, does.negated()))
+        arcs.append((index, index, does.negated()))
         first, last = model.new_bool_var(""), model.new_bool_var("")
-        arcs += [(0, place, first), (place, 0, last)]
+        arcs += [(0, index, first), (index, 0, last)]
         if in_hand is not None and in_hand != instance.tool[task]:
             into[task].append(first)
         model.add_implication(does, nobody.negated())

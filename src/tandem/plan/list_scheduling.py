@@ -21,7 +21,7 @@ class Step(NamedTuple):
     """A way of doing a task that can be part of a schedule.
 
     Attributes:
-      way: its place in `Instance.ways`.
+      way: its index in `Instance.ways`.
       operators: indices; `ticks` its duration; `stress` the sum of `load`, the stress per operator.
     """
 

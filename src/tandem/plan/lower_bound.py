@@ -250,8 +250,8 @@ class _Growth:
             kept: dict[int, list[tuple[tuple[int, ...], int, Node]]] = {}
             self._rests.clear()
             count = 0
-            for place, node in enumerate(level):
-                if place % 32 == 0 and (self.is_over() or count > MOST_NODES):
+            for index, node in enumerate(level):
+                if index % 32 == 0 and (self.is_over() or count > MOST_NODES):
                     self.cut_short = True
                     return None
                 for child in self.ground.children(node):

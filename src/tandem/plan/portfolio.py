@@ -516,10 +516,10 @@ class Race:
         if fresh is None:
             return None, easy
         ways = [way for way, _ in current]
-        for place, task in enumerate(stretch.tasks):
-            ways[task] = stretch.ways[place][fresh[place][0]]
-        middle = sorted(range(len(fresh)), key=lambda place: fresh[place][1])
-        order[first : first + count] = [stretch.tasks[place] for place in middle]
+        for index, task in enumerate(stretch.tasks):
+            ways[task] = stretch.ways[index][fresh[index][0]]
+        middle = sorted(range(len(fresh)), key=lambda index: fresh[index][1])
+        order[first : first + count] = [stretch.tasks[index] for index in middle]
         starts = append(self.layout, order, ways)
         if (
             starts is None

@@ -274,8 +274,8 @@ def real_ticks(fate: Fate, arrays: Arrays, way: Array, attempt: Array, nominal: 
     if not fate.factor.shape[0]:
         return nominal.astype(xp.float32)
     ways, attempts = fate.factor.shape
-    place = xp.maximum(way, 0) * attempts + xp.minimum(attempt, attempts - 1)
-    return nominal * fate.factor.reshape(ways * attempts)[place]
+    index = xp.maximum(way, 0) * attempts + xp.minimum(attempt, attempts - 1)
+    return nominal * fate.factor.reshape(ways * attempts)[index]
 
 
 def with_rests(fate: Fate, start: Array, ticks: Array, who: Array) -> Array:
@@ -284,9 +284,9 @@ def with_rests(fate: Fate, start: Array, ticks: Array, who: Array) -> Array:
     """
     xp = namespace(ticks)
     end, covered = start + ticks, start
-    for place in range(fate.away_from.shape[0]):
-        off, back = xp.maximum(fate.away_from[place], covered), fate.away_to[place]
-        rests = xp.any(fate.away[place] & who) & (off < end) & (back > off)
+    for index in range(fate.away_from.shape[0]):
+        off, back = xp.maximum(fate.away_from[index], covered), fate.away_to[index]
+        rests = xp.any(fate.away[index] & who) & (off < end) & (back > off)
         end = end + xp.where(rests, back - off, 0)
         covered = xp.where(rests, back, covered)
     return (end - start).astype(xp.int32)

@@ -277,8 +277,8 @@ def split_people(text: Sequence[str]) -> tuple[str, ...]:
     kinds = (*KINDS, "population")
     found: list[str] = []
     for one in text:
-        for place, part in enumerate(one.split(",")):
-            if place == 0 or part.strip().partition(":")[0].partition("+")[0] in kinds:
+        for index, part in enumerate(one.split(",")):
+            if index == 0 or part.strip().partition(":")[0].partition("+")[0] in kinds:
                 found.append(part)
             else:
                 found[-1] += f",{part}"

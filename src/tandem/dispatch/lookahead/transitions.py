@@ -395,11 +395,11 @@ class Moves:
     def _sets(
         self, position: Position, legal: Sequence[int], chosen: tuple[int, ...]
     ) -> Iterator[tuple[int, ...]]:
-        for place, way in enumerate(legal):
+        for index, way in enumerate(legal):
             after = self.begin(position, way)
             rest = [
                 other
-                for other in legal[place + 1 :]
+                for other in legal[index + 1 :]
                 if not self.who[other] & self.who[way] and self.task[other] != self.task[way]
             ]
             if not self.plain:

@@ -125,10 +125,10 @@ class Floor:
             self.arrays, self.fate, self.people, before, np.int32(self._way_told(situation, who))
         )
         state = self.episode.state
-        for place in np.flatnonzero(state.start_at != before.state.start_at):
-            task, way = self.names.ways[int(state.way[place])]
+        for index in np.flatnonzero(state.start_at != before.state.start_at):
+            task, way = self.names.ways[int(state.way[index])]
             self.pending.append(Event("started", self.now, task, way.operators))
-            self._is_noticed_when_out_of_turn(int(place))
+            self._is_noticed_when_out_of_turn(int(index))
         if (state.refused & ~before.state.refused).any():
             self.pending.append(Event("refused", self.now, situation.announced[who], (who,)))
 
@@ -155,18 +155,18 @@ class Floor:
         ]
         return int(min(fitting)[2]) if fitting else -1
 
-    def _is_noticed_when_out_of_turn(self, place: int) -> None:
+    def _is_noticed_when_out_of_turn(self, index: int) -> None:
         """What is begun before its turn is known to be wrong when it ends: the shift has been told
         what it stands on.
         """
         state = self.episode.state
         if (
             state.bad_at.shape[0]
-            and not state.undoing[place]
-            and (self.arrays.needs[place] & ~world.mounted(state)).any()
+            and not state.undoing[index]
+            and (self.arrays.needs[index] & ~world.mounted(state)).any()
         ):
             bad_at = state.bad_at.copy()
-            bad_at[place] = state.end_at[place]
+            bad_at[index] = state.end_at[index]
             self.episode = self.episode._replace(state=state._replace(bad_at=bad_at))
 
     def _time_runs_on(self, look_again: float | None) -> bool:
@@ -208,15 +208,15 @@ class Floor:
         who came.
         """
         now, tasks = self.now, self.names.tasks
-        for place in np.flatnonzero(
+        for index in np.flatnonzero(
             (before.way >= 0) & (before.end_at > before.clock) & (before.end_at <= state.clock)
         ):
-            undone = before.undoing.shape[0] and before.undoing[place]
-            yield Event("undone" if undone else "done", now, tasks[place])
+            undone = before.undoing.shape[0] and before.undoing[index]
+            yield Event("undone" if undone else "done", now, tasks[index])
         if state.bad_at.shape[0]:
             yield from (
-                Event("wrong", now, tasks[place])
-                for place in np.flatnonzero(
+                Event("wrong", now, tasks[index])
+                for index in np.flatnonzero(
                     (state.bad_at <= state.clock) & (before.bad_at > before.clock)
                 )
             )

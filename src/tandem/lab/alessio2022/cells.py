@@ -251,8 +251,8 @@ def prices(number: int) -> dict[str, Any]:
         "optimiser_misses": 0,
         "costs": [],
     }
-    for place in range(number):
-        cell = layered(PRICED_TASKS[place % len(PRICED_TASKS)], seed=place)
+    for index in range(number):
+        cell = layered(PRICED_TASKS[index % len(PRICED_TASKS)], seed=index)
         hostile = values(cell, HOSTILE)
         points = trade(cell, hostile)
         diligent = trade(cell, _diligent(cell))
@@ -260,7 +260,7 @@ def prices(number: int) -> dict[str, Any]:
         found["free_if_diligent"] += len(diligent) == 1
         found["optimiser_misses"] += times(cell, nominal_robot(cell))[1] > points[0][0]
         if len(points) > 1:
-            found["costs"].append({"seed": place, "tasks": len(cell.tasks), "front": points})
+            found["costs"].append({"seed": index, "tasks": len(cell.tasks), "front": points})
     return found
 
 

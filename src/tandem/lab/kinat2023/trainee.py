@@ -67,8 +67,8 @@ class Trainee:
         """The figures that the thesis watches, and those that say how good the agents are."""
         played = jax.device_get(_greedy(learners.parameters, self.world, self.config))
         return [
-            self._row(learners, place, *of_seed((report, played), place))
-            for place in range(len(self.order.seeds))
+            self._row(learners, index, *of_seed((report, played), index))
+            for index in range(len(self.order.seeds))
         ]
 
     def play(self, learners: ppo.Learner) -> list[Row]:
@@ -80,29 +80,29 @@ class Trainee:
             )
         )
         rows = []
-        for place in range(len(self.order.seeds)):
-            sure, draws = of_seed((greedy, drawn), place)
+        for index in range(len(self.order.seeds)):
+            sure, draws = of_seed((greedy, drawn), index)
             best = {"n": BEST_OF, **self._reached(draws, best_of(draws))}
             rows.append(
                 {
-                    "steps": int(learners.steps[place]),
+                    "steps": int(learners.steps[index]),
                     "greedy": self._reached(sure, 0),
                     "best_of_n": best,
                 }
             )
         return rows
 
-    def save_policy(self, learners: ppo.Learner, place: int, path: Path) -> None:
+    def save_policy(self, learners: ppo.Learner, index: int, path: Path) -> None:
         """The actors, for NumPy."""
         order, config = self.order, self.config
-        actor = jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters["actor"])
+        actor = jax.tree.map(lambda leaf: np.asarray(leaf[index]), learners.parameters["actor"])
         notes = {
             "kind": "station",
             "cell": order.cell.name,
             "digest": order.cell.digest,
             "recipe": order.name,
             "stress_factor": order.stress_factor,
-            "seed": order.seeds[place],
+            "seed": order.seeds[index],
             "pace": self.recipe.pace,
             "sees": self.recipe.sees,
             "rewards": self.recipe.rewards,
@@ -111,14 +111,14 @@ class Trainee:
             self.world.agents, actor, config.activation, config.masked, config.share_actor, notes
         ).save(path)
 
-    def _row(self, learners: ppo.Learner, place: int, report: ppo.Report, played: Played) -> Row:
+    def _row(self, learners: ppo.Learner, index: int, report: ppo.Report, played: Played) -> Row:
         ended = np.asarray(report.episodes)
         last = int(np.flatnonzero(ended)[-1]) if ended.any() else len(ended) - 1
         weights = ended / max(ended.sum(), 1)
         mean, illegal = np.asarray(weights @ report.returns), np.asarray(weights @ report.illegal)
         row: Row = {
             "stage": int(report.stage[-1]) + 1,
-            "episodes": int(learners.episodes[place]),
+            "episodes": int(learners.episodes[index]),
             "steps": int(report.steps[-1]),
         }
         for name, agent in enumerate(self.world.agents):
@@ -129,18 +129,18 @@ class Trainee:
             row[f"entropy_{agent}"] = round(float(np.mean(np.asarray(report.entropy)[:, name])), 5)
         return row | {f"greedy_{name}": value for name, value in self._reached(played, 0).items()}
 
-    def _reached(self, played: Played, place: int) -> Row:
+    def _reached(self, played: Played, index: int) -> Row:
         """Makespan in seconds and stress of an episode, None when it did not come to its end; and
         how many rules were broken.
         """
         makespan = stress = None
-        if played.done[place]:
-            makespan = plain(seconds(int(played.state.clock[place]), whole_ticks(self.order.cell)))
-            stress = plain(round(float(played.state.stress[place]), 6))
+        if played.done[index]:
+            makespan = plain(seconds(int(played.state.clock[index]), whole_ticks(self.order.cell)))
+            stress = plain(round(float(played.state.stress[index]), 6))
         return {
             "makespan": makespan,
             "stress": stress,
-            "illegal": int(np.sum(played.illegal[place])),
+            "illegal": int(np.sum(played.illegal[index])),
         }
 
 

@@ -125,9 +125,9 @@ def play(
     """
     found = np.zeros((len(boards), samples), np.int64)
     for size in sorted({_size(board) for board in boards}):
-        places = [place for place, board in enumerate(boards) if _size(board) == size]
-        rows = [(place, sample) for place in places for sample in range(samples)]
-        games = {place: BoardGame.of(boards[place], sees=_sees(trained.judge)) for place in places}
+        places = [index for index, board in enumerate(boards) if _size(board) == size]
+        rows = [(index, sample) for index in places for sample in range(samples)]
+        games = {index: BoardGame.of(boards[index], sees=_sees(trained.judge)) for index in places}
         together = min(number for number in TOGETHER if number >= min(len(rows), TOGETHER[-1]))
         for number, start in enumerate(range(0, len(rows), together)):
             chunk = rows[start : start + together]
@@ -135,8 +135,8 @@ def play(
             happens = jax.tree.map(
                 lambda *leaves: np.stack(leaves),
                 *(
-                    _happens(games[place].layout, fates, (place, sample))
-                    for place, sample in filled
+                    _happens(games[index].layout, fates, (index, sample))
+                    for index, sample in filled
                 ),
             )
             key = jax.random.fold_in(jax.random.key(seed), number)
@@ -144,7 +144,7 @@ def play(
                 key,
                 trained.judge,
                 trained.parameters,
-                stacked([games[place] for place, _ in filled]),
+                stacked([games[index] for index, _ in filled]),
                 happens,
                 looking,
             )

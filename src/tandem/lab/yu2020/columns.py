@@ -162,7 +162,7 @@ class _Sides:
     """
 
     def __init__(self, order: Order, part: list[str]):
-        number = {task: place for place, task in enumerate(part)}
+        number = {task: index for index, task in enumerate(part)}
         meets = [
             [number[other] for other in (task, *sorted(order.direct[task], key=number.__getitem__))]
             for task in part
@@ -183,11 +183,11 @@ class _Sides:
             for pair in product(meets[u], meets[v]):
                 if pair in root:
                     root[find(pair)] = find((u, v))
-        classes = {pair: place for place, pair in enumerate(sorted({find(pair) for pair in pairs}))}
+        classes = {pair: index for index, pair in enumerate(sorted({find(pair) for pair in pairs}))}
         self.class_of = {pair: classes[find(pair)] for pair in pairs}
         self.members: list[list[tuple[int, int]]] = [[] for _ in classes]
-        for pair, place in self.class_of.items():
-            self.members[place].append(pair)
+        for pair, index in self.class_of.items():
+            self.members[index].append(pair)
         both = [(u, v) for u, v in pairs if self.class_of[u, v] == self.class_of[v, u]]
         self.clash = (part[both[0][0]], part[both[0][1]]) if both else None
 
@@ -207,7 +207,7 @@ def _of_part(order: Order, part: list[str]) -> list[str] | None:
     sides = _Sides(order, part)
     if sides.clash is not None:
         return None
-    number, everything = {task: place for place, task in enumerate(part)}, (1 << len(part)) - 1
+    number, everything = {task: index for index, task in enumerate(part)}, (1 << len(part)) - 1
     direct = [sum(1 << number[other] for other in order.direct[task]) for task in part]
     related = [
         sum(1 << number[other] for other in part if other != task and order.ordered(task, other))
@@ -239,12 +239,12 @@ def _of_part(order: Order, part: list[str]) -> list[str] | None:
         begun, decided, left_of = node.begun | 1 << task, set(node.decided), list(node.left_of)
         for other in range(len(part)):
             if not begun >> other & 1 and (task, other) in sides.class_of:
-                place = sides.class_of[task, other]
+                index = sides.class_of[task, other]
                 if sides.class_of[other, task] in decided:
                     return None
-                if place not in decided:
-                    decided.add(place)
-                    for left, right in sides.members[place]:
+                if index not in decided:
+                    decided.add(index)
+                    for left, right in sides.members[index]:
                         left_of[right] |= 1 << left
         return _Node(begun, frozenset(decided), tuple(left_of), choices(begun, left_of))
 

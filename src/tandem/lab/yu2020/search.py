@@ -55,7 +55,7 @@ class Tree(NamedTuple):
 
 class Path(NamedTuple):
     """My moves from the root on. nodes, moves: `[D]` int32. on: `[D]` bool, False beyond its end.
-    last: `[]` int32, the place of the last move.
+    last: `[]` int32, the index of the last move.
     """
 
     nodes: Array

@@ -127,16 +127,16 @@ class Trainee:
         both networks play without a search.
         """
         found = []
-        for place in range(len(self.order.seeds)):
-            own = jax.tree.map(lambda leaf, place=place: leaf[place], report)
-            row: Row = {"episodes": int(learners.games[place]), "steps": int(learners.moves[place])}
+        for index in range(len(self.order.seeds)):
+            own = jax.tree.map(lambda leaf, index=index: leaf[index], report)
+            row: Row = {"episodes": int(learners.games[index]), "steps": int(learners.moves[index])}
             row |= {"mean_return_team": round(-float(np.mean(own.cost)), 4)}
             row |= {
                 name: round(float(getattr(own, name)[-1]), 5)
                 for name in ("policy_loss", "value_loss")
             }
             reached = _reached(
-                board_training.play(self._trained(learners, place), [self.board])[0, 0]
+                board_training.play(self._trained(learners, index), [self.board])[0, 0]
             )
             found.append(row | {f"greedy_{name}": value for name, value in told(reached).items()})
         return found
@@ -146,10 +146,10 @@ class Trainee:
         moves drawn by the visits, the best of n games.
         """
         rows = []
-        for place, seed in enumerate(self.order.seeds):
-            trained = self._trained(learners, place)
+        for index, seed in enumerate(self.order.seeds):
+            trained = self._trained(learners, index)
             row: Row = {
-                "steps": int(learners.moves[place]),
+                "steps": int(learners.moves[index]),
                 "greedy": told(_reached(board_training.play(trained, [self.board])[0, 0])),
             }
             row["searched"] = told(
@@ -169,19 +169,19 @@ class Trainee:
             )
         return rows
 
-    def save_policy(self, learners: training.Learner, place: int, path: Path) -> None:
+    def save_policy(self, learners: training.Learner, index: int, path: Path) -> None:
         notes = {
             "cell": self.order.cell.name,
             "digest": self.order.cell.digest,
             "recipe": self.order.name,
-            "seed": self.order.seeds[place],
+            "seed": self.order.seeds[index],
         }
-        replace(self._trained(learners, place), notes=notes).save(path)
+        replace(self._trained(learners, index), notes=notes).save(path)
 
-    def _trained(self, learners: training.Learner, place: int) -> Trained:
+    def _trained(self, learners: training.Learner, index: int) -> Trained:
         return Trained(
             training.networks(self.recipe.config),
-            jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters),
+            jax.tree.map(lambda leaf: np.asarray(leaf[index]), learners.parameters),
         )
 
 

@@ -136,10 +136,10 @@ def _played(
                 lambda leaf: leaf[0],
                 yu_search(search_key, judge, learner.parameters, alone, wide, config.search),
             )
-            place = positions.written[me] % config.kept
+            index = positions.written[me] % config.kept
             new = (game.observe(state), game.legal(state), found.policy, found.to_come)
             kept = jax.tree.map(
-                lambda all_, one: all_.at[me, place].set(one), tuple(positions[:4]), new
+                lambda all_, one: all_.at[me, index].set(one), tuple(positions[:4]), new
             )
             return found.move, Positions(
                 kept[0], kept[1], kept[2], kept[3], positions.written.at[me].add(1)
@@ -172,10 +172,10 @@ def _fit(
     rule = optax.scale_by_adam()
     norm = jnp.asarray(config.value_norm)[me]
 
-    def minibatch(place: Array, carry: tuple[Any, ...]) -> tuple[Any, ...]:
+    def minibatch(index: Array, carry: tuple[Any, ...]) -> tuple[Any, ...]:
         parameters, moments, sums = carry
-        rows = jax.lax.dynamic_slice(order, (place * config.minibatch,), (config.minibatch,))
-        counts = place * config.minibatch + jnp.arange(config.minibatch) < there
+        rows = jax.lax.dynamic_slice(order, (index * config.minibatch,), (config.minibatch,))
+        counts = index * config.minibatch + jnp.arange(config.minibatch) < there
         gradient, losses = jax.grad(loss, has_aux=True)(
             parameters, jax.tree.map(lambda leaf: leaf[rows], own[2][:4]), counts, norm, config
         )

@@ -75,9 +75,9 @@ def candidates(xp: ModuleType, score: Array, pairs: Array, number: int) -> Candi
 
 def best_pair(xp: ModuleType, value: Array, asked: Candidates) -> Array:
     """`[2]` int32, the legal pair of the highest `value` `[C, C]`; the first of equals."""
-    place = xp.argmax(xp.where(asked.legal, value, ILLEGAL).reshape(-1))
+    index = xp.argmax(xp.where(asked.legal, value, ILLEGAL).reshape(-1))
     number = value.shape[0]
-    chosen = (asked.second.reshape(number * number, -1)[place], asked.first[place // number])
+    chosen = (asked.second.reshape(number * number, -1)[index], asked.first[index // number])
     return xp.stack([xp.argmax(one) for one in chosen]).astype(xp.int32)
 
 
@@ -183,5 +183,5 @@ def _choice_weights(critic: Network, number: int) -> Array:
 def _rest(xp: ModuleType, critic: Network, flow: Array, activation: str) -> Array:
     """`[...]` from what reached the critic's first layer, `[..., H]`."""
     flow = xp.tanh(flow) if activation == "tanh" else xp.maximum(flow, 0)
-    later = {str(place - 1): critic[str(place)] for place in range(1, len(critic))}
+    later = {str(index - 1): critic[str(index)] for index in range(1, len(critic))}
     return forward(xp, later, flow, activation)[..., 0]

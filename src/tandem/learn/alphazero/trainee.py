@@ -89,19 +89,19 @@ class Trainee:
             self.order.cell, self.game, training.judge(self.recipe.config), learners.parameters
         )
         found = []
-        for place in range(len(self.order.seeds)):
-            own = jax.tree.map(lambda leaf, place=place: leaf[place], report)
-            row: Row = {"episodes": int(learners.games[place]), "steps": int(learners.moves[place])}
+        for index in range(len(self.order.seeds)):
+            own = jax.tree.map(lambda leaf, index=index: leaf[index], report)
+            row: Row = {"episodes": int(learners.games[index]), "steps": int(learners.moves[index])}
             row |= {
                 "mean_return_team": round(-float(own.cost), 4),
-                "first_value_team": round(-results[place][1], 4),
+                "first_value_team": round(-results[index][1], 4),
             }
             row |= {
                 name: round(float(getattr(own, name)), 5)
                 for name in ("policy_loss", "value_loss", "entropy")
             }
             found.append(
-                row | {f"greedy_{name}": value for name, value in told(results[place][0]).items()}
+                row | {f"greedy_{name}": value for name, value in told(results[index][0]).items()}
             )
         return found
 
@@ -110,11 +110,11 @@ class Trainee:
         `best_of_n`: of n games under one that draws.
         """
         recipe, cell, rows = self.recipe, self.order.cell, []
-        for place, seed in enumerate(self.order.seeds):
-            parameters = jax.tree.map(lambda leaf, place=place: leaf[place], learners.parameters)
+        for index, seed in enumerate(self.order.seeds):
+            parameters = jax.tree.map(lambda leaf, index=index: leaf[index], learners.parameters)
             trained = Trained(training.judge(recipe.config), parameters)
             row: Row = {
-                "steps": int(learners.moves[place]),
+                "steps": int(learners.moves[index]),
                 "greedy": told(play(cell, self.game, trained)[0]),
             }
             row["searched"] = told(play(cell, self.game, trained, sure(recipe))[0])
@@ -130,8 +130,8 @@ class Trainee:
             )
         return rows
 
-    def save_policy(self, learners: training.Learner, place: int, path: Path) -> None:
-        parameters = jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters)
+    def save_policy(self, learners: training.Learner, index: int, path: Path) -> None:
+        parameters = jax.tree.map(lambda leaf: np.asarray(leaf[index]), learners.parameters)
         order, cell = self.order, self.order.cell
         notes = {
             "kind": "alphazero",
@@ -139,7 +139,7 @@ class Trainee:
             "digest": cell.digest,
             "recipe": order.name,
             "stress_factor": order.stress_factor,
-            "seed": order.seeds[place],
+            "seed": order.seeds[index],
             "waiting": self.recipe.waiting,
         }
         Trained(training.judge(self.recipe.config), parameters, notes).save(path)

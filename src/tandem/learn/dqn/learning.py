@@ -148,8 +148,8 @@ def advance(learner: Learner, game: Game, config: Config, rounds: int) -> tuple[
     def one(learner: Learner, _: None) -> tuple[Learner, Array]:
         move_key, learn_key, key = jax.random.split(learner.key, 3)
         moved, rows = _moved(move_key, learner, game, config)
-        place = learner.rounds % learner.memory.valid.shape[0]
-        memory = jax.tree.map(lambda all_, new: all_.at[place].set(new), learner.memory, rows)
+        index = learner.rounds % learner.memory.valid.shape[0]
+        memory = jax.tree.map(lambda all_, new: all_.at[index].set(new), learner.memory, rows)
         learner = moved._replace(memory=memory, key=key, rounds=learner.rounds + 1)
         due = (learner.rounds > config.warm_up) & (learner.rounds % config.learn_every == 0)
         return jax.lax.cond(

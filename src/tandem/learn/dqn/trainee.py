@@ -87,16 +87,16 @@ class Trainee:
         the same.
         """
         results, found = alone(self.order.cell, self.game, self.judge, learners.parameters), []
-        for place in range(len(self.order.seeds)):
-            own = jax.tree.map(lambda leaf, place=place: leaf[place], report)
-            row: Row = {"episodes": int(learners.games[place]), "steps": int(learners.moves[place])}
+        for index in range(len(self.order.seeds)):
+            own = jax.tree.map(lambda leaf, index=index: leaf[index], report)
+            row: Row = {"episodes": int(learners.games[index]), "steps": int(learners.moves[index])}
             row |= {
                 "mean_return_team": round(-float(own.cost), 4),
-                "first_value_team": round(-results[place][1], 4),
+                "first_value_team": round(-results[index][1], 4),
             }
             row |= {"loss": round(float(own.loss), 5), "explore": round(float(own.explore), 4)}
             found.append(
-                row | {f"greedy_{name}": value for name, value in told(results[place][0]).items()}
+                row | {f"greedy_{name}": value for name, value in told(results[index][0]).items()}
             )
         return found
 
@@ -105,9 +105,9 @@ class Trainee:
         twentieth of the moves is random, the best.
         """
         rows = []
-        for place, seed in enumerate(self.order.seeds):
+        for index, seed in enumerate(self.order.seeds):
             trained = Trained(
-                self.judge, jax.tree.map(lambda leaf, place=place: leaf[place], learners.parameters)
+                self.judge, jax.tree.map(lambda leaf, index=index: leaf[index], learners.parameters)
             )
             drawn = play(
                 self.order.cell, self.game, trained, Wander(), games=self.recipe.samples, seed=seed
@@ -115,15 +115,15 @@ class Trainee:
             best = {"n": self.recipe.samples, **told(min(drawn, key=lambda game: game.cost))}
             rows.append(
                 {
-                    "steps": int(learners.moves[place]),
+                    "steps": int(learners.moves[index]),
                     "greedy": told(play(self.order.cell, self.game, trained)[0]),
                     "best_of_n": best,
                 }
             )
         return rows
 
-    def save_policy(self, learners: learning.Learner, place: int, path: Path) -> None:
-        parameters = jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters)
+    def save_policy(self, learners: learning.Learner, index: int, path: Path) -> None:
+        parameters = jax.tree.map(lambda leaf: np.asarray(leaf[index]), learners.parameters)
         order, cell = self.order, self.order.cell
         notes = {
             "kind": "dqn",
@@ -131,7 +131,7 @@ class Trainee:
             "digest": cell.digest,
             "recipe": order.name,
             "stress_factor": order.stress_factor,
-            "seed": order.seeds[place],
+            "seed": order.seeds[index],
             "waiting": self.recipe.waiting,
         }
         Trained(self.judge, parameters, notes).save(path)

@@ -100,9 +100,9 @@ class BesidePeople:
 
     def reset(self, key: Array) -> Beside:
         who_key, fate_key = jax.random.split(key)
-        place = jax.random.randint(who_key, (), 0, self.people.pace.shape[0])
+        index = jax.random.randint(who_key, (), 0, self.people.pace.shape[0])
         chance = fate(self.draw, self.arrays, jax.random.uniform(fate_key, (self.draw.numbers,)))
-        people = crew(self.arrays, jax.tree.map(lambda leaf: leaf[place], self.people))
+        people = crew(self.arrays, jax.tree.map(lambda leaf: leaf[index], self.people))
         return Beside(self._to_a_turn(chance, episode.begin(self.arrays, people)), chance, people)
 
     def observe(self, state: Beside) -> Array:

@@ -75,14 +75,14 @@ def _play(
     )
 
     def one(carry: tuple[Array, Played]) -> tuple[Array, Played]:
-        place, so_far = carry
+        index, so_far = carry
         state, on = so_far.state, ~so_far.done
         observation, legal = jax.vmap(world.observe)(state), jax.vmap(world.legal)(state)
         action, _, _ = act(
             parameters,
             observation,
             legal,
-            None if uniform is None else uniform[place],
+            None if uniform is None else uniform[index],
             state,
             world,
             config,
@@ -93,9 +93,9 @@ def _play(
             after,
             state,
         )
-        return place + 1, Played(
+        return index + 1, Played(
             kept,
-            so_far.actions.at[place].set(jnp.where(on[:, None], action, 0)),
+            so_far.actions.at[index].set(jnp.where(on[:, None], action, 0)),
             so_far.length + on,
             so_far.returns + jnp.where(on[:, None], outcome.reward, 0),
             so_far.illegal + jnp.where(on[:, None], outcome.illegal, 0),

@@ -51,7 +51,7 @@ class Learner(NamedTuple):
     mean, spread: `[A]`, the unit that the critics work in: value = mean + spread x output.
     environments: the worlds that are being played.
     key: for what is still to be drawn.
-    stage: `[]` int32, place of the current stage; `len(config.stages)` when the training is over.
+    stage: `[]` int32, index of the current stage; `len(config.stages)` when the training is over.
     stage_episodes, stage_steps: `[]` int32, done in this stage.
     episodes, steps, updates: `[]` int32, done in all.
     """
@@ -213,7 +213,7 @@ def update(learner: Learner, world: World, config: Config) -> tuple[Learner, Rep
 
 
 def stage_values(config: Config, stage: Array) -> StageValues:
-    """The numbers of the stage at that place; of the last one when the training is over."""
+    """The numbers of the stage at that index; of the last one when the training is over."""
     table = jax.tree.map(
         lambda *values: jnp.asarray(values), *[stage.values() for stage in config.stages]
     )
@@ -264,12 +264,12 @@ def rollout(
     def keep(
         carry: tuple[Array, tuple[Environments, Ended], Batch],
     ) -> tuple[Array, tuple[Environments, Ended], Batch]:
-        place, progress, kept = carry
-        progress, seen = one(progress, (uniform[place], reset_keys[place]))
+        index, progress, kept = carry
+        progress, seen = one(progress, (uniform[index], reset_keys[index]))
         return (
-            place + 1,
+            index + 1,
             progress,
-            jax.tree.map(lambda all_, new: all_.at[place].set(new), kept, seen),
+            jax.tree.map(lambda all_, new: all_.at[index].set(new), kept, seen),
         )
 
     first = jax.eval_shape(one, (learner.environments, none), (uniform[0], reset_keys[0]))[1]
@@ -585,8 +585,8 @@ def _epochs(
         # empty rows come last
         order = jnp.argsort(jax.random.uniform(key, (size,)) + ~batch.valid[0])
 
-        def one(place: Array, carry: Any) -> Any:
-            return minibatch(jax.lax.dynamic_slice(order, (place * portion,), (portion,)), carry)
+        def one(index: Array, carry: Any) -> Any:
+            return minibatch(jax.lax.dynamic_slice(order, (index * portion,), (portion,)), carry)
 
         return jax.lax.fori_loop(0, portions, one, carry), None
 

@@ -96,11 +96,11 @@ class Trainee:
         of the crowd.
         """
         rows = []
-        for place, played in enumerate(self._played(learners)):
-            said = of_seed(report, place)
+        for index, played in enumerate(self._played(learners)):
+            said = of_seed(report, index)
             row: Row = {
                 "stage": int(said.stage[-1]) + 1,
-                "episodes": int(learners.episodes[place]),
+                "episodes": int(learners.episodes[index]),
                 "steps": int(said.steps[-1]),
             }
             row |= {
@@ -117,7 +117,7 @@ class Trainee:
         of the crowd.
         """
         rows = []
-        for place, played in enumerate(self._played(learners)):
+        for index, played in enumerate(self._played(learners)):
             drawn = [self._reached(played, number) for number in range(1, 1 + BEST_OF)]
             best = min(drawn, key=self._cost)
             row = {
@@ -125,12 +125,12 @@ class Trainee:
                 "best_of_n": {"n": BEST_OF, **best},
                 **self._beside_people(played),
             }
-            rows.append({"steps": int(learners.steps[place]), **row})
+            rows.append({"steps": int(learners.steps[index]), **row})
         return rows
 
-    def save_policy(self, learners: ppo.Learner, place: int, path: Path) -> None:
+    def save_policy(self, learners: ppo.Learner, index: int, path: Path) -> None:
         """The actor, for NumPy."""
-        actor = jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters["actor"])
+        actor = jax.tree.map(lambda leaf: np.asarray(leaf[index]), learners.parameters["actor"])
         cell, config = self.order.cell, self.config
         notes = {
             "kind": "ppo",
@@ -139,7 +139,7 @@ class Trainee:
             "people": self.crowd.spec,
             "recipe": self.order.name,
             "stress_factor": self.order.stress_factor,
-            "seed": self.order.seeds[place],
+            "seed": self.order.seeds[index],
         }
         Policy(
             self.world.agents, actor, config.activation, config.masked, config.share_actor, notes
@@ -152,15 +152,15 @@ class Trainee:
         found = jax.device_get(
             _episodes(learners.parameters["actor"], self.world, self.company, self.config)
         )
-        return [of_seed(found, place) for place in range(len(self.order.seeds))]
+        return [of_seed(found, index) for index in range(len(self.order.seeds))]
 
-    def _reached(self, played: Played, place: int) -> Row:
+    def _reached(self, played: Played, index: int) -> Row:
         """Makespan in seconds and stress of an episode; None when it did not come to its end."""
-        if not played.done[place]:
+        if not played.done[index]:
             return {"makespan": None, "stress": None, "illegal": 0}
-        stress = round(self.names.stress(int(played.stress[place])), 6)
+        stress = round(self.names.stress(int(played.stress[index])), 6)
         return {
-            "makespan": plain(self.names.seconds(int(played.makespan[place]))),
+            "makespan": plain(self.names.seconds(int(played.makespan[index]))),
             "stress": plain(stress),
             "illegal": 0,
         }
@@ -179,7 +179,7 @@ class Trainee:
         if not self.people:
             return {}
         rows = [
-            self._reached(played, place) for place in range(1 + BEST_OF, 1 + BEST_OF + self.people)
+            self._reached(played, index) for index in range(1 + BEST_OF, 1 + BEST_OF + self.people)
         ]
         ended = [row for row in rows if row["makespan"] is not None]
         mean = {
@@ -204,21 +204,21 @@ class Played(NamedTuple):
 def share(learners: ppo.Learner, config: Config) -> float:
     """How much of the budget the slowest seed has behind it, 0 to 1."""
     stages, done = config.stages, []
-    for place, stage in enumerate(np.asarray(learners.stage).tolist()):
+    for index, stage in enumerate(np.asarray(learners.stage).tolist()):
         left = 0.0
         if stage < len(stages):
             within = (
-                int(learners.stage_episodes[place]) / (stages[stage].episodes or 2**31),
-                int(learners.stage_steps[place]) / (stages[stage].steps or 2**31),
+                int(learners.stage_episodes[index]) / (stages[stage].episodes or 2**31),
+                int(learners.stage_steps[index]) / (stages[stage].steps or 2**31),
             )
             left = min(max(within), 1.0)
         done.append((stage + left) / len(stages))
     return min(done)
 
 
-def of_seed(tree: Any, place: int) -> Any:
+def of_seed(tree: Any, index: int) -> Any:
     """One seed's part of results that have a leading axis of seeds."""
-    return jax.tree.map(lambda leaf: leaf[place], tree)
+    return jax.tree.map(lambda leaf: leaf[index], tree)
 
 
 # --- Compiled, for all seeds ---

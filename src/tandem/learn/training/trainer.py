@@ -238,5 +238,5 @@ def _save(training: Training) -> None:
 
 
 def _save_policies(training: Training) -> None:
-    for place, seed in enumerate(training.order.seeds):
-        training.algorithm.save_policy(training.learners, place, training.folder.policy(seed))
+    for index, seed in enumerate(training.order.seeds):
+        training.algorithm.save_policy(training.learners, index, training.folder.policy(seed))
