@@ -229,7 +229,7 @@ def test_a_network_with_notes_that_make_no_sense_is_refused(
 
     trained = Trained.load(RunFolder(runs["alphazero"]).policy(3), Scorer)
     file = Trained(
-        trained.judge, trained.parameters, {**trained.notes, "stress_factor": -1.0}
+        trained.network, trained.parameters, {**trained.notes, "stress_factor": -1.0}
     ).save(tmp_path / "notes.safetensors")
     with pytest.raises(CellError, match="notes: stress_factor"):
         learned(THESIS, SECONDS, Options(learned=str(file)))

@@ -14,7 +14,7 @@ import numpy as np
 
 from tandem.cell.model import Cell, plain
 from tandem.errors import UsageError
-from tandem.learn.observation import Ahead, Look
+from tandem.learn.observation import Ahead, Observation
 from tandem.learn.results import Reached
 from tandem.learn.turns import choices, least_to_come, observe, told
 from tandem.world import state as world
@@ -158,7 +158,7 @@ class CellGame:
     def is_over(self, state: Asked) -> Array:
         return state.turn < 0
 
-    def observe(self, state: Asked) -> Look:
+    def observe(self, state: Asked) -> Observation:
         """What whose turn it is sees."""
         tick, waiting = self._tick, self.waiting
         stands, mask, turn = state.world, state.mask, state.turn

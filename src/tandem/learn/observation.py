@@ -22,7 +22,7 @@ Array = Any
 MOVE_FEATURES, WHOLE_FEATURES = 22, 14
 
 
-class Look(NamedTuple):
+class Observation(NamedTuple):
     """What a network that knows no sizes is shown. `K` moves, `F` and `G` features.
 
     moves: `[K, F]` float32, a row for each move. there: `[K]` bool, the rows that mean something
@@ -132,9 +132,9 @@ def missing(ahead: Ahead, ended: Array) -> Array:
     return ahead.needs @ (1.0 - ended)
 
 
-def look(
+def features(
     ahead: Ahead, now: Standing, me: Array, way: Array, there: Array, mine: Array, waits: Array
-) -> Look:
+) -> Observation:
     """What the agent `me` sees.
 
     Args:
@@ -193,4 +193,4 @@ def look(
         ready_mine / 4, ready_others / 4,
         xp.sum(real) / 10, xp.sum(mine) / 10, ahead.human @ my, xp.max(now.left), xp.mean(waiting),
     ])  # fmt: skip
-    return Look(rows, there, whole.astype(xp.float32))
+    return Observation(rows, there, whole.astype(xp.float32))

@@ -11,7 +11,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tandem.learn.observation import Ahead, Look, Standing, ahead, look, missing, time_to_come
+from tandem.learn.observation import (
+    Ahead,
+    Observation,
+    Standing,
+    ahead,
+    features,
+    missing,
+    time_to_come,
+)
 from tandem.world import state as world
 from tandem.world.arrays import Arrays, Names, namespace
 from tandem.world.state import State
@@ -80,7 +88,7 @@ def observe(
     *,
     tick: Array,
     waiting: bool,
-) -> Look:
+) -> Observation:
     """What the operator `turn` sees; arguments as in `choices` and `standing`."""
     xp = namespace(state.way)
     legal, now = choices(arrays, state, mask, turn, waiting=waiting), standing(arrays, state, tick)
@@ -93,7 +101,7 @@ def observe(
     if waiting:
         way, waits = xp.append(way, 0), xp.append(waits, True)
         there = xp.append(there, legal[-1])
-    return look(known, now, turn, way, there, legal, waits)
+    return features(known, now, turn, way, there, legal, waits)
 
 
 def least_to_come(known: Ahead, arrays: Arrays, state: State, tick: Array) -> Array:

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple, Protocol, Self
 import jax
 import jax.numpy as jnp
 
-from tandem.learn.networks import Network, forward, masked_log_softmax, sample
+from tandem.learn.networks import Perceptron, forward, masked_log_softmax, sample
 from tandem.learn.ppo import ppo
 from tandem.learn.ppo.config import Config, StageValues
 from tandem.learn.ppo.ppo import Learner, Parameters, Report
@@ -73,7 +73,7 @@ class Frozen:
       greedy: `[]` bool, takes its most probable action; else draws.
     """
 
-    actor: Network
+    actor: Perceptron
     greedy: Array
     activation: str = field(default="tanh")
 

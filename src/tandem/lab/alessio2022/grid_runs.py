@@ -18,7 +18,7 @@ import numpy as np
 from tandem.lab.alessio2022 import exact, robots
 from tandem.lab.alessio2022.adversarial import SHARE
 from tandem.lab.alessio2022.layout import HUMAN_START, WRONG, Layout, random_layout
-from tandem.learn.networks import Network, forward
+from tandem.learn.networks import Perceptron, forward
 from tandem.learn.ppo.config import Config, Stage
 
 Sees = Literal["published", "marked"]
@@ -148,7 +148,7 @@ def judged(drawn: Layout, robot: exact.Decide) -> dict[str, Any]:
 
 
 def greedy_robot(
-    drawn: Layout, actor: Network, training: Training, activation: str
+    drawn: Layout, actor: Perceptron, training: Training, activation: str
 ) -> exact.Decide:
     """The trained robot, always taking its most probable action, as the exact search follows it."""
     logits = lambda seen: forward(np, actor, seen, activation)  # noqa: E731

@@ -16,7 +16,7 @@ from tandem.lab import yu2020
 from tandem.lab.yu2020 import HUMAN, ROBOT, Layout, State
 from tandem.lab.yu2020.board import Board, Who
 from tandem.lab.yu2020.layout import waits
-from tandem.learn.observation import Ahead, Standing, ahead, look, time_to_come
+from tandem.learn.observation import Ahead, Standing, ahead, features, time_to_come
 
 Array = Any
 Sees = Literal["features", "board"]
@@ -41,7 +41,7 @@ class BoardGame:
         it cannot.
       unit: `[]` float32, the mean time of a piece, seconds; one second where the board itself is
         seen, with its raw times.
-      sees: what `observe` gives: "features" (a `Look`), or "board", the tensor `[h, w, 3]` that the
+      sees: what `observe` gives: "features" (an `Observation`), or "board", the tensor `[h, w, 3]` that the
         authors' network is given.
     """
 
@@ -133,7 +133,7 @@ class BoardGame:
             yu2020.bottom(self.layout, state) & (self.layout.who > 0) & ~jnp.any(state.doing, 0)
         )
         piece = jnp.sum(jnp.where(playable, self.cell, 0), 0)
-        return look(
+        return features(
             self.ahead,
             self._standing(state),
             me,

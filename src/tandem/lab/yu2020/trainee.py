@@ -54,8 +54,8 @@ def players(
             f"the networks read a board of {trained_on.height} rows and {trained_on.width} columns;"
             f" this cell makes one of {board.height} and {board.width}."
         )
-    assert isinstance(trained.judge, YuNetworks)
-    if not trained.judge.reads(trained.parameters, board.height, board.width):
+    assert isinstance(trained.network, YuNetworks)
+    if not trained.network.reads(trained.parameters, board.height, board.width):
         raise unreadable(
             path,
             [

@@ -16,7 +16,7 @@ import optax
 from tandem.lab.yu2020.config import YuConfig
 from tandem.lab.yu2020.network import YuNetworks
 from tandem.lab.yu2020.search import yu_search
-from tandem.learn.alphazero.network import Parameters, liked
+from tandem.learn.alphazero.network import Parameters, greedy_action
 from tandem.learn.env import Game, State, many
 
 Array = Any
@@ -121,7 +121,7 @@ def _played(
     """One game: `me` searches and remembers, the other one plays what its network likes best. The
     positions, how many moves, and the cost.
     """
-    judge, alone = networks(config), many(game, 1)
+    network, alone = networks(config), many(game, 1)
 
     def goes_on(carry: tuple[Any, ...]) -> Array:
         return ~game.is_over(carry[0])
@@ -134,7 +134,7 @@ def _played(
             wide = jax.tree.map(lambda leaf: leaf[None], state)
             found = jax.tree.map(
                 lambda leaf: leaf[0],
-                yu_search(search_key, judge, learner.parameters, alone, wide, config.search),
+                yu_search(search_key, network, learner.parameters, alone, wide, config.search),
             )
             index = positions.written[me] % config.kept
             new = (game.observe(state), game.legal(state), found.policy, found.to_come)
@@ -146,7 +146,9 @@ def _played(
             )
 
         def theirs(state: State, positions: Positions) -> tuple[Array, Positions]:
-            return liked(judge, learner.parameters, game, state).astype(jnp.int32), positions
+            return greedy_action(network, learner.parameters, game, state).astype(
+                jnp.int32
+            ), positions
 
         chosen, positions = jax.lax.cond(game.to_play(state) == me, mine, theirs, state, positions)
         after, paid = game.step(state, chosen)

@@ -38,7 +38,7 @@ from tandem.lab.zhang2022.pairs import (
     value_of,
     values_of,
 )
-from tandem.learn.networks import ILLEGAL, Network, init
+from tandem.learn.networks import ILLEGAL, Perceptron, init
 from tandem.learn.world import State, World
 
 Array = jax.Array
@@ -462,7 +462,7 @@ def _weights(sizes: tuple[int, ...]) -> int:
     return sum(a * b for a, b in itertools.pairwise(sizes))
 
 
-def _network(uniform: Array, sizes: tuple[int, ...]) -> Network:
+def _network(uniform: Array, sizes: tuple[int, ...]) -> Perceptron:
     """A network from `_weights(sizes)` numbers in [-1, 1); its last layer begins small, so that
     nothing is preferred.
     """

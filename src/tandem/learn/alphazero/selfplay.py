@@ -11,27 +11,34 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from tandem.learn.alphazero.config import Search, Wander
-from tandem.learn.alphazero.network import Judge, Parameters, liked
+from tandem.learn.alphazero.config import EpsilonGreedy, Search
+from tandem.learn.alphazero.network import Network, Parameters, greedy_action
 from tandem.learn.alphazero.search import Found, search
 from tandem.learn.env import Game, State
 
 Array = Any
 Looking = Any
-"""How a move is found: a `Search`, a `Wander`, or what else `SEARCHES` knows; frozen, so that it
+"""How a move is found: a `Search`, an `EpsilonGreedy`, or what else `SEARCHES` knows; frozen, so that it
 can be compiled for.
 """
 
 
-def wander(
-    key: Array, judge: Judge, parameters: Parameters, games: Game, states: State, config: Wander
+def epsilon_greedy(
+    key: Array,
+    network: Network,
+    parameters: Parameters,
+    games: Game,
+    states: State,
+    config: EpsilonGreedy,
 ) -> Found:
-    """What the network likes best, or now and then any legal move; `Found.policy` names what it
-    likes, and nothing is said of what is to come.
+    """The network's greedy move, or now and then any legal one; `Found.policy` names the greedy
+    one, and nothing is said of what is to come.
     """
     pick_key, astray_key = jax.random.split(key)
     legal = jax.vmap(lambda game, state: game.legal(state))(games, states)
-    best = jax.vmap(lambda game, state: liked(judge, parameters, game, state))(games, states)
+    best = jax.vmap(lambda game, state: greedy_action(network, parameters, game, state))(
+        games, states
+    )
     drawn = jnp.argmax(jnp.where(legal, jax.random.uniform(pick_key, legal.shape), -1.0), -1)
     astray = jax.random.uniform(astray_key, best.shape) < config.share
     return Found(
@@ -41,17 +48,22 @@ def wander(
     )
 
 
-SEARCHES: dict[type[Any], Any] = {Search: search, Wander: wander}
+SEARCHES: dict[type[Any], Any] = {Search: search, EpsilonGreedy: epsilon_greedy}
 """How a search is told -> the search. One more is an entry by who has it: `SEARCHES[Mine] =
 my_search`.
 """
 
 
 def find(
-    key: Array, judge: Judge, parameters: Parameters, games: Game, states: State, config: Looking
+    key: Array,
+    network: Network,
+    parameters: Parameters,
+    games: Game,
+    states: State,
+    config: Looking,
 ) -> Found:
     """What the search that `config` tells of finds in `states` `[B]` of `games` `[B]`."""
-    found: Found = SEARCHES[type(config)](key, judge, parameters, games, states, config)
+    found: Found = SEARCHES[type(config)](key, network, parameters, games, states, config)
     return found
 
 
@@ -85,7 +97,7 @@ class Played(NamedTuple):
 
 def selfplay(
     key: Array,
-    judge: Judge,
+    network: Network,
     parameters: Parameters,
     games: Game,
     config: Looking,
@@ -100,7 +112,7 @@ def selfplay(
 
     def move(states: State, key: Array) -> tuple[State, tuple[Experience, Array, Array]]:
         over = _are_over(games, states)
-        found = find(key, judge, parameters, games, states, config)
+        found = find(key, network, parameters, games, states, config)
         seen, legal, mover, least = jax.vmap(shown)(games, states)
         after, cost = jax.vmap(lambda game, state, move: game.step(state, move))(
             games, states, found.move
@@ -117,7 +129,7 @@ def selfplay(
 
 
 def played(
-    key: Array, judge: Judge, parameters: Parameters, games: Game, config: Looking | None = None
+    key: Array, network: Network, parameters: Parameters, games: Game, config: Looking | None = None
 ) -> Played:
     """One whole game on each of `games` `[B]`: by a search, or the move that the network likes best
     where `config` is None.
@@ -126,11 +138,11 @@ def played(
 
     def move(states: State, key: Array) -> tuple[State, tuple[Array, Array]]:
         if config is None:
-            chosen = jax.vmap(lambda game, state: liked(judge, parameters, game, state))(
+            chosen = jax.vmap(lambda game, state: greedy_action(network, parameters, game, state))(
                 games, states
             )
         else:
-            chosen = find(key, judge, parameters, games, states, config).move
+            chosen = find(key, network, parameters, games, states, config).move
         after, cost = jax.vmap(lambda game, state, move: game.step(state, move))(
             games, states, chosen
         )

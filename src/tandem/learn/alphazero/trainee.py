@@ -86,7 +86,7 @@ class Trainee:
         paid the same.
         """
         results = alone(
-            self.order.cell, self.game, training.judge(self.recipe.config), learners.parameters
+            self.order.cell, self.game, training.network_of(self.recipe.config), learners.parameters
         )
         found = []
         for index in range(len(self.order.seeds)):
@@ -112,7 +112,7 @@ class Trainee:
         recipe, cell, rows = self.recipe, self.order.cell, []
         for index, seed in enumerate(self.order.seeds):
             parameters = jax.tree.map(lambda leaf, index=index: leaf[index], learners.parameters)
-            trained = Trained(training.judge(recipe.config), parameters)
+            trained = Trained(training.network_of(recipe.config), parameters)
             row: Row = {
                 "steps": int(learners.moves[index]),
                 "greedy": told(play(cell, self.game, trained)[0]),
@@ -142,7 +142,7 @@ class Trainee:
             "seed": order.seeds[index],
             "waiting": self.recipe.waiting,
         }
-        Trained(training.judge(self.recipe.config), parameters, notes).save(path)
+        Trained(training.network_of(self.recipe.config), parameters, notes).save(path)
 
 
 def sure(recipe: SearchRecipe) -> Search:

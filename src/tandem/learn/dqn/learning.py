@@ -172,11 +172,11 @@ def advance(learner: Learner, game: Game, config: Config, rounds: int) -> tuple[
     )
 
 
-def values(judge: ValueNetworks, parameters: Any, game: Game, state: State) -> Array:
+def values(network: ValueNetworks, parameters: Any, game: Game, state: State) -> Array:
     """`[K]`, what each move costs in the eyes of the agent whose turn it is; infinity for what is
     not legal, 0 once the game is over.
     """
-    seen = judge.read(
+    seen = network.read(
         parameters, game.observe(state), game.least(state) / game.unit, game.to_play(state)
     )
     return jnp.where(game.is_over(state), 0.0, jnp.where(game.legal(state), -seen.logits, jnp.inf))
@@ -188,11 +188,11 @@ def loss(
     """Huber loss of Q(state, move) against cost + discount x the least Q of the target network in
     `after`; mean over the rows that count `[N]`.
     """
-    judge = networks(game, config)
-    now = jax.vmap(partial(values, judge, parameters, game))(batch.state)
-    then = jax.vmap(partial(values, judge, target, game))(batch.after)
+    network = networks(game, config)
+    now = jax.vmap(partial(values, network, parameters, game))(batch.state)
+    then = jax.vmap(partial(values, network, target, game))(batch.after)
     if config.double:
-        chosen = jnp.argmin(jax.vmap(partial(values, judge, parameters, game))(batch.after), -1)
+        chosen = jnp.argmin(jax.vmap(partial(values, network, parameters, game))(batch.after), -1)
         best = jnp.take_along_axis(then, chosen[:, None], -1)[:, 0]
     else:
         best = jnp.min(then, -1)
@@ -204,10 +204,10 @@ def loss(
 
 def _moved(key: Array, learner: Learner, game: Game, config: Config) -> tuple[Learner, Turns]:
     """A move in every game; finished games begin anew. The rows are what has become known by it."""
-    judge, states = networks(game, config), learner.states
+    network, states = networks(game, config), learner.states
     explore_key, pick_key = jax.random.split(key)
     me = jax.vmap(game.to_play)(states)
-    told = jax.vmap(partial(values, judge, learner.parameters, game))(states)
+    told = jax.vmap(partial(values, network, learner.parameters, game))(states)
     drawn = jnp.argmax(
         jnp.where(jnp.isfinite(told), jax.random.uniform(pick_key, told.shape), -1.0), -1
     )

@@ -14,7 +14,7 @@ import numpy as np
 
 from tandem.cell.model import Cell
 from tandem.learn.algorithm import Order, Row
-from tandem.learn.alphazero.config import Wander
+from tandem.learn.alphazero.config import EpsilonGreedy
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.dqn import learning
 from tandem.learn.dqn.config import Config
@@ -38,7 +38,7 @@ def players(
         Trained.load(path, ValueNetworks),
         game_of(cell, order.stress_factor, waiting=recipe.waiting),
     )
-    drawn = play(cell, game, trained, Wander(), games=episodes, seed=seed)
+    drawn = play(cell, game, trained, EpsilonGreedy(), games=episodes, seed=seed)
     return {
         "greedy": play(cell, game, trained),
         "sampled": drawn,
@@ -61,7 +61,7 @@ class Trainee:
         self.game = jax.tree.map(
             jnp.asarray, game_of(order.cell, order.stress_factor, waiting=recipe.waiting)
         )
-        self.judge = learning.networks(self.game, recipe.config)
+        self.network = learning.networks(self.game, recipe.config)
         self.stretch = max(1, learning.rounds_of(recipe.config) // INTERVALS)
 
     @property
@@ -86,7 +86,7 @@ class Trainee:
         """`mean_return_team` is minus the mean cost of the games that ended: all operators are paid
         the same.
         """
-        results, found = alone(self.order.cell, self.game, self.judge, learners.parameters), []
+        results, found = alone(self.order.cell, self.game, self.network, learners.parameters), []
         for index in range(len(self.order.seeds)):
             own = jax.tree.map(lambda leaf, index=index: leaf[index], report)
             row: Row = {"episodes": int(learners.games[index]), "steps": int(learners.moves[index])}
@@ -107,10 +107,16 @@ class Trainee:
         rows = []
         for index, seed in enumerate(self.order.seeds):
             trained = Trained(
-                self.judge, jax.tree.map(lambda leaf, index=index: leaf[index], learners.parameters)
+                self.network,
+                jax.tree.map(lambda leaf, index=index: leaf[index], learners.parameters),
             )
             drawn = play(
-                self.order.cell, self.game, trained, Wander(), games=self.recipe.samples, seed=seed
+                self.order.cell,
+                self.game,
+                trained,
+                EpsilonGreedy(),
+                games=self.recipe.samples,
+                seed=seed,
             )
             best = {"n": self.recipe.samples, **told(min(drawn, key=lambda game: game.cost))}
             rows.append(
@@ -134,7 +140,7 @@ class Trainee:
             "seed": order.seeds[index],
             "waiting": self.recipe.waiting,
         }
-        Trained(self.judge, parameters, notes).save(path)
+        Trained(self.network, parameters, notes).save(path)
 
 
 @partial(jax.jit, static_argnames=("config", "rounds"))

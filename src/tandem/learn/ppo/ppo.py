@@ -20,12 +20,12 @@ import jax
 import jax.numpy as jnp
 import optax
 
-from tandem.learn.networks import Network, forward, init, masked_log_softmax, sample
+from tandem.learn.networks import Perceptron, forward, init, masked_log_softmax, sample
 from tandem.learn.ppo.config import Config, StageValues
 from tandem.learn.world import State, World
 
 Array = jax.Array
-Parameters = dict[str, Network]
+Parameters = dict[str, Perceptron]
 """`actor` and `critic`; every array has a leading axis `A`, unless the network is shared."""
 
 
@@ -616,7 +616,7 @@ def _descend(
 
 def _networks(
     key: Array, world: World, config: Config, outputs: int, is_shared: bool, last: float
-) -> Network:
+) -> Perceptron:
     inputs = world.observation_size + (len(world.agents) if is_shared else 0)
     sizes = (inputs, *config.hidden, outputs)
 
@@ -624,7 +624,7 @@ def _networks(
     # one draw: each compiles for a second
     uniform = jax.random.uniform(key, (1 if is_shared else len(world.agents), weights), minval=-1.0)
 
-    def one(uniform: Array) -> Network:
+    def one(uniform: Array) -> Perceptron:
         taken = 0
 
         def draw(shape: tuple[int, ...]) -> Array:

@@ -15,7 +15,7 @@ import numpy as np
 
 from tandem.cell.model import plain
 from tandem.learn.algorithm import Order, Row
-from tandem.learn.networks import Network, forward
+from tandem.learn.networks import Perceptron, forward
 from tandem.learn.policy import Policy
 from tandem.learn.ppo import observation, ppo
 from tandem.learn.ppo.config import Config
@@ -232,7 +232,7 @@ def _advance(
 
 
 @partial(jax.jit, static_argnames="config")
-def _episodes(actors: Network, world: BesidePeople, company: Person, config: Config) -> Played:
+def _episodes(actors: Perceptron, world: BesidePeople, company: Person, config: Config) -> Played:
     """`[S, E]`: the episodes of `Trainee._played`. Noise of Gumbel's distribution turns the most
     probable action into a drawn one.
     """
@@ -241,7 +241,7 @@ def _episodes(actors: Network, world: BesidePeople, company: Person, config: Con
     keys, draw_key = jax.random.split(jax.random.key(0), number), jax.random.key(1)
     uniform = jax.random.uniform(draw_key, (number, world.draw.numbers))
 
-    def of_actor(actor: Network) -> Played:
+    def of_actor(actor: Perceptron) -> Played:
         alone = jax.tree.map(lambda leaf: leaf[0], actor)
 
         def one(person: Person, uniform: Array, key: Array, drawn: Array) -> Played:
