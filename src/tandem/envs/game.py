@@ -80,7 +80,7 @@ class Happening:
     finished: dict[str, str]
 
 
-class Game:
+class EventGame:
     """A shift from its reset to its end. `free` leaves every choice to who plays: people then only
     have their pace, their fatigue and their slips.
     """

@@ -15,7 +15,7 @@ from pettingzoo import ParallelEnv
 
 from tandem.cell.model import Cell
 from tandem.envs.door import Door, is_legal
-from tandem.envs.game import RENDER_MODES, Game, Options
+from tandem.envs.game import RENDER_MODES, EventGame, Options
 from tandem.envs.observations import MOST
 from tandem.errors import UsageError
 
@@ -44,7 +44,7 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
     }
 
     def __init__(self, cell: Cell | str | os.PathLike[str], **options: Any):
-        self.game = Game(cell, Options(**options), free=True)
+        self.game = EventGame(cell, Options(**options), free=True)
         self.render_mode = self.game.options.render_mode
         names, of = self.game.names.operators, self.game.cell
         self.operators = {

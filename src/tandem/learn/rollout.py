@@ -12,7 +12,7 @@ import jax
 from tandem.cell.model import Cell
 from tandem.learn.algorithm import Row
 from tandem.learn.alphazero.network import Network, predict
-from tandem.learn.alphazero.selfplay import Looking, Played, played
+from tandem.learn.alphazero.selfplay import FinishedGames, Looking, played
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.cell_env import CellGame, reached
 from tandem.learn.env import Game, many
@@ -68,16 +68,16 @@ def told(result: Reached) -> Row:
 @partial(jax.jit, static_argnames=("network", "looking"))
 def _play(
     key: jax.Array, network: Network, parameters: Any, games: Game, looking: Looking | None
-) -> Played:
+) -> FinishedGames:
     found = played(key, network, parameters, games, looking)
     return found._replace(moves=found.moves.T)
 
 
 @partial(jax.jit, static_argnames="network")
-def _alone(network: Network, parameters: Any, games: Game) -> tuple[Played, jax.Array]:
+def _alone(network: Network, parameters: Any, games: Game) -> tuple[FinishedGames, jax.Array]:
     first = jax.tree.map(lambda leaf: leaf[0], games)
 
-    def one(own: Any) -> tuple[Played, jax.Array]:
+    def one(own: Any) -> tuple[FinishedGames, jax.Array]:
         found = played(jax.random.key(0), network, own, games)
         return found._replace(moves=found.moves.T), predict(
             network, own, first, first.reset()

@@ -103,7 +103,7 @@ class Layout:
         return [task for task, row in enumerate(self.steps) if not row]
 
 
-class State:
+class PartialSchedule:
     """A schedule in the making: tasks are put behind each other and never moved.
 
     Attributes:
@@ -257,11 +257,11 @@ class State:
         return start
 
 
-def append_in_order(layout: Layout, order: Sequence[int], steps: Sequence[Step]) -> State:
+def append_in_order(layout: Layout, order: Sequence[int], steps: Sequence[Step]) -> PartialSchedule:
     """The tasks appended in this order, task `t` as `steps[t]`. Assumes that predecessors come
     first; stress limits and teams are not looked at.
     """
-    state = State(layout)
+    state = PartialSchedule(layout)
     earliest, put = state.earliest, state.put
     for task in order:
         put(task, steps[task], earliest(task, steps[task]))

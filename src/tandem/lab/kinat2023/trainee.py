@@ -21,7 +21,7 @@ from tandem.learn.algorithm import Order, Row
 from tandem.learn.policy import Policy
 from tandem.learn.ppo import play, ppo
 from tandem.learn.ppo.config import Config
-from tandem.learn.ppo.play import Played
+from tandem.learn.ppo.play import Rollout
 from tandem.learn.ppo.trainee import of_seed, share
 
 EPISODES_BETWEEN_FIGURES = 30
@@ -111,7 +111,7 @@ class Trainee:
             self.world.agents, actor, config.activation, config.masked, config.share_actor, notes
         ).save(path)
 
-    def _row(self, learners: ppo.Learner, index: int, report: ppo.Report, played: Played) -> Row:
+    def _row(self, learners: ppo.Learner, index: int, report: ppo.Report, played: Rollout) -> Row:
         ended = np.asarray(report.episodes)
         last = int(np.flatnonzero(ended)[-1]) if ended.any() else len(ended) - 1
         weights = ended / max(ended.sum(), 1)
@@ -129,7 +129,7 @@ class Trainee:
             row[f"entropy_{agent}"] = round(float(np.mean(np.asarray(report.entropy)[:, name])), 5)
         return row | {f"greedy_{name}": value for name, value in self._reached(played, 0).items()}
 
-    def _reached(self, played: Played, index: int) -> Row:
+    def _reached(self, played: Rollout, index: int) -> Row:
         """Makespan in seconds and stress of an episode, None when it did not come to its end; and
         how many rules were broken.
         """
@@ -144,7 +144,7 @@ class Trainee:
         }
 
 
-def best_of(played: Played) -> int:
+def best_of(played: Rollout) -> int:
     """Which of the episodes that ended has the largest sum of returns; 0 when none ended."""
     return int(np.argmax(np.where(played.done, np.asarray(played.returns).sum(-1), -np.inf)))
 
@@ -164,7 +164,7 @@ def _advance(
 
 
 @partial(jax.jit, static_argnames="config")
-def _greedy(parameters: ppo.Parameters, world: StationWorld, config: Config) -> Played:
+def _greedy(parameters: ppo.Parameters, world: StationWorld, config: Config) -> Rollout:
     return jax.lax.map(
         lambda one: play.greedy(one, world, config, config.episode_limit or LONGEST_PLAY),
         parameters,
@@ -174,7 +174,7 @@ def _greedy(parameters: ppo.Parameters, world: StationWorld, config: Config) -> 
 @partial(jax.jit, static_argnames="config")
 def _sampled(
     key: jax.Array, parameters: ppo.Parameters, world: StationWorld, config: Config
-) -> Played:
+) -> Rollout:
     limit = config.episode_limit or LONGEST_PLAY
     return jax.lax.map(
         lambda one: play.sampled(key, one, world, config, limit, BEST_OF), parameters

@@ -41,8 +41,8 @@ class BoardGame:
         it cannot.
       unit: `[]` float32, the mean time of a piece, seconds; one second where the board itself is
         seen, with its raw times.
-      sees: what `observe` gives: "features" (an `Observation`), or "board", the tensor `[h, w, 3]` that the
-        authors' network is given.
+      sees: what `observe` gives: "features" (an `Observation`), or "board", the tensor `[h, w, 3]`
+        that the authors' network is given.
     """
 
     layout: Layout

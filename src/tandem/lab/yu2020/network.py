@@ -89,7 +89,7 @@ class YuNetworks:
     def read(
         self, parameters: dict[str, Perceptron], seen: Array, least: Array, mover: Array
     ) -> Prediction:
-        """The prediction of the mover's network. `to_come` is in seconds: a game that shows the board
+        """What the mover's network predicts. `to_come` is in seconds: a game that shows the board
         has a unit of one second.
 
         Layer by layer both agents' weights are multiplied at once and the mover's half is taken:

@@ -18,8 +18,8 @@ from tandem.learn.env import Game, State
 
 Array = Any
 Looking = Any
-"""How a move is found: a `Search`, an `EpsilonGreedy`, or what else `SEARCHES` knows; frozen, so that it
-can be compiled for.
+"""How a move is found: a `Search`, an `EpsilonGreedy`, or what else `SEARCHES` knows; frozen, so
+that it can be compiled for.
 """
 
 
@@ -84,7 +84,7 @@ class Experience(NamedTuple):
     valid: Array
 
 
-class Played(NamedTuple):
+class FinishedGames(NamedTuple):
     """cost: `[B]` float32, of each whole game. moves: `[L, B]` int32; -1 after the end. state: the
     last states. over: `[B]` bool.
     """
@@ -102,7 +102,7 @@ def selfplay(
     games: Game,
     config: Looking,
     trust: float = 1.0,
-) -> tuple[Experience, Played]:
+) -> tuple[Experience, FinishedGames]:
     """One whole game on each of `games` `[B]`, every move by a search.
 
     Args:
@@ -125,12 +125,14 @@ def selfplay(
     )
     to_come = jnp.cumsum(cost[::-1], 0)[::-1]
     experience = experience._replace(to_come=trust * to_come + (1 - trust) * experience.to_come)
-    return experience, Played(to_come[0] * games.unit, moves - 1, states, _are_over(games, states))
+    return experience, FinishedGames(
+        to_come[0] * games.unit, moves - 1, states, _are_over(games, states)
+    )
 
 
 def played(
     key: Array, network: Network, parameters: Parameters, games: Game, config: Looking | None = None
-) -> Played:
+) -> FinishedGames:
     """One whole game on each of `games` `[B]`: by a search, or the move that the network likes best
     where `config` is None.
     """
@@ -151,7 +153,7 @@ def played(
     states, (cost, moves) = jax.lax.scan(
         _while_on(move, games), states, jax.random.split(key, games.longest)
     )
-    return Played(jnp.sum(cost, 0), moves - 1, states, _are_over(games, states))
+    return FinishedGames(jnp.sum(cost, 0), moves - 1, states, _are_over(games, states))
 
 
 def _are_over(games: Game, states: State) -> Array:

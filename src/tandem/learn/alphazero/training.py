@@ -15,7 +15,7 @@ import optax
 
 from tandem.learn.alphazero.config import Config
 from tandem.learn.alphazero.network import Network, Parameters, Scorer
-from tandem.learn.alphazero.selfplay import Experience, Played, selfplay, shown
+from tandem.learn.alphazero.selfplay import Experience, FinishedGames, selfplay, shown
 from tandem.learn.env import Game
 from tandem.learn.networks import masked_log_softmax
 
@@ -167,7 +167,9 @@ def _drawn(key: Array, rows: Experience, number: int) -> Experience:
     return jax.tree.map(lambda leaf: leaf[drawn], rows)
 
 
-def _remembered(learner: Learner, fresh: Experience, result: Played, chosen: Array) -> Learner:
+def _remembered(
+    learner: Learner, fresh: Experience, result: FinishedGames, chosen: Array
+) -> Learner:
     """The learner with the cheapest games of the round, played on the games `chosen` `[B]`, where
     they are cheaper than those before.
     """

@@ -14,7 +14,7 @@ from tandem.learn.world import World
 Array = Any
 
 
-class Played(NamedTuple):
+class Rollout(NamedTuple):
     """`E` episodes.
 
     state: the worlds' last states, leading axis `E`.
@@ -31,7 +31,7 @@ class Played(NamedTuple):
     done: Array
 
 
-def greedy(parameters: Parameters, world: World, config: Config, limit: int) -> Played:
+def greedy(parameters: Parameters, world: World, config: Config, limit: int) -> Rollout:
     """One episode (`E` = 1) in which every agent takes its most probable action; ends after `limit`
     steps at the latest.
     """
@@ -40,7 +40,7 @@ def greedy(parameters: Parameters, world: World, config: Config, limit: int) -> 
 
 def sampled(
     key: Array, parameters: Parameters, world: World, config: Config, limit: int, episodes: int
-) -> Played:
+) -> Rollout:
     """So many episodes with actions drawn from the actors."""
     reset_key, draw_key = jax.random.split(key)
     return _play(
@@ -62,10 +62,10 @@ def _play(
     reset_key: Array,
     uniform: Array | None,
     episodes: int,
-) -> Played:
+) -> Rollout:
     agents = len(world.agents)
     state = jax.vmap(world.reset)(jax.random.split(reset_key, episodes))
-    empty = Played(
+    empty = Rollout(
         state,
         jnp.zeros((limit, episodes, agents), jnp.int32),
         jnp.zeros(episodes, jnp.int32),
@@ -74,7 +74,7 @@ def _play(
         jnp.zeros(episodes, bool),
     )
 
-    def one(carry: tuple[Array, Played]) -> tuple[Array, Played]:
+    def one(carry: tuple[Array, Rollout]) -> tuple[Array, Rollout]:
         index, so_far = carry
         state, on = so_far.state, ~so_far.done
         observation, legal = jax.vmap(world.observe)(state), jax.vmap(world.legal)(state)
@@ -93,7 +93,7 @@ def _play(
             after,
             state,
         )
-        return index + 1, Played(
+        return index + 1, Rollout(
             kept,
             so_far.actions.at[index].set(jnp.where(on[:, None], action, 0)),
             so_far.length + on,

@@ -145,7 +145,7 @@ class Trainee:
             self.world.agents, actor, config.activation, config.masked, config.share_actor, notes
         ).save(path)
 
-    def _played(self, learners: ppo.Learner) -> list[Played]:
+    def _played(self, learners: ppo.Learner) -> list[EpisodeResults]:
         """Per seed: one episode beside somebody obedient, `BEST_OF` with drawn actions, and one
         beside each of the people.
         """
@@ -154,7 +154,7 @@ class Trainee:
         )
         return [of_seed(found, index) for index in range(len(self.order.seeds))]
 
-    def _reached(self, played: Played, index: int) -> Row:
+    def _reached(self, played: EpisodeResults, index: int) -> Row:
         """Makespan in seconds and stress of an episode; None when it did not come to its end."""
         if not played.done[index]:
             return {"makespan": None, "stress": None, "illegal": 0}
@@ -172,7 +172,7 @@ class Trainee:
             else cost(row["makespan"], row["stress"], **self.paid)
         )
 
-    def _beside_people(self, played: Played) -> Row:
+    def _beside_people(self, played: EpisodeResults) -> Row:
         """Means over the episodes that came to their end, and which share did; nothing where
         everybody does what is asked.
         """
@@ -191,7 +191,7 @@ class Trainee:
         return {**mean, "people_finished": len(ended) / self.people}
 
 
-class Played(NamedTuple):
+class EpisodeResults(NamedTuple):
     """What came of episodes: makespan `[E]` int32 ticks, stress `[E]` int32 units, done `[E]`
     bool.
     """
@@ -232,7 +232,9 @@ def _advance(
 
 
 @partial(jax.jit, static_argnames="config")
-def _episodes(actors: Perceptron, world: BesidePeople, company: Person, config: Config) -> Played:
+def _episodes(
+    actors: Perceptron, world: BesidePeople, company: Person, config: Config
+) -> EpisodeResults:
     """`[S, E]`: the episodes of `Trainee._played`. Noise of Gumbel's distribution turns the most
     probable action into a drawn one.
     """
@@ -241,10 +243,10 @@ def _episodes(actors: Perceptron, world: BesidePeople, company: Person, config: 
     keys, draw_key = jax.random.split(jax.random.key(0), number), jax.random.key(1)
     uniform = jax.random.uniform(draw_key, (number, world.draw.numbers))
 
-    def of_actor(actor: Perceptron) -> Played:
+    def of_actor(actor: Perceptron) -> EpisodeResults:
         alone = jax.tree.map(lambda leaf: leaf[0], actor)
 
-        def one(person: Person, uniform: Array, key: Array, drawn: Array) -> Played:
+        def one(person: Person, uniform: Array, key: Array, drawn: Array) -> EpisodeResults:
             def decide(arrays: Arrays, shift: Shift) -> Array:
                 logits = forward(
                     jnp,
@@ -270,7 +272,7 @@ def _episodes(actors: Perceptron, world: BesidePeople, company: Person, config: 
                 crew(world.arrays, person),
                 decide,
             )
-            return Played(played.makespan, played.stress, played.done)
+            return EpisodeResults(played.makespan, played.stress, played.done)
 
         return jax.vmap(one)(company, uniform, keys, drawn)
 
