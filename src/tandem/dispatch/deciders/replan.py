@@ -273,7 +273,8 @@ class Robust:
         Raises OutOfTimeError when it is later than `until` by the clock.
         """
         beliefs = [
-            (share, *self._under(situation, factor, until)) for factor, share in scenarios(paces)
+            (share, *self._under(situation, factor, until))
+            for factor, share in pace_scenarios(paces)
         ]
         found = self._values(situation, beliefs, None)
         if len(found) > 1 and found[1][1] <= found[0][1] + TIE:
@@ -422,7 +423,7 @@ def _as_one(pace: Pace) -> Pace:
     return replace(pace, shares=((round(pace.mean, 3), 1.0),))
 
 
-def scenarios(paces: Mapping[str, Pace]) -> list[tuple[tuple[tuple[str, float], ...], float]]:
+def pace_scenarios(paces: Mapping[str, Pace]) -> list[tuple[tuple[tuple[str, float], ...], float]]:
     """Beliefs about all humans together: (human and factor for each, probability); the most likely
     ones where there are many.
     """

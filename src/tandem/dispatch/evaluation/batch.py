@@ -19,7 +19,7 @@ from tandem.dispatch.evaluation.ticking import by_hand, compiled, rows
 from tandem.world.arrays import NEVER, Arrays, Names
 from tandem.world.episode import Shift
 from tandem.world.people import Person
-from tandem.world.randomness import Draw, Fate, fates
+from tandem.world.randomness import Draw, Scenario, scenarios
 
 FEW = 12
 """So many episodes are played in NumPy, one after the other: quicker than compiling."""
@@ -52,12 +52,12 @@ class Stage:
     """Where episodes are played: a cell, its chance, and the chances drawn.
 
     Attributes:
-      fates: with a leading axis `E`. `people`: `E` persons.
+      scenarios: with a leading axis `E`. `people`: `E` persons.
     """
 
     names: Names
     arrays: Arrays
-    fates: Fate
+    scenarios: Scenario
     people: Person
     taking_apart: float = 1.0
 
@@ -71,7 +71,7 @@ class Stage:
         return cls(
             names,
             arrays,
-            fates(jax.random.key(seed), draw, arrays, people.pace.shape[0]),
+            scenarios(jax.random.key(seed), draw, arrays, people.pace.shape[0]),
             people,
             draw.chance.undo,
         )
@@ -92,7 +92,9 @@ class Stage:
         stage = (
             self
             if count > FEW
-            else replace(self, fates=rows(self.fates, count), people=rows(self.people, count))
+            else replace(
+                self, scenarios=rows(self.scenarios, count), people=rows(self.people, count)
+            )
         )
         return _Play(stage, policy, count, between).run()
 
@@ -135,7 +137,7 @@ class _Play:
                     else max(names.ticks(decision.look_again), int(seen.clock[number]) + 1)
                 )
                 changes[number] += _announce(names, decision, asked[number], seen.open[number])
-            shift, over, off = tick(stage.arrays, stage.fates, stage.people, shift, ways, until)
+            shift, over, off = tick(stage.arrays, stage.scenarios, stage.people, shift, ways, until)
         return self._outcome(end(stage.arrays, shift), changes)
 
     def _decision(self, seen: _Seen, number: int) -> Decision:

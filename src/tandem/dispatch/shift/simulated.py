@@ -26,7 +26,7 @@ from tandem.world.arrays import NEVER, Names
 from tandem.world.episode import begin, decide, is_over
 from tandem.world.people import Person, crew
 from tandem.world.population import crowd
-from tandem.world.randomness import OFF, Chance, Draw, away_until, fate, next_absence
+from tandem.world.randomness import OFF, Chance, Draw, away_until, next_absence, scenario
 
 ROUNDS = 10
 """After so many rounds in which everybody was asked and nothing began or is to come, the floor
@@ -54,7 +54,7 @@ class Floor:
         someone = crowd(people, self.names, self.arrays).draw(rng, 1)
         draw = Draw.of(self.names, self.arrays, chance)
         self.people = crew(self.arrays, Person(*(value[0] for value in someone)))
-        self.fate = fate(draw, self.arrays, rng.random(draw.numbers, np.float32))
+        self.scenario = scenario(draw, self.arrays, rng.random(draw.numbers, np.float32))
         self.episode = begin(self.arrays, self.people)
         self.pending: deque[Event] = deque()
         self.count = 0
@@ -122,7 +122,11 @@ class Floor:
         before = self.episode
         who = self.names.operators[int(before.turn)]
         self.episode = decide(
-            self.arrays, self.fate, self.people, before, np.int32(self._way_told(situation, who))
+            self.arrays,
+            self.scenario,
+            self.people,
+            before,
+            np.int32(self._way_told(situation, who)),
         )
         state = self.episode.state
         for index in np.flatnonzero(state.start_at != before.state.start_at):
@@ -179,8 +183,8 @@ class Floor:
         before = self.episode.state
         asked_again = int(world.next_event(self.arrays, before)) == NEVER and not before.waits.any()
         until = (
-            next_absence(self.fate, before.clock)
-            if self.fate.away_from.shape[0]
+            next_absence(self.scenario, before.clock)
+            if self.scenario.away_from.shape[0]
             else np.int32(NEVER)
         )
         if look_again is not None:
@@ -191,8 +195,8 @@ class Floor:
                 )
             )
         state = world.advance(self.arrays, before, until)
-        if self.fate.away_from.shape[0]:
-            state = state._replace(away_until=away_until(self.fate, state.clock))
+        if self.scenario.away_from.shape[0]:
+            state = state._replace(away_until=away_until(self.scenario, state.clock))
         state = state._replace(refused=before.refused & (not asked_again))
         mask = world.legal(self.arrays, state)
         self.episode = self.episode._replace(

@@ -23,7 +23,7 @@ from tandem.world.arrays import Array, Arrays
 from tandem.world.episode import Shift
 from tandem.world.people import Person, crew
 from tandem.world.population import Crowd
-from tandem.world.randomness import OFF, Chance, Draw, Fate, fate
+from tandem.world.randomness import OFF, Chance, Draw, Scenario, scenario
 
 UNFINISHED = 2.0
 """What an assembly that nobody can finish costs, in units of `sight.scale`."""
@@ -35,12 +35,12 @@ them.
 
 
 class Beside(NamedTuple):
-    """An episode under way: the shift, its chance and its crew (one person per operator), which the
-    decider does not see.
+    """An episode under way: the shift, its scenario (`fate`: checkpoints call it so) and its crew
+    (one person per operator), which the decider does not see.
     """
 
     shift: Shift
-    fate: Fate
+    fate: Scenario
     people: Person
 
 
@@ -99,9 +99,11 @@ class BesidePeople:
         return observation.observation_size(self.arrays)
 
     def reset(self, key: Array) -> Beside:
-        who_key, fate_key = jax.random.split(key)
+        who_key, scenario_key = jax.random.split(key)
         index = jax.random.randint(who_key, (), 0, self.people.pace.shape[0])
-        chance = fate(self.draw, self.arrays, jax.random.uniform(fate_key, (self.draw.numbers,)))
+        chance = scenario(
+            self.draw, self.arrays, jax.random.uniform(scenario_key, (self.draw.numbers,))
+        )
         people = crew(self.arrays, jax.tree.map(lambda leaf: leaf[index], self.people))
         return Beside(self._to_a_turn(chance, episode.begin(self.arrays, people)), chance, people)
 
@@ -121,7 +123,8 @@ class BesidePeople:
     def step(self, state: Beside, action: Array) -> tuple[Beside, Outcome]:
         way = jnp.where(action[0] == self.actions - 1, -1, action[0])
         shift = self._to_a_turn(
-            state.fate, episode.decide(self.arrays, state.fate, state.people, state.shift, way)
+            state.fate,
+            episode.decide(self.arrays, state.fate, state.people, state.shift, way),
         )
         over, lost = (
             episode.is_over(self.arrays, shift),
@@ -143,7 +146,7 @@ class BesidePeople:
             self.arrays, shift.state
         )
 
-    def _to_a_turn(self, chance: Fate, shift: Shift) -> Shift:
+    def _to_a_turn(self, chance: Scenario, shift: Shift) -> Shift:
         """Time runs on until it is somebody's turn or all is over."""
         goes_on = lambda shift: (shift.turn < 0) & ~episode.is_over(self.arrays, shift)  # noqa: E731
         return jax.lax.while_loop(

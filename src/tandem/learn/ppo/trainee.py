@@ -28,7 +28,7 @@ from tandem.world.arrays import Array, Arrays, Names
 from tandem.world.episode import Shift
 from tandem.world.people import Person, compliant, crew, stacked
 from tandem.world.population import crowd
-from tandem.world.randomness import fate
+from tandem.world.randomness import scenario
 
 BEST_OF, PEOPLE = 64, 256
 INTERVAL = 8
@@ -268,7 +268,7 @@ def _episodes(
 
             played = episode.play(
                 world.arrays,
-                fate(world.draw, world.arrays, uniform),
+                scenario(world.draw, world.arrays, uniform),
                 crew(world.arrays, person),
                 decide,
             )
