@@ -16,7 +16,7 @@ from tandem.cell.model import Cell, plain
 from tandem.errors import UsageError
 from tandem.learn.observation import Ahead, Observation
 from tandem.learn.results import Reached
-from tandem.learn.turns import choices, least_to_come, observe, told
+from tandem.learn.turns import choices, least_to_come, observe, static_features
 from tandem.world import state as world
 from tandem.world.arrays import NEVER, Arrays, Names
 from tandem.world.state import State
@@ -105,7 +105,7 @@ class CellGame:
             )
         names = Names.of(cell)
         arrays = names.arrays()
-        known = told(names, arrays, time_weight=time_weight, stress_weight=stress_weight)
+        known = static_features(names, arrays, time_weight=time_weight, stress_weight=stress_weight)
         per_second, per_stress = np.float32(names.per_second), np.float32(names.per_stress)
         weights = np.float32(time_weight), np.float32(stress_weight)
         return cls(

@@ -85,8 +85,8 @@ def ahead(
     for middle in range(tasks):
         behind |= behind[:, middle : middle + 1] & behind[middle]
     ways = [np.flatnonzero(task == index) for index in range(tasks)]
-    least = np.array([time[own].min() for own in ways])
-    always = np.array([uses[own].all(0) for own in ways])
+    least = np.array([time[rows].min() for rows in ways])
+    always = np.array([uses[rows].all(0) for rows in ways])
     tail = np.zeros(tasks)
     for index in sorted(range(tasks), key=lambda index: behind[index].sum()):
         tail[index] = least[index] + max(tail[behind[index]], default=0.0)
@@ -98,7 +98,7 @@ def ahead(
         "stress": stress,
         "needs": needs,
         "least": least,
-        "least_stress": [stress[own].min() for own in ways],
+        "least_stress": [stress[rows].min() for rows in ways],
         "tail": tail,
         "only": only,
         "open": nobodys,

@@ -60,7 +60,7 @@ def alone(
     ]
 
 
-def told(result: Reached) -> Row:
+def as_document(result: Reached) -> Row:
     """As the documents and figures of a training have it."""
     return {"makespan": result.makespan, "stress": result.stress, "illegal": result.illegal}
 
@@ -77,10 +77,10 @@ def _play(
 def _alone(network: Network, parameters: Any, games: Game) -> tuple[FinishedGames, jax.Array]:
     first = jax.tree.map(lambda leaf: leaf[0], games)
 
-    def one(own: Any) -> tuple[FinishedGames, jax.Array]:
-        found = played(jax.random.key(0), network, own, games)
+    def one(weights: Any) -> tuple[FinishedGames, jax.Array]:
+        found = played(jax.random.key(0), network, weights, games)
         return found._replace(moves=found.moves.T), predict(
-            network, own, first, first.reset()
+            network, weights, first, first.reset()
         ).to_come * first.unit
 
     return jax.lax.map(one, parameters)

@@ -27,7 +27,7 @@ from tandem.world.state import State
 Array = Any
 
 
-class Told(NamedTuple):
+class StaticFeatures(NamedTuple):
     """What is known of a cell before its first game.
 
     ahead: its tasks and ways, times in units. unit: `[]` float32, what a task of mean least time
@@ -38,7 +38,9 @@ class Told(NamedTuple):
     unit: Array
 
 
-def told(names: Names, arrays: Arrays, *, time_weight: float, stress_weight: float) -> Told:
+def static_features(
+    names: Names, arrays: Arrays, *, time_weight: float, stress_weight: float
+) -> StaticFeatures:
     """What is known of a cell whose cost is `time_weight` x seconds + `stress_weight` x stress."""
     seconds = arrays.way_ticks / names.per_second
     mean = np.mean([seconds[arrays.way_task == task].min() for task in range(len(names.tasks))])
@@ -47,7 +49,7 @@ def told(names: Names, arrays: Arrays, *, time_weight: float, stress_weight: flo
     stress = loads * stress_weight / unit
     uses, needs, human = arrays.way_uses, arrays.needs, arrays.human
     known = ahead(arrays.way_task, uses, seconds / mean, stress, needs, human)
-    return Told(known, np.float32(unit))
+    return StaticFeatures(known, np.float32(unit))
 
 
 def choices(arrays: Arrays, state: State, mask: Array, turn: Array, *, waiting: bool) -> Array:

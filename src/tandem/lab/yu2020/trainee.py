@@ -28,7 +28,7 @@ from tandem.learn.alphazero.trained import Trained
 from tandem.learn.env import Game, stacked
 from tandem.learn.forms import unreadable
 from tandem.learn.results import Reached, paid
-from tandem.learn.rollout import told
+from tandem.learn.rollout import as_document
 from tandem.schedule.model import Schedule
 
 GAMES_BETWEEN_FIGURES = 10
@@ -128,17 +128,19 @@ class Trainee:
         """
         found = []
         for index in range(len(self.order.seeds)):
-            own = jax.tree.map(lambda leaf, index=index: leaf[index], report)
+            seed_report = jax.tree.map(lambda leaf, index=index: leaf[index], report)
             row: Row = {"episodes": int(learners.games[index]), "steps": int(learners.moves[index])}
-            row |= {"mean_return_team": round(-float(np.mean(own.cost)), 4)}
+            row |= {"mean_return_team": round(-float(np.mean(seed_report.cost)), 4)}
             row |= {
-                name: round(float(getattr(own, name)[-1]), 5)
+                name: round(float(getattr(seed_report, name)[-1]), 5)
                 for name in ("policy_loss", "value_loss")
             }
             reached = _reached(
                 board_training.play(self._trained(learners, index), [self.board])[0, 0]
             )
-            found.append(row | {f"greedy_{name}": value for name, value in told(reached).items()})
+            found.append(
+                row | {f"greedy_{name}": value for name, value in as_document(reached).items()}
+            )
         return found
 
     def play(self, learners: training.Learner) -> list[Row]:
@@ -150,9 +152,9 @@ class Trainee:
             trained = self._trained(learners, index)
             row: Row = {
                 "steps": int(learners.moves[index]),
-                "greedy": told(_reached(board_training.play(trained, [self.board])[0, 0])),
+                "greedy": as_document(_reached(board_training.play(trained, [self.board])[0, 0])),
             }
-            row["searched"] = told(
+            row["searched"] = as_document(
                 _reached(
                     board_training.play(trained, [self.board], looking=sure(self.recipe))[0, 0]
                 )
@@ -165,7 +167,10 @@ class Trainee:
                 seed=seed,
             )
             rows.append(
-                {**row, "best_of_n": {"n": self.recipe.samples, **told(_reached(drawn.min()))}}
+                {
+                    **row,
+                    "best_of_n": {"n": self.recipe.samples, **as_document(_reached(drawn.min()))},
+                }
             )
         return rows
 

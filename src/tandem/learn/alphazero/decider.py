@@ -16,7 +16,7 @@ from tandem.learn.alphazero.trained import Trained
 from tandem.learn.forms import parsed
 from tandem.learn.policy import Notes
 from tandem.learn.results import SECOND
-from tandem.learn.turns import choices, least_to_come, observe, told
+from tandem.learn.turns import choices, least_to_come, observe, static_features
 from tandem.world.arrays import Array, Arrays, Names
 from tandem.world.state import State
 
@@ -34,7 +34,9 @@ def worth_of(path: Path, cell: Cell, form: type[Network]) -> Worth:
     trained = Trained.load(path, form)
     notes = parsed(path, json.dumps(dict(trained.notes)), Notes, "is no network: notes")
     names, network, parameters = Names.of(cell), trained.network, trained.parameters
-    known = told(names, names.arrays(), time_weight=SECOND, stress_weight=notes.stress_factor)
+    known = static_features(
+        names, names.arrays(), time_weight=SECOND, stress_weight=notes.stress_factor
+    )
     tick = np.float32(SECOND / (names.per_second * known.unit))
 
     def worth(arrays: Arrays, state: State, mask: Array, turn: Array) -> Array:

@@ -138,15 +138,15 @@ class Scorer:
     ) -> Prediction:
         """`read` over an array namespace."""
         run = partial(forward, xp, activation="relu")
-        own = lambda name, inputs: run(parameters[name], inputs)  # noqa: E731
-        first = xp.maximum(own("moves", seen.moves) + own("whole", seen.whole)[None], 0)
-        rows = xp.maximum(own("mix", first), 0) * seen.there[:, None]
+        apply = lambda name, inputs: run(parameters[name], inputs)  # noqa: E731
+        first = xp.maximum(apply("moves", seen.moves) + apply("whole", seen.whole)[None], 0)
+        rows = xp.maximum(apply("mix", first), 0) * seen.there[:, None]
         number = xp.maximum(seen.there.sum(), 1)
         pool = xp.concatenate([rows.sum(0) / number, rows.max(0)])
-        scored = xp.maximum(own("policy_row", rows) + own("policy_pool", pool)[None], 0)
-        more = own("value", xp.concatenate([pool, seen.whole]))[0]
+        scored = xp.maximum(apply("policy_row", rows) + apply("policy_pool", pool)[None], 0)
+        more = apply("value", xp.concatenate([pool, seen.whole]))[0]
         return Prediction(
-            own("policy", scored)[:, 0], least + xp.logaddexp(more, xp.zeros_like(more))
+            apply("policy", scored)[:, 0], least + xp.logaddexp(more, xp.zeros_like(more))
         )
 
 

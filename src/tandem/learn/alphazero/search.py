@@ -48,19 +48,19 @@ def search(
     seen = jax.vmap(lambda game, state: predict(network, parameters, game, state))(games, states)
     root = mctx.RootFnOutput(prior_logits=seen.logits, value=-seen.to_come, embedding=states)
     known = (parameters, games)
-    told: dict[str, Any] = {"invalid_actions": ~legal, "max_depth": config.depth}
+    common: dict[str, Any] = {"invalid_actions": ~legal, "max_depth": config.depth}
     if config.kind == "gumbel":
-        run, own = (
+        run, special = (
             mctx.gumbel_muzero_policy,
             {"max_num_considered_actions": config.considered, "gumbel_scale": config.gumbel_scale},
         )
     else:
         noise = {"dirichlet_fraction": config.noise, "dirichlet_alpha": config.noise_alpha}
-        run, own = (
+        run, special = (
             mctx.muzero_policy,
             {"pb_c_init": config.exploration, "temperature": config.temperature, **noise},
         )
-    found = run(known, _light(key), root, _expand(network), config.simulations, **told, **own)
+    found = run(known, _light(key), root, _expand(network), config.simulations, **common, **special)
     return Found(found.action, found.action_weights, -found.search_tree.node_values[:, 0])
 
 

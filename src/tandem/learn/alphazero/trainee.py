@@ -22,7 +22,7 @@ from tandem.learn.alphazero.recipes import SearchRecipe
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.env import Game, stacked
 from tandem.learn.results import Reached, paid
-from tandem.learn.rollout import alone, game_of, play, told
+from tandem.learn.rollout import alone, as_document, game_of, play
 
 MOST_SEARCHED = 16
 """Searched games of `tandem evaluate`, however many episodes are asked for."""
@@ -90,18 +90,22 @@ class Trainee:
         )
         found = []
         for index in range(len(self.order.seeds)):
-            own = jax.tree.map(lambda leaf, index=index: leaf[index], report)
+            seed_report = jax.tree.map(lambda leaf, index=index: leaf[index], report)
             row: Row = {"episodes": int(learners.games[index]), "steps": int(learners.moves[index])}
             row |= {
-                "mean_return_team": round(-float(own.cost), 4),
+                "mean_return_team": round(-float(seed_report.cost), 4),
                 "first_value_team": round(-results[index][1], 4),
             }
             row |= {
-                name: round(float(getattr(own, name)), 5)
+                name: round(float(getattr(seed_report, name)), 5)
                 for name in ("policy_loss", "value_loss", "entropy")
             }
             found.append(
-                row | {f"greedy_{name}": value for name, value in told(results[index][0]).items()}
+                row
+                | {
+                    f"greedy_{name}": value
+                    for name, value in as_document(results[index][0]).items()
+                }
             )
         return found
 
@@ -115,16 +119,16 @@ class Trainee:
             trained = Trained(training.network_of(recipe.config), parameters)
             row: Row = {
                 "steps": int(learners.moves[index]),
-                "greedy": told(play(cell, self.game, trained)[0]),
+                "greedy": as_document(play(cell, self.game, trained)[0]),
             }
-            row["searched"] = told(play(cell, self.game, trained, sure(recipe))[0])
+            row["searched"] = as_document(play(cell, self.game, trained, sure(recipe))[0])
             drawn = play(cell, self.game, trained, drawing(recipe), games=recipe.samples, seed=seed)
             rows.append(
                 {
                     **row,
                     "best_of_n": {
                         "n": recipe.samples,
-                        **told(min(drawn, key=lambda game: game.cost)),
+                        **as_document(min(drawn, key=lambda game: game.cost)),
                     },
                 }
             )

@@ -64,14 +64,14 @@ def start(key: Array, games: Game, config: Config) -> Learner:
     one = jax.tree.map(lambda leaf: leaf[0], games)
     parameters = network_of(config).start(network_key, one)
     zero, pool = jnp.zeros((), jnp.int32), games.unit.shape[0]
-    kept, best = (
+    memory, best = (
         _nothing(one, (config.kept, one.longest * config.games)),
         _nothing(one, (pool, one.longest)),
     )
     return Learner(
         parameters,
         _optimiser(config).init(parameters),
-        kept,
+        memory,
         best,
         jnp.full(pool, jnp.inf),
         key,

@@ -197,8 +197,8 @@ def loss(
     else:
         best = jnp.min(then, -1)
     aim = jax.lax.stop_gradient(batch.cost + config.discount * best)
-    told = jnp.take_along_axis(now, batch.move[:, None], -1)[:, 0]
-    off = jnp.where(counts, told - aim, 0.0)
+    predicted = jnp.take_along_axis(now, batch.move[:, None], -1)[:, 0]
+    off = jnp.where(counts, predicted - aim, 0.0)
     return jnp.sum(optax.huber_loss(off)) / jnp.maximum(jnp.sum(counts), 1)
 
 
@@ -207,12 +207,12 @@ def _moved(key: Array, learner: Learner, game: Game, config: Config) -> tuple[Le
     network, states = networks(game, config), learner.states
     explore_key, pick_key = jax.random.split(key)
     me = jax.vmap(game.to_play)(states)
-    told = jax.vmap(partial(values, network, learner.parameters, game))(states)
+    q_values = jax.vmap(partial(values, network, learner.parameters, game))(states)
     drawn = jnp.argmax(
-        jnp.where(jnp.isfinite(told), jax.random.uniform(pick_key, told.shape), -1.0), -1
+        jnp.where(jnp.isfinite(q_values), jax.random.uniform(pick_key, q_values.shape), -1.0), -1
     )
     astray = jax.random.uniform(explore_key, me.shape) < _explore(learner, config)
-    move = jnp.where(astray, drawn, jnp.argmin(told, -1)).astype(jnp.int32)
+    move = jnp.where(astray, drawn, jnp.argmin(q_values, -1)).astype(jnp.int32)
     after, cost = jax.vmap(game.step)(states, move)
     cost, over = cost / game.unit, jax.vmap(game.is_over)(after)
     rows, opened = _rows(learner.open, states, me, move, cost, after, over, config)
@@ -248,14 +248,14 @@ def _rows(
     if config.horizon == "next":
         return Turns(states, me, move, cost, after, jnp.ones(me.shape, bool)), opened
     games, agents = opened.waiting.shape
-    own = lambda leaf: leaf[jnp.arange(games), me]  # noqa: E731
+    of_mover = lambda leaf: leaf[jnp.arange(games), me]  # noqa: E731
     back = Turns(
-        jax.tree.map(own, opened.state),
+        jax.tree.map(of_mover, opened.state),
         me,
-        own(opened.move),
-        own(opened.cost),
+        of_mover(opened.move),
+        of_mover(opened.cost),
         states,
-        own(opened.waiting),
+        of_mover(opened.waiting),
     )
     mine = jnp.arange(agents)[None] == me[:, None]
 

@@ -66,10 +66,10 @@ class ValueNetworks:
         xp, scorer = namespace(seen.moves), Scorer(self.units)
         mine = xp.clip(mover, 0, self.agents - 1)
         if xp is np:
-            own = scorer.score(np, mapped(lambda leaf: leaf[mine], parameters), seen, least)
-            return Prediction(-(own.to_come + own.logits), own.to_come)
+            found = scorer.score(np, mapped(lambda leaf: leaf[mine], parameters), seen, least)
+            return Prediction(-(found.to_come + found.logits), found.to_come)
         import jax
 
-        each = jax.vmap(lambda own: scorer.score(xp, own, seen, least))(parameters)
+        each = jax.vmap(lambda weights: scorer.score(xp, weights, seen, least))(parameters)
         to_come = each.to_come[mine]
         return Prediction(-(to_come + each.logits[mine]), to_come)

@@ -22,7 +22,7 @@ from tandem.learn.dqn.network import ValueNetworks
 from tandem.learn.dqn.recipes import ValueRecipe
 from tandem.learn.env import Game
 from tandem.learn.results import Reached, paid
-from tandem.learn.rollout import alone, game_of, play, told
+from tandem.learn.rollout import alone, as_document, game_of, play
 
 INTERVALS = 30
 """Figures of a training."""
@@ -88,15 +88,22 @@ class Trainee:
         """
         results, found = alone(self.order.cell, self.game, self.network, learners.parameters), []
         for index in range(len(self.order.seeds)):
-            own = jax.tree.map(lambda leaf, index=index: leaf[index], report)
+            seed_report = jax.tree.map(lambda leaf, index=index: leaf[index], report)
             row: Row = {"episodes": int(learners.games[index]), "steps": int(learners.moves[index])}
             row |= {
-                "mean_return_team": round(-float(own.cost), 4),
+                "mean_return_team": round(-float(seed_report.cost), 4),
                 "first_value_team": round(-results[index][1], 4),
             }
-            row |= {"loss": round(float(own.loss), 5), "explore": round(float(own.explore), 4)}
+            row |= {
+                "loss": round(float(seed_report.loss), 5),
+                "explore": round(float(seed_report.explore), 4),
+            }
             found.append(
-                row | {f"greedy_{name}": value for name, value in told(results[index][0]).items()}
+                row
+                | {
+                    f"greedy_{name}": value
+                    for name, value in as_document(results[index][0]).items()
+                }
             )
         return found
 
@@ -118,11 +125,11 @@ class Trainee:
                 games=self.recipe.samples,
                 seed=seed,
             )
-            best = {"n": self.recipe.samples, **told(min(drawn, key=lambda game: game.cost))}
+            best = {"n": self.recipe.samples, **as_document(min(drawn, key=lambda game: game.cost))}
             rows.append(
                 {
                     "steps": int(learners.moves[index]),
-                    "greedy": told(play(self.order.cell, self.game, trained)[0]),
+                    "greedy": as_document(play(self.order.cell, self.game, trained)[0]),
                     "best_of_n": best,
                 }
             )
