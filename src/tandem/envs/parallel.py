@@ -113,6 +113,7 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         """
         named, masks = self._door.numbers(actions), self.action_masks()
         game, before, agents = self.game, self.game.shift, self.agents
+        # all are looked at before anything happens: a refused call leaves the game as it was
         illegal = {agent: not is_legal(masks[agent], named[agent]) for agent in agents}
         for agent in agents:
             if illegal[agent] and game.options.strict:
@@ -121,6 +122,7 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         happening = game.since(before)
         reward, ended, cut = game.reward(happening), game.done, game.truncated
         self._return, self._steps = self._return + reward, self._steps + 1
+        # one team, one reward: it is paid for the stretch of time, whoever acted in it
         infos = {
             agent: self._info(agent, game.info(happening, self._name(agent), illegal[agent]))
             for agent in agents

@@ -146,21 +146,26 @@ def features(
       waits: `[K]` bool, the moves that begin nothing.
     """
     xp = namespace(now.left)
+    # the operators are only mine and the others', so that any number of them has one shape
     my = (xp.arange(ahead.uses.shape[1]) == me).astype(xp.float32)
     others = 1.0 - my
     task = ahead.task[way]
     real = (there & ~waits).astype(xp.float32)
+    # the measure of all times below: at the end of a game nothing is left to divide by
     to_come = xp.maximum(time_to_come(ahead, now), 1e-3)
     waiting = 1.0 - now.begun
+    # whose work it is decides whom a move helps: mine alone, the others' alone, or anybody's
     # [T, 3]: mine alone, others' alone, open
     kinds = xp.stack([ahead.only @ my, ahead.only @ others, ahead.open], 1)
     behind = xp.stack(
         [ahead.behind_only[task] @ my, ahead.behind_only[task] @ others, ahead.behind_open[task]], 1
     )
+    # what the move sets free now, and what it helps to set free once running tasks have ended
     after = ahead.needs[:, task].T  # [K, T]
     unlocks = after * (missing(ahead, now.ended) == 1)[None] @ kinds
     running = now.begun & ~now.ended
     helps = after * (missing(ahead, now.ended | running) == 1)[None] @ kinds
+    # the move's own numbers, beside how long and how full the rest is
     loads = waiting @ kinds
     longest = xp.max(xp.where(now.begun, 0.0, ahead.tail))
     uses = ahead.uses[way]
@@ -181,13 +186,16 @@ def features(
         ),
         *(mine, now.busy @ uses.T),
     ]
+    # a move that nobody can make has stale numbers: they are wiped, so that no network learns them
     rows = xp.stack([xp.asarray(part, xp.float32) for part in parts], 1) * real[:, None]
     rows = xp.concatenate([rows, waits.astype(xp.float32)[:, None]], 1)
+    # when others are free again tells whether it pays to leave work for them
     busy_others = xp.where(my > 0, 0.0, now.busy)
     soonest = (
         xp.min(xp.where(my > 0, xp.inf, now.busy)) if ahead.uses.shape[1] > 1 else xp.zeros(())
     )
     ready_mine, ready_others = xp.sum(real * able * starts), xp.sum(real * (1 - able) * starts)
+    # tens and quarters bring all numbers to about 1, where a fresh network learns best
     whole = xp.stack([
         to_come / 10, *(loads / to_come), longest / to_come, xp.max(busy_others), soonest,
         ready_mine / 4, ready_others / 4,

@@ -128,6 +128,7 @@ class Moves:
                 ]
             )
             soonest = None
+            # each step is a child of its own: the one that ends first need not be the one to take
             for index, step in enumerate(self.layout.steps[task]):
                 start = self._start(node, task, step, ready)
                 if start is None:
@@ -138,10 +139,12 @@ class Moves:
                     moves.append((task, index, step, start))
                     if end < cutoff and self.harmless[task][index]:
                         cutoff = end
+            # a task that can no longer come in time rules out the node, not only the child
             if soonest is None or soonest > min(
                 self.latest_start[task], horizon - self.layout.tail[task]
             ):
                 return
+        # only now, because the earliest end is known after all have been looked at
         for task, index, step, start in moves:
             if start < cutoff:
                 yield self._appended(node, task, index, step, start)
@@ -249,6 +252,7 @@ class Moves:
     def _appended(self, node: Node, task: int, index: int, step: Step, start: int) -> Node:
         instance, end, who = self.instance, start + step.ticks, step.operators
         tool, zone, team = instance.timed_tool[task], instance.timed_zone[task], instance.team[task]
+        # nodes share what did not change: the tuples of the parent are taken over
         free, loads, ends, hand = list(node.free), list(node.loads), list(node.ends), node.hand
         for operator, load in zip(who, step.load, strict=True):
             free[operator] = end
@@ -256,6 +260,7 @@ class Moves:
         ends[task] = end
         if tool >= 0:
             hand = tuple(tool if operator in who else held for operator, held in enumerate(hand))
+        # the first task of those that need the same operators settles them for the others
         teams = node.teams
         if team >= 0 and all(other != team for other, _ in teams):
             teams = tuple(sorted([*teams, (team, who)]))

@@ -309,6 +309,8 @@ class Limits:
         ticks = max(node.free)
         if node.step is not None:
             ticks = max(ticks, node.ends[node.step[0]] + self.behind[node.step[0]])
+        # the work that is left takes operators' time, weighed by the prices, and none of it lies
+        # before they are free
         if work:
             begin = [max(free, node.last) for free in node.free]
             ticks = max(
@@ -331,6 +333,7 @@ class Limits:
                     ),
                 ]
             )
+        # without a table stress adds up task by task
         if self.table is None:
             return ticks, node.stress + load
         least = self._least_listed(node.mask, node.humans)

@@ -109,9 +109,11 @@ class _Search:
         """
         if self.layout.impossible():
             return
+        # what the user has is first: whatever is found later has to be better
         if hint is not None:
             self._offer(self.door.hinted(hint))
         random = Random(self.seed)
+        # these rules know nothing of listed sets; the attempts below do
         if self.instance.stress_of_set is None:
             self._by_rule("longest-tail", random, None)
             bound, prices = load_prices(self.layout)
@@ -130,6 +132,7 @@ class _Search:
             ),
             40,
         )
+        # on large cells these attempts take long: they are made only while nothing has been found
         if len(self.instance.tasks) < 100 or not self.archive.found:
             for attempt in few:
                 if attempt is not None:

@@ -201,15 +201,19 @@ class PartialSchedule:
             if tool >= 0:
                 self.hand[operator] = tool
         self.stress += step.stress
+        # tools and zones with room for all are never full, so nobody counts their places
         if tool >= 0 and instance.tool_room[tool]:
             _take(self.tool_free[tool], len(step.operators), end)
         if zone >= 0:
             _take(self.zone_free[zone], len(step.operators), end)
+        # the first task of those that need the same operators settles them for the others
         if team >= 0:
             self.operators_of[team] = step.operators
+        # what the task puts on operators whoever does it was set aside; now it stands in the load
         if instance.has_limits:
             must = self.layout.must[task]
             self.need = [need - own for need, own in zip(self.need, must, strict=True)]
+        # told to the caller, who would otherwise have to look at all tasks again
         released = []
         for after in instance.behind[task]:
             if self.ready[after] < end:

@@ -105,7 +105,7 @@ def step(arrays: Arrays, scenario: Scenario, people: Person, shift: Shift, way: 
         )
     mine, later = _decided(arrays, scenario, people, shift, way), _later(arrays, scenario, shift)
     ours = shift.turn >= 0
-    return _judged(
+    return _refresh_mask(
         arrays,
         Shift(*(_chosen(xp, ours, one, other) for one, other in zip(mine, later, strict=True))),
     )
@@ -113,12 +113,12 @@ def step(arrays: Arrays, scenario: Scenario, people: Person, shift: Shift, way: 
 
 def decide(arrays: Arrays, scenario: Scenario, people: Person, shift: Shift, way: Array) -> Shift:
     """Whose turn it is decides. Assumes that it is somebody's."""
-    return _judged(arrays, _decided(arrays, scenario, people, shift, way))
+    return _refresh_mask(arrays, _decided(arrays, scenario, people, shift, way))
 
 
 def run_on(arrays: Arrays, scenario: Scenario, shift: Shift) -> Shift:
     """Time runs on to the next event."""
-    return _judged(arrays, _later(arrays, scenario, shift))
+    return _refresh_mask(arrays, _later(arrays, scenario, shift))
 
 
 def is_over(arrays: Arrays, shift: Shift) -> Array:
@@ -145,7 +145,7 @@ def expected_ends(arrays: Arrays, state: State) -> Array:
     return xp.where(running, xp.maximum(start + stated, state.clock), state.end_at)
 
 
-def _judged(arrays: Arrays, shift: Shift) -> Shift:
+def _refresh_mask(arrays: Arrays, shift: Shift) -> Shift:
     mask = world.legal(arrays, shift.state)
     return shift._replace(mask=mask, turn=world.turn(arrays, mask))
 
@@ -178,12 +178,16 @@ def _decided(arrays: Arrays, scenario: Scenario, people: Person, shift: Shift, w
     mine = world.legal_of(arrays, shift.mask, who)
     me = xp.arange(arrays.human.shape[0]) == who
     operators, decisions, _ = scenario.mood.shape
+    # moods are drawn per decision of an operator and not per step, so that two deciders meet the
+    # same mood at the same decision (common random numbers)
     asked_before = xp.where(me, shift.asked, 0).sum(dtype=xp.int32)
     mood = scenario.mood.reshape(operators * decisions, 3)[
         xp.maximum(who, 0) * decisions + asked_before % decisions
     ]
+    # who is asked may do something else, wait or refuse: from here on the answer counts, not `way`
     can_wait = world.may_wait(arrays, state, shift.mask, who)
     answer = crew.choose(arrays, state, crew.of(people, who), who, mine, way, can_wait, mood)
+    # what is begun need not be what was meant, nor take the stated time
     begins, noticed, missed = _slipped(xp, arrays, scenario, people, shift, answer.way)
     team = (arrays.way_uses & _is(xp, arrays, begins)[:, None]).any(axis=0)
     ticks, fatigue = _work(xp, arrays, scenario, people, shift, begins, team)
@@ -193,13 +197,17 @@ def _decided(arrays: Arrays, scenario: Scenario, people: Person, shift: Shift, w
         if arrays.undo.shape[0]
         else after
     )
+    # who refuses is asked again, for the turn has not passed; who waits is not
     after = world.wait(after, xp.where((begins < 0) & ~answer.refuses, who, -1))
+    # a suggestion that is not legal is counted below, but is none that could be refused
     wanted = (_is(xp, arrays, way)[:, None] & arrays.of_task & mine[:, None]).any(axis=0)
     refused = (
         (arrays.of_task & wanted[None, :]).any(axis=1)
         & (arrays.way_uses & me[None, :]).any(axis=1)
         & answer.refuses
     )
+    # a change of plan is one that a person notices: another task than was announced to it, while
+    # that one is still open
     before = xp.where(me, shift.suggested, 0).sum(dtype=xp.int32) + xp.where(me.any(), 0, -1)
     task = xp.where(wanted.any(), wanted.argmax(), -1).astype(xp.int32)
     still_open = ((xp.arange(arrays.needs.shape[0]) == before) & (state.way < 0)).any()
@@ -240,11 +248,13 @@ def _slipped(
     def drawn(numbers: Array) -> Array:
         return xp.where(attempt, numbers, 0).sum()
 
+    # a team is as careless as the one who forgets most; taking apart cannot go wrong
     careless = xp.where(team, people.forgets, 0.0).max()
     wrong = attempt.any() & (drawn(scenario.slip) < careless) & ~comes_off
     premature = world.out_of_order(arrays, state) & world.legal_of(
         arrays, arrays.way_size == 1, shift.turn
     )
+    # the number picks one of the premature tasks evenly, without a draw for each of them
     other = (premature.cumsum() > drawn(scenario.order) * premature.sum()).argmax()
     strays = (
         wrong
@@ -392,6 +402,7 @@ def play_one(
                 decide(arrays, shift) if shift.turn >= 0 else np.int32(-1),
             ),
         )
+        # an assignment shows as a new start, whatever else the step brought
         for task in np.flatnonzero(
             (shift.state.start_at != before.state.start_at) & (shift.state.way >= 0)
         ):

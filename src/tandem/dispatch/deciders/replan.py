@@ -118,6 +118,7 @@ def by_plan(
     `began`: the moment by the policy's clock at which the decision's budget began.
     """
     until = began + PLANNED * policy.options.budget_ms / 1000
+    # a model that would be built after the time is up is not begun: building cannot be stopped
     left = rest(moves, here)
     is_time_to_build = (
         left is not None
@@ -132,6 +133,7 @@ def by_plan(
             seed=policy.options.seed,
         )
     choice = None if plan is None else starting(moves, here, plan, allowed(moves, situation))
+    # there is always an answer: the rule's, when the solver's comes too late or begins nothing
     if plan is None or choice is None:
         choice = policy.rule.choose(moves, here, situation)
         because = f"by a rule, because no plan was found in {policy.options.budget_ms:g} ms"
@@ -145,6 +147,7 @@ def by_plan(
             began=began,
             because=because,
         )
+    # costs are told of the whole assembly, from its beginning
     cost = cost_so_far(policy.objective, situation) + _cost(policy.objective, moves, plan)
     end = situation.now + plan.ticks / moves.instance.per_second
     because = (
@@ -311,6 +314,7 @@ class Robust:
         """
         _, leading, here = beliefs[0]
         first = leading.moves
+        # the search calls legal what the situation may not let begin now; both have to agree
         if among is None:
             legal = allowed(first, situation)
             among = (
@@ -319,6 +323,7 @@ class Robust:
                 if legal.issuperset(choice)
             )
         announced = self._announced(situation, first, here)
+        # bounds cost little and values much, so every choice gets its bound before any gets a value
         bounds = []
         for choice in self._kept(announced, list(among)):
             leading.look()
@@ -326,13 +331,18 @@ class Robust:
             if steps is not None:
                 floor = sum(share * bound for share, _, bound, _, _ in steps)
                 bounds.append((floor + self._penalty(announced, choice), choice, steps))
+        # the most promising first: a good value early rules out all that comes behind it
         bounds.sort(key=lambda row: (row[0], [-way for way in row[1]]))
         best, found = inf, []
         for bound, choice, steps in bounds:
             if bound > best + TIE:
                 break
+            # scenario after scenario the bound's share is exchanged for the value's, so that the
+            # sum stays a lower bound and may be left as soon as it is too high
             cost = bound
             for share, search, floor, paid, after in steps:
+                # no search need know more than whether it stays below what would still tie with the
+                # best
                 room = inf if best == inf else (best + 2 * TIE - cost) / share + floor - paid
                 cost += share * (paid + search.value(after, room) - floor)
                 if cost > best + TIE:

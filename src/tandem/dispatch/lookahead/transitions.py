@@ -417,11 +417,13 @@ class Moves:
         operators = self.modes[way % self.count].operators
         if any(team == instance.team[task] and others != who for team, others in position.teams):
             return False
+        # loads are counted only where somebody's stress has a limit
         if position.load:
             for operator, units in self.loads[way]:
                 limit = instance.stress_limit[operator]
                 if limit is not None and position.load[operator] + units > limit:
                     return False
+        # work and the changeover before it lie in one piece between two breaks
         if not self.timeless:
             end = (
                 position.clock

@@ -113,6 +113,7 @@ def selfplay(
     def move(states: State, key: Array) -> tuple[State, tuple[Experience, Array, Array]]:
         over = _are_over(games, states)
         found = find(key, network, parameters, games, states, config)
+        # kept as the network was shown it: the games themselves are not held in memory
         seen, legal, mover, least = jax.vmap(shown)(games, states)
         after, cost = jax.vmap(lambda game, state, move: game.step(state, move))(
             games, states, found.move

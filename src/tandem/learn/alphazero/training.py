@@ -65,8 +65,8 @@ def start(key: Array, games: Game, config: Config) -> Learner:
     parameters = network_of(config).start(network_key, one)
     zero, pool = jnp.zeros((), jnp.int32), games.unit.shape[0]
     memory, best = (
-        _nothing(one, (config.kept, one.longest * config.games)),
-        _nothing(one, (pool, one.longest)),
+        _empty(one, (config.kept, one.longest * config.games)),
+        _empty(one, (pool, one.longest)),
     )
     return Learner(
         parameters,
@@ -130,7 +130,9 @@ def _learn(
 ) -> tuple[Parameters, Any, tuple[Array, Array, Array]]:
     """Minibatches drawn evenly from the decisions that are kept."""
     network, rule = network_of(config), _optimiser(config)
+    # the steps grow smaller towards the end, so that the weights settle
     rate = config.learning_rate * (1 - 0.9 * learner.rounds / config.iterations)
+    # what was found once by luck stays in every minibatch, however bold the searches are
     imitated = round(config.imitated * config.minibatch)
     sources = [
         (_flat(learner.experience), config.minibatch - imitated),
@@ -200,7 +202,7 @@ def _flat(experience: Experience) -> Experience:
     )
 
 
-def _nothing(game: Game, rows: tuple[int, int]) -> Experience:
+def _empty(game: Game, rows: tuple[int, int]) -> Experience:
     """Room for so much experience."""
     seen, legal, mover, least = jax.tree.map(
         lambda leaf: jnp.zeros((*rows, *leaf.shape), leaf.dtype),

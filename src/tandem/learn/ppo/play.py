@@ -87,14 +87,15 @@ def _play(
             world,
             config,
         )
+        # episodes end at different steps, but all are stepped: what is over stays as it was
         after, outcome = jax.vmap(world.step)(state, action)
-        kept = jax.tree.map(
+        following = jax.tree.map(
             lambda new, old: jnp.where(on.reshape(-1, *[1] * (old.ndim - 1)), new, old),
             after,
             state,
         )
         return index + 1, Rollout(
-            kept,
+            following,
             so_far.actions.at[index].set(jnp.where(on[:, None], action, 0)),
             so_far.length + on,
             so_far.returns + jnp.where(on[:, None], outcome.reward, 0),

@@ -238,6 +238,7 @@ def _episodes(
     """`[S, E]`: the episodes of `Trainee._played`. Noise of Gumbel's distribution turns the most
     probable action into a drawn one.
     """
+    # the first is greedy and stands for the result, `BEST_OF` are drawn, the others are greedy
     number = company.pace.shape[0]
     drawn = (jnp.arange(number) > 0) & (jnp.arange(number) <= BEST_OF)
     keys, draw_key = jax.random.split(jax.random.key(0), number), jax.random.key(1)
@@ -254,6 +255,7 @@ def _episodes(
                     observation.observe(arrays, shift.state, shift.mask, shift.turn),
                     config.activation,
                 )
+                # adding the noise to the logits draws from the policy and keeps one loop for both
                 logits = logits + drawn * jax.random.gumbel(
                     jax.random.fold_in(key, shift.decisions), logits.shape
                 )
@@ -264,6 +266,7 @@ def _episodes(
                         -jnp.inf,
                     )
                 )
+                # the last action lets the turn pass, which the world calls -1
                 return jnp.where(action == world.actions - 1, -1, action)
 
             played = episode.play(
