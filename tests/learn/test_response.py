@@ -19,7 +19,7 @@ import tandem
 from tandem.dispatch.deciders.beliefs import Models
 from tandem.dispatch.deciders.learned import Learned, learned, state_of
 from tandem.dispatch.deciders.policy import Options
-from tandem.dispatch.evaluation.batch import Stage
+from tandem.dispatch.evaluation.batch import EpisodeBatch
 from tandem.dispatch.evaluation.observed import Observer
 from tandem.dispatch.lookahead.objective import SECONDS
 from tandem.dispatch.situation.model import Situation
@@ -166,7 +166,7 @@ def test_live_it_decides_as_in_the_world_it_was_trained_in(file: str, spec: str)
     played = episode.play_many(jax.random.key(1), draw, arrays, people, decider(policy))
     learnt = Learnt(partial(worth, policy))
     live = Learned(learnt, names, names.arrays(undo=1.0), Models(cell))
-    stage = Stage.of(names, arrays, draw, people, 1)
+    stage = EpisodeBatch.of(names, arrays, draw, people, 1)
     np.testing.assert_array_equal(
         stage.play(live).makespan, np.asarray(played.makespan) / names.per_second
     )

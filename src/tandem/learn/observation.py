@@ -63,7 +63,7 @@ class Ahead(NamedTuple):
     human: Array
 
 
-class Standing(NamedTuple):
+class AssemblyStatus(NamedTuple):
     """How far it is. begun, ended: `[T]` bool. left: `[T]`, time until a running task ends, else 0.
     busy: `[O]`, until the operator is free.
     """
@@ -112,7 +112,7 @@ def ahead(
     )
 
 
-def time_to_come(ahead: Ahead, now: Standing) -> Array:
+def time_to_come(ahead: Ahead, now: AssemblyStatus) -> Array:
     """`[]` a time that is certainly still to come: the longest chain, the fullest operator, or all
     work shared out evenly.
     """
@@ -133,7 +133,13 @@ def missing(ahead: Ahead, ended: Array) -> Array:
 
 
 def features(
-    ahead: Ahead, now: Standing, me: Array, way: Array, there: Array, mine: Array, waits: Array
+    ahead: Ahead,
+    now: AssemblyStatus,
+    me: Array,
+    way: Array,
+    there: Array,
+    mine: Array,
+    waits: Array,
 ) -> Observation:
     """What the agent `me` sees.
 

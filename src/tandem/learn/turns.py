@@ -13,8 +13,8 @@ import numpy as np
 
 from tandem.learn.observation import (
     Ahead,
+    AssemblyStatus,
     Observation,
-    Standing,
     ahead,
     features,
     missing,
@@ -65,7 +65,7 @@ def choices(arrays: Arrays, state: State, mask: Array, turn: Array, *, waiting: 
     return namespace(mask).append(mine, may_wait)
 
 
-def standing(arrays: Arrays, state: State, tick: Array) -> Standing:
+def standing(arrays: Arrays, state: State, tick: Array) -> AssemblyStatus:
     """How far the assembly is. What has to come off again is as if it had not begun.
 
     Args:
@@ -78,7 +78,7 @@ def standing(arrays: Arrays, state: State, tick: Array) -> Standing:
         off = world.to_undo(arrays, state)
         begun, ended = begun & ~off, ended & ~off
     free_at = xp.maximum(state.free_at, state.away_until)
-    return Standing(begun, ended, left, xp.maximum(free_at - state.clock, 0) * tick)
+    return AssemblyStatus(begun, ended, left, xp.maximum(free_at - state.clock, 0) * tick)
 
 
 def observe(

@@ -59,7 +59,7 @@ class Node(NamedTuple):
     before: Node | None
 
 
-class Moves:
+class Branching:
     """The moves of one layout.
 
     Args:

@@ -51,7 +51,7 @@ class Goal:
 
 
 @dataclass(frozen=True)
-class Answer:
+class GoalStatus:
     """What is known about a goal.
 
     Attributes:
@@ -242,7 +242,7 @@ class Race:
         with self.lock:
             self.bound = max(self.bound, bound)
 
-    def run(self) -> Answer:
+    def run(self) -> GoalStatus:
         """Works until it is proven, time is up or someone interrupts."""
         try:
             self.start()
@@ -255,12 +255,12 @@ class Race:
         return self.answer
 
     @property
-    def answer(self) -> Answer:
+    def answer(self) -> GoalStatus:
         """What is known so far."""
         starts = None if self.best is None else self.best.starts
         if self.door.refused:
-            return Answer(starts, self.known, False)
-        return Answer(
+            return GoalStatus(starts, self.known, False)
+        return GoalStatus(
             starts,
             self.bound,
             self.infeasible or (self.value is not None and self.bound >= self.value),

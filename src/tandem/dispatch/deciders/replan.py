@@ -22,7 +22,7 @@ from tandem.dispatch.deciders.beliefs import Models, allowed, cost_so_far, posit
 from tandem.dispatch.deciders.by_rule import ByRule
 from tandem.dispatch.deciders.policy import Decision, Options
 from tandem.dispatch.deciders.reply import reply
-from tandem.dispatch.lookahead.branch_and_bound import OutOfTimeError, Search
+from tandem.dispatch.lookahead.branch_and_bound import BranchAndBound, OutOfTimeError
 from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.lookahead.residual import Plan, build, rest, solve
 from tandem.dispatch.lookahead.transitions import Moves, Position
@@ -215,7 +215,7 @@ class Robust:
     moves_s: float = 0.0
     name: str = "replan-robust"
     clock: Callable[[], float] = perf_counter
-    _searches: dict[int, Search] = field(default_factory=dict)
+    _searches: dict[int, BranchAndBound] = field(default_factory=dict)
 
     def warm_up(self) -> None:
         """Values the first choices, so that the shift's first decision is as quick as the others; a
@@ -290,13 +290,13 @@ class Robust:
 
     def _under(
         self, situation: Situation, factor: tuple[tuple[str, float], ...], until: float
-    ) -> tuple[Search, Position]:
+    ) -> tuple[BranchAndBound, Position]:
         if self.clock() > until:
             raise OutOfTimeError("the beliefs were not looked at in time.")
         moves = self.models.of(situation, dict(factor))
         search = self._searches.pop(id(moves), None)
         if search is None or search.moves is not moves:
-            search = Search(moves, _weights(self.objective, moves), clock=self.clock)
+            search = BranchAndBound(moves, _weights(self.objective, moves), clock=self.clock)
         if len(self._searches) >= MOST_SEARCHES:
             # the one not used for longest; all at once would take too long
             del self._searches[next(iter(self._searches))]
@@ -453,9 +453,9 @@ def pace_scenarios(paces: Mapping[str, Pace]) -> list[tuple[tuple[tuple[str, flo
     return [(factors, share / total) for factors, share in kept]
 
 
-Belief = tuple[float, Search, Position]
+Belief = tuple[float, BranchAndBound, Position]
 """(probability, the search under it, where the assembly stands under it)."""
-Step = tuple[float, Search, float, float, Position]
+Step = tuple[float, BranchAndBound, float, float, Position]
 """(probability, search, bound, cost until then, position then) of a choice under one belief."""
 
 

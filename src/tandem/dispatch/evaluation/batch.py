@@ -48,7 +48,7 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class Stage:
+class EpisodeBatch:
     """Where episodes are played: a cell, its chance, and the chances drawn.
 
     Attributes:
@@ -62,7 +62,9 @@ class Stage:
     taking_apart: float = 1.0
 
     @classmethod
-    def of(cls, names: Names, arrays: Arrays, draw: Draw, people: Person, seed: int) -> Stage:
+    def of(
+        cls, names: Names, arrays: Arrays, draw: Draw, people: Person, seed: int
+    ) -> EpisodeBatch:
         """Draws the chances of as many episodes as there are people; the same seed gives the same
         ones, whoever decides.
         """
@@ -101,7 +103,7 @@ class Stage:
 
 @dataclass
 class _Play:
-    stage: Stage
+    stage: EpisodeBatch
     policy: Policy
     count: int
     between: Callable[[], None]

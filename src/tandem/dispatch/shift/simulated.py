@@ -34,7 +34,7 @@ stands still for good.
 """
 
 
-class Floor:
+class SimulatedFloor:
     """A floor under way; its clock is the world's (`tandem.world.episode`), in ticks."""
 
     def __init__(self, cell: Cell, people: str, chance: Chance = OFF, seed: int = 0) -> None:

@@ -17,7 +17,7 @@ from tandem.lab.kinat2023.learn_env import StationWorld
 from tandem.lab.kinat2023.players import costs, players
 from tandem.lab.kinat2023.recipe import StationRecipe
 from tandem.lab.kinat2023.station import whole_ticks
-from tandem.learn.algorithm import Order, Row
+from tandem.learn.algorithm import Row, TrainingOrder
 from tandem.learn.policy import Policy
 from tandem.learn.ppo import play, ppo
 from tandem.learn.ppo.config import Config
@@ -37,7 +37,7 @@ class Trainee:
     players = staticmethod(players)
     costs = staticmethod(costs)
 
-    def __init__(self, order: Order) -> None:
+    def __init__(self, order: TrainingOrder) -> None:
         assert isinstance(order.recipe, StationRecipe)
         self.order, self.recipe = order, order.recipe
         self.world = StationWorld.of(order.cell, self.recipe, stress_factor=order.stress_factor)

@@ -22,7 +22,7 @@ from tandem.lab.yu2020.learn_env import BoardGame
 from tandem.lab.yu2020.network import YuNetworks
 from tandem.lab.yu2020.play import play as play_one
 from tandem.lab.yu2020.recipe import YuRecipe
-from tandem.learn.algorithm import Order, Row
+from tandem.learn.algorithm import Row, TrainingOrder
 from tandem.learn.alphazero.selfplay import Looking
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.env import Game, stacked
@@ -36,7 +36,7 @@ MOST_SEARCHED = 16
 
 
 def players(
-    path: Path, cell: Cell, order: Order, *, seed: int, episodes: int
+    path: Path, cell: Cell, order: TrainingOrder, *, seed: int, episodes: int
 ) -> dict[str, list[Reached]]:
     """How the networks play the cell: alone, under their search, and with moves drawn by the
     visits.
@@ -94,7 +94,7 @@ class Trainee:
     players = staticmethod(players)
     costs = staticmethod(lambda cell, order: paid(order.stress_factor))
 
-    def __init__(self, order: Order) -> None:
+    def __init__(self, order: TrainingOrder) -> None:
         recipe = order.recipe
         assert isinstance(recipe, YuRecipe)
         if order.stress_factor:

@@ -19,7 +19,7 @@ from tandem.lab.zhang2022.setting import AGENTS, HUMAN, Duo, Setting
 from tandem.lab.zhang2022.setting import duo as duo_of
 from tandem.lab.zhang2022.world import Paid, State
 from tandem.learn.ppo.config import StageValues
-from tandem.learn.world import Outcome
+from tandem.learn.world import StepResult
 
 Array = Any
 
@@ -69,9 +69,9 @@ class DuoWorld:
     def narrow(self, state: State, legal: Array, action: Array) -> Array:
         return jnp.stack([rules.narrow(self.duo, state, legal, action[HUMAN]), legal[HUMAN]])
 
-    def step(self, state: State, action: Array) -> tuple[State, Outcome]:
+    def step(self, state: State, action: Array) -> tuple[State, StepResult]:
         after, paid = rules.step(self.duo, self.setting, state, action)
-        return after, Outcome(
+        return after, StepResult(
             -rules.cost(self.setting, paid) / self.setting.unit,
             rules.is_done(after),
             jnp.zeros(2, jnp.int32),

@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from tandem.cell.model import Cell
-from tandem.learn.algorithm import Order, Row
+from tandem.learn.algorithm import Row, TrainingOrder
 from tandem.learn.alphazero import training
 from tandem.learn.alphazero.config import Config, Search
 from tandem.learn.alphazero.network import Scorer
@@ -29,7 +29,7 @@ MOST_SEARCHED = 16
 
 
 def players(
-    path: Path, cell: Cell, order: Order, *, seed: int, episodes: int
+    path: Path, cell: Cell, order: TrainingOrder, *, seed: int, episodes: int
 ) -> dict[str, list[Reached]]:
     """How what a run has learned plays a cell, any cell: alone, under the run's search, and the
     best of so many searched games.
@@ -58,7 +58,7 @@ class Trainee:
     players = staticmethod(players)
     costs = staticmethod(lambda cell, order: paid(order.stress_factor))
 
-    def __init__(self, order: Order) -> None:
+    def __init__(self, order: TrainingOrder) -> None:
         recipe = order.recipe
         assert isinstance(recipe, SearchRecipe)
         self.order, self.recipe = order, recipe

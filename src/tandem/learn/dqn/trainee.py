@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from tandem.cell.model import Cell
-from tandem.learn.algorithm import Order, Row
+from tandem.learn.algorithm import Row, TrainingOrder
 from tandem.learn.alphazero.config import EpsilonGreedy
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.dqn import learning
@@ -29,7 +29,7 @@ INTERVALS = 30
 
 
 def players(
-    path: Path, cell: Cell, order: Order, *, seed: int, episodes: int
+    path: Path, cell: Cell, order: TrainingOrder, *, seed: int, episodes: int
 ) -> dict[str, list[Reached]]:
     """How what a run has learned plays a cell: greedy, and with a twentieth of the moves drawn."""
     recipe = order.recipe
@@ -54,7 +54,7 @@ class Trainee:
     players = staticmethod(players)
     costs = staticmethod(lambda cell, order: paid(order.stress_factor))
 
-    def __init__(self, order: Order) -> None:
+    def __init__(self, order: TrainingOrder) -> None:
         recipe = order.recipe
         assert isinstance(recipe, ValueRecipe)
         self.order, self.recipe = order, recipe

@@ -17,7 +17,7 @@ import numpy as np
 
 from tandem.learn.ppo import observation
 from tandem.learn.ppo.config import StageValues
-from tandem.learn.world import Outcome
+from tandem.learn.world import StepResult
 from tandem.world import episode, state
 from tandem.world.arrays import Array, Arrays
 from tandem.world.episode import Shift
@@ -34,7 +34,7 @@ them.
 """
 
 
-class Beside(NamedTuple):
+class EpisodeState(NamedTuple):
     """An episode under way: the shift, its scenario (`fate`: checkpoints call it so) and its crew
     (one person per operator), which the decider does not see.
     """
@@ -98,29 +98,31 @@ class BesidePeople:
     def observation_size(self) -> int:
         return observation.observation_size(self.arrays)
 
-    def reset(self, key: Array) -> Beside:
+    def reset(self, key: Array) -> EpisodeState:
         who_key, scenario_key = jax.random.split(key)
         index = jax.random.randint(who_key, (), 0, self.people.pace.shape[0])
         chance = scenario(
             self.draw, self.arrays, jax.random.uniform(scenario_key, (self.draw.numbers,))
         )
         people = crew(self.arrays, jax.tree.map(lambda leaf: leaf[index], self.people))
-        return Beside(self._to_a_turn(chance, episode.begin(self.arrays, people)), chance, people)
+        return EpisodeState(
+            self._to_a_turn(chance, episode.begin(self.arrays, people)), chance, people
+        )
 
-    def observe(self, state: Beside) -> Array:
+    def observe(self, state: EpisodeState) -> Array:
         return observation.observe(
             self.arrays, state.shift.state, state.shift.mask, state.shift.turn
         )[None]
 
-    def legal(self, state: Beside) -> Array:
+    def legal(self, state: EpisodeState) -> Array:
         return observation.choices(
             self.arrays, state.shift.state, state.shift.mask, state.shift.turn
         )[None]
 
-    def narrow(self, state: Beside, legal: Array, action: Array) -> Array:
+    def narrow(self, state: EpisodeState, legal: Array, action: Array) -> Array:
         return legal
 
-    def step(self, state: Beside, action: Array) -> tuple[Beside, Outcome]:
+    def step(self, state: EpisodeState, action: Array) -> tuple[EpisodeState, StepResult]:
         way = jnp.where(action[0] == self.actions - 1, -1, action[0])
         shift = self._to_a_turn(
             state.fate,
@@ -133,7 +135,7 @@ class BesidePeople:
         cost = (
             self.cost(shift) - self.cost(state.shift) + jnp.where(over & ~is_done(shift), lost, 0.0)
         )
-        return Beside(shift, state.fate, state.people), Outcome(
+        return EpisodeState(shift, state.fate, state.people), StepResult(
             -cost[None].astype(jnp.float32), over, jnp.zeros(1, jnp.int32)
         )
 

@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from tandem.cell.model import plain
-from tandem.learn.algorithm import Order, Row
+from tandem.learn.algorithm import Row, TrainingOrder
 from tandem.learn.networks import Perceptron, forward
 from tandem.learn.policy import Policy
 from tandem.learn.ppo import observation, ppo
@@ -45,7 +45,7 @@ class Trainee:
     players = staticmethod(players)
     costs = staticmethod(lambda cell, order: paid(order.stress_factor))
 
-    def __init__(self, order: Order) -> None:
+    def __init__(self, order: TrainingOrder) -> None:
         assert isinstance(order.recipe, Recipe)
         self.order, self.recipe, self.names = order, order.recipe, Names.of(order.cell)
         arrays, weights = self.names.arrays(), (1.0, order.stress_factor / SECOND)
