@@ -32,7 +32,7 @@ from tandem.cell.model import Cell
 from tandem.dispatch.deciders.learned import learned
 from tandem.dispatch.deciders.policy import Options
 from tandem.dispatch.deciders.table import policy
-from tandem.dispatch.evaluation.batch import Stage
+from tandem.dispatch.evaluation.batch import EpisodeBatch
 from tandem.dispatch.evaluation.best_response import optimum
 from tandem.dispatch.lookahead.objective import SECONDS
 from tandem.dispatch.situation.model import Situation
@@ -121,7 +121,7 @@ def rows_of(
                 "cpu_s": cpu_s,
                 "decision_ms": decision_ms,
             }
-        stage = Stage.of(names, arrays, draw, people, 0)
+        stage = EpisodeBatch.of(names, arrays, draw, people, 0)
         for title, one in others.items():
             outcome = stage.play(one, episodes if title == "longest-tail" else other_episodes)
             yield {

@@ -31,11 +31,11 @@ def policy(tasks: int) -> Policy:
     rng = np.random.default_rng(0)
     sizes = [6 * tasks + 4 + tasks * tasks, *STATION.config.hidden, tasks + 1]
     actor = {
-        str(place): {
+        str(index): {
             "weight": rng.standard_normal((2, *shape), np.float32) / shape[0] ** 0.5,
             "bias": np.zeros((2, shape[1]), np.float32),
         }
-        for place, shape in enumerate(itertools.pairwise(sizes))
+        for index, shape in enumerate(itertools.pairwise(sizes))
     }
     return Policy(("robot_0", "human_0"), actor, STATION.config.activation, True, False, {})
 
@@ -45,9 +45,9 @@ def measure(tasks: int, repeats: int) -> dict[str, float]:
     seen = rng.random((repeats, 2, agents.observation_size), np.float32)
     masks = np.ones((2, tasks + 1), np.int8)
     spent = []
-    for place in range(repeats):
+    for index in range(repeats):
         began = time.perf_counter()
-        agents.predict(seen[place], action_masks=masks)
+        agents.predict(seen[index], action_masks=masks)
         spent.append(1e6 * (time.perf_counter() - began))
     return {
         "tasks": tasks,

@@ -32,7 +32,7 @@ from tandem.world.episode import Shift, play_many, play_one
 from tandem.world.people import Person
 from tandem.world.people import crew as crew_of
 from tandem.world.population import crowd
-from tandem.world.randomness import OFF, Chance, Draw, Fate, fates
+from tandem.world.randomness import OFF, Chance, Draw, Scenario, scenarios
 from tandem.world.state import legal_of
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -107,10 +107,10 @@ def compiled(cell: Cell, spec: str, chance: Chance, batch: int) -> Callable[[], 
 def in_numpy(cell: Cell, spec: str, chance: Chance) -> Callable[[], int]:
     """Twenty episodes, one after the other."""
     names, arrays, draw, people = prepared(cell, spec, chance, 20)
-    chances = fates(jax.random.key(0), draw, arrays, 20)
+    chances = scenarios(jax.random.key(0), draw, arrays, 20)
     ready = [
         (
-            Fate(*(part[e] for part in chances)),
+            Scenario(*(part[e] for part in chances)),
             crew_of(arrays, Person(*(part[e] for part in people))),
         )
         for e in range(20)
@@ -118,7 +118,8 @@ def in_numpy(cell: Cell, spec: str, chance: Chance) -> Callable[[], int]:
 
     def play() -> int:
         return sum(
-            2 * play_one(names, arrays, fate, crew, any_way).decisions for fate, crew in ready
+            2 * play_one(names, arrays, scenario, crew, any_way).decisions
+            for scenario, crew in ready
         )  # as many stretches of time as decisions, about
 
     return play

@@ -165,10 +165,10 @@ def pyjobshop(cell: Cell, seconds: float, workers: int, seed: int = 0) -> Run:
     ways = [
         next(
             w
-            for w, way in enumerate(instance.ways[place])
+            for w, way in enumerate(instance.ways[index])
             if way.operators == team and way.ticks == ticks
         )
-        for place, (team, ticks, _) in enumerate(rows)
+        for index, (team, ticks, _) in enumerate(rows)
     ]
     _must_be_sound(
         cell,

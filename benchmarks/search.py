@@ -83,7 +83,7 @@ def batched(trained: Trained, looking: Looking, batch: int) -> Callable[[], int]
 
     @jax.jit
     def decided(key: Any, games: BoardGame, states: Any) -> Any:
-        found = find(key, trained.judge, trained.parameters, games, states, looking)
+        found = find(key, trained.network, trained.parameters, games, states, looking)
         return jax.vmap(yu2020.step)(games.layout, states, found.move)
 
     def play() -> int:

@@ -65,9 +65,9 @@ def ours(seeds: int) -> dict[str, Any]:
         for leaf in (played.state.clock, played.state.stress, played.done)
     )
     missed = [
-        place
-        for place, (factor, _) in enumerate(wanted)
-        if not done[place] or (float(clock[place]), float(stress[place])) not in best[factor]
+        index
+        for index, (factor, _) in enumerate(wanted)
+        if not done[index] or (float(clock[index]), float(stress[index])) not in best[factor]
     ]
     steps = int(jnp.sum(learners.steps))
     return {
@@ -79,12 +79,12 @@ def ours(seeds: int) -> dict[str, Any]:
         "return_optimal": len(wanted) - len(missed),
         "missed": [
             {
-                "factor": wanted[place][0],
-                "seed": wanted[place][1],
-                "makespan": int(clock[place]),
-                "stress": float(stress[place]),
+                "factor": wanted[index][0],
+                "seed": wanted[index][1],
+                "makespan": int(clock[index]),
+                "stress": float(stress[index]),
             }
-            for place in missed
+            for index in missed
         ],
     }
 

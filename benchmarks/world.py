@@ -28,7 +28,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from tests.envs.thesis_port import ThesisPort  # noqa: E402
+from tests.lab.kinat2023.thesis_port import ThesisPort  # noqa: E402
 
 import tandem.envs  # noqa: E402
 from tandem.cell.model import Cell  # noqa: E402

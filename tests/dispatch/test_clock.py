@@ -20,7 +20,12 @@ from tandem.cell.model import Cell
 from tandem.dispatch.deciders.memory import settled_memory
 from tandem.dispatch.deciders.policy import Decision, Options
 from tandem.dispatch.deciders.replan import Robust, plain, robust
-from tandem.dispatch.lookahead.branch_and_bound import EVERY, MOST_KNOWN, OutOfTimeError, Search
+from tandem.dispatch.lookahead.branch_and_bound import (
+    EVERY,
+    MOST_KNOWN,
+    BranchAndBound,
+    OutOfTimeError,
+)
 from tandem.dispatch.lookahead.objective import SECONDS
 from tandem.dispatch.lookahead.residual import rest, solve
 from tandem.dispatch.lookahead.transitions import Moves
@@ -42,8 +47,8 @@ class Looks:
         return float(self.at)
 
 
-def wide_search(clock: Looks, until: float) -> Search:
-    return Search(Moves.of(WIDE), (1.0, 0.0), clock=clock).by(until)
+def wide_search(clock: Looks, until: float) -> BranchAndBound:
+    return BranchAndBound(Moves.of(WIDE), (1.0, 0.0), clock=clock).by(until)
 
 
 @pytest.mark.parametrize("until", [0, 1, 17, 200])
@@ -66,12 +71,12 @@ def test_putting_the_choices_together_looks_at_the_clock_too() -> None:
 
 
 def test_a_search_that_has_time_is_not_changed_by_its_looks() -> None:
-    def value(search: Search) -> float:
+    def value(search: BranchAndBound) -> float:
         return search.value(search.moves.root())
 
     assert (
-        value(Search(Moves.of(THESIS), (0.001, 0.0)))
-        == value(Search(Moves.of(THESIS), (0.001, 0.0), clock=Looks()).by(inf))
+        value(BranchAndBound(Moves.of(THESIS), (0.001, 0.0)))
+        == value(BranchAndBound(Moves.of(THESIS), (0.001, 0.0), clock=Looks()).by(inf))
         == 23
     )
 

@@ -19,7 +19,7 @@ from tandem.dispatch.deciders.by_value import repairing
 from tandem.dispatch.deciders.policy import Decision, Options
 from tandem.dispatch.deciders.table import POLICIES, policy
 from tandem.dispatch.evaluation import best_response
-from tandem.dispatch.evaluation.batch import Outcome, Stage
+from tandem.dispatch.evaluation.batch import EpisodeBatch, Outcome
 from tandem.dispatch.evaluation.best_response import as_modelled, complies
 from tandem.dispatch.lookahead.dynamic_programming import expected
 from tandem.dispatch.lookahead.mistakes import repair_values
@@ -62,7 +62,7 @@ def play(
     they = crowd(people, names, names.arrays())
     arrays = names.arrays(undo=chance.undo if they.makes_mistakes else None)
     persons = they.draw(np.random.default_rng(0), episodes)
-    stage = Stage.of(names, arrays, Draw.of(names, arrays, chance), persons, 7)
+    stage = EpisodeBatch.of(names, arrays, Draw.of(names, arrays, chance), persons, 7)
     return stage.play(policy(name, cell, SECONDS, options) if isinstance(name, str) else name)
 
 
@@ -170,7 +170,7 @@ def test_few_episodes_by_hand_are_the_same_as_many_compiled() -> None:
     persons = crowd("forgetful:0.2+random:0.3", names, arrays).draw(
         np.random.default_rng(0), EPISODES
     )
-    stage = Stage.of(names, arrays, Draw.of(names, arrays, chance), persons, 7)
+    stage = EpisodeBatch.of(names, arrays, Draw.of(names, arrays, chance), persons, 7)
     one, other = (
         stage.play(policy("longest-tail", station(), SECONDS, PLENTY), count) for count in (8, 40)
     )

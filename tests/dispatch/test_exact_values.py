@@ -10,7 +10,7 @@ from tests.dispatch.stations import THESIS, station
 from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.dispatch.lookahead.bayes_adaptive import bayes_adaptive, belief_values
-from tandem.dispatch.lookahead.branch_and_bound import Search
+from tandem.dispatch.lookahead.branch_and_bound import BranchAndBound
 from tandem.dispatch.lookahead.dynamic_programming import Human, expected, minimax, values
 from tandem.dispatch.lookahead.mistakes import repair_values
 from tandem.dispatch.lookahead.objective import Objective
@@ -46,7 +46,9 @@ def test_a_compliant_human_leaves_the_planners_optimum(seed: int, objective: Obj
     value = found.value(found.moves.root())
     planned = solve(cell, Question(minimize="weighted", weights=(objective.time, objective.stress)))
     assert value == pytest.approx(objective.cost(planned[0].makespan, planned[0].stress))
-    assert Search(found.moves, found.weights).value(found.moves.root()) == pytest.approx(value)
+    assert BranchAndBound(found.moves, found.weights).value(found.moves.root()) == pytest.approx(
+        value
+    )
 
 
 @pytest.mark.parametrize(
@@ -161,7 +163,7 @@ def test_every_wrong_state_is_repaired_as_quickly_as_value_iteration_says(
     wrong = [position for position in positions if position.wrong]
     assert len(wrong) > 20
     search, sweeps = (
-        Search(moves, (1 / moves.instance.per_second, 0.0)),
+        BranchAndBound(moves, (1 / moves.instance.per_second, 0.0)),
         repair_values(station(), 0.0, taking_apart=0.5),
     )
     for position in wrong:

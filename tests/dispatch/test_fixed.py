@@ -19,7 +19,7 @@ from tandem.cell.model import Cell
 from tandem.dispatch.deciders.fixed import Fixed, fixed
 from tandem.dispatch.deciders.policy import Options, basis_of
 from tandem.dispatch.deciders.table import policy
-from tandem.dispatch.evaluation.batch import Outcome, Stage
+from tandem.dispatch.evaluation.batch import EpisodeBatch, Outcome
 from tandem.dispatch.lookahead.objective import SECONDS, Objective
 from tandem.dispatch.situation.model import Situation
 from tandem.errors import InfeasibleError
@@ -37,7 +37,7 @@ def played(cell: Cell, decider: Fixed, people: str = "compliant") -> Outcome:
     names = Names.of(cell)
     arrays = names.arrays()
     persons = crowd(people, names, arrays).draw(np.random.default_rng(0), 2)
-    return Stage.of(names, arrays, Draw.of(names, arrays, OFF), persons, 0).play(decider)
+    return EpisodeBatch.of(names, arrays, Draw.of(names, arrays, OFF), persons, 0).play(decider)
 
 
 def planned(cell: Cell, objective: Objective = SECONDS) -> Fixed:
@@ -131,7 +131,7 @@ def test_the_fixed_plan_comes_to_an_end_whatever_people_do(people: str) -> None:
     names = Names.of(cell)
     they = crowd(people, names, names.arrays())
     arrays = names.arrays(undo=1.0 if they.makes_mistakes else None)
-    stage = Stage.of(
+    stage = EpisodeBatch.of(
         names, arrays, Draw.of(names, arrays, OFF), they.draw(np.random.default_rng(0), 8), 0
     )
     assert stage.play(planned(cell)).done.all()

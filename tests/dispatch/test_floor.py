@@ -17,7 +17,7 @@ from tandem.dispatch.shift.documents import Document, summary
 from tandem.dispatch.shift.live import Settings, Shift
 from tandem.dispatch.shift.replay import replay
 from tandem.dispatch.shift.schema import SHIPPED, decision_schema, event_schema, schema_text
-from tandem.dispatch.shift.simulated import Floor
+from tandem.dispatch.shift.simulated import SimulatedFloor
 from tandem.dispatch.situation.model import Situation
 from tandem.errors import UsageError
 from tandem.files.load import load
@@ -29,7 +29,7 @@ PEOPLE = "random:0.3+forgetful:0.2+refusing:0.1+pace:1.5"
 THESIS, GEARBOX = load("examples/thesis.yaml"), load("examples/gearbox.yaml")
 
 
-def driven(shift: Shift, floor: Floor, most: int = 1000) -> list[Document]:
+def driven(shift: Shift, floor: SimulatedFloor, most: int = 1000) -> list[Document]:
     """What the shift says while the floor drives it, at most so many events far."""
     said = [shift.hello(), shift.decision]
     for _ in range(most):
@@ -50,7 +50,7 @@ def test_whatever_happens_each_event_is_taken_and_the_assembly_is_completed(
     cell: Cell, seed: int
 ) -> None:
     shift = opened(cell)
-    said = driven(shift, Floor(cell, PEOPLE, ROUGH, seed))
+    said = driven(shift, SimulatedFloor(cell, PEOPLE, ROUGH, seed))
     assert all(document["accepted"] for document in said if document["type"] == "answer")
     assert shift.situation.is_over
     decisions, events = (
@@ -73,7 +73,7 @@ def test_whatever_happens_each_event_is_taken_and_the_assembly_is_completed(
 def test_nobody_and_nothing_is_used_twice_at_once() -> None:
     for seed in range(4):
         shift = opened(GEARBOX)
-        driven(shift, Floor(GEARBOX, PEOPLE, ROUGH, seed))
+        driven(shift, SimulatedFloor(GEARBOX, PEOPLE, ROUGH, seed))
         past = shift.situation.past
         for who in GEARBOX.operators:
             mine = sorted((work.start, work.end) for work in past if who in work.operators)
@@ -93,7 +93,7 @@ def test_nobody_and_nothing_is_used_twice_at_once() -> None:
 
 def test_a_compliant_floor_takes_the_stated_times() -> None:
     shift = opened(THESIS)
-    driven(shift, Floor(THESIS, "compliant"))
+    driven(shift, SimulatedFloor(THESIS, "compliant"))
     assert all(work.worked == work.stated for work in shift.situation.past)
     assert [work.outcome for work in shift.situation.past] == ["done"] * 7
 
@@ -101,15 +101,15 @@ def test_a_compliant_floor_takes_the_stated_times() -> None:
 def test_the_same_seed_gives_the_same_shift_and_another_one_another() -> None:
     ends = [opened(THESIS) for _ in range(3)]
     for shift, seed in zip(ends, (1, 1, 2), strict=True):
-        driven(shift, Floor(THESIS, PEOPLE, ROUGH, seed))
+        driven(shift, SimulatedFloor(THESIS, PEOPLE, ROUGH, seed))
     assert ends[0].situation == ends[1].situation != ends[2].situation
 
 
 def test_a_shift_that_was_cut_off_is_picked_up_by_a_new_floor() -> None:
     whole, cut = opened(GEARBOX), opened(GEARBOX)
-    driven(whole, Floor(GEARBOX, PEOPLE, ROUGH, 1))
-    driven(cut, Floor(GEARBOX, PEOPLE, ROUGH, 1), most=17)
-    floor = Floor(GEARBOX, PEOPLE, ROUGH, 1)
+    driven(whole, SimulatedFloor(GEARBOX, PEOPLE, ROUGH, 1))
+    driven(cut, SimulatedFloor(GEARBOX, PEOPLE, ROUGH, 1), most=17)
+    floor = SimulatedFloor(GEARBOX, PEOPLE, ROUGH, 1)
     floor.catch_up(Situation.of(GEARBOX), cut.journal.entries())
     driven(cut, floor)
     assert cut.situation == whole.situation
@@ -117,13 +117,13 @@ def test_a_shift_that_was_cut_off_is_picked_up_by_a_new_floor() -> None:
         entry.event for entry in whole.journal.entries()
     ]
     with pytest.raises(UsageError, match="is not what happens on this simulated floor"):
-        Floor(GEARBOX, PEOPLE, ROUGH, 2).catch_up(
+        SimulatedFloor(GEARBOX, PEOPLE, ROUGH, 2).catch_up(
             Situation.of(GEARBOX), islice(whole.journal.entries(), 9)
         )
 
 
 def test_a_floor_looks_again_when_it_is_asked_to() -> None:
-    quiet = Floor(
+    quiet = SimulatedFloor(
         cell_of(
             {
                 "operators": {"r": {"kind": "robot"}},

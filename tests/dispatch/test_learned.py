@@ -22,11 +22,11 @@ from tandem.dispatch.deciders.policy import Options
 from tandem.dispatch.journal import Journal
 from tandem.dispatch.lookahead.objective import SECONDS
 from tandem.dispatch.shift.live import Settings, Shift
-from tandem.dispatch.shift.simulated import Floor
+from tandem.dispatch.shift.simulated import SimulatedFloor
 from tandem.dispatch.situation.model import Situation
 from tandem.errors import CellError, UsageError
 from tandem.lab.yu2020.board import random_board
-from tandem.learn.algorithm import Order
+from tandem.learn.algorithm import TrainingOrder
 from tandem.learn.alphazero import config as alphazero
 from tandem.learn.alphazero.recipes import SearchRecipe
 from tandem.learn.dqn.config import Config as DqnConfig
@@ -117,7 +117,7 @@ def shift_of(
     """The whole shift on a simulated floor, as `tandem dispatch --simulate` runs it."""
     settings = Settings(by, options=Options(budget_ms=10_000, learned=str(policy)))
     shift = Shift.open(cell, Journal(), settings)
-    said = driven(shift, Floor(cell, people, chance, seed))
+    said = driven(shift, SimulatedFloor(cell, people, chance, seed))
     assert all(document["accepted"] for document in said if document["type"] == "answer")
     situation = shift.situation
     assert situation.is_over
@@ -202,7 +202,7 @@ def test_a_network_that_knows_no_sizes_steers_cells_that_it_was_not_trained_on(
 def test_what_was_learned_without_waiting_waits_only_where_there_is_nothing_to_do(
     tmp_path: Path,
 ) -> None:
-    trainee = algorithm(Order(THESIS, replace(TINY["dqn"], waiting=False), "dqn"))
+    trainee = algorithm(TrainingOrder(THESIS, replace(TINY["dqn"], waiting=False), "dqn"))
     trainee.save_policy(trainee.begin(), 0, tmp_path / "policy-0.safetensors")
     ended = shift_of(THESIS, tmp_path / "policy-0.safetensors")
     assert tandem.faults(THESIS, ended.done) == []
@@ -221,7 +221,10 @@ def test_a_policy_of_the_laboratory_is_refused_in_a_sentence_that_says_what_to_d
     name: str, tmp_path: Path
 ) -> None:
     cell = THESIS if name == "thesis" else random_board(4, 4, 2, 3, 3, 5, seed=1).to_cell()
-    trainee, file = algorithm(Order(cell, RECIPES[name], name)), tmp_path / "policy-0.safetensors"
+    trainee, file = (
+        algorithm(TrainingOrder(cell, RECIPES[name], name)),
+        tmp_path / "policy-0.safetensors",
+    )
     trainee.save_policy(trainee.begin(), 0, file)
     with pytest.raises(
         UsageError,
@@ -241,7 +244,7 @@ def test_a_network_with_notes_that_make_no_sense_is_refused(
 
     trained = Trained.load(RunFolder(runs["alphazero"]).policy(3), Scorer)
     file = Trained(
-        trained.judge, trained.parameters, {**trained.notes, "stress_factor": -1.0}
+        trained.network, trained.parameters, {**trained.notes, "stress_factor": -1.0}
     ).save(tmp_path / "notes.safetensors")
     with pytest.raises(CellError, match="notes: stress_factor"):
         learned(THESIS, SECONDS, Options(learned=str(file)))

@@ -14,7 +14,7 @@ from tests.benchmark_data import folder
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, UsageError
 from tandem.explain.alternatives import Alternative, alternative, sentence
-from tandem.explain.bottleneck import Floor, part, sentences
+from tandem.explain.bottleneck import Bottleneck, part, sentences
 from tandem.explain.explanation import Explanation, TaskAnswer, explain
 from tandem.files.load import load
 from tandem.plan.methods import METHODS, plan
@@ -225,7 +225,7 @@ def test_one_task(thesis: Cell) -> None:
 def test_answers_come_one_by_one(thesis: Cell) -> None:
     came: list[type] = []
     found = explain(thesis, on_answer=lambda answer: came.append(type(answer)))
-    assert came == [Front, Floor, *[TaskAnswer] * 7]
+    assert came == [Front, Bottleneck, *[TaskAnswer] * 7]
     assert [answer.assignment.start for answer in found.tasks] == sorted(
         answer.assignment.start for answer in found.tasks
     )

@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 
 from tandem.learn.ppo.config import Config, Stage, StageValues
-from tandem.learn.world import Outcome
+from tandem.learn.world import StepResult
 
 
 class Count(NamedTuple):
@@ -63,9 +63,9 @@ class OneTask(Probe):
     return: +1.
     """
 
-    def step(self, state: Count, action: jax.Array) -> tuple[Count, Outcome]:
+    def step(self, state: Count, action: jax.Array) -> tuple[Count, StepResult]:
         does = action == 1
-        return self.after(state, action), Outcome(
+        return self.after(state, action), StepResult(
             jnp.where(does, 1.0, -1.0), jnp.all(does), jnp.zeros(2, jnp.int32)
         )
 
@@ -74,9 +74,9 @@ class OneTask(Probe):
 class OneBestAssignment(Probe):
     """One step; only robot 2 with human 1 pays 1, all else nothing. Best return: 1."""
 
-    def step(self, state: Count, action: jax.Array) -> tuple[Count, Outcome]:
+    def step(self, state: Count, action: jax.Array) -> tuple[Count, StepResult]:
         best = (action[0] == 2) & (action[1] == 1)
-        return self.after(state, action), Outcome(
+        return self.after(state, action), StepResult(
             jnp.full(2, 1.0 * best), jnp.ones((), bool), jnp.zeros(2, jnp.int32)
         )
 
@@ -87,9 +87,9 @@ class LateReward(Probe):
     not matter. Best return: 1.
     """
 
-    def step(self, state: Count, action: jax.Array) -> tuple[Count, Outcome]:
+    def step(self, state: Count, action: jax.Array) -> tuple[Count, StepResult]:
         over = state.step == 1
-        return self.after(state, action), Outcome(
+        return self.after(state, action), StepResult(
             jnp.where(over & (state.first == 2), 1.0, 0.0), over, jnp.zeros(2, jnp.int32)
         )
 
@@ -103,9 +103,9 @@ class ForbiddenFruit(Probe):
     def legal(self, state: Count) -> jax.Array:
         return jnp.broadcast_to(jnp.array([True, True, False]), (2, 3))
 
-    def step(self, state: Count, action: jax.Array) -> tuple[Count, Outcome]:
+    def step(self, state: Count, action: jax.Array) -> tuple[Count, StepResult]:
         paid = jnp.where(action == 2, 5.0, jnp.where(action == 1, 1.0, 0.0))
-        return self.after(state, action), Outcome(
+        return self.after(state, action), StepResult(
             paid, jnp.ones((), bool), (action == 2).astype(jnp.int32)
         )
 

@@ -1,4 +1,4 @@
-"""Searches find what can be worked out by hand, with a judge that knows nothing and with one that
+"""Searches find what can be worked out by hand, with a network that knows nothing and with one that
 is wrong; theirs with its quirk.
 """
 
@@ -16,13 +16,13 @@ from tandem.errors import UsageError
 from tandem.lab.yu2020.config import YuConfig, YuSearch
 from tandem.lab.yu2020.network import YuNetworks
 from tandem.lab.yu2020.search import backed_up
-from tandem.learn.alphazero.config import Config, Search, Wander
+from tandem.learn.alphazero.config import Config, EpsilonGreedy, Search
 from tandem.learn.alphazero.network import Scorer
 from tandem.learn.alphazero.selfplay import find, played
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.cell_env import CellGame
 from tandem.learn.env import many
-from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES, Look
+from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES, Observation
 from tandem.learn.rollout import play
 
 pytestmark = pytest.mark.usefixtures("quickly_compiled")
@@ -105,8 +105,8 @@ def test_a_temperature_of_1000_draws_almost_evenly_among_what_was_looked_at():
 
 @pytest.fixture(scope="module")
 def untrained():
-    judge = Scorer(8)
-    return Trained(judge, judge.start(jax.random.key(0)))
+    network = Scorer(8)
+    return Trained(network, network.start(jax.random.key(0)))
 
 
 def test_an_untrained_search_finds_the_optimum_of_a_small_cell(untrained):
@@ -136,19 +136,19 @@ def test_the_order_of_the_moves_does_not_matter_to_the_scorer(untrained):
     )
     whole, order = numbers.random(WHOLE_FEATURES, np.float32), numbers.permutation(6)
     lively = jax.tree.map(lambda leaf: np.asarray(leaf) * 3, untrained.parameters)
-    first = untrained.judge.judge(np, lively, Look(moves, there, whole), np.float32(2.0))
-    second = untrained.judge.judge(
-        np, lively, Look(moves[order], there[order], whole), np.float32(2.0)
+    first = untrained.network.score(np, lively, Observation(moves, there, whole), np.float32(2.0))
+    second = untrained.network.score(
+        np, lively, Observation(moves[order], there[order], whole), np.float32(2.0)
     )
     np.testing.assert_allclose(first.logits[order], second.logits, atol=1e-4)
     np.testing.assert_allclose(first.to_come, second.to_come, atol=1e-4)
-    more = untrained.judge.judge(
-        np, lively, Look(np.where(there[:, None], moves, 9.0), there, whole), np.float32(2.0)
+    more = untrained.network.score(
+        np, lively, Observation(np.where(there[:, None], moves, 9.0), there, whole), np.float32(2.0)
     )
     np.testing.assert_allclose(first.to_come, more.to_come, atol=1e-4)
     assert first.to_come >= 2
-    under_jax = untrained.judge.judge(
-        jnp, lively, Look(*map(jnp.asarray, (moves, there, whole))), jnp.float32(2.0)
+    under_jax = untrained.network.score(
+        jnp, lively, Observation(*map(jnp.asarray, (moves, there, whole))), jnp.float32(2.0)
     )
     np.testing.assert_allclose(first.logits, under_jax.logits, atol=1e-4)
 
@@ -196,9 +196,9 @@ def test_their_network_is_two_convolutions_as_a_loop_would_work_them_out():
     )
 
 
-def test_a_wanderer_is_legal_and_a_game_ends(trap):
+def test_an_epsilon_greedy_player_is_legal_and_a_game_ends(trap):
     games, _ = trap
-    found = played(jax.random.key(0), Blind(3), {}, many(Trap.of(), 64), Wander(1.0))
+    found = played(jax.random.key(0), Blind(3), {}, many(Trap.of(), 64), EpsilonGreedy(1.0))
     assert found.over.all()
     assert set(found.cost.tolist()) == {6.0, 7.0, 3.0, 11.0}
     assert (found.moves[2] == -1).all()
@@ -208,9 +208,9 @@ def test_a_wanderer_is_legal_and_a_game_ends(trap):
 
 
 def test_a_trained_network_comes_back_whole(untrained, tmp_path):
-    noted = Trained(untrained.judge, untrained.parameters, {"seed": 3})
-    back = Trained.load(noted.save(tmp_path / "network.safetensors"), type(untrained.judge))
-    assert back.judge == untrained.judge
+    noted = Trained(untrained.network, untrained.parameters, {"seed": 3})
+    back = Trained.load(noted.save(tmp_path / "network.safetensors"), type(untrained.network))
+    assert back.network == untrained.network
     assert back.notes == {"seed": 3}
     assert all(
         np.array_equal(a, b)
@@ -220,7 +220,7 @@ def test_a_trained_network_comes_back_whole(untrained, tmp_path):
     )
     (tmp_path / "no.safetensors").write_bytes(b"not one")
     with pytest.raises(tandem.CellError, match="no network that can be read"):
-        Trained.load(tmp_path / "no.safetensors", type(untrained.judge))
+        Trained.load(tmp_path / "no.safetensors", type(untrained.network))
 
 
 @pytest.mark.parametrize(
@@ -233,7 +233,7 @@ def test_a_trained_network_comes_back_whole(untrained, tmp_path):
         (lambda: YuSearch(simulations=0, exploration=-1), r"(?s)simulations 0.*exploration -1"),
         (lambda: Config(games=0, trust=2), r"(?s)games 0.*trust 2"),
         (lambda: YuConfig(outer=0, value_norm=(1.0, 0.0)), r"(?s)outer 0.*value_norm"),
-        (lambda: Wander(2), "between 0 and 1"),
+        (lambda: EpsilonGreedy(2), "between 0 and 1"),
     ],
 )
 def test_what_a_configuration_must_be_is_said_all_at_once(make, message):

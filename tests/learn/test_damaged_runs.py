@@ -46,7 +46,7 @@ def stopped(tmp_path_factory: pytest.TempPathFactory, quickly_compiled: None) ->
     """
     folder = tmp_path_factory.mktemp("ppo") / "run"
 
-    def stop(progress: trainer.Progress) -> None:
+    def stop(progress: trainer.TrainingProgress) -> None:
         if progress.rows[0]["interval"] == 4:
             raise KeyboardInterrupt
 

@@ -91,12 +91,12 @@ def test_a_cells_game_with_waiting_pays_time_and_stress_and_keeps_to_the_cell(ra
     game = jax.tree.map(jnp.asarray, CellGame.of(cell, time_weight=10, stress_weight=5))
     states, (cost, *_) = played = random_play(game, 16, 0, prefers_waiting=0.5)
     check_game(game, played)
-    for place in range(16):
+    for index in range(16):
         found = reached(
             cell,
             jax.device_get(
                 _Played(
-                    cost.sum(0)[place], jax.tree.map(lambda leaf, place=place: leaf[place], states)
+                    cost.sum(0)[index], jax.tree.map(lambda leaf, index=index: leaf[index], states)
                 )
             ),
         )

@@ -19,7 +19,7 @@ import tandem
 from tandem.dispatch.deciders.beliefs import Models
 from tandem.dispatch.deciders.learned import Learned, learned, state_of
 from tandem.dispatch.deciders.policy import Options
-from tandem.dispatch.evaluation.batch import Stage
+from tandem.dispatch.evaluation.batch import EpisodeBatch
 from tandem.dispatch.evaluation.observed import Observer
 from tandem.dispatch.lookahead.objective import SECONDS
 from tandem.dispatch.situation.model import Situation
@@ -37,7 +37,7 @@ from tandem.world.arrays import Arrays, Names
 from tandem.world.behaviour import person, traits
 from tandem.world.people import crew
 from tandem.world.population import crowd
-from tandem.world.randomness import Draw, fates
+from tandem.world.randomness import Draw, scenarios
 
 ROOT = Path(__file__).resolve().parents[2]
 THESIS = tandem.load(ROOT / "examples" / "thesis.yaml")
@@ -166,7 +166,7 @@ def test_live_it_decides_as_in_the_world_it_was_trained_in(file: str, spec: str)
     played = episode.play_many(jax.random.key(1), draw, arrays, people, decider(policy))
     learnt = Learnt(partial(worth, policy))
     live = Learned(learnt, names, names.arrays(undo=1.0), Models(cell))
-    stage = Stage.of(names, arrays, draw, people, 1)
+    stage = EpisodeBatch.of(names, arrays, draw, people, 1)
     np.testing.assert_array_equal(
         stage.play(live).makespan, np.asarray(played.makespan) / names.per_second
     )
@@ -175,8 +175,8 @@ def test_live_it_decides_as_in_the_world_it_was_trained_in(file: str, spec: str)
 def test_a_situation_and_the_world_hold_the_same() -> None:
     arrays = NAMES.arrays(undo=1.0)
     people = crew(arrays, person(traits("forgetful:0.5+refusing:0.3", NAMES), NAMES, arrays))
-    chance = fates(jax.random.key(2), Draw.of(NAMES, arrays), arrays, 1)
-    fate = type(chance)(*(part[0] for part in chance))
+    chance = scenarios(jax.random.key(2), Draw.of(NAMES, arrays), arrays, 1)
+    scenario = type(chance)(*(part[0] for part in chance))
     shift = episode.begin(arrays, people)
     rng = np.random.default_rng(0)
     for _ in range(60):
@@ -188,7 +188,7 @@ def test_a_situation_and_the_world_hold_the_same() -> None:
         if not shift.state.waits.any():
             np.testing.assert_array_equal(world.legal(arrays, again), shift.mask)
         way = rng.choice(np.flatnonzero(shift.mask)) if shift.mask.any() else -1
-        shift = episode.step(arrays, fate, people, shift, np.int32(way))
+        shift = episode.step(arrays, scenario, people, shift, np.int32(way))
     else:
         pytest.fail("the episode did not end")
 

@@ -108,8 +108,8 @@ def test_the_document_is_what_outsiders_rely_on(whole):
     assert document["run"] == str(folder)
     assert document["exact_front"] == [[23, 7], [24, 3], [34, 2]]
     assert document["exact_front_complete"]
-    for place, seed in enumerate(document["seeds"]):
-        assert seed["seed"] == 3 + place
+    for index, seed in enumerate(document["seeds"]):
+        assert seed["seed"] == 3 + index
         assert seed["steps"] == tiny.INTERVALS * 128
         assert seed["cpu_s"] > 0
         for played in (seed["greedy"], seed["best_of_n"]):

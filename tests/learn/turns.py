@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from tandem.learn.alphazero.network import Opinion
+from tandem.learn.alphazero.network import Prediction
 
 
 class Way(NamedTuple):
@@ -77,8 +77,8 @@ class Blind:
     def start(self, key: Any, game: Any = None) -> dict[str, Any]:
         return {}
 
-    def read(self, parameters: Any, seen: Any, least: Any, mover: Any) -> Opinion:
-        return Opinion(jnp.zeros(self.moves), jnp.asarray(least))
+    def read(self, parameters: Any, seen: Any, least: Any, mover: Any) -> Prediction:
+        return Prediction(jnp.zeros(self.moves), jnp.asarray(least))
 
 
 @dataclass(frozen=True)
@@ -90,5 +90,5 @@ class Told:
     def start(self, key: Any, game: Any = None) -> dict[str, Any]:
         return {"logits": jnp.zeros((3, 3)), "to_come": jnp.zeros(3)}
 
-    def read(self, parameters: Any, seen: Any, least: Any, mover: Any) -> Opinion:
-        return Opinion(seen @ parameters["logits"], seen @ parameters["to_come"])
+    def read(self, parameters: Any, seen: Any, least: Any, mover: Any) -> Prediction:
+        return Prediction(seen @ parameters["logits"], seen @ parameters["to_come"])

@@ -13,7 +13,7 @@ from tests.schedule.cells import gearbox, thesis, thesis_schedule
 from tandem.cell.generators import layered
 from tandem.errors import NothingFoundError
 from tandem.plan import cpsat
-from tandem.plan.chronological import Moves
+from tandem.plan.chronological import Branching
 from tandem.plan.door import Door, RefusedScheduleWarning
 from tandem.plan.instance import Instance
 from tandem.plan.methods import plan
@@ -103,7 +103,7 @@ def test_where_nothing_but_unsound_schedules_was_found_it_is_said_and_left_open(
 
 def test_exhaustive_search_is_not_believed_either(monkeypatch):
     """Its moves are made to forget that operators are busy."""
-    monkeypatch.setattr(Moves, "_start", lambda self, node, task, step, ready: ready)
+    monkeypatch.setattr(Branching, "_start", lambda self, node, task, step, ready: ready)
     with pytest.warns(RefusedScheduleWarning):
         front = plan(thesis(), method="exhaustive")
     assert not front.complete

@@ -31,7 +31,7 @@ from tandem.world.episode import (
 from tandem.world.people import Person, compliant
 from tandem.world.people import crew as crew_of
 from tandem.world.population import crowd
-from tandem.world.randomness import OFF, Chance, Draw, Fate, fates, nominal_fate
+from tandem.world.randomness import OFF, Chance, Draw, Scenario, nominal_scenario, scenarios
 from tandem.world.state import legal_of
 
 EVERYTHING = Chance(
@@ -72,7 +72,7 @@ def played_in_numpy(
     cell: Cell, spec: str, chance: Chance, decide: Any = first, episodes: int = 10, seed: int = 0
 ) -> list[Episode]:
     names, arrays, draw, people = prepared(cell, spec, chance, episodes, seed)
-    chances = fates(jax.random.key(seed), draw, arrays, episodes)
+    chances = scenarios(jax.random.key(seed), draw, arrays, episodes)
     return [
         play_one(names, arrays, row(chances, e), crew_of(arrays, row(people, e)), decide)
         for e in range(episodes)
@@ -173,8 +173,8 @@ def test_with_chance_off_a_plan_is_played_to_the_tick(thesis: Cell) -> None:
         ]
         return np.int32(due[0] if due else -1)
 
-    fate = nominal_fate(Draw.of(names, arrays, OFF), arrays)
-    episode = play_one(names, arrays, fate, crew_of(arrays, compliant(arrays)), planned)
+    scenario = nominal_scenario(Draw.of(names, arrays, OFF), arrays)
+    episode = play_one(names, arrays, scenario, crew_of(arrays, compliant(arrays)), planned)
     assert Schedule(episode.work) == best.schedule
     assert (episode.makespan, episode.changes, episode.done) == (23.0, 0, True)
 
@@ -189,11 +189,11 @@ def test_an_untold_pace_is_not_seen_in_advance(thesis: Cell) -> None:
     """What a decider may know of running work is the stated end, until that has passed."""
     names = Names.of(thesis)
     arrays = names.arrays()
-    fate = nominal_fate(Draw.of(names, arrays, OFF), arrays)
+    scenario = nominal_scenario(Draw.of(names, arrays, OFF), arrays)
     slow = crew_of(arrays, compliant(arrays)._replace(pace=np.float32(2)))
     shift = begin(arrays, slow)
     while shift.turn >= 0:
-        shift = step(arrays, fate, slow, shift, first(arrays, shift))
+        shift = step(arrays, scenario, slow, shift, first(arrays, shift))
     human = np.flatnonzero((shift.state.way >= 0) & arrays.way_uses[shift.state.way, 1])[0]
     stated = arrays.way_ticks[shift.state.way[human]]
     assert shift.state.end_at[human] == 2 * stated
@@ -207,8 +207,8 @@ def test_slow_people_make_it_longer_by_their_pace(thesis: Cell) -> None:
 
 def test_what_is_asked_and_not_legal_counts_as_waiting(thesis: Cell) -> None:
     names, arrays, draw, people = prepared(thesis, "compliant", OFF, 1)
-    crew, fate = crew_of(arrays, row(people, 0)), nominal_fate(draw, arrays)
-    shift = step(arrays, fate, crew, begin(arrays, crew), np.int32(names.way("7", ["human"])))
+    crew, scenario = crew_of(arrays, row(people, 0)), nominal_scenario(draw, arrays)
+    shift = step(arrays, scenario, crew, begin(arrays, crew), np.int32(names.way("7", ["human"])))
     assert (int(shift.illegal), shift.state.waits.tolist(), bool((shift.state.way < 0).all())) == (
         1,
         [False, True],
@@ -238,8 +238,8 @@ def test_an_episode_in_which_nothing_more_can_be_done_ends(thesis: Cell) -> None
     )
     names = Names.of(tight)
     arrays = names.arrays()
-    fate: Fate = nominal_fate(Draw.of(names, arrays, OFF), arrays)
-    episode = play_one(names, arrays, fate, crew_of(arrays, compliant(arrays)), first)
+    scenario: Scenario = nominal_scenario(Draw.of(names, arrays, OFF), arrays)
+    episode = play_one(names, arrays, scenario, crew_of(arrays, compliant(arrays)), first)
     assert not episode.done
     assert [a.task for a in episode.work] == ["2"]
     assert not is_over(arrays, begin(arrays, crew_of(arrays, compliant(arrays))))

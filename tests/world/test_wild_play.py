@@ -18,7 +18,7 @@ from tandem.world.arrays import Arrays, Names
 from tandem.world.episode import Episode, Shift, play_one
 from tandem.world.people import Person, crew
 from tandem.world.population import crowd
-from tandem.world.randomness import Chance, Draw, fate
+from tandem.world.randomness import Chance, Draw, scenario
 from tandem.world.state import legal_of
 
 CHANCE = Chance(
@@ -52,7 +52,7 @@ def wild(cell: Cell, seed: int) -> Episode:
     return play_one(
         names,
         arrays,
-        fate(draw, arrays, rng.random(draw.numbers, np.float32)),
+        scenario(draw, arrays, rng.random(draw.numbers, np.float32)),
         crew(arrays, person),
         decide,
         limit=3000,

@@ -17,7 +17,7 @@ from tandem.errors import CellError, UsageError
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
-    from tandem.explain.bottleneck import Floor
+    from tandem.explain.bottleneck import Bottleneck
     from tandem.explain.explanation import TaskAnswer
     from tandem.explain.sensitivity import Effect, Sensitivity
     from tandem.plan.result import Front
@@ -109,13 +109,13 @@ class Telling:
     def __init__(self, point: int | None):
         self.point = point
 
-    def __call__(self, answer: Front | Floor | TaskAnswer) -> None:
-        from tandem.explain.bottleneck import Floor, sentences
+    def __call__(self, answer: Front | Bottleneck | TaskAnswer) -> None:
+        from tandem.explain.bottleneck import Bottleneck, sentences
         from tandem.explain.explanation import TaskAnswer, chosen_point, heading
 
         if isinstance(answer, TaskAnswer):
             lines = answer.sentences()
-        elif isinstance(answer, Floor):
+        elif isinstance(answer, Bottleneck):
             lines = [*sentences(answer), ""]
         else:
             lines = [heading(answer, chosen_point(answer, self.point)), ""]

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from tandem.cell.model import Cell
     from tandem.dispatch.journal import Journal
     from tandem.dispatch.shift.live import Settings, Shift
-    from tandem.dispatch.shift.simulated import Floor
+    from tandem.dispatch.shift.simulated import SimulatedFloor
 
 Show = Callable[["Shift", dict[str, Any]], None]
 
@@ -235,7 +235,7 @@ def _run(
 
 def _live(
     shift: Shift,
-    floor: Floor | None,
+    floor: SimulatedFloor | None,
     given: dict[str, Any],
     show: Show,
     between: Callable[[], None],
@@ -342,8 +342,8 @@ def _stated(value: Any) -> str:
     return str(value)
 
 
-def _floor(cell: Cell, given: dict[str, Any]) -> Floor:
-    from tandem.dispatch.shift.simulated import Floor
+def _floor(cell: Cell, given: dict[str, Any]) -> SimulatedFloor:
+    from tandem.dispatch.shift.simulated import SimulatedFloor
     from tandem.world.randomness import Chance
 
     chance = Chance(
@@ -357,14 +357,14 @@ def _floor(cell: Cell, given: dict[str, Any]) -> Floor:
         absence_s=given["absences"],
         undo=given["taking_apart"],
     )
-    return Floor(cell, given["people"], chance, given["seed"])
+    return SimulatedFloor(cell, given["people"], chance, given["seed"])
 
 
 def _states_spread(spread: Any) -> bool:
     return any(spread.values()) if isinstance(spread, dict) else bool(spread)
 
 
-def _simulated(floor: Floor, shift: Shift, speed: float | None) -> Iterator[str]:
+def _simulated(floor: SimulatedFloor, shift: Shift, speed: float | None) -> Iterator[str]:
     """What happens on the floor, a line each; in time with the wall clock when there is a speed."""
     while (event := floor.next(shift.situation, shift.decision["look_again"])) is not None:
         if speed is not None:

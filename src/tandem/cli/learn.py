@@ -17,7 +17,7 @@ from tandem.cli.seeds import say_which_seed
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
-    from tandem.learn.training.trainer import Progress
+    from tandem.learn.training.trainer import TrainingProgress
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
 PICTURE = click.Path(dir_okay=False, path_type=Path)
@@ -205,7 +205,7 @@ class _Bar:
     def __exit__(self, *_: object) -> None:
         self.bar.stop()
 
-    def __call__(self, progress: Progress) -> None:
+    def __call__(self, progress: TrainingProgress) -> None:
         row = progress.rows[0]
         reached = (
             "not finished"

@@ -88,7 +88,7 @@ def tell_folder(folder: Path, as_json: bool) -> None:
       CellError: a cell is not sound, or there is none; or a result is damaged.
       UnsoundScheduleError: a current result breaks the cell that it belongs to.
     """
-    from tandem.report.project import State, cells_of, standings
+    from tandem.report.project import Freshness, cells_of, standings
 
     cells = cells_of(folder)
     found = list(standings(folder, cells))
@@ -110,7 +110,7 @@ def tell_folder(folder: Path, as_json: bool) -> None:
         for path, cell in cells.items():
             click.echo(sound(cell, str(path), named=False))
         click.echo("\n".join(_line(standing, folder) for standing in found) or "no results yet.")
-    old = sum(standing.state is State.STALE for standing in found)
+    old = sum(standing.state is Freshness.STALE for standing in found)
     if old:
         click.echo(
             f"{old} of {len(found)} results {'is' if old == 1 else 'are'} stale: made for another"
@@ -140,14 +140,14 @@ def sound(cell: Cell, file: str, named: bool = True) -> str:
 
 
 def _line(standing: Standing, folder: Path) -> str:
-    from tandem.report.project import State
+    from tandem.report.project import Freshness
 
     match standing.state:
-        case State.STALE:
+        case Freshness.STALE:
             return f"{standing.path}: stale: made for another state of the cell"
-        case State.UNKNOWN:
+        case Freshness.UNKNOWN:
             return f"{standing.path}: does not say which cell it belongs to"
-        case State.DAMAGED:
+        case Freshness.DAMAGED:
             return f"{standing.path}: damaged"
     assert standing.belongs_to is not None
     many = f"{standing.schedules} schedule{'s' * (standing.schedules != 1)}"
@@ -166,11 +166,11 @@ def _line(standing: Standing, folder: Path) -> str:
 
 
 def _row(standing: Standing, folder: Path) -> dict[str, object]:
-    from tandem.report.project import State
+    from tandem.report.project import Freshness
 
     return {
         "file": standing.path.relative_to(folder).as_posix(),
-        "stale": {State.STALE: True, State.CURRENT: False}.get(standing.state),
+        "stale": {Freshness.STALE: True, Freshness.CURRENT: False}.get(standing.state),
         "belongs_to": (
             standing.belongs_to.relative_to(folder).as_posix() if standing.belongs_to else None
         ),

@@ -22,7 +22,7 @@ from tandem.world.episode import Shift, begin, decide, is_over, run_on
 from tandem.world.people import Person
 from tandem.world.people import crew as crew_of
 from tandem.world.population import crowd
-from tandem.world.randomness import OFF, Chance, Draw, fate
+from tandem.world.randomness import OFF, Chance, Draw, scenario
 
 RENDER_MODES = ("ansi", "rgb_array")
 
@@ -80,7 +80,7 @@ class Happening:
     finished: dict[str, str]
 
 
-class Game:
+class EventGame:
     """A shift from its reset to its end. `free` leaves every choice to who plays: people then only
     have their pace, their fatigue and their slips.
     """
@@ -115,7 +115,7 @@ class Game:
                 postpones=zero,
             )
         self.crew = crew_of(self.arrays, person)
-        self.fate = fate(self.draw, self.arrays, rng.random(self.draw.numbers, np.float32))
+        self.scenario = scenario(self.draw, self.arrays, rng.random(self.draw.numbers, np.float32))
         self.shift: Shift = begin(self.arrays, self.crew)
         self.rows: list[tuple[int, int, int]] = []
         self.to_a_turn()
@@ -126,7 +126,7 @@ class Game:
         """
         before, self.shift = (
             self.shift,
-            decide(self.arrays, self.fate, self.crew, self.shift, np.int32(way)),
+            decide(self.arrays, self.scenario, self.crew, self.shift, np.int32(way)),
         )
         after = self.shift.state
         for task in np.flatnonzero((after.start_at != before.state.start_at) & (after.way >= 0)):
@@ -137,7 +137,7 @@ class Game:
     def to_a_turn(self) -> None:
         """Time runs on until it is somebody's turn, the limit has come, or all is over."""
         while self.shift.turn < 0 and not self.over and self.clock < self.limit:
-            self.shift = run_on(self.arrays, self.fate, self.shift)
+            self.shift = run_on(self.arrays, self.scenario, self.shift)
 
     def pass_a_second(self) -> None:
         """Nobody began anything and nothing is to come: a second passes, and all are asked
@@ -269,8 +269,8 @@ class Game:
     def complaint(self, operator: int, action: int) -> str:
         """What a strict game says of an illegal action."""
         legal = ", ".join(
-            f"{place} ({self._named(place)})"
-            for place in map(int, np.flatnonzero(self.mask(operator)))
+            f"{move} ({self._named(move)})"
+            for move in map(int, np.flatnonzero(self.mask(operator)))
         )
         who, named = self.names.operators[operator], self._named(action)
         return (

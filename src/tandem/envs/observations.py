@@ -30,11 +30,14 @@ def observe(arrays: Arrays, state: State, mask: Array, operator: Array) -> Array
     up, begun = mounted(state), state.way >= 0
     running = begun & ~up
     none = xp.zeros_like(begun)
+    # without mistakes these arrays have length 0; the observation keeps its size all the same
     off, undoing = (to_undo(arrays, state), state.undoing) if arrays.undo.shape[0] else (none, none)
     in_use = xp.arange(arrays.way_ticks.shape[0])[:, None] == state.way[None, :]
     by_human = (in_use & (arrays.way_uses & arrays.human[None, :]).any(axis=1)[:, None]).any(axis=0)
+    # stated times only: the real ones would tell the agent what chance has in store
     since = xp.where(running, xp.maximum(state.clock - state.start_at, 0), 0) / unit
     left = xp.where(running, expected_ends(arrays, state) - state.clock, 0) / unit
+    # an operator's pace shows only in tasks that have ended, real against stated time
     team = (in_use[:, :, None] & arrays.way_uses[:, None, :]).any(axis=0) & up[:, None]
     took = xp.where(team, xp.where(up, state.end_at - state.start_at, 0)[:, None], 0).sum(axis=0)
     stated = xp.where(

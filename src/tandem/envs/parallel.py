@@ -15,7 +15,7 @@ from pettingzoo import ParallelEnv
 
 from tandem.cell.model import Cell
 from tandem.envs.door import Door, is_legal
-from tandem.envs.game import RENDER_MODES, Game, Options
+from tandem.envs.game import RENDER_MODES, EventGame, Options
 from tandem.envs.observations import MOST
 from tandem.errors import UsageError
 
@@ -44,13 +44,13 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
     }
 
     def __init__(self, cell: Cell | str | os.PathLike[str], **options: Any):
-        self.game = Game(cell, Options(**options), free=True)
+        self.game = EventGame(cell, Options(**options), free=True)
         self.render_mode = self.game.options.render_mode
         names, of = self.game.names.operators, self.game.cell
         self.operators = {
-            f"{kind}_{place}": names.index(who)
+            f"{kind}_{index}": names.index(who)
             for kind, group in (("robot", of.robots), ("human", of.humans))
-            for place, who in enumerate(group)
+            for index, who in enumerate(group)
         }
         self.possible_agents = list(self.operators)
         self.agents: list[str] = []
@@ -113,6 +113,7 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         """
         named, masks = self._door.numbers(actions), self.action_masks()
         game, before, agents = self.game, self.game.shift, self.agents
+        # all are looked at before anything happens: a refused call leaves the game as it was
         illegal = {agent: not is_legal(masks[agent], named[agent]) for agent in agents}
         for agent in agents:
             if illegal[agent] and game.options.strict:
@@ -121,6 +122,7 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         happening = game.since(before)
         reward, ended, cut = game.reward(happening), game.done, game.truncated
         self._return, self._steps = self._return + reward, self._steps + 1
+        # one team, one reward: it is paid for the stretch of time, whoever acted in it
         infos = {
             agent: self._info(agent, game.info(happening, self._name(agent), illegal[agent]))
             for agent in agents

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tandem.cell.model import Cell
 from tandem.envs.door import CONTROLLER, Door, is_legal
-from tandem.envs.game import RENDER_MODES, Game, Happening, Options
+from tandem.envs.game import RENDER_MODES, EventGame, Happening, Options
 from tandem.envs.observations import MOST
 from tandem.errors import UsageError
 
@@ -39,7 +39,7 @@ class RobotBesideHuman(gymnasium.Env[Any, Any]):
     metadata: ClassVar[dict[str, Any]] = {"render_modes": list(RENDER_MODES), "render_fps": 4}  # type: ignore[misc]
 
     def __init__(self, cell: Cell | str | os.PathLike[str], *, asks: bool = True, **options: Any):
-        self.game, self.asks = Game(cell, Options(**options)), asks
+        self.game, self.asks = EventGame(cell, Options(**options)), asks
         self.render_mode = self.game.options.render_mode
         actions, size = len(self.game.names.ways) + 1, self.game.observe(0).size
         self.action_space = spaces.Discrete(actions)

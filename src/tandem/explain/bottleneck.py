@@ -29,7 +29,7 @@ MOST_WITHOUT = 12
 
 
 @dataclass(frozen=True)
-class Floor:
+class Bottleneck:
     """What keeps the makespan up.
 
     Attributes:
@@ -93,7 +93,7 @@ def floor(
     time_limit: float = 10.0,
     seed: int = 0,
     workers: int = 1,
-) -> Floor:
+) -> Bottleneck:
     """Why no schedule with at most `max_stress` is quicker than `quickest`, which must be the
     quickest of them.
 
@@ -102,7 +102,7 @@ def floor(
     on Computing 3(2), 157-168); each step plans the rest anew.
     """
     until = monotonic() + time_limit
-    found = Floor(
+    found = Bottleneck(
         cell,
         quickest.makespan,
         quickest.status is Status.OPTIMAL,
@@ -122,16 +122,16 @@ def floor(
     )
 
 
-def _with(found: Floor, **changes: Any) -> Floor:
-    return Floor(
-        **{**{name: getattr(found, name) for name in Floor.__dataclass_fields__}, **changes}
+def _with(found: Bottleneck, **changes: Any) -> Bottleneck:
+    return Bottleneck(
+        **{**{name: getattr(found, name) for name in Bottleneck.__dataclass_fields__}, **changes}
     )
 
 
 # --- sums that anyone can check -------------------------------------------------------------------
 
 
-def _chain(found: Floor, instance: Instance, target: int) -> Floor | None:
+def _chain(found: Bottleneck, instance: Instance, target: int) -> Bottleneck | None:
     """Tasks that must follow one another and together take the whole makespan, even when each is
     done in its quickest way.
     """
@@ -159,7 +159,7 @@ def _chain(found: Floor, instance: Instance, target: int) -> Floor | None:
     )
 
 
-def _load(found: Floor, instance: Instance, target: int) -> Floor | None:
+def _load(found: Bottleneck, instance: Instance, target: int) -> Bottleneck | None:
     """Tasks that one operator cannot hand over and that, with what must come before and after, take
     the whole makespan.
     """
@@ -206,8 +206,8 @@ def _quickest(instance: Instance, task: int) -> int:
 
 
 def _group(
-    found: Floor, instance: Instance, target: int, until: float, seed: int, workers: int
-) -> Floor:
+    found: Bottleneck, instance: Instance, target: int, until: float, seed: int, workers: int
+) -> Bottleneck:
     """The smallest group that leaving out tasks leads to: first large pieces of the rest, then one
     by one.
     """
@@ -263,7 +263,7 @@ def _group(
 
 
 def _without(
-    found: Floor, kept: list[str], until: float, seed: int, workers: int
+    found: Bottleneck, kept: list[str], until: float, seed: int, workers: int
 ) -> dict[str, float]:
     shorter = {}
     for task in kept:
@@ -349,7 +349,7 @@ def _sooner(
 # --- in words -------------------------------------------------------------------------------------
 
 
-def sentences(found: Floor) -> list[str]:
+def sentences(found: Bottleneck) -> list[str]:
     """The floor as a person would explain it."""
     cap = (
         "" if found.max_stress is None else f" with a stress of at most {number(found.max_stress)}"
@@ -382,7 +382,7 @@ def sentences(found: Floor) -> list[str]:
     return [f"{head}: {stretches(found.cell, found.schedule)}.", *_group_sentences(found, names)]
 
 
-def _group_sentences(found: Floor, names: str) -> list[str]:
+def _group_sentences(found: Bottleneck, names: str) -> list[str]:
     if len(found.tasks) < len(found.cell.tasks):
         missing = [task for task in found.cell.tasks if task not in found.tasks]
         which = names if len(missing) > 3 else f"all tasks but {listed(missing, '')}"

@@ -16,7 +16,7 @@ from tandem.cell.names import Known, clean
 from tandem.cell.written import number
 from tandem.errors import UsageError
 from tandem.explain.alternatives import EVERYTHING, Alternative, alternative, sentence
-from tandem.explain.bottleneck import Floor, floor, listed
+from tandem.explain.bottleneck import Bottleneck, floor, listed
 from tandem.explain.variant import ways_not_taken
 from tandem.explain.waiting import Waiting, waiting
 from tandem.plan.methods import plan
@@ -86,7 +86,7 @@ class Explanation:
     front: Front
     point: int
     tasks: tuple[TaskAnswer, ...]
-    floor: Floor | None
+    floor: Bottleneck | None
     wall_s: float
 
     @property
@@ -121,7 +121,7 @@ def explain(
     time_limit: float = 17.0,
     seed: int = 0,
     workers: int | None = None,
-    on_answer: Callable[[Front | Floor | TaskAnswer], None] | None = None,
+    on_answer: Callable[[Front | Bottleneck | TaskAnswer], None] | None = None,
 ) -> Explanation:
     """Why the schedule of one point is as it is; every cost is that of a schedule found by planning
     anew, and says whether it is proven.

@@ -42,7 +42,7 @@ class AnyRecipe(Protocol):
 
 
 @dataclass(frozen=True)
-class Order:
+class TrainingOrder:
     """What is to be trained.
 
     Attributes:
@@ -94,12 +94,12 @@ class Algorithm(Protocol):
     does is in `Learners`.
     """
 
-    def __init__(self, order: Order) -> None:
+    def __init__(self, order: TrainingOrder) -> None:
         """Raises CellError when it cannot hold the order's cell."""
 
     @staticmethod
     def players(
-        path: Path, cell: Cell, order: Order, *, seed: int, episodes: int
+        path: Path, cell: Cell, order: TrainingOrder, *, seed: int, episodes: int
     ) -> dict[str, list[Reached]]:
         """How the policy in a file plays a cell: player -> episodes; "greedy" (of each agent the
         action it thinks best) is one of them.
@@ -109,7 +109,7 @@ class Algorithm(Protocol):
         """
 
     @staticmethod
-    def costs(cell: Cell, order: Order) -> dict[str, Any]:
+    def costs(cell: Cell, order: TrainingOrder) -> dict[str, Any]:
         """What time and stress cost on that cell, as `results.cost` takes it."""
 
     @property
@@ -143,8 +143,8 @@ class Algorithm(Protocol):
         Each is `{"makespan": seconds or None, "stress": ..., "illegal": ...}`.
         """
 
-    def save_policy(self, learners: Learners, place: int, path: Path) -> None:
-        """Writes the policy of the seed at that place."""
+    def save_policy(self, learners: Learners, index: int, path: Path) -> None:
+        """Writes the policy of the seed at that index."""
 
 
 Worth = Callable[[Arrays, State, Array, Array], Array]

@@ -14,9 +14,9 @@ import numpy as np
 
 from tandem.cell.model import Cell, plain
 from tandem.errors import UsageError
-from tandem.learn.observation import Ahead, Look
+from tandem.learn.observation import Ahead, Observation
 from tandem.learn.results import Reached
-from tandem.learn.turns import choices, least_to_come, observe, told
+from tandem.learn.turns import choices, least_to_come, observe, static_features
 from tandem.world import state as world
 from tandem.world.arrays import NEVER, Arrays, Names
 from tandem.world.state import State
@@ -29,7 +29,7 @@ can go on.
 """
 
 
-class Asked(NamedTuple):
+class TurnState(NamedTuple):
     """An assembly in which somebody is asked, or which is over.
 
     world: how it stands. mask: `[W]` bool, the ways that are legal for anybody. turn: `[]` int32,
@@ -105,7 +105,7 @@ class CellGame:
             )
         names = Names.of(cell)
         arrays = names.arrays()
-        known = told(names, arrays, time_weight=time_weight, stress_weight=stress_weight)
+        known = static_features(names, arrays, time_weight=time_weight, stress_weight=stress_weight)
         per_second, per_stress = np.float32(names.per_second), np.float32(names.per_stress)
         weights = np.float32(time_weight), np.float32(stress_weight)
         return cls(
@@ -130,18 +130,18 @@ class CellGame:
         events = tasks + int(np.prod(self.arrays.break_to.shape[-2:])) + tasks * self.waiting
         return tasks + self.waiting * operators * events
 
-    def reset(self) -> Asked:
+    def reset(self) -> TurnState:
         arrays = jax.tree.map(jnp.asarray, self.arrays)
         return self._until_asked(jax.tree.map(jnp.asarray, world.reset(arrays)))
 
-    def legal(self, state: Asked) -> Array:
+    def legal(self, state: TurnState) -> Array:
         arrays = self.arrays
         return choices(arrays, state.world, state.mask, state.turn, waiting=self.waiting)
 
-    def to_play(self, state: Asked) -> Array:
+    def to_play(self, state: TurnState) -> Array:
         return state.turn
 
-    def step(self, state: Asked, move: Array) -> tuple[Asked, Array]:
+    def step(self, state: TurnState, move: Array) -> tuple[TurnState, Array]:
         waits, over = move >= self.arrays.way_ticks.shape[0], self.is_over(state)
         before = state.world
         begun = world.assign(self.arrays, before, jnp.where(waits | over, -1, move))
@@ -155,16 +155,16 @@ class CellGame:
         left = jnp.sum(jnp.where(after.world.way < 0, self.ahead.least, 0.0)) * self.unit * STUCK
         return after, cost + jnp.where(~over & self.is_over(after), left, 0.0)
 
-    def is_over(self, state: Asked) -> Array:
+    def is_over(self, state: TurnState) -> Array:
         return state.turn < 0
 
-    def observe(self, state: Asked) -> Look:
+    def observe(self, state: TurnState) -> Observation:
         """What whose turn it is sees."""
         tick, waiting = self._tick, self.waiting
         stands, mask, turn = state.world, state.mask, state.turn
         return observe(self.ahead, self.arrays, stands, mask, turn, tick=tick, waiting=waiting)
 
-    def least(self, state: Asked) -> Array:
+    def least(self, state: TurnState) -> Array:
         return least_to_come(self.ahead, self.arrays, state.world, self._tick) * self.unit
 
     @property
@@ -172,14 +172,14 @@ class CellGame:
         """`[]` float32, what a tick costs, in units."""
         return 1.0 / (self.per_second * self.unit / self.time_weight)
 
-    def _until_asked(self, state: State) -> Asked:
+    def _until_asked(self, state: State) -> TurnState:
         """Time runs until somebody can choose, or all is done, or nothing can go on."""
 
-        def asked(state: State) -> Asked:
+        def asked(state: State) -> TurnState:
             mask = world.legal(self.arrays, state)
-            return Asked(state, mask, world.turn(self.arrays, mask))
+            return TurnState(state, mask, world.turn(self.arrays, mask))
 
-        def goes_on(now: Asked) -> Array:
+        def goes_on(now: TurnState) -> Array:
             return (
                 (now.turn < 0)
                 & ~world.is_done(now.world)

@@ -64,7 +64,7 @@ class Game(Protocol):
 
     def observe(self, state: State) -> Any:
         """What the network is shown, seen by the agent whose turn it is: a
-        `tandem.learn.observation.Look`, or whatever a game's own network takes."""
+        `tandem.learn.observation.Observation`, or whatever a game's own network takes."""
 
     def least(self, state: State) -> Array:
         """`[]` float32, a cost that is certainly still to come; 0 where nothing is known."""

@@ -12,7 +12,7 @@ from tandem.schedule.model import Schedule
 from tandem.world.arrays import Array, Arrays, Names
 from tandem.world.episode import Decider, Shift, play_one
 from tandem.world.people import compliant, crew
-from tandem.world.randomness import Draw, fate
+from tandem.world.randomness import Draw, scenario
 from tandem.world.state import legal_of
 
 
@@ -24,7 +24,7 @@ def played(cell: Cell, stress_factor: float, decide: Decider, episodes: int = 1)
     arrays = names.arrays()
     obedient = crew(arrays, compliant(arrays))
     draw = Draw.of(names, arrays)
-    nothing_happens = fate(draw, arrays, np.full(draw.numbers, 0.5, np.float32))
+    nothing_happens = scenario(draw, arrays, np.full(draw.numbers, 0.5, np.float32))
     found = []
     for _ in range(episodes):
         ended = play_one(names, arrays, nothing_happens, obedient, decide)

@@ -15,14 +15,14 @@ from types import ModuleType
 from typing import Any
 
 Array = Any
-Network = dict[str, dict[str, Array]]
+Perceptron = dict[str, dict[str, Array]]
 
 ACTIVATIONS: tuple[str, ...] = ("relu", "tanh")
 
 
 def init(
     draw: Callable[[tuple[int, ...]], Array], sizes: Sequence[int], last: float = 1.0
-) -> Network:
+) -> Perceptron:
     """A network with `sizes[0]` inputs, `sizes[-1]` outputs and the hidden layers between; biases
     0.
 
@@ -32,11 +32,11 @@ def init(
     Args:
       draw: shape -> an array of that shape, uniform in [-1, 1), of the wanted namespace and type.
     """
-    layers: Network = {}
-    for place, (inputs, outputs) in enumerate(itertools.pairwise(sizes)):
-        reach = math.sqrt(6 / (inputs + outputs)) * (last if place == len(sizes) - 2 else 1.0)
+    layers: Perceptron = {}
+    for index, (inputs, outputs) in enumerate(itertools.pairwise(sizes)):
+        reach = math.sqrt(6 / (inputs + outputs)) * (last if index == len(sizes) - 2 else 1.0)
         weight = draw((inputs, outputs)) * reach
-        layers[str(place)] = {"weight": weight, "bias": weight[0] * 0}
+        layers[str(index)] = {"weight": weight, "bias": weight[0] * 0}
     return layers
 
 
@@ -47,7 +47,7 @@ def mapped(function: Callable[[Array], Array], network: Any) -> Any:
     return {name: mapped(function, part) for name, part in network.items()}
 
 
-def forward(xp: ModuleType, network: Network, inputs: Array, activation: str) -> Array:
+def forward(xp: ModuleType, network: Perceptron, inputs: Array, activation: str) -> Array:
     """`[..., out]` from `inputs` `[..., in]`; the activation (`ACTIVATIONS`) stands between the
     layers, not after the last.
 
@@ -55,9 +55,9 @@ def forward(xp: ModuleType, network: Network, inputs: Array, activation: str) ->
       xp: the namespace of the arrays, `numpy` or `jax.numpy`.
     """
     flow = inputs
-    for place in range(len(network)):
-        layer = network[str(place)]
-        if place:
+    for index in range(len(network)):
+        layer = network[str(index)]
+        if index:
             flow = xp.tanh(flow) if activation == "tanh" else xp.maximum(flow, 0)
         flow = flow @ layer["weight"]
         flow = flow + layer["bias"].reshape((1,) * (flow.ndim - 1) + (-1,))

@@ -22,7 +22,7 @@ Array = Any
 MOVE_FEATURES, WHOLE_FEATURES = 22, 14
 
 
-class Look(NamedTuple):
+class Observation(NamedTuple):
     """What a network that knows no sizes is shown. `K` moves, `F` and `G` features.
 
     moves: `[K, F]` float32, a row for each move. there: `[K]` bool, the rows that mean something
@@ -63,7 +63,7 @@ class Ahead(NamedTuple):
     human: Array
 
 
-class Standing(NamedTuple):
+class AssemblyStatus(NamedTuple):
     """How far it is. begun, ended: `[T]` bool. left: `[T]`, time until a running task ends, else 0.
     busy: `[O]`, until the operator is free.
     """
@@ -84,12 +84,12 @@ def ahead(
     behind = needs.T.copy()  # [i, j]: j comes after i
     for middle in range(tasks):
         behind |= behind[:, middle : middle + 1] & behind[middle]
-    ways = [np.flatnonzero(task == place) for place in range(tasks)]
-    least = np.array([time[own].min() for own in ways])
-    always = np.array([uses[own].all(0) for own in ways])
+    ways = [np.flatnonzero(task == index) for index in range(tasks)]
+    least = np.array([time[rows].min() for rows in ways])
+    always = np.array([uses[rows].all(0) for rows in ways])
     tail = np.zeros(tasks)
-    for place in sorted(range(tasks), key=lambda place: behind[place].sum()):
-        tail[place] = least[place] + max(tail[behind[place]], default=0.0)
+    for index in sorted(range(tasks), key=lambda index: behind[index].sum()):
+        tail[index] = least[index] + max(tail[behind[index]], default=0.0)
     only = always * least[:, None]
     nobodys = np.where(always.any(1), 0.0, least)
     parts = {
@@ -98,7 +98,7 @@ def ahead(
         "stress": stress,
         "needs": needs,
         "least": least,
-        "least_stress": [stress[own].min() for own in ways],
+        "least_stress": [stress[rows].min() for rows in ways],
         "tail": tail,
         "only": only,
         "open": nobodys,
@@ -112,7 +112,7 @@ def ahead(
     )
 
 
-def time_to_come(ahead: Ahead, now: Standing) -> Array:
+def time_to_come(ahead: Ahead, now: AssemblyStatus) -> Array:
     """`[]` a time that is certainly still to come: the longest chain, the fullest operator, or all
     work shared out evenly.
     """
@@ -132,9 +132,15 @@ def missing(ahead: Ahead, ended: Array) -> Array:
     return ahead.needs @ (1.0 - ended)
 
 
-def look(
-    ahead: Ahead, now: Standing, me: Array, way: Array, there: Array, mine: Array, waits: Array
-) -> Look:
+def features(
+    ahead: Ahead,
+    now: AssemblyStatus,
+    me: Array,
+    way: Array,
+    there: Array,
+    mine: Array,
+    waits: Array,
+) -> Observation:
     """What the agent `me` sees.
 
     Args:
@@ -146,21 +152,26 @@ def look(
       waits: `[K]` bool, the moves that begin nothing.
     """
     xp = namespace(now.left)
+    # the operators are only mine and the others', so that any number of them has one shape
     my = (xp.arange(ahead.uses.shape[1]) == me).astype(xp.float32)
     others = 1.0 - my
     task = ahead.task[way]
     real = (there & ~waits).astype(xp.float32)
+    # the measure of all times below: at the end of a game nothing is left to divide by
     to_come = xp.maximum(time_to_come(ahead, now), 1e-3)
     waiting = 1.0 - now.begun
+    # whose work it is decides whom a move helps: mine alone, the others' alone, or anybody's
     # [T, 3]: mine alone, others' alone, open
     kinds = xp.stack([ahead.only @ my, ahead.only @ others, ahead.open], 1)
     behind = xp.stack(
         [ahead.behind_only[task] @ my, ahead.behind_only[task] @ others, ahead.behind_open[task]], 1
     )
+    # what the move sets free now, and what it helps to set free once running tasks have ended
     after = ahead.needs[:, task].T  # [K, T]
     unlocks = after * (missing(ahead, now.ended) == 1)[None] @ kinds
     running = now.begun & ~now.ended
     helps = after * (missing(ahead, now.ended | running) == 1)[None] @ kinds
+    # the move's own numbers, beside how long and how full the rest is
     loads = waiting @ kinds
     longest = xp.max(xp.where(now.begun, 0.0, ahead.tail))
     uses = ahead.uses[way]
@@ -181,16 +192,19 @@ def look(
         ),
         *(mine, now.busy @ uses.T),
     ]
+    # a move that nobody can make has stale numbers: they are wiped, so that no network learns them
     rows = xp.stack([xp.asarray(part, xp.float32) for part in parts], 1) * real[:, None]
     rows = xp.concatenate([rows, waits.astype(xp.float32)[:, None]], 1)
+    # when others are free again tells whether it pays to leave work for them
     busy_others = xp.where(my > 0, 0.0, now.busy)
     soonest = (
         xp.min(xp.where(my > 0, xp.inf, now.busy)) if ahead.uses.shape[1] > 1 else xp.zeros(())
     )
     ready_mine, ready_others = xp.sum(real * able * starts), xp.sum(real * (1 - able) * starts)
+    # tens and quarters bring all numbers to about 1, where a fresh network learns best
     whole = xp.stack([
         to_come / 10, *(loads / to_come), longest / to_come, xp.max(busy_others), soonest,
         ready_mine / 4, ready_others / 4,
         xp.sum(real) / 10, xp.sum(mine) / 10, ahead.human @ my, xp.max(now.left), xp.mean(waiting),
     ])  # fmt: skip
-    return Look(rows, there, whole.astype(xp.float32))
+    return Observation(rows, there, whole.astype(xp.float32))

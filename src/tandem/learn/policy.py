@@ -13,7 +13,7 @@ from pydantic import ConfigDict, Field
 
 from tandem.errors import UsageError
 from tandem.learn.forms import Form, key_of, parsed, unreadable
-from tandem.learn.networks import ACTIVATIONS, Network, forward, masked_log_softmax, sample
+from tandem.learn.networks import ACTIVATIONS, Perceptron, forward, masked_log_softmax, sample
 from tandem.learn.tensors import read_tensors, write_tensors
 
 Array = np.ndarray[Any, Any]
@@ -64,7 +64,7 @@ class Policy:
     """
 
     agents: tuple[str, ...]
-    actor: Network
+    actor: Perceptron
     activation: str
     masked: bool
     shared: bool
@@ -182,7 +182,7 @@ class Policy:
         ).model_dump(exclude_unset=True)
         if faults := list(_faults(arrays, len(about.agents), about.shared)):
             raise unreadable(path, [f"is no policy: {fault}" for fault in faults])
-        actor: Network = {}
+        actor: Perceptron = {}
         for name, array in arrays.items():
             layer, part = name.split("/")
             actor.setdefault(layer, {})[part] = array
@@ -193,7 +193,7 @@ class Policy:
             raise UsageError(f"agent {agent!r}: this policy knows {', '.join(self.agents)}.")
         return self.agents.index(agent)
 
-    def _network(self, row: int) -> Network:
+    def _network(self, row: int) -> Perceptron:
         return (
             self.actor
             if self.shared

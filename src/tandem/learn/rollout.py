@@ -11,8 +11,8 @@ import jax
 
 from tandem.cell.model import Cell
 from tandem.learn.algorithm import Row
-from tandem.learn.alphazero.network import Judge, opinion
-from tandem.learn.alphazero.selfplay import Looking, Played, played
+from tandem.learn.alphazero.network import Network, predict
+from tandem.learn.alphazero.selfplay import FinishedGames, Looking, played
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.cell_env import CellGame, reached
 from tandem.learn.env import Game, many
@@ -35,50 +35,52 @@ def play(
 ) -> list[Reached]:
     """So many games on the cell: by the network alone, or under a search."""
     found = jax.device_get(
-        _play(jax.random.key(seed), trained.judge, trained.parameters, many(game, games), looking)
+        _play(jax.random.key(seed), trained.network, trained.parameters, many(game, games), looking)
     )
     return [
-        reached(cell, jax.tree.map(lambda leaf, place=place: leaf[place], found))
-        for place in range(games)
+        reached(cell, jax.tree.map(lambda leaf, index=index: leaf[index], found))
+        for index in range(games)
     ]
 
 
-def alone(cell: Cell, game: CellGame, judge: Judge, parameters: Any) -> list[tuple[Reached, float]]:
+def alone(
+    cell: Cell, game: CellGame, network: Network, parameters: Any
+) -> list[tuple[Reached, float]]:
     """What the network of each seed (the leading axis of `parameters`) reaches alone, and what it
     expects at the start, in the game's cost.
     """
-    found, expected = jax.device_get(_alone(judge, parameters, many(game, 1)))
+    found, expected = jax.device_get(_alone(network, parameters, many(game, 1)))
     seeds = range(len(expected))
     return [
         (
-            reached(cell, jax.tree.map(lambda leaf, place=place: leaf[place, 0], found)),
-            float(expected[place]),
+            reached(cell, jax.tree.map(lambda leaf, index=index: leaf[index, 0], found)),
+            float(expected[index]),
         )
-        for place in seeds
+        for index in seeds
     ]
 
 
-def told(result: Reached) -> Row:
+def as_document(result: Reached) -> Row:
     """As the documents and figures of a training have it."""
     return {"makespan": result.makespan, "stress": result.stress, "illegal": result.illegal}
 
 
-@partial(jax.jit, static_argnames=("judge", "looking"))
+@partial(jax.jit, static_argnames=("network", "looking"))
 def _play(
-    key: jax.Array, judge: Judge, parameters: Any, games: Game, looking: Looking | None
-) -> Played:
-    found = played(key, judge, parameters, games, looking)
+    key: jax.Array, network: Network, parameters: Any, games: Game, looking: Looking | None
+) -> FinishedGames:
+    found = played(key, network, parameters, games, looking)
     return found._replace(moves=found.moves.T)
 
 
-@partial(jax.jit, static_argnames="judge")
-def _alone(judge: Judge, parameters: Any, games: Game) -> tuple[Played, jax.Array]:
+@partial(jax.jit, static_argnames="network")
+def _alone(network: Network, parameters: Any, games: Game) -> tuple[FinishedGames, jax.Array]:
     first = jax.tree.map(lambda leaf: leaf[0], games)
 
-    def one(own: Any) -> tuple[Played, jax.Array]:
-        found = played(jax.random.key(0), judge, own, games)
-        return found._replace(moves=found.moves.T), opinion(
-            judge, own, first, first.reset()
+    def one(weights: Any) -> tuple[FinishedGames, jax.Array]:
+        found = played(jax.random.key(0), network, weights, games)
+        return found._replace(moves=found.moves.T), predict(
+            network, weights, first, first.reset()
         ).to_come * first.unit
 
     return jax.lax.map(one, parameters)

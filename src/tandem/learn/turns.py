@@ -11,7 +11,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tandem.learn.observation import Ahead, Look, Standing, ahead, look, missing, time_to_come
+from tandem.learn.observation import (
+    Ahead,
+    AssemblyStatus,
+    Observation,
+    ahead,
+    features,
+    missing,
+    time_to_come,
+)
 from tandem.world import state as world
 from tandem.world.arrays import Arrays, Names, namespace
 from tandem.world.state import State
@@ -19,7 +27,7 @@ from tandem.world.state import State
 Array = Any
 
 
-class Told(NamedTuple):
+class StaticFeatures(NamedTuple):
     """What is known of a cell before its first game.
 
     ahead: its tasks and ways, times in units. unit: `[]` float32, what a task of mean least time
@@ -30,7 +38,9 @@ class Told(NamedTuple):
     unit: Array
 
 
-def told(names: Names, arrays: Arrays, *, time_weight: float, stress_weight: float) -> Told:
+def static_features(
+    names: Names, arrays: Arrays, *, time_weight: float, stress_weight: float
+) -> StaticFeatures:
     """What is known of a cell whose cost is `time_weight` x seconds + `stress_weight` x stress."""
     seconds = arrays.way_ticks / names.per_second
     mean = np.mean([seconds[arrays.way_task == task].min() for task in range(len(names.tasks))])
@@ -39,7 +49,7 @@ def told(names: Names, arrays: Arrays, *, time_weight: float, stress_weight: flo
     stress = loads * stress_weight / unit
     uses, needs, human = arrays.way_uses, arrays.needs, arrays.human
     known = ahead(arrays.way_task, uses, seconds / mean, stress, needs, human)
-    return Told(known, np.float32(unit))
+    return StaticFeatures(known, np.float32(unit))
 
 
 def choices(arrays: Arrays, state: State, mask: Array, turn: Array, *, waiting: bool) -> Array:
@@ -55,7 +65,7 @@ def choices(arrays: Arrays, state: State, mask: Array, turn: Array, *, waiting: 
     return namespace(mask).append(mine, may_wait)
 
 
-def standing(arrays: Arrays, state: State, tick: Array) -> Standing:
+def standing(arrays: Arrays, state: State, tick: Array) -> AssemblyStatus:
     """How far the assembly is. What has to come off again is as if it had not begun.
 
     Args:
@@ -68,7 +78,7 @@ def standing(arrays: Arrays, state: State, tick: Array) -> Standing:
         off = world.to_undo(arrays, state)
         begun, ended = begun & ~off, ended & ~off
     free_at = xp.maximum(state.free_at, state.away_until)
-    return Standing(begun, ended, left, xp.maximum(free_at - state.clock, 0) * tick)
+    return AssemblyStatus(begun, ended, left, xp.maximum(free_at - state.clock, 0) * tick)
 
 
 def observe(
@@ -80,7 +90,7 @@ def observe(
     *,
     tick: Array,
     waiting: bool,
-) -> Look:
+) -> Observation:
     """What the operator `turn` sees; arguments as in `choices` and `standing`."""
     xp = namespace(state.way)
     legal, now = choices(arrays, state, mask, turn, waiting=waiting), standing(arrays, state, tick)
@@ -93,7 +103,7 @@ def observe(
     if waiting:
         way, waits = xp.append(way, 0), xp.append(waits, True)
         there = xp.append(there, legal[-1])
-    return look(known, now, turn, way, there, legal, waits)
+    return features(known, now, turn, way, there, legal, waits)
 
 
 def least_to_come(known: Ahead, arrays: Arrays, state: State, tick: Array) -> Array:

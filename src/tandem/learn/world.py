@@ -15,7 +15,7 @@ Array = Any
 State = Any
 
 
-class Outcome(NamedTuple):
+class StepResult(NamedTuple):
     """What a step brought. `A` agents.
 
     reward: `[A]` float32.
@@ -60,7 +60,7 @@ class World(Protocol):
         this is `legal` itself.
         """
 
-    def step(self, state: State, action: Array) -> tuple[State, Outcome]:
+    def step(self, state: State, action: Array) -> tuple[State, StepResult]:
         """The next state and what came of it; `action` is `[A]` int32."""
 
     def in_stage(self, stage: StageValues) -> Self:

@@ -109,15 +109,15 @@ def preemptive(jobs: Sequence[tuple[int, int, int]]) -> int:
     """
     arrivals = sorted(jobs)
     open_: list[list[int]] = []
-    clock = place = best = 0
-    while place < len(arrivals) or open_:
+    clock = index = best = 0
+    while index < len(arrivals) or open_:
         if not open_:
-            clock = max(clock, arrivals[place][0])
-        while place < len(arrivals) and arrivals[place][0] <= clock:
-            _, ticks, tail = arrivals[place]
+            clock = max(clock, arrivals[index][0])
+        while index < len(arrivals) and arrivals[index][0] <= clock:
+            _, ticks, tail = arrivals[index]
             heappush(open_, [-tail, ticks])
-            place += 1
-        until = arrivals[place][0] if place < len(arrivals) else None
+            index += 1
+        until = arrivals[index][0] if index < len(arrivals) else None
         work = open_[0][1] if until is None else min(open_[0][1], until - clock)
         clock += work
         open_[0][1] -= work

@@ -59,7 +59,7 @@ class Node(NamedTuple):
     before: Node | None
 
 
-class Moves:
+class Branching:
     """The moves of one layout.
 
     Args:
@@ -128,23 +128,26 @@ class Moves:
                 ]
             )
             soonest = None
-            for place, step in enumerate(self.layout.steps[task]):
+            # each step is a child of its own: the one that ends first need not be the one to take
+            for index, step in enumerate(self.layout.steps[task]):
                 start = self._start(node, task, step, ready)
                 if start is None:
                     continue
                 soonest = start if soonest is None else min(soonest, start)
                 end = start + step.ticks
                 if end <= self.latest_end[task] and end + self.layout.behind[task] <= horizon:
-                    moves.append((task, place, step, start))
-                    if end < cutoff and self.harmless[task][place]:
+                    moves.append((task, index, step, start))
+                    if end < cutoff and self.harmless[task][index]:
                         cutoff = end
+            # a task that can no longer come in time rules out the node, not only the child
             if soonest is None or soonest > min(
                 self.latest_start[task], horizon - self.layout.tail[task]
             ):
                 return
-        for task, place, step, start in moves:
+        # only now, because the earliest end is known after all have been looked at
+        for task, index, step, start in moves:
             if start < cutoff:
-                yield self._appended(node, task, place, step, start)
+                yield self._appended(node, task, index, step, start)
 
     def candidates(self, mask: int) -> tuple[int, ...]:
         """Tasks not yet appended whose predecessors are."""
@@ -246,9 +249,10 @@ class Moves:
         row = self.instance.swap_ticks[tool] if tool >= 0 else None
         return 0 if row is None or node.hand[operator] in (-1, tool) else row[operator]
 
-    def _appended(self, node: Node, task: int, place: int, step: Step, start: int) -> Node:
+    def _appended(self, node: Node, task: int, index: int, step: Step, start: int) -> Node:
         instance, end, who = self.instance, start + step.ticks, step.operators
         tool, zone, team = instance.timed_tool[task], instance.timed_zone[task], instance.team[task]
+        # nodes share what did not change: the tuples of the parent are taken over
         free, loads, ends, hand = list(node.free), list(node.loads), list(node.ends), node.hand
         for operator, load in zip(who, step.load, strict=True):
             free[operator] = end
@@ -256,6 +260,7 @@ class Moves:
         ends[task] = end
         if tool >= 0:
             hand = tuple(tool if operator in who else held for operator, held in enumerate(hand))
+        # the first task of those that need the same operators settles them for the others
         teams = node.teams
         if team >= 0 and all(other != team for other, _ in teams):
             teams = tuple(sorted([*teams, (team, who)]))
@@ -269,7 +274,7 @@ class Moves:
             zones=_taken(node.zones, zone, len(who), end),
             loads=tuple(loads),
             stress=node.stress + step.stress,
-            humans=node.humans | self.human[task][place] << task,
+            humans=node.humans | self.human[task][index] << task,
             teams=teams,
             step=(task, step, start),
             before=node,

@@ -79,6 +79,7 @@ def formulate(instance: Instance, upper: int, rules: Iterable[Rule] | None = Non
     plan = Decisions(model, instance, upper)
     model_is_trivially_false = False
     for task, ways in enumerate(instance.ways):
+        # an empty domain would be an error of the modeller; a model without a solution is an answer
         latest = _latest_start(instance, task, upper)
         if latest < instance.head[task]:
             model_is_trivially_false, latest = True, instance.head[task]
@@ -90,6 +91,7 @@ def formulate(instance: Instance, upper: int, rules: Iterable[Rule] | None = Non
         )
         if len(ways) > 1:
             model.add_exactly_one(chosen)
+        # a task with one way needs no literal
         intervals = []
         for way, literal in zip(ways, chosen, strict=True):
             interval = (
@@ -112,6 +114,7 @@ def formulate(instance: Instance, upper: int, rules: Iterable[Rule] | None = Non
             )
         )
     plan.makespan = model.new_int_var(0, upper, "makespan")
+    # whatever has a successor ends before it does, so the last ones are enough
     for task in range(len(instance.tasks)):
         if not instance.behind[task]:
             model.add(plan.end[task] <= plan.makespan)
@@ -174,17 +177,21 @@ def _changeovers(plan: Decisions, operator: int) -> list[cp_model.IntervalVar]:
     cost = {t: instance.changeover[instance.tool[t]][operator] for t in tasks}  # type: ignore[index]
     in_hand = instance.in_hand[operator]
     kinds = {instance.tool[t] for t in tasks} | ({in_hand} if in_hand is not None else set())
+    # nothing to take up, or at no cost: no order needs to be decided
     if len(kinds) < 2 or not any(cost.values()):
         return []
     arcs: list[tuple[int, int, Literal]] = []
     into: dict[int, list[cp_model.IntVar]] = {t: [] for t in tasks}
+    # the circuit is the order in which the operator does its tasks with tools; it leaves out, by a
+    # loop, those that others do, and all of them when there are none
     nobody = model.new_bool_var("no tool used")
     arcs.append((0, 0, nobody))
-    for place, task in enumerate(tasks, start=1):
+    for index, task in enumerate(tasks, start=1):
         does = _any_of(plan, plan.does(task, operator))
-        arcs.append((place, place, does.negated()))
+        arcs.append((index, index, does.negated()))
         first, last = model.new_bool_var(""), model.new_bool_var("")
-        arcs += [(0, place, first), (place, 0, last)]
+        arcs += [(0, index, first), (index, 0, last)]
+        # what is in hand at the beginning is laid down as if a task had needed it
         if in_hand is not None and in_hand != instance.tool[task]:
             into[task].append(first)
         model.add_implication(does, nobody.negated())
@@ -196,6 +203,7 @@ def _changeovers(plan: Decisions, operator: int) -> list[cp_model.IntervalVar]:
             if instance.tool[one] != instance.tool[two]:
                 into[two].append(follows)
     model.add_circuit(arcs)
+    # a changeover lies directly before its task and occupies the operator like work
     swaps = []
     for task, causes in into.items():
         if causes and cost[task]:

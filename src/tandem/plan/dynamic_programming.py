@@ -22,7 +22,7 @@ from tandem.cell.model import Cell
 from tandem.cell.written import number
 from tandem.errors import InfeasibleError, NothingFoundError
 from tandem.plan.bounds import heads, least_makespan, least_stress, load_prices
-from tandem.plan.chronological import Key, Moves, Node
+from tandem.plan.chronological import Branching, Key, Node
 from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
@@ -58,7 +58,7 @@ def solve(
       InfeasibleError: no schedule answers the question; all have been ruled out.
       NothingFoundError: none was found within the limit.
     """
-    search = Search(cell, question, time_limit, on_solution)
+    search = ExhaustiveSearch(cell, question, time_limit, on_solution)
     interrupted = False
     try:
         search.begin(seed, hint)
@@ -128,7 +128,7 @@ class Best:
         self.found[ticks, units] = schedule
 
 
-class Search:
+class ExhaustiveSearch:
     """One search: what is known, and the nodes that are still open."""
 
     def __init__(
@@ -150,7 +150,7 @@ class Search:
         )
         self.most_units = _most(question.max_stress, self.instance.per_stress, UNREACHABLE - 1)
         self.limits = Limits(self.layout, self.most_ticks)
-        self.moves = Moves(self.layout, self.limits.latest_end)
+        self.moves = Branching(self.layout, self.limits.latest_end)
         self.level = [self.moves.root()]
         self.kept: dict[Key, list[tuple[tuple[int, ...], Node]]] = {}
         self.done = False
@@ -309,6 +309,8 @@ class Limits:
         ticks = max(node.free)
         if node.step is not None:
             ticks = max(ticks, node.ends[node.step[0]] + self.behind[node.step[0]])
+        # the work that is left takes operators' time, weighed by the prices, and none of it lies
+        # before they are free
         if work:
             begin = [max(free, node.last) for free in node.free]
             ticks = max(
@@ -331,6 +333,7 @@ class Limits:
                     ),
                 ]
             )
+        # without a table stress adds up task by task
         if self.table is None:
             return ticks, node.stress + load
         least = self._least_listed(node.mask, node.humans)

@@ -26,7 +26,7 @@ from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.method import Progress
-from tandem.plan.portfolio import SMALL, Answer, Effort, Goal, Race
+from tandem.plan.portfolio import SMALL, Effort, Goal, GoalStatus, Race
 from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Result, Status
 from tandem.plan.rules import SPECS, attempts, build
@@ -109,9 +109,11 @@ class _Search:
         """
         if self.layout.impossible():
             return
+        # what the user has is first: whatever is found later has to be better
         if hint is not None:
             self._offer(self.door.hinted(hint))
         random = Random(self.seed)
+        # these rules know nothing of listed sets; the attempts below do
         if self.instance.stress_of_set is None:
             self._by_rule("longest-tail", random, None)
             bound, prices = load_prices(self.layout)
@@ -130,6 +132,7 @@ class _Search:
             ),
             40,
         )
+        # on large cells these attempts take long: they are made only while nothing has been found
         if len(self.instance.tasks) < 100 or not self.archive.found:
             for attempt in few:
                 if attempt is not None:
@@ -212,7 +215,7 @@ class _Search:
         Sweep(self.archive, self.door, effort).run()
         self.infeasible = not self.archive.found and not self.archive.gaps
 
-    def _quickest(self, cap: int | None) -> Answer:
+    def _quickest(self, cap: int | None) -> GoalStatus:
         """The least makespan under the cap on stress and, at that makespan, the least stress; facts
         are learned on the way.
         """
@@ -237,7 +240,7 @@ class _Search:
         makespan = self._point(first.starts)[0]
         second = self._race(Goal(0, 1, makespan, cap))
         self._note(second.bound - 1, makespan + 1)
-        return Answer(second.starts, first.bound, first.proven and second.proven)
+        return GoalStatus(second.starts, first.bound, first.proven and second.proven)
 
     def _lexicographic(self) -> None:
         """The least of one objective and, at that value, the least of the other."""
@@ -290,12 +293,12 @@ class _Search:
         """
         return max([self.instance.horizon, *(makespan for makespan, _ in self.archive.points)])
 
-    def _race(self, goal: Goal) -> Answer:
+    def _race(self, goal: Goal) -> GoalStatus:
         """Works on one goal, from the best schedule known and the best bound known."""
         top = inf if goal.max_stress is None else goal.max_stress
         floor = self.archive.least_makespan(top)
         if floor == inf or (goal.max_makespan is not None and floor > goal.max_makespan):
-            return Answer(None, 0, True)
+            return GoalStatus(None, 0, True)
         stress = (
             self.archive.least_stress
             if goal.max_makespan is None

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from heapq import heapify, heappop, heappush
 
-from tandem.plan.list_scheduling import Layout, State, Step
+from tandem.plan.list_scheduling import Layout, PartialSchedule, Step
 
 Score = Callable[[int, Step], float]
 """`(end in ticks, step) -> how unwelcome it is`: of a task's steps the one with the least is
@@ -20,7 +20,7 @@ the cell.
 """
 
 
-def clockwise(layout: Layout, priority: Sequence[float], score: Score) -> State | None:
+def clockwise(layout: Layout, priority: Sequence[float], score: Score) -> PartialSchedule | None:
     """Along the clock: whenever an operator is free, the tasks that are ready are looked at by
     priority (least first).
 
@@ -28,7 +28,7 @@ def clockwise(layout: Layout, priority: Sequence[float], score: Score) -> State 
     that operator for the tasks looked at after it. None when a task is left without a step: limits
     or teams stand in the way.
     """
-    state = State(layout)
+    state = PartialSchedule(layout)
     future = [(state.ready[task], task) for task, count in enumerate(state.waiting) if not count]
     heapify(future)
     now: list[tuple[float, int]] = []
@@ -53,7 +53,7 @@ def clockwise(layout: Layout, priority: Sequence[float], score: Score) -> State 
 
 
 def _scan(
-    state: State,
+    state: PartialSchedule,
     now: list[tuple[float, int]],
     future: list[tuple[int, int]],
     clock: int,
@@ -87,11 +87,11 @@ def _scan(
     return placed, deferred, moment
 
 
-def by_rank(layout: Layout, priority: Sequence[float], score: Score) -> State | None:
+def by_rank(layout: Layout, priority: Sequence[float], score: Score) -> PartialSchedule | None:
     """Down the list: of the tasks whose predecessors are placed always the one of least priority,
     at whatever time. None as `clockwise`.
     """
-    state = State(layout)
+    state = PartialSchedule(layout)
     ready = [(priority[task], task) for task, count in enumerate(state.waiting) if not count]
     heapify(ready)
     while ready:
@@ -104,14 +104,14 @@ def by_rank(layout: Layout, priority: Sequence[float], score: Score) -> State | 
     return state
 
 
-def by_score(layout: Layout, priority: Sequence[float], score: Score) -> State | None:
+def by_score(layout: Layout, priority: Sequence[float], score: Score) -> PartialSchedule | None:
     """Always the task whose best step has the least score now; equal ones by priority. None as
     `clockwise`.
 
     Scores grow as operators fill up, so one that was right when it was pushed is looked at again
     only when it comes to the top; of many that have grown alike, `LOOKAHEAD` at a time.
     """
-    state = State(layout)
+    state = PartialSchedule(layout)
     ready: list[tuple[float, float, int]] = [
         (0.0, priority[task], task) for task, count in enumerate(state.waiting) if not count
     ]
@@ -136,7 +136,7 @@ def by_score(layout: Layout, priority: Sequence[float], score: Score) -> State |
 
 
 def _best(
-    state: State, task: int, score: Score, reckoned: Sequence[int]
+    state: PartialSchedule, task: int, score: Score, reckoned: Sequence[int]
 ) -> tuple[Step, int] | None:
     """The step of least score, and its start; operators are not free before they are reckoned to
     be.

@@ -21,7 +21,7 @@ class Step(NamedTuple):
     """A way of doing a task that can be part of a schedule.
 
     Attributes:
-      way: its place in `Instance.ways`.
+      way: its index in `Instance.ways`.
       operators: indices; `ticks` its duration; `stress` the sum of `load`, the stress per operator.
     """
 
@@ -103,7 +103,7 @@ class Layout:
         return [task for task, row in enumerate(self.steps) if not row]
 
 
-class State:
+class PartialSchedule:
     """A schedule in the making: tasks are put behind each other and never moved.
 
     Attributes:
@@ -201,15 +201,19 @@ class State:
             if tool >= 0:
                 self.hand[operator] = tool
         self.stress += step.stress
+        # tools and zones with room for all are never full, so nobody counts their places
         if tool >= 0 and instance.tool_room[tool]:
             _take(self.tool_free[tool], len(step.operators), end)
         if zone >= 0:
             _take(self.zone_free[zone], len(step.operators), end)
+        # the first task of those that need the same operators settles them for the others
         if team >= 0:
             self.operators_of[team] = step.operators
+        # what the task puts on operators whoever does it was set aside; now it stands in the load
         if instance.has_limits:
             must = self.layout.must[task]
             self.need = [need - own for need, own in zip(self.need, must, strict=True)]
+        # told to the caller, who would otherwise have to look at all tasks again
         released = []
         for after in instance.behind[task]:
             if self.ready[after] < end:
@@ -257,11 +261,11 @@ class State:
         return start
 
 
-def append_in_order(layout: Layout, order: Sequence[int], steps: Sequence[Step]) -> State:
+def append_in_order(layout: Layout, order: Sequence[int], steps: Sequence[Step]) -> PartialSchedule:
     """The tasks appended in this order, task `t` as `steps[t]`. Assumes that predecessors come
     first; stress limits and teams are not looked at.
     """
-    state = State(layout)
+    state = PartialSchedule(layout)
     earliest, put = state.earliest, state.put
     for task in order:
         put(task, steps[task], earliest(task, steps[task]))

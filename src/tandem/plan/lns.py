@@ -47,7 +47,7 @@ def take_out(
     count: int,
     movers: frozenset[int],
 ) -> Stretch:
-    """The stretch of `count` tasks from place `first` of `order`, which sorts the tasks by start.
+    """The stretch of `count` tasks from index `first` of `order`, which sorts the tasks by start.
 
     Only tasks that now belong to operators in `movers` are planned anew, among them; the others
     keep their operators and their order.

@@ -75,6 +75,8 @@ def prove_makespan(
     def is_over() -> bool:
         return stop() or perf_counter() - began > deadline_s
 
+    # each round asks for something quicker; a narrow search first, since what it finds makes the
+    # wide one, which alone can prove, smaller
     while bound < upper:
         for narrow in (width, None):
             growth = _Growth(Ground.of(layout, prices, upper - 1, most_units), narrow, is_over)
@@ -82,6 +84,7 @@ def prove_makespan(
             nodes += growth.nodes
             if found is not None or growth.cut_short:
                 break
+        # a quicker schedule is no proof: the next round asks below it
         if found is not None:
             best, upper = (
                 found,
@@ -260,8 +263,8 @@ class _Growth:
             kept: dict[int, list[tuple[tuple[int, ...], int, Node]]] = {}
             self._rests.clear()
             count = 0
-            for place, node in enumerate(level):
-                if place % 32 == 0 and (self.is_over() or count > MOST_NODES):
+            for index, node in enumerate(level):
+                if index % 32 == 0 and (self.is_over() or count > MOST_NODES):
                     self.cut_short = True
                     return None
                 for child in self.ground.children(node):
@@ -281,6 +284,7 @@ class _Growth:
         """Merges the node into those with the same tasks unless it is hopeless; gives by how many
         they have grown.
         """
+        # the cheap reasons first: stress and weighted work take a few sums
         rest = self._rest(node.mask)
         most_units = self.ground.most_units
         if most_units is not None and node.units + rest.units > most_units:
@@ -292,10 +296,13 @@ class _Growth:
         work = rest.work + sum(map(mul, self.prices.of_operator, numbers))
         if work > self.ground.most * self.prices.total:
             return 0
+        # whoever has the same tasks and is nowhere later can do whatever this node can
         row = kept.setdefault(node.mask, [])
         for item in row:
             if not any(map(gt, item[0], numbers)):
                 return 0
+        # each operator's own work, with interruptions allowed, is dearer to reckon: only survivors
+        # come here
         bound = max(*node.free, -(-work // self.prices.total))
         for operator, tasks in enumerate(rest.own):
             if tasks:
@@ -313,6 +320,7 @@ class _Growth:
                 bound = max(bound, _interrupted(jobs))
                 if bound > self.ground.most:
                     return 0
+        # and the other way round: those that this node dominates go
         before = len(row)
         row[:] = [item for item in row if any(map(gt, numbers, item[0]))]
         row.append((numbers, bound, node))

@@ -51,7 +51,7 @@ class Goal:
 
 
 @dataclass(frozen=True)
-class Answer:
+class GoalStatus:
     """What is known about a goal.
 
     Attributes:
@@ -242,7 +242,7 @@ class Race:
         with self.lock:
             self.bound = max(self.bound, bound)
 
-    def run(self) -> Answer:
+    def run(self) -> GoalStatus:
         """Works until it is proven, time is up or someone interrupts."""
         try:
             self.start()
@@ -255,12 +255,12 @@ class Race:
         return self.answer
 
     @property
-    def answer(self) -> Answer:
+    def answer(self) -> GoalStatus:
         """What is known so far."""
         starts = None if self.best is None else self.best.starts
         if self.door.refused:
-            return Answer(starts, self.known, False)
-        return Answer(
+            return GoalStatus(starts, self.known, False)
+        return GoalStatus(
             starts,
             self.bound,
             self.infeasible or (self.value is not None and self.bound >= self.value),
@@ -501,11 +501,13 @@ class Race:
         instance, goal = self.instance, self.goal
         makespan, stress = measures(instance, current)
         order = sorted(range(len(current)), key=lambda task: (current[task][1], task))
+        # the rest keeps its order and its ways, so limits are what the rest leaves of them
         stretch = take_out(instance, current, order, first, count, movers)
         rest = stress - sum(instance.ways[task][current[task][0]].stress for task in stretch.tasks)
         upper = makespan if goal.stress == 0 else goal.max_makespan or 2 * makespan
         most = None if goal.max_stress is None else goal.max_stress - rest
         weights = (goal.time, goal.stress)
+        # where stress only has a limit it still breaks ties, as long as the sums stay countable
         if goal.stress == 0 and most is not None:
             hardest = sum(max(way.stress for way in ways) for ways in stretch.instance.ways)
             if (hardest + 1) * upper + hardest <= MOST_COUNTED:
@@ -515,11 +517,14 @@ class Race:
         )
         if fresh is None:
             return None, easy
+        # the stretch goes back by its order, not by its moments: list scheduling closes the gaps
         ways = [way for way, _ in current]
-        for place, task in enumerate(stretch.tasks):
-            ways[task] = stretch.ways[place][fresh[place][0]]
-        middle = sorted(range(len(fresh)), key=lambda place: fresh[place][1])
-        order[first : first + count] = [stretch.tasks[place] for place in middle]
+        for index, task in enumerate(stretch.tasks):
+            ways[task] = stretch.ways[index][fresh[index][0]]
+        middle = sorted(range(len(fresh)), key=lambda index: fresh[index][1])
+        order[first : first + count] = [stretch.tasks[index] for index in middle]
+        # the tasks behind the stretch may begin at other moments now, so limits and deadlines are
+        # asked again
         starts = append(self.layout, order, ways)
         if (
             starts is None
@@ -559,6 +564,7 @@ class Race:
             if goal.max_makespan is None
             else min(goal.max_makespan, self.instance.horizon)
         )
+        # with the least stress paid, the objective's bound is one on the time: shorter domains
         if value is not None and goal.time:
             upper = min(upper, (at_most - goal.stress * least) // goal.time)
         plan = formulate(self.instance, upper, rules)

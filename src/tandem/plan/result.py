@@ -105,8 +105,8 @@ class Front:
     def __len__(self) -> int:
         return len(self.results)
 
-    def __getitem__(self, place: int) -> Result:
-        return self.results[place]
+    def __getitem__(self, index: int) -> Result:
+        return self.results[index]
 
     @property
     def points(self) -> list[tuple[float, float]]:

@@ -17,7 +17,7 @@ from tandem.plan.bounds import least_makespan, least_stress, load_prices
 from tandem.plan.door import Door
 from tandem.plan.greedy import Score, by_rank, by_score, clockwise
 from tandem.plan.instance import Instance
-from tandem.plan.list_scheduling import Layout, State, Step
+from tandem.plan.list_scheduling import Layout, PartialSchedule, Step
 from tandem.plan.method import Method, Progress
 from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Result, Status
@@ -44,7 +44,7 @@ class Rule:
     """
 
     what: str
-    build: Callable[[Layout, Sequence[float], Score], State | None]
+    build: Callable[[Layout, Sequence[float], Score], PartialSchedule | None]
     priority: Priority
     time: float = 1.0
     stress: float = 0.0
@@ -161,7 +161,7 @@ def build(
     stress: float | None = None,
     temperature: float | None = None,
     prices: Sequence[float] | None = None,
-) -> State | None:
+) -> PartialSchedule | None:
     """One schedule by the rule; None when it runs into a limit that leaves a task without a way.
 
     `stress` overrides the rule's weight of stress (per unit, against a weight of 1 per tick),
@@ -305,7 +305,7 @@ class Keeper:
 
 def attempts(
     layout: Layout, rule: Rule, random: Random, question: Question, enough: Callable[[], bool]
-) -> Iterator[State | None]:
+) -> Iterator[PartialSchedule | None]:
     """Schedules by the rule, then repairs until it is enough. None stands for an attempt that ran
     into a limit.
     """
@@ -374,7 +374,7 @@ def _exchange(layout: Layout) -> float:
     return sum(step.ticks for step in steps) / stress if stress else 1.0
 
 
-def _by_listed_sets(layout: Layout, rule: Rule, random: Random) -> Iterator[State | None]:
+def _by_listed_sets(layout: Layout, rule: Rule, random: Random) -> Iterator[PartialSchedule | None]:
     """Schedules for the sets of human tasks that `stress_of_set` lists, least stress first; at most
     a few hundred sets.
     """

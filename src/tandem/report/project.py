@@ -26,7 +26,7 @@ ENDINGS = (".json", ".html")
 EMBEDDED = re.compile(r'<script type="application/json" id="result">(.*?)</script>', re.DOTALL)
 
 
-class State(StrEnum):
+class Freshness(StrEnum):
     """Whether a result belongs to a cell as it is now."""
 
     CURRENT = "current"
@@ -47,7 +47,7 @@ class Standing:
     """
 
     path: Path
-    state: State
+    state: Freshness
     belongs_to: Path | None = None
     schedules: int = 0
     faults: tuple[str, ...] = ()
@@ -199,21 +199,21 @@ def _standing(path: Path, cells: Mapping[Path, Cell], homes: Mapping[str, Path])
     document = _document(path)
     digest = document.get("cell_digest")
     if not isinstance(digest, str):
-        return Standing(path, State.UNKNOWN)
+        return Standing(path, Freshness.UNKNOWN)
     try:
         schedules = schedules_of(document) if is_result(document) else []
     except CellError as error:
         damage = tuple(fault.at(str(path)) for fault in error.faults)
-        return Standing(path, State.DAMAGED, damage=damage)
+        return Standing(path, Freshness.DAMAGED, damage=damage)
     home = homes.get(digest)
     if home is None:
-        return Standing(path, State.STALE, None, len(schedules))
+        return Standing(path, Freshness.STALE, None, len(schedules))
     found = [
         f"schedule {place}: {fault}"
         for place, schedule in enumerate(schedules, 1)
         for fault in faults(cells[home], schedule)
     ]
-    return Standing(path, State.CURRENT, home, len(schedules), tuple(found))
+    return Standing(path, Freshness.CURRENT, home, len(schedules), tuple(found))
 
 
 def stale_at_home(path: Path) -> bool:

@@ -177,12 +177,12 @@ def _trait(kind: str, words: list[str], names: Names) -> tuple[Trait, list[str]]
     line, wrong, plain = KINDS[kind], [], list[str]()
     numbers: dict[str, Range] = {}
     weights: dict[str, Range] = {}
-    for place, word in enumerate(words):
+    for index, word in enumerate(words):
         key, equals, text = word.rpartition("=")
         if not equals and line.words is not None:
             plain.append(word)
             continue
-        key = key.strip() if equals else next(iter(line.settings), "") if place == 0 else ""
+        key = key.strip() if equals else next(iter(line.settings), "") if index == 0 else ""
         if key in line.settings:
             wrong += _number(kind, key, text, line.settings[key], numbers)
         elif line.weighs and "." in key:

@@ -24,11 +24,11 @@ from tandem.world.arrays import NEVER, Array, Arrays, Names, namespace
 from tandem.world.people import Person
 from tandem.world.randomness import (
     Draw,
-    Fate,
+    Scenario,
     away_until,
-    fate,
     next_absence,
     real_ticks,
+    scenario,
     with_rests,
 )
 from tandem.world.state import State
@@ -92,33 +92,33 @@ def begin(arrays: Arrays, people: Person) -> Shift:
     )
 
 
-def step(arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array) -> Shift:
+def step(arrays: Arrays, scenario: Scenario, people: Person, shift: Shift, way: Array) -> Shift:
     """Whose turn it is decides, having been asked to begin `way` (`[]` int, -1 to wait); or time
     runs on when it is nobody's.
     """
     xp = namespace(shift.mask)
     if xp is np:
         return (
-            decide(arrays, fate, people, shift, way)
+            decide(arrays, scenario, people, shift, way)
             if shift.turn >= 0
-            else run_on(arrays, fate, shift)
+            else run_on(arrays, scenario, shift)
         )
-    mine, later = _decided(arrays, fate, people, shift, way), _later(arrays, fate, shift)
+    mine, later = _decided(arrays, scenario, people, shift, way), _later(arrays, scenario, shift)
     ours = shift.turn >= 0
-    return _judged(
+    return _refresh_mask(
         arrays,
         Shift(*(_chosen(xp, ours, one, other) for one, other in zip(mine, later, strict=True))),
     )
 
 
-def decide(arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array) -> Shift:
+def decide(arrays: Arrays, scenario: Scenario, people: Person, shift: Shift, way: Array) -> Shift:
     """Whose turn it is decides. Assumes that it is somebody's."""
-    return _judged(arrays, _decided(arrays, fate, people, shift, way))
+    return _refresh_mask(arrays, _decided(arrays, scenario, people, shift, way))
 
 
-def run_on(arrays: Arrays, fate: Fate, shift: Shift) -> Shift:
+def run_on(arrays: Arrays, scenario: Scenario, shift: Shift) -> Shift:
     """Time runs on to the next event."""
-    return _judged(arrays, _later(arrays, fate, shift))
+    return _refresh_mask(arrays, _later(arrays, scenario, shift))
 
 
 def is_over(arrays: Arrays, shift: Shift) -> Array:
@@ -145,7 +145,7 @@ def expected_ends(arrays: Arrays, state: State) -> Array:
     return xp.where(running, xp.maximum(start + stated, state.clock), state.end_at)
 
 
-def _judged(arrays: Arrays, shift: Shift) -> Shift:
+def _refresh_mask(arrays: Arrays, shift: Shift) -> Shift:
     mask = world.legal(arrays, shift.state)
     return shift._replace(mask=mask, turn=world.turn(arrays, mask))
 
@@ -156,15 +156,15 @@ def _chosen(xp: Any, which: Array, one: Any, other: Any) -> Any:
     return xp.where(which, one, other)
 
 
-def _later(arrays: Arrays, fate: Fate, shift: Shift) -> Shift:
+def _later(arrays: Arrays, scenario: Scenario, shift: Shift) -> Shift:
     """Time has run on. Where nothing was to come, because of refusals, those who refused are asked
     again.
     """
     xp, state = namespace(shift.mask), shift.state
     insists = (world.next_event(arrays, state) == NEVER) & ~state.waits.any()
-    if fate.away_from.shape[0]:
-        moved = world.advance(arrays, state, next_absence(fate, state.clock))
-        moved = moved._replace(away_until=away_until(fate, moved.clock))
+    if scenario.away_from.shape[0]:
+        moved = world.advance(arrays, state, next_absence(scenario, state.clock))
+        moved = moved._replace(away_until=away_until(scenario, moved.clock))
     else:
         moved = world.advance(arrays, state)
     return shift._replace(
@@ -173,33 +173,41 @@ def _later(arrays: Arrays, fate: Fate, shift: Shift) -> Shift:
     )
 
 
-def _decided(arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array) -> Shift:
+def _decided(arrays: Arrays, scenario: Scenario, people: Person, shift: Shift, way: Array) -> Shift:
     xp, state, who = namespace(shift.mask), shift.state, shift.turn
     mine = world.legal_of(arrays, shift.mask, who)
     me = xp.arange(arrays.human.shape[0]) == who
-    operators, decisions, _ = fate.mood.shape
+    operators, decisions, _ = scenario.mood.shape
+    # moods are drawn per decision of an operator and not per step, so that two deciders meet the
+    # same mood at the same decision (common random numbers)
     asked_before = xp.where(me, shift.asked, 0).sum(dtype=xp.int32)
-    mood = fate.mood.reshape(operators * decisions, 3)[
+    mood = scenario.mood.reshape(operators * decisions, 3)[
         xp.maximum(who, 0) * decisions + asked_before % decisions
     ]
+    # who is asked may do something else, wait or refuse: from here on the answer counts, not `way`
     can_wait = world.may_wait(arrays, state, shift.mask, who)
     answer = crew.choose(arrays, state, crew.of(people, who), who, mine, way, can_wait, mood)
-    begins, noticed, missed = _slipped(xp, arrays, fate, people, shift, answer.way)
+    # what is begun need not be what was meant, nor take the stated time
+    begins, noticed, missed = _slipped(xp, arrays, scenario, people, shift, answer.way)
     team = (arrays.way_uses & _is(xp, arrays, begins)[:, None]).any(axis=0)
-    ticks, fatigue = _work(xp, arrays, fate, people, shift, begins, team)
+    ticks, fatigue = _work(xp, arrays, scenario, people, shift, begins, team)
     after = world.assign(arrays, state, begins, ticks, noticed)
     after = (
         after._replace(tries=(after.tries + missed).astype(xp.int32))
         if arrays.undo.shape[0]
         else after
     )
+    # who refuses is asked again, for the turn has not passed; who waits is not
     after = world.wait(after, xp.where((begins < 0) & ~answer.refuses, who, -1))
+    # a suggestion that is not legal is counted below, but is none that could be refused
     wanted = (_is(xp, arrays, way)[:, None] & arrays.of_task & mine[:, None]).any(axis=0)
     refused = (
         (arrays.of_task & wanted[None, :]).any(axis=1)
         & (arrays.way_uses & me[None, :]).any(axis=1)
         & answer.refuses
     )
+    # a change of plan is one that a person notices: another task than was announced to it, while
+    # that one is still open
     before = xp.where(me, shift.suggested, 0).sum(dtype=xp.int32) + xp.where(me.any(), 0, -1)
     task = xp.where(wanted.any(), wanted.argmax(), -1).astype(xp.int32)
     still_open = ((xp.arange(arrays.needs.shape[0]) == before) & (state.way < 0)).any()
@@ -224,7 +232,7 @@ def _is(xp: Any, arrays: Arrays, way: Array) -> Array:
 
 
 def _slipped(
-    xp: Any, arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array
+    xp: Any, arrays: Arrays, scenario: Scenario, people: Person, shift: Shift, way: Array
 ) -> tuple[Array, Array | None, Array]:
     """What really begins; when it is noticed that it was wrong (NEVER: it is right); and `[M]`
     bool, the task that was meant if another is begun.
@@ -234,33 +242,41 @@ def _slipped(
     state, chosen = shift.state, _is(xp, arrays, way)
     task = (arrays.of_task & chosen[:, None]).any(axis=0)
     team = (arrays.way_uses & chosen[:, None]).any(axis=0)
-    attempt = task[:, None] & (xp.arange(fate.slip.shape[1])[None, :] == state.tries[:, None])
+    attempt = task[:, None] & (xp.arange(scenario.slip.shape[1])[None, :] == state.tries[:, None])
     comes_off = (task & world.mounted(state)).any()
 
     def drawn(numbers: Array) -> Array:
         return xp.where(attempt, numbers, 0).sum()
 
+    # a team is as careless as the one who forgets most; taking apart cannot go wrong
     careless = xp.where(team, people.forgets, 0.0).max()
-    wrong = attempt.any() & (drawn(fate.slip) < careless) & ~comes_off
+    wrong = attempt.any() & (drawn(scenario.slip) < careless) & ~comes_off
     premature = world.out_of_order(arrays, state) & world.legal_of(
         arrays, arrays.way_size == 1, shift.turn
     )
-    other = (premature.cumsum() > drawn(fate.order) * premature.sum()).argmax()
+    # the number picks one of the premature tasks evenly, without a draw for each of them
+    other = (premature.cumsum() > drawn(scenario.order) * premature.sum()).argmax()
     strays = (
         wrong
-        & (drawn(fate.order) < 1)
+        & (drawn(scenario.order) < 1)
         & premature.any()
         & ((xp.arange(arrays.human.shape[0]) == shift.turn) & arrays.human).any()
     )
     return (
         xp.where(strays, other, way).astype(xp.int32),
-        xp.where(wrong, drawn(fate.notice), NEVER).astype(xp.int32),
+        xp.where(wrong, drawn(scenario.notice), NEVER).astype(xp.int32),
         task & strays,
     )
 
 
 def _work(
-    xp: Any, arrays: Arrays, fate: Fate, people: Person, shift: Shift, way: Array, team: Array
+    xp: Any,
+    arrays: Arrays,
+    scenario: Scenario,
+    people: Person,
+    shift: Shift,
+    way: Array,
+    team: Array,
 ) -> tuple[Array, Array]:
     """How long the way really takes, and `[O]` how tired each would be after it. The slowest of a
     team sets the pace (ASSUMPTION).
@@ -275,10 +291,12 @@ def _work(
         if arrays.undo.shape[0]
         else 0
     )
-    drawn = real_ticks(fate, arrays, way, tries, stated)
+    drawn = real_ticks(scenario, arrays, way, tries, stated)
     # added to the whole number, so that the stated time stays what it is
     more = drawn * slowest - stated
-    ticks = with_rests(fate, start, xp.maximum(1, stated + xp.rint(more).astype(xp.int32)), team)
+    ticks = with_rests(
+        scenario, start, xp.maximum(1, stated + xp.rint(more).astype(xp.int32)), team
+    )
     return ticks, crew.tired(people, fresh, chosen, ticks)
 
 
@@ -294,10 +312,10 @@ class Played(NamedTuple):
 
 
 def play(
-    arrays: Arrays, fate: Fate, people: Person, decide: Decider, limit: int = 10_000
+    arrays: Arrays, scenario: Scenario, people: Person, decide: Decider, limit: int = 10_000
 ) -> Played:
     """A whole episode in JAX; ends after `limit` steps at the latest. `jit` it, `vmap` it over
-    fates, people and cells.
+    scenarios, people and cells.
     """
     import jax
 
@@ -306,7 +324,7 @@ def play(
 
     shift = jax.lax.while_loop(
         goes_on,
-        lambda shift: step(arrays, fate, people, shift, decide(arrays, shift)),
+        lambda shift: step(arrays, scenario, people, shift, decide(arrays, shift)),
         begin(arrays, people),
     )
     return _played(arrays, shift)
@@ -330,7 +348,7 @@ def _compiled(draw: Draw, decide: Decider) -> Callable[[jax.Array, Arrays, Perso
 
     def many(key: jax.Array, arrays: Arrays, people: Person) -> Played:
         def one(uniform: jax.Array, person: Person) -> Played:
-            return play(arrays, fate(draw, arrays, uniform), crew.crew(arrays, person), decide)
+            return play(arrays, scenario(draw, arrays, uniform), crew.crew(arrays, person), decide)
 
         return jax.vmap(one)(jax.random.uniform(key, (people.pace.shape[0], draw.numbers)), people)
 
@@ -360,7 +378,12 @@ class Episode:
 
 
 def play_one(
-    names: Names, arrays: Arrays, fate: Fate, people: Person, decide: Decider, limit: int = 10_000
+    names: Names,
+    arrays: Arrays,
+    scenario: Scenario,
+    people: Person,
+    decide: Decider,
+    limit: int = 10_000,
 ) -> Episode:
     """A whole episode in NumPy, under a decider in Python; the same functions as `play`. Ends after
     `limit` steps at the latest.
@@ -373,12 +396,13 @@ def play_one(
             shift,
             step(
                 arrays,
-                fate,
+                scenario,
                 people,
                 shift,
                 decide(arrays, shift) if shift.turn >= 0 else np.int32(-1),
             ),
         )
+        # an assignment shows as a new start, whatever else the step brought
         for task in np.flatnonzero(
             (shift.state.start_at != before.state.start_at) & (shift.state.way >= 0)
         ):

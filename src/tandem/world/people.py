@@ -120,7 +120,7 @@ def choose(
       legal: `[W]` bool, the ways that it may begin now; at least one.
       suggested: `[]` int, a way, or -1 for waiting; what is not legal counts as waiting.
       can_wait: `[]` bool, it may let its turn pass.
-      mood: `[3]` float32 in 0..1, see `fate.Fate`.
+      mood: `[3]` float32 in 0..1, see `randomness.Scenario`.
     """
     xp = namespace(legal)
     asked = (xp.arange(legal.shape[0]) == suggested) & legal

@@ -132,8 +132,8 @@ class _Reader:
             return ()
         return tuple(
             group
-            for place, row in enumerate(rows)
-            if (group := self.group((part, place), row)) is not None
+            for index, row in enumerate(rows)
+            if (group := self.group((part, index), row)) is not None
         )
 
     def group(self, path: tuple[str | int, ...], row: Any) -> Group | None:

@@ -123,7 +123,7 @@ OFF = Chance()
 """Nothing happens by chance."""
 
 
-class Fate(NamedTuple):
+class Scenario(NamedTuple):
     """What chance brings in one episode. `A` attempts, `N` absences of all operators, `D` decisions
     of an operator, `M` as in `State`.
 
@@ -148,7 +148,7 @@ class Fate(NamedTuple):
 
 @dataclass(frozen=True)
 class Draw:
-    """How many numbers an episode of a cell needs: what `fate` takes.
+    """How many numbers an episode of a cell needs: what `scenario` takes.
 
     Attributes:
       chance: what may happen.
@@ -218,7 +218,7 @@ class Draw:
         }
 
 
-def fate(draw: Draw, arrays: Arrays, uniform: Array) -> Fate:
+def scenario(draw: Draw, arrays: Arrays, uniform: Array) -> Scenario:
     """One episode's chance from uniform numbers `[draw.numbers]` in [0, 1), float32: in JAX,
     `jax.random.uniform(key, (draw.numbers,))`.
     """
@@ -233,7 +233,7 @@ def fate(draw: Draw, arrays: Arrays, uniform: Array) -> Fate:
     noticed = xp.where(
         slips[2] < chance.later, _exponential(xp, slips[3], chance.notice_s * draw.per_second), 0
     )
-    return Fate(
+    return Scenario(
         factor=_factors(xp, draw, arrays, parts["factor"]),
         away_from=away_from,
         away_to=away_to,
@@ -247,62 +247,64 @@ def fate(draw: Draw, arrays: Arrays, uniform: Array) -> Fate:
     )
 
 
-def nominal_fate(draw: Draw, arrays: Arrays) -> Fate:
+def nominal_scenario(draw: Draw, arrays: Arrays) -> Scenario:
     """The episode in which every coin of a mood lies in the middle: with chance off and compliant
     people, the nominal world.
     """
-    return fate(draw, arrays, namespace(arrays.way_ticks).full(draw.numbers, 0.5, "float32"))
+    return scenario(draw, arrays, namespace(arrays.way_ticks).full(draw.numbers, 0.5, "float32"))
 
 
-def fates(key: jax.Array, draw: Draw, arrays: Arrays, episodes: int) -> Fate:
+def scenarios(key: jax.Array, draw: Draw, arrays: Arrays, episodes: int) -> Scenario:
     """The chances of so many episodes, with a leading axis, in NumPy: those that
     `episode.play_many` has for the same key.
     """
     import jax
 
-    make = jax.jit(jax.vmap(partial(fate, draw, arrays)))
-    return Fate(
+    make = jax.jit(jax.vmap(partial(scenario, draw, arrays)))
+    return Scenario(
         *(np.asarray(part) for part in make(jax.random.uniform(key, (episodes, draw.numbers))))
     )
 
 
-def real_ticks(fate: Fate, arrays: Arrays, way: Array, attempt: Array, nominal: Array) -> Array:
+def real_ticks(
+    scenario: Scenario, arrays: Arrays, way: Array, attempt: Array, nominal: Array
+) -> Array:
     """`[]` float32, ticks that the way (`[]` int, -1 for none) takes at this attempt (`[]` int),
     people's pace aside.
     """
     xp = namespace(nominal)
-    if not fate.factor.shape[0]:
+    if not scenario.factor.shape[0]:
         return nominal.astype(xp.float32)
-    ways, attempts = fate.factor.shape
-    place = xp.maximum(way, 0) * attempts + xp.minimum(attempt, attempts - 1)
-    return nominal * fate.factor.reshape(ways * attempts)[place]
+    ways, attempts = scenario.factor.shape
+    index = xp.maximum(way, 0) * attempts + xp.minimum(attempt, attempts - 1)
+    return nominal * scenario.factor.reshape(ways * attempts)[index]
 
 
-def with_rests(fate: Fate, start: Array, ticks: Array, who: Array) -> Array:
+def with_rests(scenario: Scenario, start: Array, ticks: Array, who: Array) -> Array:
     """`[]` int32, ticks from the start until the end of work that rests while one of those who do
     it (`[O]` bool) is away.
     """
     xp = namespace(ticks)
     end, covered = start + ticks, start
-    for place in range(fate.away_from.shape[0]):
-        off, back = xp.maximum(fate.away_from[place], covered), fate.away_to[place]
-        rests = xp.any(fate.away[place] & who) & (off < end) & (back > off)
+    for index in range(scenario.away_from.shape[0]):
+        off, back = xp.maximum(scenario.away_from[index], covered), scenario.away_to[index]
+        rests = xp.any(scenario.away[index] & who) & (off < end) & (back > off)
         end = end + xp.where(rests, back - off, 0)
         covered = xp.where(rests, back, covered)
     return (end - start).astype(xp.int32)
 
 
-def away_until(fate: Fate, clock: Array) -> Array:
+def away_until(scenario: Scenario, clock: Array) -> Array:
     """`[O]` int32, when who has left by `clock` came or comes back."""
     xp = namespace(clock)
-    left = fate.away & (fate.away_from <= clock)[:, None]
-    return xp.max(xp.where(left, fate.away_to[:, None], 0), axis=0).astype(xp.int32)
+    left = scenario.away & (scenario.away_from <= clock)[:, None]
+    return xp.max(xp.where(left, scenario.away_to[:, None], 0), axis=0).astype(xp.int32)
 
 
-def next_absence(fate: Fate, clock: Array) -> Array:
+def next_absence(scenario: Scenario, clock: Array) -> Array:
     """`[]` int32, the next tick at which somebody leaves; NEVER when nobody does."""
     xp = namespace(clock)
-    return xp.min(xp.where(fate.away_from > clock, fate.away_from, NEVER)).astype(xp.int32)
+    return xp.min(xp.where(scenario.away_from > clock, scenario.away_from, NEVER)).astype(xp.int32)
 
 
 def _factors(xp: Any, draw: Draw, arrays: Arrays, uniform: Array) -> Array:

@@ -2,9 +2,10 @@
 cell; `vmap` adds the batch.
 
 Pure functions over an array namespace: NumPy arrays in, NumPy arrays out; under `jax.jit` and
-`jax.vmap` the same lines are traced. None draws a random number: what chance brings (`fate.py`)
-comes in as arguments. Every rule is the checker's (`schedule/checker.py`) to the letter, so that a
-sound schedule replays to exactly its makespan and legal play makes sound schedules:
+`jax.vmap` the same lines are traced. None draws a random number: what chance brings
+(`randomness.py`) comes in as arguments. Every rule is the checker's (`schedule/checker.py`) to the
+letter, so that a sound schedule replays to exactly its makespan and legal play makes sound
+schedules:
 
 - A way may begin when the tasks before it have ended, its release has come, all its operators are
   free, and its tool and its zone have room.

@@ -30,7 +30,7 @@ from tandem.lab.alessio2022.adversarial import (
 from tandem.lab.kinat2023.learn_env import StationWorld
 from tandem.lab.kinat2023.recipe import STATION
 from tandem.learn.ppo.config import Config, Stage
-from tandem.learn.world import Outcome
+from tandem.learn.world import StepResult
 
 
 class Round(NamedTuple):
@@ -62,9 +62,9 @@ class Pennies:
     def narrow(self, state: Round, legal: Any, action: Any) -> Any:
         return legal
 
-    def step(self, state: Round, action: Any) -> tuple[Round, Outcome]:
+    def step(self, state: Round, action: Any) -> tuple[Round, StepResult]:
         same = action[0] == action[1]
-        return Round(state.number + 1), Outcome(
+        return Round(state.number + 1), StepResult(
             jnp.where(same, jnp.array([0.0, 1.0]), jnp.array([1.0, 0.0])),
             jnp.ones((), bool),
             jnp.zeros(2, jnp.int32),

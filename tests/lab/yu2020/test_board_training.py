@@ -13,7 +13,7 @@ from tandem.lab.yu2020.board import random_board
 from tandem.lab.yu2020.config import YuConfig, YuSearch
 from tandem.lab.yu2020.optimal import optimum
 from tandem.lab.yu2020.play import play
-from tandem.learn.alphazero.config import Config, Wander
+from tandem.learn.alphazero.config import Config, EpsilonGreedy
 
 pytestmark = pytest.mark.usefixtures("quickly_compiled")
 
@@ -71,7 +71,7 @@ def test_games_are_legal_and_never_better_than_the_optimum(theirs):
 
 def test_trouble_costs_time():
     untrained = board_training.untrained(Config(units=8), TRAINING[0], seed=0)
-    calm = board_training.play(untrained, TEST, samples=4, looking=Wander(0.0))
+    calm = board_training.play(untrained, TEST, samples=4, looking=EpsilonGreedy(0.0))
     assert calm.shape == (3, 4)
     assert (calm == calm[:, :1]).all()
     numbers = np.random.default_rng(0).random((3, 4, 3, 4, 5))
@@ -84,7 +84,9 @@ def test_trouble_costs_time():
         lambda *leaves: np.stack(leaves).reshape(3, 4, 4, 5),
         *[fate for row in fates for fate in row],
     )
-    troubled = board_training.play(untrained, TEST, samples=4, looking=Wander(0.0), fates=stacked)
+    troubled = board_training.play(
+        untrained, TEST, samples=4, looking=EpsilonGreedy(0.0), fates=stacked
+    )
     assert troubled.mean() > calm.mean() + 5
 
 

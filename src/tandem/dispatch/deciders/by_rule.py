@@ -17,7 +17,7 @@ from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.lookahead.residual import rest
 from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.dispatch.situation.model import Situation
-from tandem.plan.list_scheduling import Layout, State
+from tandem.plan.list_scheduling import Layout, PartialSchedule
 from tandem.plan.rules import SPECS, build
 
 
@@ -66,7 +66,7 @@ class ByRule:
         rule = SPECS[self.name]
         legal = allowed(moves, situation)
         random = Random(f"{self.seed} {situation.now!r}")
-        found: list[State] = []
+        found: list[PartialSchedule] = []
         for sample in range(rule.samples):
             state = build(
                 layout,
@@ -105,7 +105,7 @@ class ByRule:
         )
 
 
-def _begins(layout: Layout, state: State, task: int, start: int) -> bool:
+def _begins(layout: Layout, state: PartialSchedule, task: int, start: int) -> bool:
     """The task starts now, but for the changeover that comes first."""
     tool = layout.instance.timed_tool[task]
     swap = layout.instance.swap_ticks[tool] if tool >= 0 else None

@@ -140,6 +140,7 @@ def state_of(names: Names, arrays: Arrays, situation: Situation) -> State:
         part.copy()
         for part in (state.way, state.start_at, state.end_at, state.bad_at, state.undoing)
     )
+    # rests are cut off at the front: the world reckons the pace from what the task really took
     for task, work in {**situation.done, **situation.wrong}.items():
         t = names.tasks.index(task)
         way[t] = names.way(task, work.operators)
@@ -147,6 +148,7 @@ def state_of(names: Names, arrays: Arrays, situation: Situation) -> State:
         bad[t] = 0 if task in situation.wrong else NEVER
         for who in work.operators:
             free[names.operators.index(who)] = max(free[names.operators.index(who)], end[t])
+    # overdue work is about to end: a tick from now, or the world would take it for done
     for task, running in situation.running.items():
         t = names.tasks.index(task)
         way[t], undoing[t] = names.way(task, running.operators), running.undoing
@@ -156,6 +158,7 @@ def state_of(names: Names, arrays: Arrays, situation: Situation) -> State:
         )
         for who in running.operators:
             free[names.operators.index(who)] = end[t]
+    # nobody knows when someone comes back: the assumption stands at `AWAY_S`
     for who in situation.absent | situation.failed:
         away[names.operators.index(who)] = clock + names.ticks(AWAY_S)
     refused = [

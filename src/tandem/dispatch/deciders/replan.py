@@ -22,7 +22,7 @@ from tandem.dispatch.deciders.beliefs import Models, allowed, cost_so_far, posit
 from tandem.dispatch.deciders.by_rule import ByRule
 from tandem.dispatch.deciders.policy import Decision, Options
 from tandem.dispatch.deciders.reply import reply
-from tandem.dispatch.lookahead.branch_and_bound import OutOfTimeError, Search
+from tandem.dispatch.lookahead.branch_and_bound import BranchAndBound, OutOfTimeError
 from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.lookahead.residual import Plan, build, rest, solve
 from tandem.dispatch.lookahead.transitions import Moves, Position
@@ -118,6 +118,7 @@ def by_plan(
     `began`: the moment by the policy's clock at which the decision's budget began.
     """
     until = began + PLANNED * policy.options.budget_ms / 1000
+    # a model that would be built after the time is up is not begun: building cannot be stopped
     left = rest(moves, here)
     is_time_to_build = (
         left is not None
@@ -132,6 +133,7 @@ def by_plan(
             seed=policy.options.seed,
         )
     choice = None if plan is None else starting(moves, here, plan, allowed(moves, situation))
+    # there is always an answer: the rule's, when the solver's comes too late or begins nothing
     if plan is None or choice is None:
         choice = policy.rule.choose(moves, here, situation)
         because = f"by a rule, because no plan was found in {policy.options.budget_ms:g} ms"
@@ -145,6 +147,7 @@ def by_plan(
             began=began,
             because=because,
         )
+    # costs are told of the whole assembly, from its beginning
     cost = cost_so_far(policy.objective, situation) + _cost(policy.objective, moves, plan)
     end = situation.now + plan.ticks / moves.instance.per_second
     because = (
@@ -212,7 +215,7 @@ class Robust:
     moves_s: float = 0.0
     name: str = "replan-robust"
     clock: Callable[[], float] = perf_counter
-    _searches: dict[int, Search] = field(default_factory=dict)
+    _searches: dict[int, BranchAndBound] = field(default_factory=dict)
 
     def warm_up(self) -> None:
         """Values the first choices, so that the shift's first decision is as quick as the others; a
@@ -273,7 +276,8 @@ class Robust:
         Raises OutOfTimeError when it is later than `until` by the clock.
         """
         beliefs = [
-            (share, *self._under(situation, factor, until)) for factor, share in scenarios(paces)
+            (share, *self._under(situation, factor, until))
+            for factor, share in pace_scenarios(paces)
         ]
         found = self._values(situation, beliefs, None)
         if len(found) > 1 and found[1][1] <= found[0][1] + TIE:
@@ -286,13 +290,13 @@ class Robust:
 
     def _under(
         self, situation: Situation, factor: tuple[tuple[str, float], ...], until: float
-    ) -> tuple[Search, Position]:
+    ) -> tuple[BranchAndBound, Position]:
         if self.clock() > until:
             raise OutOfTimeError("the beliefs were not looked at in time.")
         moves = self.models.of(situation, dict(factor))
         search = self._searches.pop(id(moves), None)
         if search is None or search.moves is not moves:
-            search = Search(moves, _weights(self.objective, moves), clock=self.clock)
+            search = BranchAndBound(moves, _weights(self.objective, moves), clock=self.clock)
         if len(self._searches) >= MOST_SEARCHES:
             # the one not used for longest; all at once would take too long
             del self._searches[next(iter(self._searches))]
@@ -310,6 +314,7 @@ class Robust:
         """
         _, leading, here = beliefs[0]
         first = leading.moves
+        # the search calls legal what the situation may not let begin now; both have to agree
         if among is None:
             legal = allowed(first, situation)
             among = (
@@ -318,6 +323,7 @@ class Robust:
                 if legal.issuperset(choice)
             )
         announced = self._announced(situation, first, here)
+        # bounds cost little and values much, so every choice gets its bound before any gets a value
         bounds = []
         for choice in self._kept(announced, list(among)):
             leading.look()
@@ -325,13 +331,18 @@ class Robust:
             if steps is not None:
                 floor = sum(share * bound for share, _, bound, _, _ in steps)
                 bounds.append((floor + self._penalty(announced, choice), choice, steps))
+        # the most promising first: a good value early rules out all that comes behind it
         bounds.sort(key=lambda row: (row[0], [-way for way in row[1]]))
         best, found = inf, []
         for bound, choice, steps in bounds:
             if bound > best + TIE:
                 break
+            # scenario after scenario the bound's share is exchanged for the value's, so that the
+            # sum stays a lower bound and may be left as soon as it is too high
             cost = bound
             for share, search, floor, paid, after in steps:
+                # no search need know more than whether it stays below what would still tie with the
+                # best
                 room = inf if best == inf else (best + 2 * TIE - cost) / share + floor - paid
                 cost += share * (paid + search.value(after, room) - floor)
                 if cost > best + TIE:
@@ -422,7 +433,7 @@ def _as_one(pace: Pace) -> Pace:
     return replace(pace, shares=((round(pace.mean, 3), 1.0),))
 
 
-def scenarios(paces: Mapping[str, Pace]) -> list[tuple[tuple[tuple[str, float], ...], float]]:
+def pace_scenarios(paces: Mapping[str, Pace]) -> list[tuple[tuple[tuple[str, float], ...], float]]:
     """Beliefs about all humans together: (human and factor for each, probability); the most likely
     ones where there are many.
     """
@@ -442,9 +453,9 @@ def scenarios(paces: Mapping[str, Pace]) -> list[tuple[tuple[tuple[str, float], 
     return [(factors, share / total) for factors, share in kept]
 
 
-Belief = tuple[float, Search, Position]
+Belief = tuple[float, BranchAndBound, Position]
 """(probability, the search under it, where the assembly stands under it)."""
-Step = tuple[float, Search, float, float, Position]
+Step = tuple[float, BranchAndBound, float, float, Position]
 """(probability, search, bound, cost until then, position then) of a choice under one belief."""
 
 

@@ -19,7 +19,7 @@ from tandem.dispatch.evaluation.ticking import by_hand, compiled, rows
 from tandem.world.arrays import NEVER, Arrays, Names
 from tandem.world.episode import Shift
 from tandem.world.people import Person
-from tandem.world.randomness import Draw, Fate, fates
+from tandem.world.randomness import Draw, Scenario, scenarios
 
 FEW = 12
 """So many episodes are played in NumPy, one after the other: quicker than compiling."""
@@ -48,21 +48,23 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class Stage:
+class EpisodeBatch:
     """Where episodes are played: a cell, its chance, and the chances drawn.
 
     Attributes:
-      fates: with a leading axis `E`. `people`: `E` persons.
+      scenarios: with a leading axis `E`. `people`: `E` persons.
     """
 
     names: Names
     arrays: Arrays
-    fates: Fate
+    scenarios: Scenario
     people: Person
     taking_apart: float = 1.0
 
     @classmethod
-    def of(cls, names: Names, arrays: Arrays, draw: Draw, people: Person, seed: int) -> Stage:
+    def of(
+        cls, names: Names, arrays: Arrays, draw: Draw, people: Person, seed: int
+    ) -> EpisodeBatch:
         """Draws the chances of as many episodes as there are people; the same seed gives the same
         ones, whoever decides.
         """
@@ -71,7 +73,7 @@ class Stage:
         return cls(
             names,
             arrays,
-            fates(jax.random.key(seed), draw, arrays, people.pace.shape[0]),
+            scenarios(jax.random.key(seed), draw, arrays, people.pace.shape[0]),
             people,
             draw.chance.undo,
         )
@@ -92,14 +94,16 @@ class Stage:
         stage = (
             self
             if count > FEW
-            else replace(self, fates=rows(self.fates, count), people=rows(self.people, count))
+            else replace(
+                self, scenarios=rows(self.scenarios, count), people=rows(self.people, count)
+            )
         )
         return _Play(stage, policy, count, between).run()
 
 
 @dataclass
 class _Play:
-    stage: Stage
+    stage: EpisodeBatch
     policy: Policy
     count: int
     between: Callable[[], None]
@@ -135,7 +139,7 @@ class _Play:
                     else max(names.ticks(decision.look_again), int(seen.clock[number]) + 1)
                 )
                 changes[number] += _announce(names, decision, asked[number], seen.open[number])
-            shift, over, off = tick(stage.arrays, stage.fates, stage.people, shift, ways, until)
+            shift, over, off = tick(stage.arrays, stage.scenarios, stage.people, shift, ways, until)
         return self._outcome(end(stage.arrays, shift), changes)
 
     def _decision(self, seen: _Seen, number: int) -> Decision:

@@ -44,15 +44,18 @@ class Observer:
         done, running, wrong, past = {}, {}, {}, []
         for number, task in enumerate(self.names.tasks):
             way, start, end = row["way"][number], row["start_at"][number], row["end_at"][number]
+            # not begun, or taken off again: nothing of it can be seen
             if way < 0:
                 continue
             operators = self.names.ways[way][1].operators
             undoing = bool(row["undoing"] and row["undoing"][number])
             ticks = int(self.arrays.undo[way] if undoing else self.arrays.way_ticks[way])
+            # work in hand shows its stated time only: when it will really end is chance's secret
             if end > clock or undoing:
                 away = any(
                     row["away_until"][self.names.operators.index(who)] > clock for who in operators
                 )
+                # while somebody is away the work rests, and the decider may know that
                 since = self.names.seconds(clock) if away else None
                 running[task] = Running(
                     operators,
@@ -71,11 +74,13 @@ class Observer:
                 0.0,
                 "done",
             )
+            # who watches knows that a wrong task is wrong only once it has to come off
             past.append(work)
             if row["off"] and row["off"][number]:
                 wrong[task] = work
             else:
                 done[task] = work
+        # a robot that is away has failed, a human is absent: the two are told apart by their kind
         off = [
             name
             for number, name in enumerate(self.names.operators)

@@ -15,7 +15,7 @@ from tandem.world import state as world
 from tandem.world.arrays import NEVER, Arrays, namespace
 from tandem.world.episode import Shift
 from tandem.world.people import Person, crew
-from tandem.world.randomness import Fate, away_until, next_absence
+from tandem.world.randomness import Scenario, away_until, next_absence
 
 T = TypeVar("T", bound=tuple[Any, ...])
 
@@ -23,9 +23,9 @@ T = TypeVar("T", bound=tuple[Any, ...])
 class Ticking(NamedTuple):
     """Functions over a leading axis of `E` episodes.
 
-    begin: `(arrays, people)`; tick: `(arrays, fates, people, shifts, ways, until)`. Each gives the
-    shifts, `[E]` whether they are over, and
-      `[E, M]` which tasks must come off. `until`: ticks at which time stops though nothing happens.
+    begin: `(arrays, people)`; tick: `(arrays, scenarios, people, shifts, ways, until)`. Each gives
+      the shifts, `[E]` whether they are over, and `[E, M]` which tasks must come off. `until`:
+      ticks at which time stops though nothing happens.
     end: `(arrays, shifts)` -> `[E]` makespan in ticks, stress in units, and whether all was done.
     """
 
@@ -41,16 +41,16 @@ def compiled() -> Ticking:
     import jax.numpy as jnp
 
     def tick(
-        arrays: Arrays, fate: Fate, person: Person, shift: Shift, way: Any, until: Any
+        arrays: Arrays, scenario: Scenario, person: Person, shift: Shift, way: Any, until: Any
     ) -> tuple[Shift, Any, Any]:
-        mine = episode.decide(arrays, fate, crew(arrays, person), shift, way)
+        mine = episode.decide(arrays, scenario, crew(arrays, person), shift, way)
         ours = shift.turn >= 0
         return told(
             arrays,
             jax.tree.map(
                 lambda one, other: jnp.where(ours, one, other),
                 mine,
-                later(arrays, fate, shift, until),
+                later(arrays, scenario, shift, until),
             ),
         )
 
@@ -69,11 +69,11 @@ def by_hand() -> Ticking:
         return _stacked([begun(arrays, row(people, number)) for number in range(len(people.pace))])
 
     def tick(
-        arrays: Arrays, fates: Fate, people: Person, shifts: Shift, ways: Any, until: Any
+        arrays: Arrays, scenarios: Scenario, people: Person, shifts: Shift, ways: Any, until: Any
     ) -> Any:
         found = []
         for number in range(len(ways)):
-            shift, fate = row(shifts, number), row(fates, number)
+            shift, scenario = row(shifts, number), row(scenarios, number)
             if episode.is_over(arrays, shift):
                 found.append(told(arrays, shift))
             elif shift.turn >= 0:
@@ -81,12 +81,12 @@ def by_hand() -> Ticking:
                     told(
                         arrays,
                         episode.decide(
-                            arrays, fate, crew(arrays, row(people, number)), shift, ways[number]
+                            arrays, scenario, crew(arrays, row(people, number)), shift, ways[number]
                         ),
                     )
                 )
             else:
-                found.append(told(arrays, later(arrays, fate, shift, until[number])))
+                found.append(told(arrays, later(arrays, scenario, shift, until[number])))
         return _stacked(found)
 
     def end(arrays: Arrays, shifts: Shift) -> Any:
@@ -100,7 +100,7 @@ def begun(arrays: Arrays, person: Person) -> tuple[Shift, Any, Any]:
     return told(arrays, episode.begin(arrays, crew(arrays, person)))
 
 
-def later(arrays: Arrays, fate: Fate, shift: Shift, until: Any) -> Shift:
+def later(arrays: Arrays, scenario: Scenario, shift: Shift, until: Any) -> Shift:
     """Time runs on to the next event, or to the moment at which the decider wants to look again;
     one that has passed is none.
     """
@@ -109,10 +109,10 @@ def later(arrays: Arrays, fate: Fate, shift: Shift, until: Any) -> Shift:
     state = world.advance(
         arrays,
         shift.state,
-        xp.minimum(until, next_absence(fate, clock)) if fate.away_from.shape[0] else until,
+        xp.minimum(until, next_absence(scenario, clock)) if scenario.away_from.shape[0] else until,
     )
-    if fate.away_from.shape[0]:
-        state = state._replace(away_until=away_until(fate, state.clock))
+    if scenario.away_from.shape[0]:
+        state = state._replace(away_until=away_until(scenario, state.clock))
     mask = world.legal(arrays, state)
     return shift._replace(
         state=state, mask=mask, turn=world.turn(arrays, mask), events=shift.events + 1

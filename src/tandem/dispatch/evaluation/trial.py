@@ -17,7 +17,7 @@ from tandem.cell.names import Known
 from tandem.dispatch.deciders.memory import settled_memory
 from tandem.dispatch.deciders.policy import Basis, Options, Policy, basis_of
 from tandem.dispatch.deciders.table import POLICIES, policy
-from tandem.dispatch.evaluation.batch import Outcome, Stage
+from tandem.dispatch.evaluation.batch import EpisodeBatch, Outcome
 from tandem.dispatch.evaluation.best_response import optimum
 from tandem.dispatch.lookahead.objective import SECONDS, Objective
 from tandem.errors import CellError, TandemError, UsageError
@@ -112,7 +112,7 @@ def _document(
     draw = Draw.of(names, arrays, trial.chance)
     persons = people.draw(np.random.default_rng(trial.seed), trial.episodes)
     best = best_of(cell, trial, persons)
-    stage = Stage.of(names, arrays, draw, persons, trial.seed)
+    stage = EpisodeBatch.of(names, arrays, draw, persons, trial.seed)
     told = replace(
         trial.options,
         random=float(persons.random[0]) if np.ptp(persons.random) == 0 else trial.options.random,
@@ -277,8 +277,8 @@ def split_people(text: Sequence[str]) -> tuple[str, ...]:
     kinds = (*KINDS, "population")
     found: list[str] = []
     for one in text:
-        for place, part in enumerate(one.split(",")):
-            if place == 0 or part.strip().partition(":")[0].partition("+")[0] in kinds:
+        for index, part in enumerate(one.split(",")):
+            if index == 0 or part.strip().partition(":")[0].partition("+")[0] in kinds:
                 found.append(part)
             else:
                 found[-1] += f",{part}"

@@ -165,6 +165,7 @@ class BeliefValues:
         """
         belief, cost, model = self.root(), 0.0, self.under[0]
         while not self.moves.is_over(belief[0][1]):
+            # people take their pick before the robots are told, as on the floor
             for turn, human in enumerate(model.humans):
                 here = belief[0][1]
                 legal = (
@@ -184,6 +185,7 @@ class BeliefValues:
                     self.begun(belief, way),
                     cost + model.weights[1] * self.moves.units[way],
                 )
+            # of all that could be seen next, what is seen is what the true hypothesis brings about
             ticks, belief = next(
                 (ticks, after)
                 for ticks, after in self.sights(belief)

@@ -29,7 +29,7 @@ class OutOfTimeError(TandemError):
 
 
 @dataclass
-class Search:
+class BranchAndBound:
     """The search in one cell, under one belief about paces.
 
     Attributes:
@@ -134,7 +134,7 @@ class Search:
                 least, choice = value, chosen
         return choice, least
 
-    def by(self, until: float) -> Search:
+    def by(self, until: float) -> BranchAndBound:
         """The same search, which gives up at this moment of its clock."""
         self.until = until
         if len(self.known) + len(self.low) > MOST_KNOWN:

@@ -82,8 +82,8 @@ class RepairValues(Values):
         right = moves.after(position, ticks)
         for wrong in range(1 << len(ended) if self.forgets else 1):
             share, after = 1.0, right
-            for place, way in enumerate(ended):
-                if wrong >> place & 1:
+            for index, way in enumerate(ended):
+                if wrong >> index & 1:
                     share, after = share * self.forgets, moves.spoiled(after, moves.task[way])
                 else:
                     share *= 1 - self.forgets

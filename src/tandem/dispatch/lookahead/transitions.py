@@ -352,11 +352,11 @@ class Moves:
     def _sets(
         self, position: Position, legal: Sequence[int], chosen: tuple[int, ...]
     ) -> Iterator[tuple[int, ...]]:
-        for place, way in enumerate(legal):
+        for index, way in enumerate(legal):
             after = self.begin(position, way)
             rest = [
                 other
-                for other in legal[place + 1 :]
+                for other in legal[index + 1 :]
                 if not self.who[other] & self.who[way] and self.task[other] != self.task[way]
             ]
             if not self.plain:
@@ -374,11 +374,13 @@ class Moves:
         operators = self.modes[way % self.count].operators
         if any(team == instance.team[task] and others != who for team, others in position.teams):
             return False
+        # loads are counted only where somebody's stress has a limit
         if position.load:
             for operator, units in self.loads[way]:
                 limit = instance.stress_limit[operator]
                 if limit is not None and position.load[operator] + units > limit:
                     return False
+        # work and the changeover before it lie in one piece between two breaks
         if not self.timeless:
             end = (
                 position.clock

@@ -9,7 +9,7 @@ from importlib.resources import files
 from typing import Any
 
 from tandem.dispatch.shift.documents import SCHEMA_VERSION
-from tandem.dispatch.situation.events import KINDS, LONGEST_ID, LONGEST_SHIFT, Kind
+from tandem.dispatch.situation.events import KINDS, LONGEST_ID, LONGEST_SHIFT, EventKind
 
 SHIPPED = {
     "events": files("tandem.dispatch.shift") / "events.schema.json",
@@ -162,7 +162,7 @@ def schema_text(name: str) -> str:
     return json.dumps(made, indent=1, ensure_ascii=False) + "\n"
 
 
-def _event(name: str, kind: Kind) -> dict[str, Any]:
+def _event(name: str, kind: EventKind) -> dict[str, Any]:
     keys: dict[str, Any] = {
         "event": {"const": name},
         "at": MOMENT,

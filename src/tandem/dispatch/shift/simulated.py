@@ -26,7 +26,7 @@ from tandem.world.arrays import NEVER, Names
 from tandem.world.episode import begin, decide, is_over
 from tandem.world.people import Person, crew
 from tandem.world.population import crowd
-from tandem.world.randomness import OFF, Chance, Draw, away_until, fate, next_absence
+from tandem.world.randomness import OFF, Chance, Draw, away_until, next_absence, scenario
 
 ROUNDS = 10
 """After so many rounds in which everybody was asked and nothing began or is to come, the floor
@@ -34,7 +34,7 @@ stands still for good.
 """
 
 
-class Floor:
+class SimulatedFloor:
     """A floor under way; its clock is the world's (`tandem.world.episode`), in ticks."""
 
     def __init__(self, cell: Cell, people: str, chance: Chance = OFF, seed: int = 0) -> None:
@@ -54,7 +54,7 @@ class Floor:
         someone = crowd(people, self.names, self.arrays).draw(rng, 1)
         draw = Draw.of(self.names, self.arrays, chance)
         self.people = crew(self.arrays, Person(*(value[0] for value in someone)))
-        self.fate = fate(draw, self.arrays, rng.random(draw.numbers, np.float32))
+        self.scenario = scenario(draw, self.arrays, rng.random(draw.numbers, np.float32))
         self.episode = begin(self.arrays, self.people)
         self.pending: deque[Event] = deque()
         self.count = 0
@@ -122,13 +122,17 @@ class Floor:
         before = self.episode
         who = self.names.operators[int(before.turn)]
         self.episode = decide(
-            self.arrays, self.fate, self.people, before, np.int32(self._way_told(situation, who))
+            self.arrays,
+            self.scenario,
+            self.people,
+            before,
+            np.int32(self._way_told(situation, who)),
         )
         state = self.episode.state
-        for place in np.flatnonzero(state.start_at != before.state.start_at):
-            task, way = self.names.ways[int(state.way[place])]
+        for index in np.flatnonzero(state.start_at != before.state.start_at):
+            task, way = self.names.ways[int(state.way[index])]
             self.pending.append(Event("started", self.now, task, way.operators))
-            self._is_noticed_when_out_of_turn(int(place))
+            self._is_noticed_when_out_of_turn(int(index))
         if (state.refused & ~before.state.refused).any():
             self.pending.append(Event("refused", self.now, situation.announced[who], (who,)))
 
@@ -155,18 +159,18 @@ class Floor:
         ]
         return int(min(fitting)[2]) if fitting else -1
 
-    def _is_noticed_when_out_of_turn(self, place: int) -> None:
+    def _is_noticed_when_out_of_turn(self, index: int) -> None:
         """What is begun before its turn is known to be wrong when it ends: the shift has been told
         what it stands on.
         """
         state = self.episode.state
         if (
             state.bad_at.shape[0]
-            and not state.undoing[place]
-            and (self.arrays.needs[place] & ~world.mounted(state)).any()
+            and not state.undoing[index]
+            and (self.arrays.needs[index] & ~world.mounted(state)).any()
         ):
             bad_at = state.bad_at.copy()
-            bad_at[place] = state.end_at[place]
+            bad_at[index] = state.end_at[index]
             self.episode = self.episode._replace(state=state._replace(bad_at=bad_at))
 
     def _time_runs_on(self, look_again: float | None) -> bool:
@@ -179,8 +183,8 @@ class Floor:
         before = self.episode.state
         asked_again = int(world.next_event(self.arrays, before)) == NEVER and not before.waits.any()
         until = (
-            next_absence(self.fate, before.clock)
-            if self.fate.away_from.shape[0]
+            next_absence(self.scenario, before.clock)
+            if self.scenario.away_from.shape[0]
             else np.int32(NEVER)
         )
         if look_again is not None:
@@ -191,8 +195,8 @@ class Floor:
                 )
             )
         state = world.advance(self.arrays, before, until)
-        if self.fate.away_from.shape[0]:
-            state = state._replace(away_until=away_until(self.fate, state.clock))
+        if self.scenario.away_from.shape[0]:
+            state = state._replace(away_until=away_until(self.scenario, state.clock))
         state = state._replace(refused=before.refused & (not asked_again))
         mask = world.legal(self.arrays, state)
         self.episode = self.episode._replace(
@@ -208,15 +212,15 @@ class Floor:
         who came.
         """
         now, tasks = self.now, self.names.tasks
-        for place in np.flatnonzero(
+        for index in np.flatnonzero(
             (before.way >= 0) & (before.end_at > before.clock) & (before.end_at <= state.clock)
         ):
-            undone = before.undoing.shape[0] and before.undoing[place]
-            yield Event("undone" if undone else "done", now, tasks[place])
+            undone = before.undoing.shape[0] and before.undoing[index]
+            yield Event("undone" if undone else "done", now, tasks[index])
         if state.bad_at.shape[0]:
             yield from (
-                Event("wrong", now, tasks[place])
-                for place in np.flatnonzero(
+                Event("wrong", now, tasks[index])
+                for index in np.flatnonzero(
                     (state.bad_at <= state.clock) & (before.bad_at > before.clock)
                 )
             )

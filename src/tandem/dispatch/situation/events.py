@@ -35,7 +35,7 @@ Presence = Literal["no", "may", "must"]
 
 
 @dataclass(frozen=True)
-class Kind:
+class EventKind:
     """A kind of event: what it says, and which keys it has besides `event`, `at` and `id`."""
 
     what: str
@@ -44,35 +44,35 @@ class Kind:
     until: Presence = "no"
 
 
-KINDS: dict[str, Kind] = {
-    "started": Kind(
+KINDS: dict[str, EventKind] = {
+    "started": EventKind(
         "the operators have begun the task (or, where it is mounted wrongly, taking it apart),"
         " changeover included",
         "must",
         "some",
     ),
-    "done": Kind("the task has ended well", "must", "may"),
-    "refused": Kind(
+    "done": EventKind("the task has ended well", "must", "may"),
+    "refused": EventKind(
         "the operator will not do the task: before `until`, or in the whole shift",
         "must",
         "one",
         "may",
     ),
-    "failed": Kind(
+    "failed": EventKind(
         "with `task`: the attempt is given up, nothing is mounted; with `operator` alone: this"
         " robot is down, its work rests",
         "may",
         "may",
     ),
-    "repaired": Kind("the robot works again and goes on with its task", "no", "one"),
-    "wrong": Kind(
+    "repaired": EventKind("the robot works again and goes on with its task", "no", "one"),
+    "wrong": EventKind(
         "the task turned out to be mounted wrongly: it has to be taken apart, then done again",
         "must",
     ),
-    "undone": Kind("the task has been taken apart and is open again", "must"),
-    "absent": Kind("the human has left; their work rests", "no", "one"),
-    "back": Kind("the human is there again and goes on with their task", "no", "one"),
-    "tick": Kind("time has passed, nothing else"),
+    "undone": EventKind("the task has been taken apart and is open again", "must"),
+    "absent": EventKind("the human has left; their work rests", "no", "one"),
+    "back": EventKind("the human is there again and goes on with their task", "no", "one"),
+    "tick": EventKind("time has passed, nothing else"),
 }
 """Every kind of event by its name. A new one is a line here: then `transitions` says what it does,
 and `objections` what speaks against it.
@@ -403,14 +403,14 @@ def _no_kind(data: dict[str, Any]) -> str:
     )
 
 
-def _unknown_keys(name: str, kind: Kind, data: dict[str, Any]) -> Iterator[str]:
+def _unknown_keys(name: str, kind: EventKind, data: dict[str, Any]) -> Iterator[str]:
     keys = ["event", "at", "id", *keys_of(kind)]
     for key in data:
         if key not in keys:
             yield f"{name}: has no key {_shown(key)}. It has {', '.join(keys)}."
 
 
-def keys_of(kind: Kind) -> list[str]:
+def keys_of(kind: EventKind) -> list[str]:
     """Names of the keys that such an event has of its own."""
     return [
         *(["task"] if kind.task != "no" else []),

@@ -20,11 +20,11 @@ from typing import Any, NamedTuple, Protocol, Self
 import jax
 import jax.numpy as jnp
 
-from tandem.learn.networks import Network, forward, masked_log_softmax, sample
+from tandem.learn.networks import Perceptron, forward, masked_log_softmax, sample
 from tandem.learn.ppo import ppo
 from tandem.learn.ppo.config import Config, StageValues
 from tandem.learn.ppo.ppo import Learner, Parameters, Report
-from tandem.learn.world import Outcome, State, World
+from tandem.learn.world import State, StepResult, World
 
 Array = Any
 
@@ -73,7 +73,7 @@ class Frozen:
       greedy: `[]` bool, takes its most probable action; else draws.
     """
 
-    actor: Network
+    actor: Perceptron
     greedy: Array
     activation: str = field(default="tanh")
 
@@ -184,11 +184,11 @@ class Against:
     def narrow(self, state: Seated, legal: Array, action: Array) -> Array:
         return legal
 
-    def step(self, state: Seated, action: Array) -> tuple[Seated, Outcome]:
+    def step(self, state: Seated, action: Array) -> tuple[Seated, StepResult]:
         legal = self.world.legal(state.inner)
         narrowed = self.world.narrow(state.inner, legal, self._joint(state, legal, action[0]))
         after, outcome = self.world.step(state.inner, self._joint(state, narrowed, action[0]))
-        mine = Outcome(
+        mine = StepResult(
             outcome.reward[self.seat][None], outcome.terminated, outcome.illegal[self.seat][None]
         )
         draw_key, key = jax.random.split(state.key)
@@ -244,7 +244,7 @@ class Envious:
     def narrow(self, state: State, legal: Array, action: Array) -> Array:
         return self.world.narrow(state, legal, action)
 
-    def step(self, state: State, action: Array) -> tuple[State, Outcome]:
+    def step(self, state: State, action: Array) -> tuple[State, StepResult]:
         after, outcome = self.world.step(state, action)
         return after, outcome._replace(reward=self.weights @ outcome.reward)
 

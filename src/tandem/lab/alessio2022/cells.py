@@ -29,7 +29,7 @@ from tandem.lab.kinat2023.recipe import STATION, StationRecipe
 from tandem.lab.kinat2023.runs import thesis_cell
 from tandem.lab.kinat2023.station import station, whole_ticks
 from tandem.lab.kinat2023.world import HUMAN, ROBOT, State, Station, reset
-from tandem.learn.networks import Network, forward, init
+from tandem.learn.networks import Perceptron, forward, init
 from tandem.learn.ppo.recipes import longer
 
 HOSTILE = Human(spoils=True)
@@ -251,8 +251,8 @@ def prices(number: int) -> dict[str, Any]:
         "optimiser_misses": 0,
         "costs": [],
     }
-    for place in range(number):
-        cell = layered(PRICED_TASKS[place % len(PRICED_TASKS)], seed=place)
+    for index in range(number):
+        cell = layered(PRICED_TASKS[index % len(PRICED_TASKS)], seed=index)
         hostile = values(cell, HOSTILE)
         points = trade(cell, hostile)
         diligent = trade(cell, _diligent(cell))
@@ -260,7 +260,7 @@ def prices(number: int) -> dict[str, Any]:
         found["free_if_diligent"] += len(diligent) == 1
         found["optimiser_misses"] += times(cell, nominal_robot(cell))[1] > points[0][0]
         if len(points) > 1:
-            found["costs"].append({"seed": place, "tasks": len(cell.tasks), "front": points})
+            found["costs"].append({"seed": index, "tasks": len(cell.tasks), "front": points})
     return found
 
 
@@ -323,7 +323,7 @@ def _diligent(cell: Cell) -> Values:
 
 def learn(
     cell: Cell, *, adversary: bool, seeds: Sequence[int], recipe: StationRecipe = STATION
-) -> list[Network]:
+) -> list[Perceptron]:
     """The robot's actor of each seed, trained by decisions for time alone, side by side.
 
     Args:
@@ -352,7 +352,7 @@ def learn(
 
 
 def learned_robot(
-    cell: Cell, actor: Network, activation: str = STATION.config.activation
+    cell: Cell, actor: Perceptron, activation: str = STATION.config.activation
 ) -> Robots:
     """The greedy robot of an actor from `learn`, as the exact values can follow it."""
     data = _without_stress(station(cell, per_second=whole_ticks(cell)))

@@ -91,20 +91,20 @@ def success(grid: Mapping[str, Any]) -> Figure:
     rows = grid["summary"]
     figure = blank(9.0, 1.6 + 0.62 * len(rows))
     ax = figure.axes[0]
-    for place, (human, label) in enumerate(HUMANS.items()):
+    for index, (human, label) in enumerate(HUMANS.items()):
         means = [100 * row["success"][human]["mean"] for row in rows]
         ends = [[100 * end for end in row["success"][human]["ci95"]] for row in rows]
         reach = [
             [mean - low for mean, (low, _) in zip(means, ends, strict=True)],
             [high - mean for mean, (_, high) in zip(means, ends, strict=True)],
         ]
-        heights = [row + 0.2 * (place - 1.5) for row in range(len(rows))]
+        heights = [row + 0.2 * (index - 1.5) for row in range(len(rows))]
         ax.barh(
             heights,
             means,
             0.18,
-            color=COLOURS[place],
-            hatch=HATCHES[place],
+            color=COLOURS[index],
+            hatch=HATCHES[index],
             edgecolor="white",
             label=label,
             xerr=reach,

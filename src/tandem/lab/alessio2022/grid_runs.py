@@ -18,7 +18,7 @@ import numpy as np
 from tandem.lab.alessio2022 import exact, robots
 from tandem.lab.alessio2022.adversarial import SHARE
 from tandem.lab.alessio2022.layout import HUMAN_START, WRONG, Layout, random_layout
-from tandem.learn.networks import Network, forward
+from tandem.learn.networks import Perceptron, forward
 from tandem.learn.ppo.config import Config, Stage
 
 Sees = Literal["published", "marked"]
@@ -108,14 +108,14 @@ def run(
     )
     cpu_s = (time.process_time() - began) / len(seeds)
     plain, records = jax.device_get(actors), []
-    for place, seed in enumerate(seeds):
-        actor = jax.tree.map(lambda leaf, place=place: np.asarray(leaf[place]), plain)
+    for index, seed in enumerate(seeds):
+        actor = jax.tree.map(lambda leaf, index=index: np.asarray(leaf[index]), plain)
         records.append(
             {
                 "training": name,
                 "seed": seed,
                 "success": {
-                    human: round(float(rates[number, place]), 4)
+                    human: round(float(rates[number, index]), 4)
                     for number, human in enumerate(compiled.HUMANS)
                 },
                 "greedy": judged(drawn, greedy_robot(drawn, actor, training, settings.activation)),
@@ -148,7 +148,7 @@ def judged(drawn: Layout, robot: exact.Decide) -> dict[str, Any]:
 
 
 def greedy_robot(
-    drawn: Layout, actor: Network, training: Training, activation: str
+    drawn: Layout, actor: Perceptron, training: Training, activation: str
 ) -> exact.Decide:
     """The trained robot, always taking its most probable action, as the exact search follows it."""
     logits = lambda seen: forward(np, actor, seen, activation)  # noqa: E731
@@ -214,12 +214,12 @@ def cover(drawn: Layout, seeds: Sequence[int], *, updates: int) -> list[dict[str
     return [
         {
             "seed": seed,
-            "covered": round(float(shares[place].mean()), 4),
-            "all_covered": round(float((shares[place] >= 1).mean()), 4),
-            "moves": round(float(games.length[place].mean()), 2),
+            "covered": round(float(shares[index].mean()), 4),
+            "all_covered": round(float((shares[index] >= 1).mean()), 4),
+            "moves": round(float(games.length[index].mean()), 2),
             "least": len(drawn.text) - drawn.text.count("#") - 2,
         }
-        for place, seed in enumerate(seeds)
+        for index, seed in enumerate(seeds)
     ]
 
 

@@ -15,7 +15,7 @@ from tandem.lab.alessio2022.layout import RIGHT, WRONG, Layout
 from tandem.lab.alessio2022.observations import OBSERVATIONS, observe
 from tandem.lab.alessio2022.world import Grid, Rewards, State
 from tandem.learn.ppo.config import StageValues
-from tandem.learn.world import Outcome, World
+from tandem.learn.world import StepResult, World
 
 Array = Any
 
@@ -87,9 +87,9 @@ class GridWorld:
     def narrow(self, state: State, legal: Array, action: Array) -> Array:
         return legal
 
-    def step(self, state: State, action: Array) -> tuple[State, Outcome]:
+    def step(self, state: State, action: Array) -> tuple[State, StepResult]:
         after, reward, over, illegal = world.step(self.grid, self.rewards, state, action)
-        return after, Outcome(reward, over, illegal)
+        return after, StepResult(reward, over, illegal)
 
     def in_stage(self, stage: StageValues) -> Self:
         return self
@@ -179,9 +179,9 @@ class CoverageWorld:
     def narrow(self, state: coverage.State, legal: Array, action: Array) -> Array:
         return legal
 
-    def step(self, state: coverage.State, action: Array) -> tuple[coverage.State, Outcome]:
+    def step(self, state: coverage.State, action: Array) -> tuple[coverage.State, StepResult]:
         after, reward, over, illegal = coverage.step(self.grid, self.rewards, state, action)
-        return after, Outcome(reward, over, illegal)
+        return after, StepResult(reward, over, illegal)
 
     def in_stage(self, stage: StageValues) -> Self:
         return self

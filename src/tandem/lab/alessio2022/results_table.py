@@ -154,7 +154,7 @@ def _cell_lines(document: Document) -> list[str]:
 
 def _learned(pairs: Sequence[Sequence[float]], nominal: float, guaranteed: float) -> str:
     """Mean (nominal / guaranteed) over the seeds, and how many reached the least of each."""
-    means = [fmean(pair[place] for pair in pairs) for place in range(2)]
+    means = [fmean(pair[index] for pair in pairs) for index in range(2)]
     counts = [
         sum(pair[0] == nominal for pair in pairs),
         sum(pair[1] == guaranteed for pair in pairs),

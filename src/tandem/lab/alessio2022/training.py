@@ -33,7 +33,7 @@ def keys(seeds: Any, number: int) -> list[Array]:
     split = jax.vmap(partial(jax.random.split, num=number))(
         jnp.stack([jax.random.key(seed) for seed in seeds])
     )
-    return [split[:, place] for place in range(number)]
+    return [split[:, index] for index in range(number)]
 
 
 def others(drawn: Layout) -> tuple[Any, ...]:

@@ -293,7 +293,7 @@ def precision(cell: Cell, horizons: Mapping[float, float], config: Config) -> li
             rows.append({
                 "way": way,
                 "p": p,
-                "updates": [each * (place + 1) for place in range(settings.reports)],
+                "updates": [each * (index + 1) for index in range(settings.reports)],
                 "error_s": [float(f"{error:.3g}") for error in np.abs(curve - exact).max(axis=1)],
                 "cpu_s": round(time.process_time() - began, 1),
             })  # fmt: skip
@@ -483,7 +483,7 @@ def _until_it_happens(cell: Cell, seed: int, happened: Callable[[Played], bool])
     """The first of a few episodes in which it did; a human who deviates with p = 0.3 soon does
     anything.
     """
-    played: Iterator[Played] = (episode(cell, seed + place, p=0.3) for place in range(5))
+    played: Iterator[Played] = (episode(cell, seed + index, p=0.3) for index in range(5))
     first = next(played)
     return first if happened(first) else next((one for one in played if happened(one)), first)
 

@@ -51,7 +51,7 @@ def times(found: Mapping[str, Any]) -> Figure:
         label="exact (value iteration)",
         solid_capstyle="round",
     )
-    for place, player in enumerate(_players(found)):
+    for index, player in enumerate(_players(found)):
         rows = [row for row in found["players"] if row["player"] == player]
         median = [
             float(np.median([np.inf if value is None else value for value in row["expected_s"]]))
@@ -62,10 +62,10 @@ def times(found: Mapping[str, Any]) -> Figure:
         ]
         ax.plot(
             *zip(*kept, strict=True),
-            DASHES[place % 4],
+            DASHES[index % 4],
             marker="o",
             ms=4,
-            color=COLOURS[place],
+            color=COLOURS[index],
             lw=1.8,
             label=player,
         ) if kept else None
@@ -77,7 +77,7 @@ def reached(found: Mapping[str, Any]) -> Figure:
     95 % interval, against p.
     """
     ax = _axes()
-    for place, player in enumerate(_players(found)):
+    for index, player in enumerate(_players(found)):
         rows = [row for row in found["players"] if row["player"] == player]
         shares = np.array([row["finished_from_anywhere"] for row in rows])
         mean = shares.mean(axis=1)
@@ -90,15 +90,15 @@ def reached(found: Mapping[str, Any]) -> Figure:
         ax.plot(
             chances,
             mean,
-            DASHES[place % 4],
+            DASHES[index % 4],
             marker="o",
             ms=4,
-            color=COLOURS[place],
+            color=COLOURS[index],
             lw=1.8,
             label=player,
         )
         ax.fill_between(
-            chances, mean - half, np.minimum(mean + half, 1), color=COLOURS[place], alpha=0.15, lw=0
+            chances, mean - half, np.minimum(mean + half, 1), color=COLOURS[index], alpha=0.15, lw=0
         )
     ax.set_ylim(0, 1.03)
     return _dressed(ax, found, "share that ends within 200 operations, from any state")
@@ -111,13 +111,13 @@ def precision(rows: list[Mapping[str, Any]]) -> Figure:
     figure.clear()
     panels = figure.subplots(1, len(chances), squeeze=False, sharey=True)[0]
     for ax, p in zip(panels, chances, strict=True):
-        for place, row in enumerate(row for row in rows if row["p"] == p):
+        for index, row in enumerate(row for row in rows if row["p"] == p):
             error = np.maximum(row["error_s"], 1e-6)
             ax.plot(
                 row["updates"],
                 error,
-                DASHES[place % 4],
-                color=COLOURS[place],
+                DASHES[index % 4],
+                color=COLOURS[index],
                 lw=1.6,
                 label=row["way"],
             )

@@ -104,8 +104,8 @@ def explore(
     for state, row in enumerate(rows):
         for action, outcomes in row.items():
             process.legal[state, action] = True
-            for place, outcome in enumerate(outcomes):
-                at = (state, action, place)
+            for index, outcome in enumerate(outcomes):
+                at = (state, action, index)
                 process.after[at], process.chance[at], process.cost[at] = (
                     numbers[outcome.after],
                     outcome.chance,

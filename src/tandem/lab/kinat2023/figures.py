@@ -33,8 +33,8 @@ def figures(document: Mapping[str, Any]) -> Iterator[tuple[str, Figure]]:
     records = document["records"]
     yield "figure-6-1", precedence()
     yield "figure-6-2", curves(records)
-    for place, factor in enumerate(FACTORS):
-        yield f"figure-6-{3 + 2 * place}", published(factor)
+    for index, factor in enumerate(FACTORS):
+        yield f"figure-6-{3 + 2 * index}", published(factor)
         learned = [
             record
             for record in records
@@ -43,7 +43,7 @@ def figures(document: Mapping[str, Any]) -> Iterator[tuple[str, Figure]]:
             and record["greedy"]["makespan"] is not None
         ]
         if learned:
-            yield f"figure-6-{4 + 2 * place}", learned_schedule(factor, learned)
+            yield f"figure-6-{4 + 2 * index}", learned_schedule(factor, learned)
 
 
 def precedence() -> Figure:

@@ -17,7 +17,7 @@ from tandem.lab.kinat2023.rewards import reward_set
 from tandem.lab.kinat2023.station import station, whole_ticks
 from tandem.lab.kinat2023.world import HUMAN, ROBOT, Rewards, State, Station
 from tandem.learn.ppo.config import StageValues
-from tandem.learn.world import Outcome
+from tandem.learn.world import StepResult
 
 Array = Any
 
@@ -103,10 +103,10 @@ class StationWorld:
             ]
         )
 
-    def step(self, state: State, action: Array) -> tuple[State, Outcome]:
+    def step(self, state: State, action: Array) -> tuple[State, StepResult]:
         step = ticks.step if self.pace == "ticks" else decisions.decide_step
         after, reward, done, info = step(self.station, self.rewards, state, action)
-        return after, Outcome(reward, done, info.illegal)
+        return after, StepResult(reward, done, info.illegal)
 
     def in_stage(self, stage: StageValues) -> Self:
         return replace(self, rewards=self.rewards._replace(idle=stage.idle))

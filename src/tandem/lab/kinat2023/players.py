@@ -19,7 +19,7 @@ from tandem.lab.kinat2023.rewards import REWARDS, reward_set
 from tandem.lab.kinat2023.station import station, whole_ticks
 from tandem.lab.kinat2023.world import HUMAN, ROBOT, Rewards, State, Station, reset
 from tandem.lab.kinat2023.world import legal as legal_now
-from tandem.learn.algorithm import Order
+from tandem.learn.algorithm import TrainingOrder
 from tandem.learn.forms import Form, key_of, parsed, unreadable
 from tandem.learn.policy import Policy
 from tandem.learn.results import Reached
@@ -27,7 +27,7 @@ from tandem.learn.results import Reached
 Choose = Callable[[Station, State], Any]
 
 
-def costs(cell: Cell, order: Order) -> dict[str, Any]:
+def costs(cell: Cell, order: TrainingOrder) -> dict[str, Any]:
     """What time and stress cost on the cell under the order's rewards, for `results.cost`."""
     assert isinstance(order.recipe, StationRecipe)
     rewards = reward_set(order.recipe.rewards, stress_factor=order.stress_factor)
@@ -39,7 +39,7 @@ def costs(cell: Cell, order: Order) -> dict[str, Any]:
 
 
 def players(
-    path: Path, cell: Cell, order: Order, *, seed: int, episodes: int
+    path: Path, cell: Cell, order: TrainingOrder, *, seed: int, episodes: int
 ) -> dict[str, list[Reached]]:
     """How the agents play the cell: the actions they think best, drawn ones, and the best of those.
 

@@ -121,9 +121,9 @@ def run_ours(
     )
     cpu_s = (time.process_time() - began) / len(wanted)
     records = []
-    for place, (factor, seed) in enumerate(wanted):
+    for index, (factor, seed) in enumerate(wanted):
         learner, history = jax.tree.map(
-            lambda leaf, place=place: leaf[place], (learners, histories)
+            lambda leaf, index=index: leaf[index], (learners, histories)
         )
         records.append(
             record(
@@ -133,8 +133,8 @@ def run_ours(
                 recipe,
                 learner,
                 jax.device_get(history),
-                keys[place][1],
-                worlds[place],
+                keys[index][1],
+                worlds[index],
                 cpu_s,
             )
         )
@@ -222,16 +222,16 @@ def _curve(history: Any, window: int = 30) -> Mapping[str, list[Any]]:
     total = np.cumsum(ended)
     curve: dict[str, list[Any]] = {"episodes": [], "steps": [], "returns": [], "first_value": []}
     since, weighted, count = 0, np.zeros(history.returns.shape[1]), 0.0
-    for place in range(len(ended)):
-        weighted, count = weighted + history.returns[place] * ended[place], count + ended[place]
-        if count and total[place] - since >= window:
-            curve["episodes"].append(int(total[place]))
-            curve["steps"].append(int(history.steps[place]))
+    for index in range(len(ended)):
+        weighted, count = weighted + history.returns[index] * ended[index], count + ended[index]
+        if count and total[index] - since >= window:
+            curve["episodes"].append(int(total[index]))
+            curve["steps"].append(int(history.steps[index]))
             curve["returns"].append(np.round(weighted / count, 1).tolist())
             curve["first_value"].append(
-                np.round(np.asarray(history.first_value[place]), 1).tolist()
+                np.round(np.asarray(history.first_value[index]), 1).tolist()
             )
-            since, weighted, count = int(total[place]), weighted * 0, 0.0
+            since, weighted, count = int(total[index]), weighted * 0, 0.0
     return curve
 
 

@@ -17,11 +17,11 @@ from tandem.lab.kinat2023.learn_env import StationWorld
 from tandem.lab.kinat2023.players import costs, players
 from tandem.lab.kinat2023.recipe import StationRecipe
 from tandem.lab.kinat2023.station import whole_ticks
-from tandem.learn.algorithm import Order, Row
+from tandem.learn.algorithm import Row, TrainingOrder
 from tandem.learn.policy import Policy
 from tandem.learn.ppo import play, ppo
 from tandem.learn.ppo.config import Config
-from tandem.learn.ppo.play import Played
+from tandem.learn.ppo.play import Rollout
 from tandem.learn.ppo.trainee import of_seed, share
 
 EPISODES_BETWEEN_FIGURES = 30
@@ -37,7 +37,7 @@ class Trainee:
     players = staticmethod(players)
     costs = staticmethod(costs)
 
-    def __init__(self, order: Order) -> None:
+    def __init__(self, order: TrainingOrder) -> None:
         assert isinstance(order.recipe, StationRecipe)
         self.order, self.recipe = order, order.recipe
         self.world = StationWorld.of(order.cell, self.recipe, stress_factor=order.stress_factor)
@@ -67,8 +67,8 @@ class Trainee:
         """The figures that the thesis watches, and those that say how good the agents are."""
         played = jax.device_get(_greedy(learners.parameters, self.world, self.config))
         return [
-            self._row(learners, place, *of_seed((report, played), place))
-            for place in range(len(self.order.seeds))
+            self._row(learners, index, *of_seed((report, played), index))
+            for index in range(len(self.order.seeds))
         ]
 
     def play(self, learners: ppo.Learner) -> list[Row]:
@@ -80,29 +80,29 @@ class Trainee:
             )
         )
         rows = []
-        for place in range(len(self.order.seeds)):
-            sure, draws = of_seed((greedy, drawn), place)
+        for index in range(len(self.order.seeds)):
+            sure, draws = of_seed((greedy, drawn), index)
             best = {"n": BEST_OF, **self._reached(draws, best_of(draws))}
             rows.append(
                 {
-                    "steps": int(learners.steps[place]),
+                    "steps": int(learners.steps[index]),
                     "greedy": self._reached(sure, 0),
                     "best_of_n": best,
                 }
             )
         return rows
 
-    def save_policy(self, learners: ppo.Learner, place: int, path: Path) -> None:
+    def save_policy(self, learners: ppo.Learner, index: int, path: Path) -> None:
         """The actors, for NumPy."""
         order, config = self.order, self.config
-        actor = jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters["actor"])
+        actor = jax.tree.map(lambda leaf: np.asarray(leaf[index]), learners.parameters["actor"])
         notes = {
             "kind": "station",
             "cell": order.cell.name,
             "digest": order.cell.digest,
             "recipe": order.name,
             "stress_factor": order.stress_factor,
-            "seed": order.seeds[place],
+            "seed": order.seeds[index],
             "pace": self.recipe.pace,
             "sees": self.recipe.sees,
             "rewards": self.recipe.rewards,
@@ -111,14 +111,14 @@ class Trainee:
             self.world.agents, actor, config.activation, config.masked, config.share_actor, notes
         ).save(path)
 
-    def _row(self, learners: ppo.Learner, place: int, report: ppo.Report, played: Played) -> Row:
+    def _row(self, learners: ppo.Learner, index: int, report: ppo.Report, played: Rollout) -> Row:
         ended = np.asarray(report.episodes)
         last = int(np.flatnonzero(ended)[-1]) if ended.any() else len(ended) - 1
         weights = ended / max(ended.sum(), 1)
         mean, illegal = np.asarray(weights @ report.returns), np.asarray(weights @ report.illegal)
         row: Row = {
             "stage": int(report.stage[-1]) + 1,
-            "episodes": int(learners.episodes[place]),
+            "episodes": int(learners.episodes[index]),
             "steps": int(report.steps[-1]),
         }
         for name, agent in enumerate(self.world.agents):
@@ -129,22 +129,22 @@ class Trainee:
             row[f"entropy_{agent}"] = round(float(np.mean(np.asarray(report.entropy)[:, name])), 5)
         return row | {f"greedy_{name}": value for name, value in self._reached(played, 0).items()}
 
-    def _reached(self, played: Played, place: int) -> Row:
+    def _reached(self, played: Rollout, index: int) -> Row:
         """Makespan in seconds and stress of an episode, None when it did not come to its end; and
         how many rules were broken.
         """
         makespan = stress = None
-        if played.done[place]:
-            makespan = plain(seconds(int(played.state.clock[place]), whole_ticks(self.order.cell)))
-            stress = plain(round(float(played.state.stress[place]), 6))
+        if played.done[index]:
+            makespan = plain(seconds(int(played.state.clock[index]), whole_ticks(self.order.cell)))
+            stress = plain(round(float(played.state.stress[index]), 6))
         return {
             "makespan": makespan,
             "stress": stress,
-            "illegal": int(np.sum(played.illegal[place])),
+            "illegal": int(np.sum(played.illegal[index])),
         }
 
 
-def best_of(played: Played) -> int:
+def best_of(played: Rollout) -> int:
     """Which of the episodes that ended has the largest sum of returns; 0 when none ended."""
     return int(np.argmax(np.where(played.done, np.asarray(played.returns).sum(-1), -np.inf)))
 
@@ -164,7 +164,7 @@ def _advance(
 
 
 @partial(jax.jit, static_argnames="config")
-def _greedy(parameters: ppo.Parameters, world: StationWorld, config: Config) -> Played:
+def _greedy(parameters: ppo.Parameters, world: StationWorld, config: Config) -> Rollout:
     return jax.lax.map(
         lambda one: play.greedy(one, world, config, config.episode_limit or LONGEST_PLAY),
         parameters,
@@ -174,7 +174,7 @@ def _greedy(parameters: ppo.Parameters, world: StationWorld, config: Config) -> 
 @partial(jax.jit, static_argnames="config")
 def _sampled(
     key: jax.Array, parameters: ppo.Parameters, world: StationWorld, config: Config
-) -> Played:
+) -> Rollout:
     limit = config.episode_limit or LONGEST_PLAY
     return jax.lax.map(
         lambda one: play.sampled(key, one, world, config, limit, BEST_OF), parameters

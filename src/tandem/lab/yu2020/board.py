@@ -132,13 +132,13 @@ def random_board(
     draws = np.random.RandomState(seed)  # the authors seed numpy's legacy generator
     rest = [(row, column) for row in range(1, height + 1) for column in range(2, width + 1)]
     further = draws.choice(len(rest), count - height, replace=False)
-    starts = [rest[place] for place in further] + [(row, 1) for row in range(1, height + 1)]
+    starts = [rest[index] for index in further] + [(row, 1) for row in range(1, height + 1)]
     order = np.arange(count)
     draws.shuffle(order)
     times = draws.randint(1, max_time, size=count)
     who = [Who.ROBOT] * robot + [Who.EITHER] * joint + [Who.HUMAN] * human
     drawn = sorted(
-        (*starts[place], who[rank], int(times[rank])) for rank, place in enumerate(order)
+        (*starts[index], who[rank], int(times[rank])) for rank, index in enumerate(order)
     )
     pieces = []
     for number, (row, column, able, time) in enumerate(drawn, 1):

@@ -25,7 +25,7 @@ from tandem.lab.yu2020.network import YuNetworks
 from tandem.lab.yu2020.play import play as play_one
 from tandem.learn.alphazero import training
 from tandem.learn.alphazero.config import Config
-from tandem.learn.alphazero.network import Judge, liked
+from tandem.learn.alphazero.network import Network, greedy_action
 from tandem.learn.alphazero.selfplay import Looking, find
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.env import stacked
@@ -125,9 +125,11 @@ def play(
     """
     found = np.zeros((len(boards), samples), np.int64)
     for size in sorted({_size(board) for board in boards}):
-        places = [place for place, board in enumerate(boards) if _size(board) == size]
-        rows = [(place, sample) for place in places for sample in range(samples)]
-        games = {place: BoardGame.of(boards[place], sees=_sees(trained.judge)) for place in places}
+        places = [index for index, board in enumerate(boards) if _size(board) == size]
+        rows = [(index, sample) for index in places for sample in range(samples)]
+        games = {
+            index: BoardGame.of(boards[index], sees=_sees(trained.network)) for index in places
+        }
         together = min(number for number in TOGETHER if number >= min(len(rows), TOGETHER[-1]))
         for number, start in enumerate(range(0, len(rows), together)):
             chunk = rows[start : start + together]
@@ -135,16 +137,16 @@ def play(
             happens = jax.tree.map(
                 lambda *leaves: np.stack(leaves),
                 *(
-                    _happens(games[place].layout, fates, (place, sample))
-                    for place, sample in filled
+                    _happens(games[index].layout, fates, (index, sample))
+                    for index, sample in filled
                 ),
             )
             key = jax.random.fold_in(jax.random.key(seed), number)
             seconds = _played(
                 key,
-                trained.judge,
+                trained.network,
                 trained.parameters,
-                stacked([games[place] for place, _ in filled]),
+                stacked([games[index] for index, _ in filled]),
                 happens,
                 looking,
             )
@@ -159,7 +161,7 @@ def decider(
     """Layout, state -> column: one game at a time, as `chessboard.play.play` wants it. What draws
     draws anew at each decision.
     """
-    games, key = stacked([BoardGame.of(board, sees=_sees(trained.judge))]), jax.random.key(seed)
+    games, key = stacked([BoardGame.of(board, sees=_sees(trained.network))]), jax.random.key(seed)
 
     def choose(_: Any, state: Any) -> int:
         nonlocal key
@@ -167,7 +169,7 @@ def decider(
         return int(
             _decided(
                 move_key,
-                trained.judge,
+                trained.network,
                 trained.parameters,
                 games,
                 jax.tree.map(lambda leaf: np.asarray(leaf)[None], state),
@@ -220,14 +222,18 @@ def _size(board: Board) -> tuple[int, int, int]:
     return board.height, board.width, len(board.pieces)
 
 
-def _sees(judge: Judge) -> Any:
-    return "board" if isinstance(judge, YuNetworks) else "features"
+def _sees(network: Network) -> Any:
+    return "board" if isinstance(network, YuNetworks) else "features"
 
 
 def _trained(learner: Any, config: Anyhow, seed: int) -> Trained:
-    judge = yu_training.networks(config) if isinstance(config, YuConfig) else training.judge(config)
+    network = (
+        yu_training.networks(config)
+        if isinstance(config, YuConfig)
+        else training.network_of(config)
+    )
     return Trained(
-        judge,
+        network,
         jax.tree.map(np.asarray, learner.parameters),
         {"config": config.to_dict(), "seed": seed, "games": int(learner.games)},
     )
@@ -254,10 +260,10 @@ def _advance(learner: Any, pool: BoardGame, config: Anyhow) -> tuple[Any, Any]:
     )
 
 
-@partial(jax.jit, static_argnames=("judge", "looking"))
+@partial(jax.jit, static_argnames=("network", "looking"))
 def _decided(
     key: Array,
-    judge: Judge,
+    network: Network,
     parameters: Any,
     games: BoardGame,
     states: Any,
@@ -265,16 +271,16 @@ def _decided(
 ) -> Array:
     """`[B]` int32, the column for each game."""
     if looking is None:
-        return jax.vmap(lambda game, state: liked(judge, parameters, game, state))(
+        return jax.vmap(lambda game, state: greedy_action(network, parameters, game, state))(
             games, states
         ).astype(jnp.int32)
-    return find(key, judge, parameters, games, states, looking).move
+    return find(key, network, parameters, games, states, looking).move
 
 
-@partial(jax.jit, static_argnames=("judge", "looking"))
+@partial(jax.jit, static_argnames=("network", "looking"))
 def _played(
     key: Array,
-    judge: Judge,
+    network: Network,
     parameters: Any,
     games: BoardGame,
     fates: Fate,
@@ -293,7 +299,7 @@ def _played(
             step(
                 games.layout,
                 states,
-                _decided(move_key, judge, parameters, games, states, looking),
+                _decided(move_key, network, parameters, games, states, looking),
                 fates,
             ),
             key,

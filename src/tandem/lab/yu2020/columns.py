@@ -162,7 +162,7 @@ class _Sides:
     """
 
     def __init__(self, order: Order, part: list[str]):
-        number = {task: place for place, task in enumerate(part)}
+        number = {task: index for index, task in enumerate(part)}
         meets = [
             [number[other] for other in (task, *sorted(order.direct[task], key=number.__getitem__))]
             for task in part
@@ -183,11 +183,11 @@ class _Sides:
             for pair in product(meets[u], meets[v]):
                 if pair in root:
                     root[find(pair)] = find((u, v))
-        classes = {pair: place for place, pair in enumerate(sorted({find(pair) for pair in pairs}))}
+        classes = {pair: index for index, pair in enumerate(sorted({find(pair) for pair in pairs}))}
         self.class_of = {pair: classes[find(pair)] for pair in pairs}
         self.members: list[list[tuple[int, int]]] = [[] for _ in classes]
-        for pair, place in self.class_of.items():
-            self.members[place].append(pair)
+        for pair, index in self.class_of.items():
+            self.members[index].append(pair)
         both = [(u, v) for u, v in pairs if self.class_of[u, v] == self.class_of[v, u]]
         self.clash = (part[both[0][0]], part[both[0][1]]) if both else None
 

@@ -168,10 +168,10 @@ def _bars(
     ax.barh(
         names, values, xerr=halves, color=colours, error_kw={"elinewidth": 0.8, "ecolor": FAINT_INK}
     )
-    for place, (value, half) in enumerate(zip(values, halves, strict=True)):
+    for index, (value, half) in enumerate(zip(values, halves, strict=True)):
         ax.annotate(
             f"{value:.1f} {unit}",
-            (value + half, place),
+            (value + half, index),
             xytext=(4, 0),
             textcoords="offset points",
             va="center",

@@ -16,7 +16,7 @@ from tandem.lab import yu2020
 from tandem.lab.yu2020 import HUMAN, ROBOT, Layout, State
 from tandem.lab.yu2020.board import Board, Who
 from tandem.lab.yu2020.layout import waits
-from tandem.learn.observation import Ahead, Standing, ahead, look, time_to_come
+from tandem.learn.observation import Ahead, AssemblyStatus, ahead, features, time_to_come
 
 Array = Any
 Sees = Literal["features", "board"]
@@ -41,8 +41,8 @@ class BoardGame:
         it cannot.
       unit: `[]` float32, the mean time of a piece, seconds; one second where the board itself is
         seen, with its raw times.
-      sees: what `observe` gives: "features" (a `Look`), or "board", the tensor `[h, w, 3]` that the
-        authors' network is given.
+      sees: what `observe` gives: "features" (an `Observation`), or "board", the tensor `[h, w, 3]`
+        that the authors' network is given.
     """
 
     layout: Layout
@@ -133,7 +133,7 @@ class BoardGame:
             yu2020.bottom(self.layout, state) & (self.layout.who > 0) & ~jnp.any(state.doing, 0)
         )
         piece = jnp.sum(jnp.where(playable, self.cell, 0), 0)
-        return look(
+        return features(
             self.ahead,
             self._standing(state),
             me,
@@ -146,11 +146,13 @@ class BoardGame:
     def least(self, state: State) -> Array:
         return time_to_come(self.ahead, self._standing(state)) * self.unit
 
-    def _standing(self, state: State) -> Standing:
+    def _standing(self, state: State) -> AssemblyStatus:
         ended = ~state.on.reshape(-1)[self.place]
         doing = state.doing.reshape(2, -1)[:, self.place]
         left = state.left / self.unit
-        return Standing(ended | jnp.any(doing, 0), ended, left @ doing.astype(jnp.float32), left)
+        return AssemblyStatus(
+            ended | jnp.any(doing, 0), ended, left @ doing.astype(jnp.float32), left
+        )
 
 
 def _way(task: Array, agent: Array, piece: int, me: int) -> int:

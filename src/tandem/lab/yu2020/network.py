@@ -21,9 +21,9 @@ import jax.numpy as jnp
 import numpy as np
 from pydantic import ConfigDict
 
-from tandem.learn.alphazero.network import Opinion, drawn
+from tandem.learn.alphazero.network import Prediction, drawn
 from tandem.learn.forms import STRICT
-from tandem.learn.networks import Network, forward
+from tandem.learn.networks import Perceptron, forward
 from tandem.learn.ppo.config import MOST_UNITS
 from tandem.learn.settings import counts, must_hold
 
@@ -50,12 +50,12 @@ class YuNetworks:
     def __post_init__(self) -> None:
         must_hold(counts(self, ("filters", "dense"), most=MOST_UNITS))
 
-    def start(self, key: Array, game: Any) -> dict[str, Network]:
+    def start(self, key: Array, game: Any) -> dict[str, Perceptron]:
         """Weights that know nothing yet, for boards of the game's height and width."""
         height, width = game.layout.time.shape[-2:]
         return self._start(key, (height // 4) * (width // 4) * self.filters, width)
 
-    def like(self, arrays: Mapping[str, Any]) -> dict[str, Network]:
+    def like(self, arrays: Mapping[str, Any]) -> dict[str, Perceptron]:
         """As for the board whose size the arrays tell: what comes into the dense layer, and the
         columns of the policy.
         """
@@ -65,18 +65,18 @@ class YuNetworks:
             return int(shape[axis]) if len(shape) == 3 else 1
 
         flat, width = size("dense/0/weight", -2), size("policy/0/weight", -1)
-        found: dict[str, Network] = jax.eval_shape(
+        found: dict[str, Perceptron] = jax.eval_shape(
             lambda key: self._start(key, flat, width), jax.random.key(0)
         )
         return found
 
-    def reads(self, parameters: Mapping[str, Network], height: int, width: int) -> bool:
+    def reads(self, parameters: Mapping[str, Perceptron], height: int, width: int) -> bool:
         """Whether these weights are for boards of that height and width."""
         flat = (height // 4) * (width // 4) * self.filters
         shapes = [np.shape(parameters[name]["0"]["weight"]) for name in ("dense", "policy")]
         return (shapes[0][-2], shapes[1][-1]) == (flat, width)
 
-    def _start(self, key: Array, flat: int, width: int) -> dict[str, Network]:
+    def _start(self, key: Array, flat: int, width: int) -> dict[str, Perceptron]:
         sizes = {
             "first": (4 * 3, self.filters),
             "second": (4 * self.filters, self.filters),
@@ -87,9 +87,9 @@ class YuNetworks:
         return jax.vmap(lambda key: drawn(key, sizes))(jax.random.split(key))
 
     def read(
-        self, parameters: dict[str, Network], seen: Array, least: Array, mover: Array
-    ) -> Opinion:
-        """The opinion of the mover's network. `to_come` is in seconds: a game that shows the board
+        self, parameters: dict[str, Perceptron], seen: Array, least: Array, mover: Array
+    ) -> Prediction:
+        """What the mover's network predicts. `to_come` is in seconds: a game that shows the board
         has a unit of one second.
 
         Layer by layer both agents' weights are multiplied at once and the mover's half is taken:
@@ -108,9 +108,9 @@ class YuNetworks:
             return jnp.where(robots, of_both[..., :half], of_both[..., half:])
 
         logits, value = self._flow(layer, seen)
-        return Opinion(logits, value * jnp.where(robots, *self.value_norm))
+        return Prediction(logits, value * jnp.where(robots, *self.value_norm))
 
-    def outputs(self, parameters: dict[str, Network], board: Array) -> tuple[Array, Array]:
+    def outputs(self, parameters: dict[str, Perceptron], board: Array) -> tuple[Array, Array]:
         """`[w]` logits and `[]` value, in units of `value_norm`, of one agent's network."""
         return self._flow(
             lambda name, inputs: forward(jnp, parameters[name], inputs, "relu"), board

@@ -130,7 +130,7 @@ class _Rules:
             for low in self.pieces
         ]
         self.alike = [
-            (piece.who, piece.time, above[place]) for place, piece in enumerate(self.pieces)
+            (piece.who, piece.time, above[index]) for index, piece in enumerate(self.pieces)
         ]
         order = sorted(range(len(self.pieces)), key=lambda i: -self.behind[i])
         own = [
@@ -304,7 +304,7 @@ def _folding(board: Board, pieces: list[Piece]) -> Callable[[_State], _State]:
 
 
 def _turned(state: _State, images: list[int]) -> _State:
-    gone = sum(1 << image for place, image in enumerate(images) if state.gone >> place & 1)
+    gone = sum(1 << image for index, image in enumerate(images) if state.gone >> index & 1)
     robot, human = (piece if piece == NOBODY else images[piece] for piece in state.doing)
     return state._replace(gone=gone, doing=(robot, human))
 

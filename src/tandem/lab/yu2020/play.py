@@ -143,8 +143,8 @@ def _one_game(player: Player, most: int, troubled: bool) -> Any:
     import jax
 
     def game(laid: Layout, key: Array, fate: Fate | None) -> Array:
-        def move(place: Array, state: State) -> State:
-            numbers = jax.random.uniform(jax.random.fold_in(key, place), laid.time.shape[1:])
+        def move(index: Array, state: State) -> State:
+            numbers = jax.random.uniform(jax.random.fold_in(key, index), laid.time.shape[1:])
             return step(laid, state, player(laid, state, numbers), fate)
 
         return jax.lax.fori_loop(0, most, move, reset(laid)).clock

@@ -29,7 +29,7 @@ import jax
 import jax.numpy as jnp
 
 from tandem.lab.yu2020.config import YuSearch
-from tandem.learn.alphazero.network import IMPOSSIBLE, Judge, Opinion, Parameters, opinion
+from tandem.learn.alphazero.network import IMPOSSIBLE, Network, Parameters, Prediction, predict
 from tandem.learn.alphazero.search import Found
 from tandem.learn.alphazero.selfplay import SEARCHES
 from tandem.learn.env import Game, State
@@ -55,7 +55,7 @@ class Tree(NamedTuple):
 
 class Path(NamedTuple):
     """My moves from the root on. nodes, moves: `[D]` int32. on: `[D]` bool, False beyond its end.
-    last: `[]` int32, the place of the last move.
+    last: `[]` int32, the index of the last move.
     """
 
     nodes: Array
@@ -79,20 +79,25 @@ class Walk(NamedTuple):
 
 
 def yu_search(
-    key: Array, judge: Judge, parameters: Parameters, games: Game, states: State, config: YuSearch
+    key: Array,
+    network: Network,
+    parameters: Parameters,
+    games: Game,
+    states: State,
+    config: YuSearch,
 ) -> Found:
     """Looks ahead from `states` `[B]` of `games` `[B]`, each for the agent whose turn it is.
 
     `Found.to_come` is the least Q of the root, and `Found.policy` follows the visits. In a game
     that is over any move is named, and means nothing.
     """
-    trees, walks = jax.vmap(lambda game, state: _begun(judge, parameters, game, state, config))(
+    trees, walks = jax.vmap(lambda game, state: _begun(network, parameters, game, state, config))(
         games, states
     )
     movers = jax.vmap(lambda game, state: game.to_play(state))(games, states)
 
     def tick(carry: tuple[Tree, Walk]) -> tuple[Tree, Walk]:
-        one = lambda tree, walk, me, game: _tick(tree, walk, me, judge, parameters, game, config)  # noqa: E731
+        one = lambda tree, walk, me, game: _tick(tree, walk, me, network, parameters, game, config)  # noqa: E731
         return jax.vmap(one)(*carry, movers, games)
 
     trees, _ = jax.lax.while_loop(
@@ -138,7 +143,7 @@ def _found(key: Array, visits: Array, cost: Array, config: YuSearch) -> Found:
 
 
 def _begun(
-    judge: Judge, parameters: Parameters, game: Game, state: State, config: YuSearch
+    network: Network, parameters: Parameters, game: Game, state: State, config: YuSearch
 ) -> tuple[Tree, Walk]:
     """The tree that is only a root, before the first simulation. In a game that is over none is
     made.
@@ -147,7 +152,7 @@ def _begun(
     states = jax.tree.map(lambda leaf: jnp.zeros((nodes, *leaf.shape), leaf.dtype), state)
     edges, numbers = jnp.zeros((nodes, game.moves)), jnp.zeros((nodes, game.moves), jnp.int32)
     tree = Tree(states, jnp.zeros(nodes), edges > 0, edges, edges, edges, numbers, edges)
-    tree = _with(tree, 0, state, game.legal(state), opinion(judge, parameters, game, state))
+    tree = _with(tree, 0, state, game.legal(state), predict(network, parameters, game, state))
     zero, nothing = jnp.zeros((), jnp.int32), jnp.zeros(config.depth, jnp.int32)
     path = Path(nothing, nothing, nothing > 0, zero)
     return tree, Walk(
@@ -160,7 +165,7 @@ def _begun(
     )
 
 
-def _with(tree: Tree, node: Any, state: State, legal: Array, seen: Opinion) -> Tree:
+def _with(tree: Tree, node: Any, state: State, legal: Array, seen: Prediction) -> Tree:
     """The tree with the state as that node; a node beyond the last one changes nothing."""
     # a softmax over all columns, then the mask, as the authors have it
     prior = jax.nn.softmax(seen.logits) * legal
@@ -177,7 +182,7 @@ def _tick(
     tree: Tree,
     walk: Walk,
     me: Array,
-    judge: Judge,
+    network: Network,
     parameters: Parameters,
     game: Game,
     config: YuSearch,
@@ -193,7 +198,7 @@ def _tick(
     time, legal, seen = (
         walk.time + cost / game.unit,
         game.legal(after),
-        opinion(judge, parameters, game, after),
+        predict(network, parameters, game, after),
     )
     working = walk.done < config.simulations
     new = working & (known == 0) & (game.is_over(after) | (game.to_play(after) == me))
@@ -208,8 +213,8 @@ def _tick(
     tree = _climbed(
         tree, walk.path, jnp.where(known > 0, tree.value[known], seen.to_come), arrived, config
     )
-    liked = jnp.argmax(jnp.where(legal, seen.logits, IMPOSSIBLE)).astype(jnp.int32)
-    return tree, Walk(walk.path, after, liked, time, walk.done + arrived, arrived)
+    best = jnp.argmax(jnp.where(legal, seen.logits, IMPOSSIBLE)).astype(jnp.int32)
+    return tree, Walk(walk.path, after, best, time, walk.done + arrived, arrived)
 
 
 def _next(tree: Tree, walk: Walk, config: YuSearch) -> Walk:

@@ -22,13 +22,13 @@ from tandem.lab.yu2020.learn_env import BoardGame
 from tandem.lab.yu2020.network import YuNetworks
 from tandem.lab.yu2020.play import play as play_one
 from tandem.lab.yu2020.recipe import YuRecipe
-from tandem.learn.algorithm import Order, Row
+from tandem.learn.algorithm import Row, TrainingOrder
 from tandem.learn.alphazero.selfplay import Looking
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.env import Game, stacked
 from tandem.learn.forms import unreadable
 from tandem.learn.results import Reached, paid
-from tandem.learn.rollout import told
+from tandem.learn.rollout import as_document
 from tandem.schedule.model import Schedule
 
 GAMES_BETWEEN_FIGURES = 10
@@ -36,7 +36,7 @@ MOST_SEARCHED = 16
 
 
 def players(
-    path: Path, cell: Cell, order: Order, *, seed: int, episodes: int
+    path: Path, cell: Cell, order: TrainingOrder, *, seed: int, episodes: int
 ) -> dict[str, list[Reached]]:
     """How the networks play the cell: alone, under their search, and with moves drawn by the
     visits.
@@ -54,8 +54,8 @@ def players(
             f"the networks read a board of {trained_on.height} rows and {trained_on.width} columns;"
             f" this cell makes one of {board.height} and {board.width}."
         )
-    assert isinstance(trained.judge, YuNetworks)
-    if not trained.judge.reads(trained.parameters, board.height, board.width):
+    assert isinstance(trained.network, YuNetworks)
+    if not trained.network.reads(trained.parameters, board.height, board.width):
         raise unreadable(
             path,
             [
@@ -94,7 +94,7 @@ class Trainee:
     players = staticmethod(players)
     costs = staticmethod(lambda cell, order: paid(order.stress_factor))
 
-    def __init__(self, order: Order) -> None:
+    def __init__(self, order: TrainingOrder) -> None:
         recipe = order.recipe
         assert isinstance(recipe, YuRecipe)
         if order.stress_factor:
@@ -127,18 +127,20 @@ class Trainee:
         both networks play without a search.
         """
         found = []
-        for place in range(len(self.order.seeds)):
-            own = jax.tree.map(lambda leaf, place=place: leaf[place], report)
-            row: Row = {"episodes": int(learners.games[place]), "steps": int(learners.moves[place])}
-            row |= {"mean_return_team": round(-float(np.mean(own.cost)), 4)}
+        for index in range(len(self.order.seeds)):
+            seed_report = jax.tree.map(lambda leaf, index=index: leaf[index], report)
+            row: Row = {"episodes": int(learners.games[index]), "steps": int(learners.moves[index])}
+            row |= {"mean_return_team": round(-float(np.mean(seed_report.cost)), 4)}
             row |= {
-                name: round(float(getattr(own, name)[-1]), 5)
+                name: round(float(getattr(seed_report, name)[-1]), 5)
                 for name in ("policy_loss", "value_loss")
             }
             reached = _reached(
-                board_training.play(self._trained(learners, place), [self.board])[0, 0]
+                board_training.play(self._trained(learners, index), [self.board])[0, 0]
             )
-            found.append(row | {f"greedy_{name}": value for name, value in told(reached).items()})
+            found.append(
+                row | {f"greedy_{name}": value for name, value in as_document(reached).items()}
+            )
         return found
 
     def play(self, learners: training.Learner) -> list[Row]:
@@ -146,13 +148,13 @@ class Trainee:
         moves drawn by the visits, the best of n games.
         """
         rows = []
-        for place, seed in enumerate(self.order.seeds):
-            trained = self._trained(learners, place)
+        for index, seed in enumerate(self.order.seeds):
+            trained = self._trained(learners, index)
             row: Row = {
-                "steps": int(learners.moves[place]),
-                "greedy": told(_reached(board_training.play(trained, [self.board])[0, 0])),
+                "steps": int(learners.moves[index]),
+                "greedy": as_document(_reached(board_training.play(trained, [self.board])[0, 0])),
             }
-            row["searched"] = told(
+            row["searched"] = as_document(
                 _reached(
                     board_training.play(trained, [self.board], looking=sure(self.recipe))[0, 0]
                 )
@@ -165,23 +167,26 @@ class Trainee:
                 seed=seed,
             )
             rows.append(
-                {**row, "best_of_n": {"n": self.recipe.samples, **told(_reached(drawn.min()))}}
+                {
+                    **row,
+                    "best_of_n": {"n": self.recipe.samples, **as_document(_reached(drawn.min()))},
+                }
             )
         return rows
 
-    def save_policy(self, learners: training.Learner, place: int, path: Path) -> None:
+    def save_policy(self, learners: training.Learner, index: int, path: Path) -> None:
         notes = {
             "cell": self.order.cell.name,
             "digest": self.order.cell.digest,
             "recipe": self.order.name,
-            "seed": self.order.seeds[place],
+            "seed": self.order.seeds[index],
         }
-        replace(self._trained(learners, place), notes=notes).save(path)
+        replace(self._trained(learners, index), notes=notes).save(path)
 
-    def _trained(self, learners: training.Learner, place: int) -> Trained:
+    def _trained(self, learners: training.Learner, index: int) -> Trained:
         return Trained(
             training.networks(self.recipe.config),
-            jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters),
+            jax.tree.map(lambda leaf: np.asarray(leaf[index]), learners.parameters),
         )
 
 

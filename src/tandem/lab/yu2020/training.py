@@ -16,7 +16,7 @@ import optax
 from tandem.lab.yu2020.config import YuConfig
 from tandem.lab.yu2020.network import YuNetworks
 from tandem.lab.yu2020.search import yu_search
-from tandem.learn.alphazero.network import Parameters, liked
+from tandem.learn.alphazero.network import Parameters, greedy_action
 from tandem.learn.env import Game, State, many
 
 Array = Any
@@ -121,7 +121,7 @@ def _played(
     """One game: `me` searches and remembers, the other one plays what its network likes best. The
     positions, how many moves, and the cost.
     """
-    judge, alone = networks(config), many(game, 1)
+    network, alone = networks(config), many(game, 1)
 
     def goes_on(carry: tuple[Any, ...]) -> Array:
         return ~game.is_over(carry[0])
@@ -134,19 +134,21 @@ def _played(
             wide = jax.tree.map(lambda leaf: leaf[None], state)
             found = jax.tree.map(
                 lambda leaf: leaf[0],
-                yu_search(search_key, judge, learner.parameters, alone, wide, config.search),
+                yu_search(search_key, network, learner.parameters, alone, wide, config.search),
             )
-            place = positions.written[me] % config.kept
+            index = positions.written[me] % config.kept
             new = (game.observe(state), game.legal(state), found.policy, found.to_come)
             kept = jax.tree.map(
-                lambda all_, one: all_.at[me, place].set(one), tuple(positions[:4]), new
+                lambda all_, one: all_.at[me, index].set(one), tuple(positions[:4]), new
             )
             return found.move, Positions(
                 kept[0], kept[1], kept[2], kept[3], positions.written.at[me].add(1)
             )
 
         def theirs(state: State, positions: Positions) -> tuple[Array, Positions]:
-            return liked(judge, learner.parameters, game, state).astype(jnp.int32), positions
+            return greedy_action(network, learner.parameters, game, state).astype(
+                jnp.int32
+            ), positions
 
         chosen, positions = jax.lax.cond(game.to_play(state) == me, mine, theirs, state, positions)
         after, paid = game.step(state, chosen)
@@ -172,10 +174,10 @@ def _fit(
     rule = optax.scale_by_adam()
     norm = jnp.asarray(config.value_norm)[me]
 
-    def minibatch(place: Array, carry: tuple[Any, ...]) -> tuple[Any, ...]:
+    def minibatch(index: Array, carry: tuple[Any, ...]) -> tuple[Any, ...]:
         parameters, moments, sums = carry
-        rows = jax.lax.dynamic_slice(order, (place * config.minibatch,), (config.minibatch,))
-        counts = place * config.minibatch + jnp.arange(config.minibatch) < there
+        rows = jax.lax.dynamic_slice(order, (index * config.minibatch,), (config.minibatch,))
+        counts = index * config.minibatch + jnp.arange(config.minibatch) < there
         gradient, losses = jax.grad(loss, has_aux=True)(
             parameters, jax.tree.map(lambda leaf: leaf[rows], own[2][:4]), counts, norm, config
         )

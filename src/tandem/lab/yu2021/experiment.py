@@ -252,15 +252,20 @@ def at_random(cell: Cell, *, games: int, seed: int = 0) -> list[Reached]:
     """Games in which every move is any legal one, nobody waiting of his own will."""
     import jax
 
-    from tandem.learn.alphazero.config import Wander
+    from tandem.learn.alphazero.config import EpsilonGreedy
     from tandem.learn.alphazero.network import Scorer
     from tandem.learn.alphazero.trained import Trained
     from tandem.learn.rollout import game_of, play
 
-    judge = Scorer(1)
-    nobody = Trained(judge, judge.start(jax.random.key(0)))
+    network = Scorer(1)
+    nobody = Trained(network, network.start(jax.random.key(0)))
     return play(
-        cell, game_of(cell, 0.0, waiting=False), nobody, Wander(share=1.0), games=games, seed=seed
+        cell,
+        game_of(cell, 0.0, waiting=False),
+        nobody,
+        EpsilonGreedy(share=1.0),
+        games=games,
+        seed=seed,
     )
 
 

@@ -89,8 +89,8 @@ def happen(
     xp, arrays = namespace(duo.row), duo.arrays
     masks = possible(duo, assembly)
     some = xp.stack([xp.any(mask) if mask.shape[0] else xp.zeros((), bool) for mask in masks])
-    place = _nth(xp, some, change.of_kinds)
-    kind = xp.where(xp.any(some), place + 1, 0).astype(xp.int32)
+    index = _nth(xp, some, change.of_kinds)
+    kind = xp.where(xp.any(some), index + 1, 0).astype(xp.int32)
     picks = [
         _nth(xp, mask, change.of_those) if mask.shape[0] else xp.full((), -1, xp.int32)
         for mask in masks
@@ -117,7 +117,7 @@ def happen(
 
 
 def _nth(xp: Any, mask: Array, share: Array) -> Array:
-    """`[]` int32, the place of one of the True entries of `mask`; `share` in [0, 1) says which. 0
+    """`[]` int32, the index of one of the True entries of `mask`; `share` in [0, 1) says which. 0
     when there is none.
     """
     count = xp.cumsum(mask)

@@ -38,7 +38,7 @@ from tandem.lab.zhang2022.pairs import (
     value_of,
     values_of,
 )
-from tandem.learn.networks import ILLEGAL, Network, init
+from tandem.learn.networks import ILLEGAL, Perceptron, init
 from tandem.learn.world import State, World
 
 Array = jax.Array
@@ -279,14 +279,14 @@ def random_pairs(uniform: Array, pairs: Array) -> Array:
     """`[N, 2]` int32, a legal pair each, all equally likely; `uniform` `[N]` in [0, 1) decides."""
     flat = pairs.reshape(pairs.shape[0], -1)
     reached = jnp.cumsum(flat, -1)
-    place = jnp.sum(reached <= (uniform * reached[:, -1])[:, None], -1)
-    return jnp.stack([place // pairs.shape[-1], place % pairs.shape[-1]], -1).astype(jnp.int32)
+    index = jnp.sum(reached <= (uniform * reached[:, -1])[:, None], -1)
+    return jnp.stack([index // pairs.shape[-1], index % pairs.shape[-1]], -1).astype(jnp.int32)
 
 
 def store(replay: Replay, rounds: Array, row: Replay) -> Replay:
     """The replay with one row more in the place of its oldest."""
-    place = rounds % replay.reward.shape[0]
-    return jax.tree.map(lambda ring, new: ring.at[place].set(new.astype(ring.dtype)), replay, row)
+    index = rounds % replay.reward.shape[0]
+    return jax.tree.map(lambda ring, new: ring.at[index].set(new.astype(ring.dtype)), replay, row)
 
 
 # --- Learning ---
@@ -462,7 +462,7 @@ def _weights(sizes: tuple[int, ...]) -> int:
     return sum(a * b for a, b in itertools.pairwise(sizes))
 
 
-def _network(uniform: Array, sizes: tuple[int, ...]) -> Network:
+def _network(uniform: Array, sizes: tuple[int, ...]) -> Perceptron:
     """A network from `_weights(sizes)` numbers in [-1, 1); its last layer begins small, so that
     nothing is preferred.
     """

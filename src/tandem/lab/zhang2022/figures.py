@@ -71,14 +71,14 @@ def front(document: Document) -> Figure:
             fontsize=8.5,
             color=FAINT_INK,
         )
-    for place, arm in enumerate(dict.fromkeys(row["arm"] for row in document["records"])):
+    for index, arm in enumerate(dict.fromkeys(row["arm"] for row in document["records"])):
         own = [row["greedy"] for row in document["records"] if row["arm"] == arm]
         x, y = [one["makespan"] for one in own], [one["difficulty"] for one in own]
         ax.plot(
             x,
             y,
-            MARKS[place % len(MARKS)],
-            color=COLOURS[place % len(COLOURS)],
+            MARKS[index % len(MARKS)],
+            color=COLOURS[index % len(COLOURS)],
             ms=6,
             alpha=0.65,
             mew=0,
@@ -131,20 +131,20 @@ def recovery(document: Document) -> Figure:
     figure = blank(8.6, 4.2)
     ax = _bare(figure)
     arms = list(dict.fromkeys(row["arm"] for row in document["records"]))
-    for place, arm in enumerate(arms):
+    for index, arm in enumerate(arms):
         losses = [
             100 * loss
             for row in document["records"]
             if row["arm"] == arm
             for loss in row["changed"]["losses"]
         ]
-        jitter = [place + 0.28 * ((7 * number) % 11 - 5) / 5 for number in range(len(losses))]
-        ax.plot(losses, jitter, ".", color=COLOURS[place % len(COLOURS)], ms=5, alpha=0.5)
+        jitter = [index + 0.28 * ((7 * number) % 11 - 5) / 5 for number in range(len(losses))]
+        ax.plot(losses, jitter, ".", color=COLOURS[index % len(COLOURS)], ms=5, alpha=0.5)
         if losses:
             ax.plot(
                 [sum(losses) / len(losses)] * 2,
-                [place - 0.38, place + 0.38],
-                color=COLOURS[place % len(COLOURS)],
+                [index - 0.38, index + 0.38],
+                color=COLOURS[index % len(COLOURS)],
                 lw=2.5,
             )
     ax.set_yticks(range(len(arms)), arms)
@@ -196,13 +196,13 @@ def _bare(figure: Figure) -> Axes:
 def _bars(
     ax: Axes, names: Sequence[str], values: Sequence[Mapping[str, float | None]], label: str
 ) -> None:
-    for place, value in enumerate(values):
+    for index, value in enumerate(values):
         half = 100 * (value["ci95"] or 0.0)
         ax.barh(
-            place,
+            index,
             100 * (value["mean"] or 0.0),
             xerr=half,
-            color=COLOURS[place % len(COLOURS)],
+            color=COLOURS[index % len(COLOURS)],
             height=0.62,
             error_kw={"lw": 1.2, "capsize": 3},
         )

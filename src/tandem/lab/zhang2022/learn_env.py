@@ -19,7 +19,7 @@ from tandem.lab.zhang2022.setting import AGENTS, HUMAN, Duo, Setting
 from tandem.lab.zhang2022.setting import duo as duo_of
 from tandem.lab.zhang2022.world import Paid, State
 from tandem.learn.ppo.config import StageValues
-from tandem.learn.world import Outcome
+from tandem.learn.world import StepResult
 
 Array = Any
 
@@ -69,9 +69,9 @@ class DuoWorld:
     def narrow(self, state: State, legal: Array, action: Array) -> Array:
         return jnp.stack([rules.narrow(self.duo, state, legal, action[HUMAN]), legal[HUMAN]])
 
-    def step(self, state: State, action: Array) -> tuple[State, Outcome]:
+    def step(self, state: State, action: Array) -> tuple[State, StepResult]:
         after, paid = rules.step(self.duo, self.setting, state, action)
-        return after, Outcome(
+        return after, StepResult(
             -rules.cost(self.setting, paid) / self.setting.unit,
             rules.is_done(after),
             jnp.zeros(2, jnp.int32),
@@ -164,25 +164,25 @@ def play(
         return jnp.where(strays, chosen(seen, left, draws[2]), wanted), wanted, strays
 
     def one(carry: tuple[Array, Played]) -> tuple[Array, Played]:
-        place, so_far = carry
+        index, so_far = carry
         state, on = so_far.state, ~so_far.done
         pairs = jax.vmap(partial(legal_pairs, world))(state)
         action, shown, strays = jax.vmap(decided)(
-            jax.vmap(world.observe)(state), pairs, uniform[place], deviates
+            jax.vmap(world.observe)(state), pairs, uniform[index], deviates
         )
         after, paid = jax.vmap(partial(rules.step, duo))(settings, state, action)
         keep = lambda new, old: jnp.where(on.reshape(-1, *[1] * (old.ndim - 1)), new, old)  # noqa: E731
         total = jax.tree.map(lambda sum_, more: keep(sum_ + more, sum_), so_far.paid, paid)
         after = jax.tree.map(keep, after, state)
-        return place + 1, so_far._replace(
+        return index + 1, so_far._replace(
             state=after,
             paid=total,
             deviations=so_far.deviations + (strays & on),
             done=so_far.done | jax.vmap(rules.is_done)(after),
             steps=so_far.steps + on,
-            action=so_far.action.at[place].set(jnp.where(on[:, None], action, 0)),
-            shown=so_far.shown.at[place].set(jnp.where(on[:, None], shown, 0)),
-            clock=so_far.clock.at[place].set(jnp.where(on, state.assembly.clock, 0)),
+            action=so_far.action.at[index].set(jnp.where(on[:, None], action, 0)),
+            shown=so_far.shown.at[index].set(jnp.where(on[:, None], shown, 0)),
+            clock=so_far.clock.at[index].set(jnp.where(on, state.assembly.clock, 0)),
             **_at_the_change(so_far, after, total),
         )
 

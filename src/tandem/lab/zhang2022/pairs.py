@@ -18,10 +18,10 @@ from __future__ import annotations
 from types import ModuleType
 from typing import Any, NamedTuple
 
-from tandem.learn.networks import ILLEGAL, Network, forward
+from tandem.learn.networks import ILLEGAL, Perceptron, forward
 
 Array = Any
-Networks = dict[str, Network]
+Networks = dict[str, Perceptron]
 """`actors` (every array with a leading axis of 2) and `critic`."""
 
 FIRST, SECOND = 1, 0
@@ -41,7 +41,7 @@ class Candidates(NamedTuple):
     legal: Array
 
 
-def scores(xp: ModuleType, actors: Network, seen: Array, activation: str) -> Array:
+def scores(xp: ModuleType, actors: Perceptron, seen: Array, activation: str) -> Array:
     """`[2, K]` in (-1, 1), what the actors think of their choices; `seen` is `[2, D]`."""
     rows = [
         forward(
@@ -75,14 +75,14 @@ def candidates(xp: ModuleType, score: Array, pairs: Array, number: int) -> Candi
 
 def best_pair(xp: ModuleType, value: Array, asked: Candidates) -> Array:
     """`[2]` int32, the legal pair of the highest `value` `[C, C]`; the first of equals."""
-    place = xp.argmax(xp.where(asked.legal, value, ILLEGAL).reshape(-1))
+    index = xp.argmax(xp.where(asked.legal, value, ILLEGAL).reshape(-1))
     number = value.shape[0]
-    chosen = (asked.second.reshape(number * number, -1)[place], asked.first[place // number])
+    chosen = (asked.second.reshape(number * number, -1)[index], asked.first[index // number])
     return xp.stack([xp.argmax(one) for one in chosen]).astype(xp.int32)
 
 
 def value_of(
-    xp: ModuleType, critic: Network, seen: Array, second: Array, first: Array, activation: str
+    xp: ModuleType, critic: Perceptron, seen: Array, second: Array, first: Array, activation: str
 ) -> Array:
     """`[]`, the critic's value of two choices `[K]` each: one-hot, or probabilities."""
     choice = xp.concatenate([second, first])
@@ -95,7 +95,7 @@ def value_of(
 
 
 def values_of(
-    xp: ModuleType, critic: Network, seen: Array, asked: Candidates, activation: str
+    xp: ModuleType, critic: Perceptron, seen: Array, asked: Candidates, activation: str
 ) -> Array:
     """`[C, C]`, the critic's value of every candidate pair. What the pairs have in common is worked
     out once.
@@ -170,18 +170,18 @@ def _best(xp: ModuleType, score: Array, legal: Array, number: int) -> tuple[Arra
     return chosen.astype(score.dtype), xp.any(chosen, axis=-1)
 
 
-def _seen(critic: Network, seen: Array) -> Array:
+def _seen(critic: Perceptron, seen: Array) -> Array:
     """`[H]`, what the observation brings to the critic's first layer."""
     flat = seen.reshape(-1)
     return flat @ critic["0"]["weight"][: flat.shape[0]] + critic["0"]["bias"]
 
 
-def _choice_weights(critic: Network, number: int) -> Array:
+def _choice_weights(critic: Perceptron, number: int) -> Array:
     return critic["0"]["weight"][-number:]
 
 
-def _rest(xp: ModuleType, critic: Network, flow: Array, activation: str) -> Array:
+def _rest(xp: ModuleType, critic: Perceptron, flow: Array, activation: str) -> Array:
     """`[...]` from what reached the critic's first layer, `[..., H]`."""
     flow = xp.tanh(flow) if activation == "tanh" else xp.maximum(flow, 0)
-    later = {str(place - 1): critic[str(place)] for place in range(1, len(critic))}
+    later = {str(index - 1): critic[str(index)] for index in range(1, len(critic))}
     return forward(xp, later, flow, activation)[..., 0]

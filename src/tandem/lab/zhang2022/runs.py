@@ -148,7 +148,7 @@ def run(
     tell(f"{arms[0].recipe}: {len(wanted)} trainings, {cpu_s:.1f} CPU s each")
     judged = judge(cell, networks, config, [factor for _, factor, _ in wanted], size)
     rows: list[Record] = []
-    for place, (arm, factor, seed) in enumerate(wanted):
+    for index, (arm, factor, seed) in enumerate(wanted):
         about = {
             "arm": arm.name,
             "recipe": arm.recipe,
@@ -157,14 +157,14 @@ def run(
             "factor": factor,
             "seed": seed,
         }
-        found = measures(cell, _part(judged, place), factor, size, front)
+        found = measures(cell, _part(judged, index), factor, size, front)
         rows.append(
             {
                 **about,
                 "steps": size.steps,
                 "cpu_s": round(cpu_s, 2),
                 **found,
-                "curve": _curve(_part(reports, place), config),
+                "curve": _curve(_part(reports, index), config),
             }
         )
         tell(f"{arm.name}, factor {factor:g}, seed {seed}: gap {rows[-1]['greedy']['gap']:.2%}")
@@ -314,10 +314,10 @@ def example(changed: Played) -> dict[str, Any]:
     """The first episode in which something happened (the first at all, if nothing ever did): what
     was done, and the change in plain numbers.
     """
-    place = int((changed.state.happened.kind > 0).argmax())
-    change = [float(leaf[place]) for leaf in changed.state.change]
+    index = int((changed.state.happened.kind > 0).argmax())
+    change = [float(leaf[index]) for leaf in changed.state.change]
     return {
-        "action": changed.action[: int(changed.steps[place]), place].tolist(),
+        "action": changed.action[: int(changed.steps[index]), index].tolist(),
         "change": [int(change[0]), *change[1:]],
     }
 
@@ -327,8 +327,8 @@ def random_player(cell: Cell, factors: Sequence[float], size: Size) -> list[dict
     and after a change.
     """
     found, rows = judge(cell, None, OURS, factors, size, calm=size.changed), []
-    for place, factor in enumerate(factors):
-        plain, noisy, changed = split(_part(found, place), size, calm=size.changed)
+    for index, factor in enumerate(factors):
+        plain, noisy, changed = split(_part(found, index), size, calm=size.changed)
         costs = {
             name: one.paid.seconds + factor * one.paid.difficulty.sum(-1)
             for name, one in (("plain", plain), ("noisy", noisy), ("changed", changed))
@@ -354,10 +354,10 @@ def losses(cell: Cell, changed: Played, factor: float, number: int) -> list[floa
     Rests whose optimum was not proven in time are left out.
     """
     names, found = duo(cell)[1], []
-    for place in [place for place, kind in enumerate(changed.state.happened.kind) if kind > 0][
+    for index in [index for index, kind in enumerate(changed.state.happened.kind) if kind > 0][
         :number
     ]:
-        state, before, paid = _part((changed.changed, changed.before, changed.paid), place)
+        state, before, paid = _part((changed.changed, changed.before, changed.paid), index)
         optimum = best_of_rest(cell, names, state.assembly, state.happened, 1.0, factor)
         rest = float(paid.seconds - before.seconds) + factor * float(
             paid.difficulty.sum() - before.difficulty.sum()
@@ -367,10 +367,10 @@ def losses(cell: Cell, changed: Played, factor: float, number: int) -> list[floa
     return found
 
 
-def _part(tree: Any, place: int) -> Any:
+def _part(tree: Any, index: int) -> Any:
     import jax
 
-    return jax.tree.map(lambda leaf: leaf[place], tree)
+    return jax.tree.map(lambda leaf: leaf[index], tree)
 
 
 def _stacked(settings: Sequence[Setting]) -> Setting:

@@ -130,12 +130,12 @@ def rest(
     origin = clock - lead
     way, end = np.asarray(assembly.way), np.asarray(assembly.end_at)
     done = {
-        task for place, task in enumerate(names.tasks) if way[place] >= 0 and end[place] <= clock
+        task for index, task in enumerate(names.tasks) if way[index] >= 0 and end[index] <= clock
     }
     running = {
-        task: int(way[place])
-        for place, task in enumerate(names.tasks)
-        if way[place] >= 0 and task not in done
+        task: int(way[index])
+        for index, task in enumerate(names.tasks)
+        if way[index] >= 0 and task not in done
     }
     if len(done) == len(names.tasks):
         return None, 0.0
@@ -145,14 +145,14 @@ def rest(
     }
     data = cell.to_dict()
     data["tasks"] = {}
-    for place, name in enumerate(names.tasks):
+    for index, name in enumerate(names.tasks):
         if name in running:
             data["tasks"][name] = _in_hand(
                 cell,
                 name,
                 ways[running[name]][1].operators,
                 names.seconds(lead),
-                names.seconds(int(end[place]) - clock),
+                names.seconds(int(end[index]) - clock),
             )
         elif name not in done:
             ready = max(
@@ -164,18 +164,18 @@ def rest(
                 cell, names, name, np.asarray(assembly.refused), done, names.seconds(ready - origin)
             )
     begun = {
-        name: ways[int(way[place])][1].operators
-        for place, name in enumerate(names.tasks)
-        if way[place] >= 0
+        name: ways[int(way[index])][1].operators
+        for index, name in enumerate(names.tasks)
+        if way[index] >= 0
     }
     data["same_operator"] = [pair for pair in cell.same_operator if not set(pair) & set(begun)]
     for one, other in [*cell.same_operator, *(pair[::-1] for pair in cell.same_operator)]:
         if one in begun and other in data["tasks"] and other not in running:
             _only(data["tasks"][other], begun[one])
-    for place, (name, operator) in enumerate(cell.operators.items()):
+    for index, (name, operator) in enumerate(cell.operators.items()):
         tool, busy = (
-            int(np.asarray(assembly.in_hand)[place]),
-            min(int(np.asarray(assembly.free_at)[place]), clock),
+            int(np.asarray(assembly.in_hand)[index]),
+            min(int(np.asarray(assembly.free_at)[index]), clock),
         )
         rests = [
             (max(0, names.ticks(a) - origin), names.ticks(b) - origin)

@@ -63,8 +63,8 @@ class Search:
 
 
 @dataclass(frozen=True)
-class Wander:
-    """No search: what the network likes best, and with a probability of `share` any legal move
+class EpsilonGreedy:
+    """No search: the network's greedy move, and with a probability of `share` any legal move
     instead.
     """
 

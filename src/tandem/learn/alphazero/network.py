@@ -5,7 +5,7 @@ The same weights read boards and cells of any size, with any number of operators
 the moves does not matter to them. What is still to come is told as what is certain (`Game.least`)
 and something more, so that even an untrained network is not far off.
 
-`judge` works on NumPy and on JAX arrays alike. Axes: `K` moves, `F` and `G` features of a move and
+`score` works on NumPy and on JAX arrays alike. Axes: `K` moves, `F` and `G` features of a move and
 of the whole, `H` units.
 """
 
@@ -22,8 +22,8 @@ import numpy as np
 from pydantic import ConfigDict
 
 from tandem.learn.forms import STRICT
-from tandem.learn.networks import Network, forward, init
-from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES, Look
+from tandem.learn.networks import Perceptron, forward, init
+from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES, Observation
 from tandem.learn.ppo.config import MOST_UNITS
 from tandem.learn.settings import counts, must_hold
 from tandem.world.arrays import namespace
@@ -36,7 +36,7 @@ Parameters = Any
 State = Any
 
 
-class Opinion(NamedTuple):
+class Prediction(NamedTuple):
     """logits: `[K]`, over all moves, legal or not. to_come: `[]`, the cost that is still to come,
     in units of the game.
     """
@@ -45,7 +45,7 @@ class Opinion(NamedTuple):
     to_come: Array
 
 
-class Judge(Protocol):
+class Network(Protocol):
     """A network that a search can ask. It is hashable: it holds sizes, never weights.
 
     Attributes:
@@ -62,24 +62,24 @@ class Judge(Protocol):
         such as a board's, is taken from `arrays`.
         """
 
-    def read(self, parameters: Parameters, seen: Any, least: Array, mover: Array) -> Opinion:
+    def read(self, parameters: Parameters, seen: Any, least: Array, mover: Array) -> Prediction:
         """What it thinks of what `game.observe` shows, when `mover` is to play and a cost of
         `least` units is certain.
         """
 
 
-def opinion(judge: Judge, parameters: Parameters, game: Game, state: State) -> Opinion:
-    """The judge's opinion of a state; nothing is to come once the game is over."""
-    found = judge.read(
+def predict(network: Network, parameters: Parameters, game: Game, state: State) -> Prediction:
+    """The network's prediction of a state; nothing is to come once the game is over."""
+    found = network.read(
         parameters, game.observe(state), game.least(state) / game.unit, game.to_play(state)
     )
     xp = namespace(found.logits)
     return found._replace(to_come=xp.where(game.is_over(state), 0.0, found.to_come))
 
 
-def liked(judge: Judge, parameters: Parameters, game: Game, state: State) -> Array:
-    """`[]` int32, the legal move that the network likes best; any once the game is over."""
-    logits = opinion(judge, parameters, game, state).logits
+def greedy_action(network: Network, parameters: Parameters, game: Game, state: State) -> Array:
+    """`[]` int32, the legal move with the highest logit; any once the game is over."""
+    logits = predict(network, parameters, game, state).logits
     xp = namespace(logits)
     return xp.argmax(xp.where(game.legal(state), logits, IMPOSSIBLE))
 
@@ -90,7 +90,7 @@ IMPOSSIBLE = -1e9
 
 @dataclass(frozen=True)
 class Scorer:
-    """The network for games that show a `Look`.
+    """The network for games that show an `Observation`.
 
     Attributes:
       units: of each layer, `H`.
@@ -104,13 +104,13 @@ class Scorer:
     def __post_init__(self) -> None:
         must_hold(counts(self, ("units",), most=MOST_UNITS))
 
-    def start(self, key: Array, game: Game | None = None) -> dict[str, Network]:
+    def start(self, key: Array, game: Game | None = None) -> dict[str, Perceptron]:
         """Glorot-uniform weights; those of the last layer of the policy are small, so that it
         prefers nothing.
         """
         return drawn(key, self._sizes, {"policy": 0.01})
 
-    def like(self, arrays: Mapping[str, Any]) -> dict[str, Network]:
+    def like(self, arrays: Mapping[str, Any]) -> dict[str, Perceptron]:
         zeros = partial(np.zeros, dtype=np.float32)
         return {name: init(zeros, size) for name, size in self._sizes.items()}
 
@@ -129,28 +129,30 @@ class Scorer:
         }
 
     def read(
-        self, parameters: dict[str, Network], seen: Look, least: Array, mover: Array
-    ) -> Opinion:
-        return self.judge(namespace(seen.moves), parameters, seen, least)
+        self, parameters: dict[str, Perceptron], seen: Observation, least: Array, mover: Array
+    ) -> Prediction:
+        return self.score(namespace(seen.moves), parameters, seen, least)
 
-    def judge(
-        self, xp: ModuleType, parameters: dict[str, Network], seen: Look, least: Array
-    ) -> Opinion:
+    def score(
+        self, xp: ModuleType, parameters: dict[str, Perceptron], seen: Observation, least: Array
+    ) -> Prediction:
         """`read` over an array namespace."""
         run = partial(forward, xp, activation="relu")
-        own = lambda name, inputs: run(parameters[name], inputs)  # noqa: E731
-        first = xp.maximum(own("moves", seen.moves) + own("whole", seen.whole)[None], 0)
-        rows = xp.maximum(own("mix", first), 0) * seen.there[:, None]
+        apply = lambda name, inputs: run(parameters[name], inputs)  # noqa: E731
+        first = xp.maximum(apply("moves", seen.moves) + apply("whole", seen.whole)[None], 0)
+        rows = xp.maximum(apply("mix", first), 0) * seen.there[:, None]
         number = xp.maximum(seen.there.sum(), 1)
         pool = xp.concatenate([rows.sum(0) / number, rows.max(0)])
-        scored = xp.maximum(own("policy_row", rows) + own("policy_pool", pool)[None], 0)
-        more = own("value", xp.concatenate([pool, seen.whole]))[0]
-        return Opinion(own("policy", scored)[:, 0], least + xp.logaddexp(more, xp.zeros_like(more)))
+        scored = xp.maximum(apply("policy_row", rows) + apply("policy_pool", pool)[None], 0)
+        more = apply("value", xp.concatenate([pool, seen.whole]))[0]
+        return Prediction(
+            apply("policy", scored)[:, 0], least + xp.logaddexp(more, xp.zeros_like(more))
+        )
 
 
 def drawn(
     key: Array, sizes: Mapping[str, tuple[int, ...]], last: Mapping[str, float] | None = None
-) -> dict[str, Network]:
+) -> dict[str, Perceptron]:
     """Networks by name, their weights from one draw: every draw of its own takes a second to
     compile.
 

@@ -18,7 +18,7 @@ import jax.numpy as jnp
 import mctx
 
 from tandem.learn.alphazero.config import Search
-from tandem.learn.alphazero.network import IMPOSSIBLE, Judge, Parameters, opinion
+from tandem.learn.alphazero.network import IMPOSSIBLE, Network, Parameters, predict
 from tandem.learn.env import Game, State
 
 Array = Any
@@ -38,29 +38,29 @@ class Found(NamedTuple):
 
 
 def search(
-    key: Array, judge: Judge, parameters: Parameters, games: Game, states: State, config: Search
+    key: Array, network: Network, parameters: Parameters, games: Game, states: State, config: Search
 ) -> Found:
     """Looks ahead from `states` `[B]` of `games` `[B]`. The same key finds the same. In a game that
     is over any move is named, and means nothing.
     """
     legal = jax.vmap(lambda game, state: game.legal(state))(games, states)
     legal = legal | ~jnp.any(legal, 1, keepdims=True)
-    seen = jax.vmap(lambda game, state: opinion(judge, parameters, game, state))(games, states)
+    seen = jax.vmap(lambda game, state: predict(network, parameters, game, state))(games, states)
     root = mctx.RootFnOutput(prior_logits=seen.logits, value=-seen.to_come, embedding=states)
     known = (parameters, games)
-    told: dict[str, Any] = {"invalid_actions": ~legal, "max_depth": config.depth}
+    common: dict[str, Any] = {"invalid_actions": ~legal, "max_depth": config.depth}
     if config.kind == "gumbel":
-        run, own = (
+        run, special = (
             mctx.gumbel_muzero_policy,
             {"max_num_considered_actions": config.considered, "gumbel_scale": config.gumbel_scale},
         )
     else:
         noise = {"dirichlet_fraction": config.noise, "dirichlet_alpha": config.noise_alpha}
-        run, own = (
+        run, special = (
             mctx.muzero_policy,
             {"pb_c_init": config.exploration, "temperature": config.temperature, **noise},
         )
-    found = run(known, _light(key), root, _expand(judge), config.simulations, **told, **own)
+    found = run(known, _light(key), root, _expand(network), config.simulations, **common, **special)
     return Found(found.action, found.action_weights, -found.search_tree.node_values[:, 0])
 
 
@@ -71,9 +71,9 @@ def _light(key: Array) -> Array:
     return jax.random.wrap_key_data(jax.random.bits(key, (4,), jnp.uint32), impl="unsafe_rbg")
 
 
-def _expand(judge: Judge) -> Any:
-    """What `mctx` calls to make a node: a step of each game, and the judge's opinion of where it
-    leads.
+def _expand(network: Network) -> Any:
+    """What `mctx` calls to make a node: a step of each game, and what the network predicts from
+    there.
     """
 
     def one(
@@ -81,7 +81,7 @@ def _expand(judge: Judge) -> Any:
     ) -> tuple[mctx.RecurrentFnOutput, State]:
         over = game.is_over(state)
         after, cost = game.step(state, move)
-        seen = opinion(judge, parameters, game, after)
+        seen = predict(network, parameters, game, after)
         logits = jnp.where(game.legal(after), seen.logits, IMPOSSIBLE)
         reward, discount = -cost / game.unit, jnp.where(over, 0.0, 1.0)
         return mctx.RecurrentFnOutput(

@@ -11,27 +11,34 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from tandem.learn.alphazero.config import Search, Wander
-from tandem.learn.alphazero.network import Judge, Parameters, liked
+from tandem.learn.alphazero.config import EpsilonGreedy, Search
+from tandem.learn.alphazero.network import Network, Parameters, greedy_action
 from tandem.learn.alphazero.search import Found, search
 from tandem.learn.env import Game, State
 
 Array = Any
 Looking = Any
-"""How a move is found: a `Search`, a `Wander`, or what else `SEARCHES` knows; frozen, so that it
-can be compiled for.
+"""How a move is found: a `Search`, an `EpsilonGreedy`, or what else `SEARCHES` knows; frozen, so
+that it can be compiled for.
 """
 
 
-def wander(
-    key: Array, judge: Judge, parameters: Parameters, games: Game, states: State, config: Wander
+def epsilon_greedy(
+    key: Array,
+    network: Network,
+    parameters: Parameters,
+    games: Game,
+    states: State,
+    config: EpsilonGreedy,
 ) -> Found:
-    """What the network likes best, or now and then any legal move; `Found.policy` names what it
-    likes, and nothing is said of what is to come.
+    """The network's greedy move, or now and then any legal one; `Found.policy` names the greedy
+    one, and nothing is said of what is to come.
     """
     pick_key, astray_key = jax.random.split(key)
     legal = jax.vmap(lambda game, state: game.legal(state))(games, states)
-    best = jax.vmap(lambda game, state: liked(judge, parameters, game, state))(games, states)
+    best = jax.vmap(lambda game, state: greedy_action(network, parameters, game, state))(
+        games, states
+    )
     drawn = jnp.argmax(jnp.where(legal, jax.random.uniform(pick_key, legal.shape), -1.0), -1)
     astray = jax.random.uniform(astray_key, best.shape) < config.share
     return Found(
@@ -41,17 +48,22 @@ def wander(
     )
 
 
-SEARCHES: dict[type[Any], Any] = {Search: search, Wander: wander}
+SEARCHES: dict[type[Any], Any] = {Search: search, EpsilonGreedy: epsilon_greedy}
 """How a search is told -> the search. One more is an entry by who has it: `SEARCHES[Mine] =
 my_search`.
 """
 
 
 def find(
-    key: Array, judge: Judge, parameters: Parameters, games: Game, states: State, config: Looking
+    key: Array,
+    network: Network,
+    parameters: Parameters,
+    games: Game,
+    states: State,
+    config: Looking,
 ) -> Found:
     """What the search that `config` tells of finds in `states` `[B]` of `games` `[B]`."""
-    found: Found = SEARCHES[type(config)](key, judge, parameters, games, states, config)
+    found: Found = SEARCHES[type(config)](key, network, parameters, games, states, config)
     return found
 
 
@@ -72,7 +84,7 @@ class Experience(NamedTuple):
     valid: Array
 
 
-class Played(NamedTuple):
+class FinishedGames(NamedTuple):
     """cost: `[B]` float32, of each whole game. moves: `[L, B]` int32; -1 after the end. state: the
     last states. over: `[B]` bool.
     """
@@ -85,12 +97,12 @@ class Played(NamedTuple):
 
 def selfplay(
     key: Array,
-    judge: Judge,
+    network: Network,
     parameters: Parameters,
     games: Game,
     config: Looking,
     trust: float = 1.0,
-) -> tuple[Experience, Played]:
+) -> tuple[Experience, FinishedGames]:
     """One whole game on each of `games` `[B]`, every move by a search.
 
     Args:
@@ -100,7 +112,8 @@ def selfplay(
 
     def move(states: State, key: Array) -> tuple[State, tuple[Experience, Array, Array]]:
         over = _are_over(games, states)
-        found = find(key, judge, parameters, games, states, config)
+        found = find(key, network, parameters, games, states, config)
+        # kept as the network was shown it: the games themselves are not held in memory
         seen, legal, mover, least = jax.vmap(shown)(games, states)
         after, cost = jax.vmap(lambda game, state, move: game.step(state, move))(
             games, states, found.move
@@ -113,12 +126,14 @@ def selfplay(
     )
     to_come = jnp.cumsum(cost[::-1], 0)[::-1]
     experience = experience._replace(to_come=trust * to_come + (1 - trust) * experience.to_come)
-    return experience, Played(to_come[0] * games.unit, moves - 1, states, _are_over(games, states))
+    return experience, FinishedGames(
+        to_come[0] * games.unit, moves - 1, states, _are_over(games, states)
+    )
 
 
 def played(
-    key: Array, judge: Judge, parameters: Parameters, games: Game, config: Looking | None = None
-) -> Played:
+    key: Array, network: Network, parameters: Parameters, games: Game, config: Looking | None = None
+) -> FinishedGames:
     """One whole game on each of `games` `[B]`: by a search, or the move that the network likes best
     where `config` is None.
     """
@@ -126,11 +141,11 @@ def played(
 
     def move(states: State, key: Array) -> tuple[State, tuple[Array, Array]]:
         if config is None:
-            chosen = jax.vmap(lambda game, state: liked(judge, parameters, game, state))(
+            chosen = jax.vmap(lambda game, state: greedy_action(network, parameters, game, state))(
                 games, states
             )
         else:
-            chosen = find(key, judge, parameters, games, states, config).move
+            chosen = find(key, network, parameters, games, states, config).move
         after, cost = jax.vmap(lambda game, state, move: game.step(state, move))(
             games, states, chosen
         )
@@ -139,7 +154,7 @@ def played(
     states, (cost, moves) = jax.lax.scan(
         _while_on(move, games), states, jax.random.split(key, games.longest)
     )
-    return Played(jnp.sum(cost, 0), moves - 1, states, _are_over(games, states))
+    return FinishedGames(jnp.sum(cost, 0), moves - 1, states, _are_over(games, states))
 
 
 def _are_over(games: Game, states: State) -> Array:

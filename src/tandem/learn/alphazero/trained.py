@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from tandem.learn.alphazero.network import Judge, Parameters
+from tandem.learn.alphazero.network import Network, Parameters
 from tandem.learn.forms import Form, SettingsError, unreadable
 from tandem.learn.settings import read
 from tandem.learn.tensors import misfits, read_tensors, write_tensors
@@ -33,12 +33,12 @@ class Trained:
     """A network and its weights.
 
     Attributes:
-      judge: the network's form.
+      network: its form.
       parameters: NumPy arrays.
       notes: where it comes from.
     """
 
-    judge: Judge
+    network: Network
     parameters: Parameters
     notes: Mapping[str, Any] = field(default_factory=dict)
 
@@ -46,8 +46,8 @@ class Trained:
         """One file; returns where."""
         about = {
             "format": FORMAT,
-            "network": self.judge.kind,
-            "sizes": asdict(self.judge),  # type: ignore[call-overload]
+            "network": self.network.kind,
+            "sizes": asdict(self.network),  # type: ignore[call-overload]
             "notes": dict(self.notes),
         }
         write_tensors(
@@ -58,7 +58,7 @@ class Trained:
         return Path(path)
 
     @classmethod
-    def load(cls, path: str | Path, *forms: type[Judge]) -> Trained:
+    def load(cls, path: str | Path, *forms: type[Network]) -> Trained:
         """What `save` wrote of a network of one of these forms.
 
         Raises:
@@ -76,14 +76,14 @@ class Trained:
                 ],
             )
         try:
-            judge = read(known[about.network], about.sizes)
+            network = read(known[about.network], about.sizes)
         except SettingsError as error:
             raise unreadable(
                 path, [f"is no network: sizes.{fault}" for fault in error.faults]
             ) from None
-        if said := misfits(arrays, _named(judge.like(arrays))):
+        if said := misfits(arrays, _named(network.like(arrays))):
             raise unreadable(path, [f"is no network of its sizes: it {said}"])
-        return cls(judge, _nested(arrays), about.notes)
+        return cls(network, _nested(arrays), about.notes)
 
 
 def _named(tree: Any, place: str = "") -> dict[str, Any]:

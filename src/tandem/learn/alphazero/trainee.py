@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from tandem.cell.model import Cell
-from tandem.learn.algorithm import Order, Row
+from tandem.learn.algorithm import Row, TrainingOrder
 from tandem.learn.alphazero import training
 from tandem.learn.alphazero.config import Config, Search
 from tandem.learn.alphazero.network import Scorer
@@ -22,14 +22,14 @@ from tandem.learn.alphazero.recipes import SearchRecipe
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.env import Game, stacked
 from tandem.learn.results import Reached, paid
-from tandem.learn.rollout import alone, game_of, play, told
+from tandem.learn.rollout import alone, as_document, game_of, play
 
 MOST_SEARCHED = 16
 """Searched games of `tandem evaluate`, however many episodes are asked for."""
 
 
 def players(
-    path: Path, cell: Cell, order: Order, *, seed: int, episodes: int
+    path: Path, cell: Cell, order: TrainingOrder, *, seed: int, episodes: int
 ) -> dict[str, list[Reached]]:
     """How what a run has learned plays a cell, any cell: alone, under the run's search, and the
     best of so many searched games.
@@ -58,7 +58,7 @@ class Trainee:
     players = staticmethod(players)
     costs = staticmethod(lambda cell, order: paid(order.stress_factor))
 
-    def __init__(self, order: Order) -> None:
+    def __init__(self, order: TrainingOrder) -> None:
         recipe = order.recipe
         assert isinstance(recipe, SearchRecipe)
         self.order, self.recipe = order, recipe
@@ -86,22 +86,26 @@ class Trainee:
         paid the same.
         """
         results = alone(
-            self.order.cell, self.game, training.judge(self.recipe.config), learners.parameters
+            self.order.cell, self.game, training.network_of(self.recipe.config), learners.parameters
         )
         found = []
-        for place in range(len(self.order.seeds)):
-            own = jax.tree.map(lambda leaf, place=place: leaf[place], report)
-            row: Row = {"episodes": int(learners.games[place]), "steps": int(learners.moves[place])}
+        for index in range(len(self.order.seeds)):
+            seed_report = jax.tree.map(lambda leaf, index=index: leaf[index], report)
+            row: Row = {"episodes": int(learners.games[index]), "steps": int(learners.moves[index])}
             row |= {
-                "mean_return_team": round(-float(own.cost), 4),
-                "first_value_team": round(-results[place][1], 4),
+                "mean_return_team": round(-float(seed_report.cost), 4),
+                "first_value_team": round(-results[index][1], 4),
             }
             row |= {
-                name: round(float(getattr(own, name)), 5)
+                name: round(float(getattr(seed_report, name)), 5)
                 for name in ("policy_loss", "value_loss", "entropy")
             }
             found.append(
-                row | {f"greedy_{name}": value for name, value in told(results[place][0]).items()}
+                row
+                | {
+                    f"greedy_{name}": value
+                    for name, value in as_document(results[index][0]).items()
+                }
             )
         return found
 
@@ -110,28 +114,28 @@ class Trainee:
         `best_of_n`: of n games under one that draws.
         """
         recipe, cell, rows = self.recipe, self.order.cell, []
-        for place, seed in enumerate(self.order.seeds):
-            parameters = jax.tree.map(lambda leaf, place=place: leaf[place], learners.parameters)
-            trained = Trained(training.judge(recipe.config), parameters)
+        for index, seed in enumerate(self.order.seeds):
+            parameters = jax.tree.map(lambda leaf, index=index: leaf[index], learners.parameters)
+            trained = Trained(training.network_of(recipe.config), parameters)
             row: Row = {
-                "steps": int(learners.moves[place]),
-                "greedy": told(play(cell, self.game, trained)[0]),
+                "steps": int(learners.moves[index]),
+                "greedy": as_document(play(cell, self.game, trained)[0]),
             }
-            row["searched"] = told(play(cell, self.game, trained, sure(recipe))[0])
+            row["searched"] = as_document(play(cell, self.game, trained, sure(recipe))[0])
             drawn = play(cell, self.game, trained, drawing(recipe), games=recipe.samples, seed=seed)
             rows.append(
                 {
                     **row,
                     "best_of_n": {
                         "n": recipe.samples,
-                        **told(min(drawn, key=lambda game: game.cost)),
+                        **as_document(min(drawn, key=lambda game: game.cost)),
                     },
                 }
             )
         return rows
 
-    def save_policy(self, learners: training.Learner, place: int, path: Path) -> None:
-        parameters = jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters)
+    def save_policy(self, learners: training.Learner, index: int, path: Path) -> None:
+        parameters = jax.tree.map(lambda leaf: np.asarray(leaf[index]), learners.parameters)
         order, cell = self.order, self.order.cell
         notes = {
             "kind": "alphazero",
@@ -139,10 +143,10 @@ class Trainee:
             "digest": cell.digest,
             "recipe": order.name,
             "stress_factor": order.stress_factor,
-            "seed": order.seeds[place],
+            "seed": order.seeds[index],
             "waiting": self.recipe.waiting,
         }
-        Trained(training.judge(self.recipe.config), parameters, notes).save(path)
+        Trained(training.network_of(self.recipe.config), parameters, notes).save(path)
 
 
 def sure(recipe: SearchRecipe) -> Search:

@@ -14,8 +14,8 @@ import jax.numpy as jnp
 import optax
 
 from tandem.learn.alphazero.config import Config
-from tandem.learn.alphazero.network import Judge, Parameters, Scorer
-from tandem.learn.alphazero.selfplay import Experience, Played, selfplay, shown
+from tandem.learn.alphazero.network import Network, Parameters, Scorer
+from tandem.learn.alphazero.selfplay import Experience, FinishedGames, selfplay, shown
 from tandem.learn.env import Game
 from tandem.learn.networks import masked_log_softmax
 
@@ -53,7 +53,7 @@ class Report(NamedTuple):
     finite: Array
 
 
-def judge(config: Config) -> Scorer:
+def network_of(config: Config) -> Scorer:
     """The network that is trained."""
     return Scorer(config.units)
 
@@ -62,16 +62,16 @@ def start(key: Array, games: Game, config: Config) -> Learner:
     """A learner that knows nothing yet. `games` `[P]` is what it will play."""
     network_key, key = jax.random.split(key)
     one = jax.tree.map(lambda leaf: leaf[0], games)
-    parameters = judge(config).start(network_key, one)
+    parameters = network_of(config).start(network_key, one)
     zero, pool = jnp.zeros((), jnp.int32), games.unit.shape[0]
-    kept, best = (
-        _nothing(one, (config.kept, one.longest * config.games)),
-        _nothing(one, (pool, one.longest)),
+    memory, best = (
+        _empty(one, (config.kept, one.longest * config.games)),
+        _empty(one, (pool, one.longest)),
     )
     return Learner(
         parameters,
         _optimiser(config).init(parameters),
-        kept,
+        memory,
         best,
         jnp.full(pool, jnp.inf),
         key,
@@ -88,7 +88,7 @@ def advance(learner: Learner, games: Game, config: Config) -> tuple[Learner, Rep
     chosen = jax.random.choice(draw_key, pool, (config.games,), replace=pool < config.games)
     drawn = jax.tree.map(lambda leaf: leaf[chosen], games)
     fresh, result = selfplay(
-        play_key, judge(config), learner.parameters, drawn, config.search, config.trust
+        play_key, network_of(config), learner.parameters, drawn, config.search, config.trust
     )
     slot = learner.rounds % config.kept
     experience = jax.tree.map(
@@ -111,7 +111,7 @@ def advance(learner: Learner, games: Game, config: Config) -> tuple[Learner, Rep
 
 
 def loss(
-    network: Judge, parameters: Parameters, batch: Experience, value_weight: float
+    network: Network, parameters: Parameters, batch: Experience, value_weight: float
 ) -> tuple[Array, tuple[Array, Array, Array]]:
     """Cross-entropy to what the search found, and the squared error of what is still to come; means
     over the valid rows.
@@ -129,8 +129,10 @@ def _learn(
     key: Array, learner: Learner, config: Config
 ) -> tuple[Parameters, Any, tuple[Array, Array, Array]]:
     """Minibatches drawn evenly from the decisions that are kept."""
-    network, rule = judge(config), _optimiser(config)
+    network, rule = network_of(config), _optimiser(config)
+    # the steps grow smaller towards the end, so that the weights settle
     rate = config.learning_rate * (1 - 0.9 * learner.rounds / config.iterations)
+    # what was found once by luck stays in every minibatch, however bold the searches are
     imitated = round(config.imitated * config.minibatch)
     sources = [
         (_flat(learner.experience), config.minibatch - imitated),
@@ -167,7 +169,9 @@ def _drawn(key: Array, rows: Experience, number: int) -> Experience:
     return jax.tree.map(lambda leaf: leaf[drawn], rows)
 
 
-def _remembered(learner: Learner, fresh: Experience, result: Played, chosen: Array) -> Learner:
+def _remembered(
+    learner: Learner, fresh: Experience, result: FinishedGames, chosen: Array
+) -> Learner:
     """The learner with the cheapest games of the round, played on the games `chosen` `[B]`, where
     they are cheaper than those before.
     """
@@ -198,7 +202,7 @@ def _flat(experience: Experience) -> Experience:
     )
 
 
-def _nothing(game: Game, rows: tuple[int, int]) -> Experience:
+def _empty(game: Game, rows: tuple[int, int]) -> Experience:
     """Room for so much experience."""
     seen, legal, mover, least = jax.tree.map(
         lambda leaf: jnp.zeros((*rows, *leaf.shape), leaf.dtype),

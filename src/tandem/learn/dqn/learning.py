@@ -148,8 +148,8 @@ def advance(learner: Learner, game: Game, config: Config, rounds: int) -> tuple[
     def one(learner: Learner, _: None) -> tuple[Learner, Array]:
         move_key, learn_key, key = jax.random.split(learner.key, 3)
         moved, rows = _moved(move_key, learner, game, config)
-        place = learner.rounds % learner.memory.valid.shape[0]
-        memory = jax.tree.map(lambda all_, new: all_.at[place].set(new), learner.memory, rows)
+        index = learner.rounds % learner.memory.valid.shape[0]
+        memory = jax.tree.map(lambda all_, new: all_.at[index].set(new), learner.memory, rows)
         learner = moved._replace(memory=memory, key=key, rounds=learner.rounds + 1)
         due = (learner.rounds > config.warm_up) & (learner.rounds % config.learn_every == 0)
         return jax.lax.cond(
@@ -172,11 +172,11 @@ def advance(learner: Learner, game: Game, config: Config, rounds: int) -> tuple[
     )
 
 
-def values(judge: ValueNetworks, parameters: Any, game: Game, state: State) -> Array:
+def values(network: ValueNetworks, parameters: Any, game: Game, state: State) -> Array:
     """`[K]`, what each move costs in the eyes of the agent whose turn it is; infinity for what is
     not legal, 0 once the game is over.
     """
-    seen = judge.read(
+    seen = network.read(
         parameters, game.observe(state), game.least(state) / game.unit, game.to_play(state)
     )
     return jnp.where(game.is_over(state), 0.0, jnp.where(game.legal(state), -seen.logits, jnp.inf))
@@ -188,34 +188,37 @@ def loss(
     """Huber loss of Q(state, move) against cost + discount x the least Q of the target network in
     `after`; mean over the rows that count `[N]`.
     """
-    judge = networks(game, config)
-    now = jax.vmap(partial(values, judge, parameters, game))(batch.state)
-    then = jax.vmap(partial(values, judge, target, game))(batch.after)
+    network = networks(game, config)
+    now = jax.vmap(partial(values, network, parameters, game))(batch.state)
+    then = jax.vmap(partial(values, network, target, game))(batch.after)
     if config.double:
-        chosen = jnp.argmin(jax.vmap(partial(values, judge, parameters, game))(batch.after), -1)
+        chosen = jnp.argmin(jax.vmap(partial(values, network, parameters, game))(batch.after), -1)
         best = jnp.take_along_axis(then, chosen[:, None], -1)[:, 0]
     else:
         best = jnp.min(then, -1)
     aim = jax.lax.stop_gradient(batch.cost + config.discount * best)
-    told = jnp.take_along_axis(now, batch.move[:, None], -1)[:, 0]
-    off = jnp.where(counts, told - aim, 0.0)
+    predicted = jnp.take_along_axis(now, batch.move[:, None], -1)[:, 0]
+    off = jnp.where(counts, predicted - aim, 0.0)
     return jnp.sum(optax.huber_loss(off)) / jnp.maximum(jnp.sum(counts), 1)
 
 
 def _moved(key: Array, learner: Learner, game: Game, config: Config) -> tuple[Learner, Turns]:
     """A move in every game; finished games begin anew. The rows are what has become known by it."""
-    judge, states = networks(game, config), learner.states
+    network, states = networks(game, config), learner.states
     explore_key, pick_key = jax.random.split(key)
     me = jax.vmap(game.to_play)(states)
-    told = jax.vmap(partial(values, judge, learner.parameters, game))(states)
+    q_values = jax.vmap(partial(values, network, learner.parameters, game))(states)
+    # the values are infinite where a move is not legal, so they tell what may be drawn, too
     drawn = jnp.argmax(
-        jnp.where(jnp.isfinite(told), jax.random.uniform(pick_key, told.shape), -1.0), -1
+        jnp.where(jnp.isfinite(q_values), jax.random.uniform(pick_key, q_values.shape), -1.0), -1
     )
     astray = jax.random.uniform(explore_key, me.shape) < _explore(learner, config)
-    move = jnp.where(astray, drawn, jnp.argmin(told, -1)).astype(jnp.int32)
+    move = jnp.where(astray, drawn, jnp.argmin(q_values, -1)).astype(jnp.int32)
     after, cost = jax.vmap(game.step)(states, move)
+    # in units, as the networks know it, so that one learning rate suits any cell
     cost, over = cost / game.unit, jax.vmap(game.is_over)(after)
     rows, opened = _rows(learner.open, states, me, move, cost, after, over, config)
+    # games end at different moves, so each is replaced alone and all go on side by side
     fresh = jax.vmap(lambda one: one.reset())(many(game, config.games))
     going = jax.tree.map(
         lambda new, old: jnp.where(over.reshape(-1, *[1] * (old.ndim - 1)), new, old), fresh, after
@@ -247,16 +250,18 @@ def _rows(
     """
     if config.horizon == "next":
         return Turns(states, me, move, cost, after, jnp.ones(me.shape, bool)), opened
+    # the agent is on turn again: where its last decision led is known only now
     games, agents = opened.waiting.shape
-    own = lambda leaf: leaf[jnp.arange(games), me]  # noqa: E731
+    of_mover = lambda leaf: leaf[jnp.arange(games), me]  # noqa: E731
     back = Turns(
-        jax.tree.map(own, opened.state),
+        jax.tree.map(of_mover, opened.state),
         me,
-        own(opened.move),
-        own(opened.cost),
+        of_mover(opened.move),
+        of_mover(opened.cost),
         states,
-        own(opened.waiting),
+        of_mover(opened.waiting),
     )
+    # its new decision takes the old one's place; what anybody's move costs is paid by all who wait
     mine = jnp.arange(agents)[None] == me[:, None]
 
     def put(all_: Array, one: Array) -> Array:
@@ -268,6 +273,7 @@ def _rows(
         jnp.where(mine, 0.0, opened.cost) + cost[:, None],
         opened.waiting | mine,
     )
+    # at the end of a game nobody gets another turn, so all decisions that are open close here
     wide = lambda leaf: jnp.broadcast_to(leaf[:, None], (games, agents, *leaf.shape[1:]))  # noqa: E731
     agent = jnp.broadcast_to(jnp.arange(agents, dtype=me.dtype)[None], (games, agents))
     ends = Turns(
@@ -295,6 +301,7 @@ def _learned(key: Array, learner: Learner, game: Game, config: Config) -> tuple[
     number = networks(game, config).agents
     rate = config.learning_rate * (1 - 0.9 * jnp.minimum(learner.rounds / rounds_of(config), 1.0))
 
+    # rows of other agents and empty ones are never drawn: the cumulated count has no step there
     def drawn(key: Array, agent: Array) -> tuple[Turns, Array]:
         fits = flat.valid & ((flat.agent == agent) | (number == 1))
         counted = jnp.cumsum(fits)
@@ -306,6 +313,7 @@ def _learned(key: Array, learner: Learner, game: Game, config: Config) -> tuple[
             counted[-1] > 0, rows.shape
         )
 
+    # one gradient for all networks together: each row asks the network of its own agent only
     batches, counts = jax.vmap(drawn)(jax.random.split(key, number), jnp.arange(number))
     together = jax.tree.map(
         lambda leaf: leaf.reshape(leaf.shape[0] * leaf.shape[1], *leaf.shape[2:]), batches
@@ -316,6 +324,7 @@ def _learned(key: Array, learner: Learner, game: Game, config: Config) -> tuple[
     change, moments = _optimiser(config).update(gradient, learner.optimiser)
     parameters = jax.tree.map(lambda old, by: old - rate * by, learner.parameters, change)
     updates = learner.updates + 1
+    # the aim stands still between two copies, or each step would chase its own change
     target = jax.tree.map(
         lambda new, old: jnp.where(updates % config.target_every == 0, new, old),
         parameters,

@@ -11,10 +11,10 @@ from typing import Any, ClassVar
 import numpy as np
 from pydantic import ConfigDict
 
-from tandem.learn.alphazero.network import Opinion, Scorer
+from tandem.learn.alphazero.network import Prediction, Scorer
 from tandem.learn.forms import STRICT
 from tandem.learn.networks import mapped
-from tandem.learn.observation import Look
+from tandem.learn.observation import Observation
 from tandem.learn.ppo.config import MOST_UNITS
 from tandem.learn.settings import counts, must_hold
 from tandem.world.arrays import namespace
@@ -61,15 +61,15 @@ class ValueNetworks:
 
         return mapped(each, Scorer(self.units).like(arrays))
 
-    def read(self, parameters: Any, seen: Look, least: Array, mover: Array) -> Opinion:
+    def read(self, parameters: Any, seen: Observation, least: Array, mover: Array) -> Prediction:
         """The logits are minus the Q-values, so that the best move has the largest."""
         xp, scorer = namespace(seen.moves), Scorer(self.units)
         mine = xp.clip(mover, 0, self.agents - 1)
         if xp is np:
-            own = scorer.judge(np, mapped(lambda leaf: leaf[mine], parameters), seen, least)
-            return Opinion(-(own.to_come + own.logits), own.to_come)
+            found = scorer.score(np, mapped(lambda leaf: leaf[mine], parameters), seen, least)
+            return Prediction(-(found.to_come + found.logits), found.to_come)
         import jax
 
-        each = jax.vmap(lambda own: scorer.judge(xp, own, seen, least))(parameters)
+        each = jax.vmap(lambda weights: scorer.score(xp, weights, seen, least))(parameters)
         to_come = each.to_come[mine]
-        return Opinion(-(to_come + each.logits[mine]), to_come)
+        return Prediction(-(to_come + each.logits[mine]), to_come)

@@ -13,8 +13,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from tandem.cell.model import Cell
-from tandem.learn.algorithm import Order, Row
-from tandem.learn.alphazero.config import Wander
+from tandem.learn.algorithm import Row, TrainingOrder
+from tandem.learn.alphazero.config import EpsilonGreedy
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.dqn import learning
 from tandem.learn.dqn.config import Config
@@ -22,14 +22,14 @@ from tandem.learn.dqn.network import ValueNetworks
 from tandem.learn.dqn.recipes import ValueRecipe
 from tandem.learn.env import Game
 from tandem.learn.results import Reached, paid
-from tandem.learn.rollout import alone, game_of, play, told
+from tandem.learn.rollout import alone, as_document, game_of, play
 
 INTERVALS = 30
 """Figures of a training."""
 
 
 def players(
-    path: Path, cell: Cell, order: Order, *, seed: int, episodes: int
+    path: Path, cell: Cell, order: TrainingOrder, *, seed: int, episodes: int
 ) -> dict[str, list[Reached]]:
     """How what a run has learned plays a cell: greedy, and with a twentieth of the moves drawn."""
     recipe = order.recipe
@@ -38,7 +38,7 @@ def players(
         Trained.load(path, ValueNetworks),
         game_of(cell, order.stress_factor, waiting=recipe.waiting),
     )
-    drawn = play(cell, game, trained, Wander(), games=episodes, seed=seed)
+    drawn = play(cell, game, trained, EpsilonGreedy(), games=episodes, seed=seed)
     return {
         "greedy": play(cell, game, trained),
         "sampled": drawn,
@@ -54,14 +54,14 @@ class Trainee:
     players = staticmethod(players)
     costs = staticmethod(lambda cell, order: paid(order.stress_factor))
 
-    def __init__(self, order: Order) -> None:
+    def __init__(self, order: TrainingOrder) -> None:
         recipe = order.recipe
         assert isinstance(recipe, ValueRecipe)
         self.order, self.recipe = order, recipe
         self.game = jax.tree.map(
             jnp.asarray, game_of(order.cell, order.stress_factor, waiting=recipe.waiting)
         )
-        self.judge = learning.networks(self.game, recipe.config)
+        self.network = learning.networks(self.game, recipe.config)
         self.stretch = max(1, learning.rounds_of(recipe.config) // INTERVALS)
 
     @property
@@ -86,17 +86,24 @@ class Trainee:
         """`mean_return_team` is minus the mean cost of the games that ended: all operators are paid
         the same.
         """
-        results, found = alone(self.order.cell, self.game, self.judge, learners.parameters), []
-        for place in range(len(self.order.seeds)):
-            own = jax.tree.map(lambda leaf, place=place: leaf[place], report)
-            row: Row = {"episodes": int(learners.games[place]), "steps": int(learners.moves[place])}
+        results, found = alone(self.order.cell, self.game, self.network, learners.parameters), []
+        for index in range(len(self.order.seeds)):
+            seed_report = jax.tree.map(lambda leaf, index=index: leaf[index], report)
+            row: Row = {"episodes": int(learners.games[index]), "steps": int(learners.moves[index])}
             row |= {
-                "mean_return_team": round(-float(own.cost), 4),
-                "first_value_team": round(-results[place][1], 4),
+                "mean_return_team": round(-float(seed_report.cost), 4),
+                "first_value_team": round(-results[index][1], 4),
             }
-            row |= {"loss": round(float(own.loss), 5), "explore": round(float(own.explore), 4)}
+            row |= {
+                "loss": round(float(seed_report.loss), 5),
+                "explore": round(float(seed_report.explore), 4),
+            }
             found.append(
-                row | {f"greedy_{name}": value for name, value in told(results[place][0]).items()}
+                row
+                | {
+                    f"greedy_{name}": value
+                    for name, value in as_document(results[index][0]).items()
+                }
             )
         return found
 
@@ -105,25 +112,31 @@ class Trainee:
         twentieth of the moves is random, the best.
         """
         rows = []
-        for place, seed in enumerate(self.order.seeds):
+        for index, seed in enumerate(self.order.seeds):
             trained = Trained(
-                self.judge, jax.tree.map(lambda leaf, place=place: leaf[place], learners.parameters)
+                self.network,
+                jax.tree.map(lambda leaf, index=index: leaf[index], learners.parameters),
             )
             drawn = play(
-                self.order.cell, self.game, trained, Wander(), games=self.recipe.samples, seed=seed
+                self.order.cell,
+                self.game,
+                trained,
+                EpsilonGreedy(),
+                games=self.recipe.samples,
+                seed=seed,
             )
-            best = {"n": self.recipe.samples, **told(min(drawn, key=lambda game: game.cost))}
+            best = {"n": self.recipe.samples, **as_document(min(drawn, key=lambda game: game.cost))}
             rows.append(
                 {
-                    "steps": int(learners.moves[place]),
-                    "greedy": told(play(self.order.cell, self.game, trained)[0]),
+                    "steps": int(learners.moves[index]),
+                    "greedy": as_document(play(self.order.cell, self.game, trained)[0]),
                     "best_of_n": best,
                 }
             )
         return rows
 
-    def save_policy(self, learners: learning.Learner, place: int, path: Path) -> None:
-        parameters = jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters)
+    def save_policy(self, learners: learning.Learner, index: int, path: Path) -> None:
+        parameters = jax.tree.map(lambda leaf: np.asarray(leaf[index]), learners.parameters)
         order, cell = self.order, self.order.cell
         notes = {
             "kind": "dqn",
@@ -131,10 +144,10 @@ class Trainee:
             "digest": cell.digest,
             "recipe": order.name,
             "stress_factor": order.stress_factor,
-            "seed": order.seeds[place],
+            "seed": order.seeds[index],
             "waiting": self.recipe.waiting,
         }
-        Trained(self.judge, parameters, notes).save(path)
+        Trained(self.network, parameters, notes).save(path)
 
 
 @partial(jax.jit, static_argnames=("config", "rounds"))

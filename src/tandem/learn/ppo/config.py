@@ -136,8 +136,8 @@ class Config:
         """Everything that is wrong with it."""
         if not self.stages:
             yield "stages: none given; a training needs at least one."
-        for place, stage in enumerate(self.stages):
-            yield from (f"stages.{place}.{fault}" for fault in stage.faults())
+        for index, stage in enumerate(self.stages):
+            yield from (f"stages.{index}.{fault}" for fault in stage.faults())
         yield from counts(self, ("environments", "horizon", "minibatch"), most=MOST_STEPS)
         yield from counts(self, ("epochs", "episode_limit"))
         for name in ("discount", "gae"):

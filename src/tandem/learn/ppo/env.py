@@ -17,13 +17,13 @@ import numpy as np
 
 from tandem.learn.ppo import observation
 from tandem.learn.ppo.config import StageValues
-from tandem.learn.world import Outcome
+from tandem.learn.world import StepResult
 from tandem.world import episode, state
 from tandem.world.arrays import Array, Arrays
 from tandem.world.episode import Shift
 from tandem.world.people import Person, crew
 from tandem.world.population import Crowd
-from tandem.world.randomness import OFF, Chance, Draw, Fate, fate
+from tandem.world.randomness import OFF, Chance, Draw, Scenario, scenario
 
 UNFINISHED = 2.0
 """What an assembly that nobody can finish costs, in units of `sight.scale`."""
@@ -34,13 +34,13 @@ them.
 """
 
 
-class Beside(NamedTuple):
-    """An episode under way: the shift, its chance and its crew (one person per operator), which the
-    decider does not see.
+class EpisodeState(NamedTuple):
+    """An episode under way: the shift, its scenario (`fate`: checkpoints call it so) and its crew
+    (one person per operator), which the decider does not see.
     """
 
     shift: Shift
-    fate: Fate
+    fate: Scenario
     people: Person
 
 
@@ -98,30 +98,35 @@ class BesidePeople:
     def observation_size(self) -> int:
         return observation.observation_size(self.arrays)
 
-    def reset(self, key: Array) -> Beside:
-        who_key, fate_key = jax.random.split(key)
-        place = jax.random.randint(who_key, (), 0, self.people.pace.shape[0])
-        chance = fate(self.draw, self.arrays, jax.random.uniform(fate_key, (self.draw.numbers,)))
-        people = crew(self.arrays, jax.tree.map(lambda leaf: leaf[place], self.people))
-        return Beside(self._to_a_turn(chance, episode.begin(self.arrays, people)), chance, people)
+    def reset(self, key: Array) -> EpisodeState:
+        who_key, scenario_key = jax.random.split(key)
+        index = jax.random.randint(who_key, (), 0, self.people.pace.shape[0])
+        chance = scenario(
+            self.draw, self.arrays, jax.random.uniform(scenario_key, (self.draw.numbers,))
+        )
+        people = crew(self.arrays, jax.tree.map(lambda leaf: leaf[index], self.people))
+        return EpisodeState(
+            self._to_a_turn(chance, episode.begin(self.arrays, people)), chance, people
+        )
 
-    def observe(self, state: Beside) -> Array:
+    def observe(self, state: EpisodeState) -> Array:
         return observation.observe(
             self.arrays, state.shift.state, state.shift.mask, state.shift.turn
         )[None]
 
-    def legal(self, state: Beside) -> Array:
+    def legal(self, state: EpisodeState) -> Array:
         return observation.choices(
             self.arrays, state.shift.state, state.shift.mask, state.shift.turn
         )[None]
 
-    def narrow(self, state: Beside, legal: Array, action: Array) -> Array:
+    def narrow(self, state: EpisodeState, legal: Array, action: Array) -> Array:
         return legal
 
-    def step(self, state: Beside, action: Array) -> tuple[Beside, Outcome]:
+    def step(self, state: EpisodeState, action: Array) -> tuple[EpisodeState, StepResult]:
         way = jnp.where(action[0] == self.actions - 1, -1, action[0])
         shift = self._to_a_turn(
-            state.fate, episode.decide(self.arrays, state.fate, state.people, state.shift, way)
+            state.fate,
+            episode.decide(self.arrays, state.fate, state.people, state.shift, way),
         )
         over, lost = (
             episode.is_over(self.arrays, shift),
@@ -130,7 +135,7 @@ class BesidePeople:
         cost = (
             self.cost(shift) - self.cost(state.shift) + jnp.where(over & ~is_done(shift), lost, 0.0)
         )
-        return Beside(shift, state.fate, state.people), Outcome(
+        return EpisodeState(shift, state.fate, state.people), StepResult(
             -cost[None].astype(jnp.float32), over, jnp.zeros(1, jnp.int32)
         )
 
@@ -143,7 +148,7 @@ class BesidePeople:
             self.arrays, shift.state
         )
 
-    def _to_a_turn(self, chance: Fate, shift: Shift) -> Shift:
+    def _to_a_turn(self, chance: Scenario, shift: Shift) -> Shift:
         """Time runs on until it is somebody's turn or all is over."""
         goes_on = lambda shift: (shift.turn < 0) & ~episode.is_over(self.arrays, shift)  # noqa: E731
         return jax.lax.while_loop(

@@ -14,7 +14,7 @@ from tandem.learn.world import World
 Array = Any
 
 
-class Played(NamedTuple):
+class Rollout(NamedTuple):
     """`E` episodes.
 
     state: the worlds' last states, leading axis `E`.
@@ -31,7 +31,7 @@ class Played(NamedTuple):
     done: Array
 
 
-def greedy(parameters: Parameters, world: World, config: Config, limit: int) -> Played:
+def greedy(parameters: Parameters, world: World, config: Config, limit: int) -> Rollout:
     """One episode (`E` = 1) in which every agent takes its most probable action; ends after `limit`
     steps at the latest.
     """
@@ -40,7 +40,7 @@ def greedy(parameters: Parameters, world: World, config: Config, limit: int) -> 
 
 def sampled(
     key: Array, parameters: Parameters, world: World, config: Config, limit: int, episodes: int
-) -> Played:
+) -> Rollout:
     """So many episodes with actions drawn from the actors."""
     reset_key, draw_key = jax.random.split(key)
     return _play(
@@ -62,10 +62,10 @@ def _play(
     reset_key: Array,
     uniform: Array | None,
     episodes: int,
-) -> Played:
+) -> Rollout:
     agents = len(world.agents)
     state = jax.vmap(world.reset)(jax.random.split(reset_key, episodes))
-    empty = Played(
+    empty = Rollout(
         state,
         jnp.zeros((limit, episodes, agents), jnp.int32),
         jnp.zeros(episodes, jnp.int32),
@@ -74,28 +74,29 @@ def _play(
         jnp.zeros(episodes, bool),
     )
 
-    def one(carry: tuple[Array, Played]) -> tuple[Array, Played]:
-        place, so_far = carry
+    def one(carry: tuple[Array, Rollout]) -> tuple[Array, Rollout]:
+        index, so_far = carry
         state, on = so_far.state, ~so_far.done
         observation, legal = jax.vmap(world.observe)(state), jax.vmap(world.legal)(state)
         action, _, _ = act(
             parameters,
             observation,
             legal,
-            None if uniform is None else uniform[place],
+            None if uniform is None else uniform[index],
             state,
             world,
             config,
         )
+        # episodes end at different steps, but all are stepped: what is over stays as it was
         after, outcome = jax.vmap(world.step)(state, action)
-        kept = jax.tree.map(
+        following = jax.tree.map(
             lambda new, old: jnp.where(on.reshape(-1, *[1] * (old.ndim - 1)), new, old),
             after,
             state,
         )
-        return place + 1, Played(
-            kept,
-            so_far.actions.at[place].set(jnp.where(on[:, None], action, 0)),
+        return index + 1, Rollout(
+            following,
+            so_far.actions.at[index].set(jnp.where(on[:, None], action, 0)),
             so_far.length + on,
             so_far.returns + jnp.where(on[:, None], outcome.reward, 0),
             so_far.illegal + jnp.where(on[:, None], outcome.illegal, 0),

@@ -18,11 +18,11 @@ from tandem.world.arrays import Array, Arrays
 from tandem.world.episode import Decider, Shift
 
 if TYPE_CHECKING:
-    from tandem.learn.algorithm import Order
+    from tandem.learn.algorithm import TrainingOrder
 
 
 def players(
-    path: Path, cell: Cell, order: Order, *, seed: int, episodes: int
+    path: Path, cell: Cell, order: TrainingOrder, *, seed: int, episodes: int
 ) -> dict[str, list[Reached]]:
     """How the decider plays the cell: what it thinks best, what it draws, and the best of that.
 

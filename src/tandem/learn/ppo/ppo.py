@@ -20,12 +20,12 @@ import jax
 import jax.numpy as jnp
 import optax
 
-from tandem.learn.networks import Network, forward, init, masked_log_softmax, sample
+from tandem.learn.networks import Perceptron, forward, init, masked_log_softmax, sample
 from tandem.learn.ppo.config import Config, StageValues
 from tandem.learn.world import State, World
 
 Array = jax.Array
-Parameters = dict[str, Network]
+Parameters = dict[str, Perceptron]
 """`actor` and `critic`; every array has a leading axis `A`, unless the network is shared."""
 
 
@@ -51,7 +51,7 @@ class Learner(NamedTuple):
     mean, spread: `[A]`, the unit that the critics work in: value = mean + spread x output.
     environments: the worlds that are being played.
     key: for what is still to be drawn.
-    stage: `[]` int32, place of the current stage; `len(config.stages)` when the training is over.
+    stage: `[]` int32, index of the current stage; `len(config.stages)` when the training is over.
     stage_episodes, stage_steps: `[]` int32, done in this stage.
     episodes, steps, updates: `[]` int32, done in all.
     """
@@ -127,7 +127,7 @@ def advance(learner: Learner, world: World, config: Config, updates: int) -> tup
             return jax.lax.cond(
                 learner.stage < len(config.stages),
                 lambda it: update(it, world, config),
-                lambda it: (it, _nothing(it)),
+                lambda it: (it, _empty_report(it)),
                 learner,
             )
         return update(learner, world, config)
@@ -177,9 +177,11 @@ def update(learner: Learner, world: World, config: Config) -> tuple[Learner, Rep
     """One rollout, and what the agents learn from it."""
     stage = stage_values(config, learner.stage)
     world = world.in_stage(stage)
+    # what is played stems from the policy that learns from it, so it is of no use after this update
     play_key, learn_key, key = jax.random.split(learner.key, 3)
     environments, batch, ended = rollout(play_key, learner, world, config)
-    batch, advantage, target, mean, spread = _judged(
+    # the critics work in a unit of their own, so that one learning rate suits any cell's rewards
+    batch, advantage, target, mean, spread = _compute_advantages(
         learner, environments, batch, stage, world, config
     )
     parameters, moments, losses = _learn(
@@ -191,10 +193,12 @@ def update(learner: Learner, world: World, config: Config) -> tuple[Learner, Rep
         stage,
         config,
     )
+    # the budget counts what really happened: an early end leaves rows that are no steps
     steps = jnp.sum(batch.valid[0]).astype(jnp.int32)
     episodes = ended.episodes.astype(jnp.int32)
     stage_episodes, stage_steps = learner.stage_episodes + episodes, learner.stage_steps + steps
     over = (stage_episodes >= stage.episodes) | (stage_steps >= stage.steps)
+    # whoever has used up a stage's episodes or steps goes on to the next, its counts at 0
     after = learner._replace(
         parameters=parameters,
         optimiser=moments,
@@ -213,7 +217,7 @@ def update(learner: Learner, world: World, config: Config) -> tuple[Learner, Rep
 
 
 def stage_values(config: Config, stage: Array) -> StageValues:
-    """The numbers of the stage at that place; of the last one when the training is over."""
+    """The numbers of the stage at that index; of the last one when the training is over."""
     table = jax.tree.map(
         lambda *values: jnp.asarray(values), *[stage.values() for stage in config.stages]
     )
@@ -255,21 +259,23 @@ def rollout(
         environments, batch, ended = _step(*drawn, carry[0], learner, world, config)
         return (environments, jax.tree.map(jnp.add, carry[1], ended)), batch
 
+    # of a fixed length: `scan` stacks the rows by itself
     if not config.stop_at_end:
         (environments, ended), batch = jax.lax.scan(
             one, (learner.environments, none), (uniform, reset_keys)
         )
         return environments, batch, ended
 
+    # an end that is not known beforehand needs a `while_loop`, which writes into rows made before
     def keep(
         carry: tuple[Array, tuple[Environments, Ended], Batch],
     ) -> tuple[Array, tuple[Environments, Ended], Batch]:
-        place, progress, kept = carry
-        progress, seen = one(progress, (uniform[place], reset_keys[place]))
+        index, progress, rows = carry
+        progress, seen = one(progress, (uniform[index], reset_keys[index]))
         return (
-            place + 1,
+            index + 1,
             progress,
-            jax.tree.map(lambda all_, new: all_.at[place].set(new), kept, seen),
+            jax.tree.map(lambda all_, new: all_.at[index].set(new), rows, seen),
         )
 
     first = jax.eval_shape(one, (learner.environments, none), (uniform[0], reset_keys[0]))[1]
@@ -329,6 +335,7 @@ def _step(
         learner.parameters, observation, jax.vmap(world.legal)(state), uniform, state, world, config
     )
     state, outcome = jax.vmap(world.step)(state, action)
+    # counted per episode, because reports are about episodes and not about steps
     age, paid, broken = (
         environments.age + 1,
         environments.paid + outcome.reward,
@@ -337,8 +344,11 @@ def _step(
     limit = (
         age >= config.episode_limit if config.episode_limit else jnp.zeros_like(outcome.terminated)
     )
+    # an end that the world has itself goes before the limit's: nothing would come after it
     truncated = limit & ~outcome.terminated
     over = truncated | outcome.terminated
+    # an episode that was only cut off would have gone on, so its last state's value stands for the
+    # rest; the critics are asked only when there is one
     bootstrap = jnp.zeros_like(outcome.reward)
     if config.episode_limit:
         last = jax.lax.cond(
@@ -358,19 +368,21 @@ def _step(
         bootstrap,
         jnp.ones_like(truncated),
     )
+    # sums, not means: how many episodes end differs from step to step
     ended = Ended(
         jnp.sum(over).astype(jnp.float32),
         jnp.sum(jnp.where(over[:, None], paid, 0), 0),
         jnp.sum(jnp.where(over[:, None], broken, 0), 0).astype(jnp.float32),
         jnp.sum(jnp.where(over, age, 0)).astype(jnp.float32),
     )
+    # under `vmap` all are reset, and only those that are over take it
     again = _reset(reset_key, world, config.environments)
-    kept = jax.tree.map(
+    following = jax.tree.map(
         lambda new, old: jnp.where(over.reshape(-1, *[1] * (old.ndim - 1)), new, old),
         again,
         Environments(state, age, paid, broken),
     )
-    return kept, batch, ended
+    return following, batch, ended
 
 
 def _reset(key: Array, world: World, number: int) -> Environments:
@@ -453,6 +465,8 @@ def loss(
     log = masked_log_softmax(
         jnp, _forward(parameters, "actor", batch.observation, config), batch.legal
     )
+    # how much more likely the action is now than when it was taken; clipped, so that nothing is
+    # gained by moving further away from the policy that played
     chosen = jnp.take_along_axis(log, batch.action[..., None], -1)[..., 0]
     ratio = jnp.exp(chosen - batch.log_probability)
     clipped = jnp.clip(ratio, 1 - config.clip, 1 + config.clip)
@@ -460,6 +474,7 @@ def loss(
     entropy = -jnp.sum(jnp.where(batch.legal, jnp.exp(log) * log, 0.0), -1)
     value = _forward(parameters, "critic", batch.observation, config)[..., 0]
     choice = has_choice(batch)
+    # the critic learns from every valid step, the actor only where there was a choice
     parts = {
         "policy": _mean(policy, choice),
         "value": _mean(0.5 * (value - target) ** 2, batch.valid),
@@ -477,7 +492,7 @@ def has_choice(batch: Batch) -> Array:
     return batch.valid & (jnp.sum(batch.legal, -1) > 1)
 
 
-def _judged(
+def _compute_advantages(
     learner: Learner,
     environments: Environments,
     batch: Batch,
@@ -488,12 +503,15 @@ def _judged(
     """The rollout flat, `[A, B]`, with advantages and the critics' targets, and the unit of the
     critics.
     """
+    # the value after a step is the next row's; behind the last row stands the state reached
     value = values(learner, batch.observation, config)
     last = values(learner, jax.vmap(world.observe)(environments.state), config)
     following = jnp.concatenate([value[1:], last[None]])
+    # the rows after an early end hold nothing, so what follows the last valid one is put there
     if config.stop_at_end:
         length = jnp.sum(batch.valid.astype(jnp.int32), 0)[0]
         following = following.at[length - 1].set(last)
+    # after a cut the next row belongs to a new episode, whose value says nothing of this one
     following = jnp.where(batch.truncated[..., None], batch.bootstrap, following)
     terminated, truncated = batch.terminated[..., None], (batch.truncated | ~batch.valid)[..., None]
     advantage = advantages(
@@ -507,11 +525,14 @@ def _judged(
     )
     advantage = jnp.where(batch.valid[..., None], advantage, 0.0)
     target = advantage + value
+    # from here on each agent learns alone, so its axis comes first
     flat = _flat(batch, len(world.agents))
     advantage, target = _agents_first(advantage), _agents_first(target)
+    # set once, from the first rollout: a unit that moved would unlearn what the critics know
     first = (learner.updates == 0) & config.normalise_returns
     mean = jnp.where(first, _mean(target, flat.valid), learner.mean)
     spread = jnp.where(first, jnp.maximum(_spread(target, flat.valid), 1e-3), learner.spread)
+    # steps without a choice teach the actor nothing and must not narrow the spread
     choice = has_choice(flat)
     even = (advantage - _mean(advantage, choice)[:, None]) / (
         _spread(advantage, choice)[:, None] + 1e-8
@@ -570,6 +591,7 @@ def _epochs(
     )
     Carry = tuple[Parameters, Any, dict[str, Array]]
 
+    # the sums are carried along rather than stacked: only their means are reported
     def minibatch(chosen: Array, carry: Carry) -> Carry:
         parameters, moments, sums = carry
         part, some, goal = jax.tree.map(
@@ -585,8 +607,8 @@ def _epochs(
         # empty rows come last
         order = jnp.argsort(jax.random.uniform(key, (size,)) + ~batch.valid[0])
 
-        def one(place: Array, carry: Any) -> Any:
-            return minibatch(jax.lax.dynamic_slice(order, (place * portion,), (portion,)), carry)
+        def one(index: Array, carry: Any) -> Any:
+            return minibatch(jax.lax.dynamic_slice(order, (index * portion,), (portion,)), carry)
 
         return jax.lax.fori_loop(0, portions, one, carry), None
 
@@ -603,12 +625,14 @@ def _epochs(
 def _descend(
     parameters: Parameters, moments: Any, gradient: Parameters, rate: Array, config: Config
 ) -> tuple[Parameters, Any]:
-    after, kept = {}, {}
+    after, moments_after = {}, {}
     for name in parameters:
         step = lambda pair: optimiser(config).update(*pair)  # noqa: E731
-        change, kept[name] = _each(step, (gradient[name], moments[name]), shared(config, name))
+        change, moments_after[name] = _each(
+            step, (gradient[name], moments[name]), shared(config, name)
+        )
         after[name] = jax.tree.map(lambda old, by: old - rate * by, parameters[name], change)
-    return after, kept
+    return after, moments_after
 
 
 # --- Axes ---
@@ -616,7 +640,7 @@ def _descend(
 
 def _networks(
     key: Array, world: World, config: Config, outputs: int, is_shared: bool, last: float
-) -> Network:
+) -> Perceptron:
     inputs = world.observation_size + (len(world.agents) if is_shared else 0)
     sizes = (inputs, *config.hidden, outputs)
 
@@ -624,7 +648,7 @@ def _networks(
     # one draw: each compiles for a second
     uniform = jax.random.uniform(key, (1 if is_shared else len(world.agents), weights), minval=-1.0)
 
-    def one(uniform: Array) -> Network:
+    def one(uniform: Array) -> Perceptron:
         taken = 0
 
         def draw(shape: tuple[int, ...]) -> Array:
@@ -703,7 +727,7 @@ def _report(
     )
 
 
-def _nothing(learner: Learner) -> Report:
+def _empty_report(learner: Learner) -> Report:
     agents = learner.mean.shape[0]
     none, each = jnp.zeros(()), jnp.zeros(agents)
     return Report(

@@ -14,8 +14,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from tandem.cell.model import plain
-from tandem.learn.algorithm import Order, Row
-from tandem.learn.networks import Network, forward
+from tandem.learn.algorithm import Row, TrainingOrder
+from tandem.learn.networks import Perceptron, forward
 from tandem.learn.policy import Policy
 from tandem.learn.ppo import observation, ppo
 from tandem.learn.ppo.config import Config
@@ -28,7 +28,7 @@ from tandem.world.arrays import Array, Arrays, Names
 from tandem.world.episode import Shift
 from tandem.world.people import Person, compliant, crew, stacked
 from tandem.world.population import crowd
-from tandem.world.randomness import fate
+from tandem.world.randomness import scenario
 
 BEST_OF, PEOPLE = 64, 256
 INTERVAL = 8
@@ -45,7 +45,7 @@ class Trainee:
     players = staticmethod(players)
     costs = staticmethod(lambda cell, order: paid(order.stress_factor))
 
-    def __init__(self, order: Order) -> None:
+    def __init__(self, order: TrainingOrder) -> None:
         assert isinstance(order.recipe, Recipe)
         self.order, self.recipe, self.names = order, order.recipe, Names.of(order.cell)
         arrays, weights = self.names.arrays(), (1.0, order.stress_factor / SECOND)
@@ -96,11 +96,11 @@ class Trainee:
         of the crowd.
         """
         rows = []
-        for place, played in enumerate(self._played(learners)):
-            said = of_seed(report, place)
+        for index, played in enumerate(self._played(learners)):
+            said = of_seed(report, index)
             row: Row = {
                 "stage": int(said.stage[-1]) + 1,
-                "episodes": int(learners.episodes[place]),
+                "episodes": int(learners.episodes[index]),
                 "steps": int(said.steps[-1]),
             }
             row |= {
@@ -117,7 +117,7 @@ class Trainee:
         of the crowd.
         """
         rows = []
-        for place, played in enumerate(self._played(learners)):
+        for index, played in enumerate(self._played(learners)):
             drawn = [self._reached(played, number) for number in range(1, 1 + BEST_OF)]
             best = min(drawn, key=self._cost)
             row = {
@@ -125,12 +125,12 @@ class Trainee:
                 "best_of_n": {"n": BEST_OF, **best},
                 **self._beside_people(played),
             }
-            rows.append({"steps": int(learners.steps[place]), **row})
+            rows.append({"steps": int(learners.steps[index]), **row})
         return rows
 
-    def save_policy(self, learners: ppo.Learner, place: int, path: Path) -> None:
+    def save_policy(self, learners: ppo.Learner, index: int, path: Path) -> None:
         """The actor, for NumPy."""
-        actor = jax.tree.map(lambda leaf: np.asarray(leaf[place]), learners.parameters["actor"])
+        actor = jax.tree.map(lambda leaf: np.asarray(leaf[index]), learners.parameters["actor"])
         cell, config = self.order.cell, self.config
         notes = {
             "kind": "ppo",
@@ -139,28 +139,28 @@ class Trainee:
             "people": self.crowd.spec,
             "recipe": self.order.name,
             "stress_factor": self.order.stress_factor,
-            "seed": self.order.seeds[place],
+            "seed": self.order.seeds[index],
         }
         Policy(
             self.world.agents, actor, config.activation, config.masked, config.share_actor, notes
         ).save(path)
 
-    def _played(self, learners: ppo.Learner) -> list[Played]:
+    def _played(self, learners: ppo.Learner) -> list[EpisodeResults]:
         """Per seed: one episode beside somebody obedient, `BEST_OF` with drawn actions, and one
         beside each of the people.
         """
         found = jax.device_get(
             _episodes(learners.parameters["actor"], self.world, self.company, self.config)
         )
-        return [of_seed(found, place) for place in range(len(self.order.seeds))]
+        return [of_seed(found, index) for index in range(len(self.order.seeds))]
 
-    def _reached(self, played: Played, place: int) -> Row:
+    def _reached(self, played: EpisodeResults, index: int) -> Row:
         """Makespan in seconds and stress of an episode; None when it did not come to its end."""
-        if not played.done[place]:
+        if not played.done[index]:
             return {"makespan": None, "stress": None, "illegal": 0}
-        stress = round(self.names.stress(int(played.stress[place])), 6)
+        stress = round(self.names.stress(int(played.stress[index])), 6)
         return {
-            "makespan": plain(self.names.seconds(int(played.makespan[place]))),
+            "makespan": plain(self.names.seconds(int(played.makespan[index]))),
             "stress": plain(stress),
             "illegal": 0,
         }
@@ -172,14 +172,14 @@ class Trainee:
             else cost(row["makespan"], row["stress"], **self.paid)
         )
 
-    def _beside_people(self, played: Played) -> Row:
+    def _beside_people(self, played: EpisodeResults) -> Row:
         """Means over the episodes that came to their end, and which share did; nothing where
         everybody does what is asked.
         """
         if not self.people:
             return {}
         rows = [
-            self._reached(played, place) for place in range(1 + BEST_OF, 1 + BEST_OF + self.people)
+            self._reached(played, index) for index in range(1 + BEST_OF, 1 + BEST_OF + self.people)
         ]
         ended = [row for row in rows if row["makespan"] is not None]
         mean = {
@@ -191,7 +191,7 @@ class Trainee:
         return {**mean, "people_finished": len(ended) / self.people}
 
 
-class Played(NamedTuple):
+class EpisodeResults(NamedTuple):
     """What came of episodes: makespan `[E]` int32 ticks, stress `[E]` int32 units, done `[E]`
     bool.
     """
@@ -204,21 +204,21 @@ class Played(NamedTuple):
 def share(learners: ppo.Learner, config: Config) -> float:
     """How much of the budget the slowest seed has behind it, 0 to 1."""
     stages, done = config.stages, []
-    for place, stage in enumerate(np.asarray(learners.stage).tolist()):
+    for index, stage in enumerate(np.asarray(learners.stage).tolist()):
         left = 0.0
         if stage < len(stages):
             within = (
-                int(learners.stage_episodes[place]) / (stages[stage].episodes or 2**31),
-                int(learners.stage_steps[place]) / (stages[stage].steps or 2**31),
+                int(learners.stage_episodes[index]) / (stages[stage].episodes or 2**31),
+                int(learners.stage_steps[index]) / (stages[stage].steps or 2**31),
             )
             left = min(max(within), 1.0)
         done.append((stage + left) / len(stages))
     return min(done)
 
 
-def of_seed(tree: Any, place: int) -> Any:
+def of_seed(tree: Any, index: int) -> Any:
     """One seed's part of results that have a leading axis of seeds."""
-    return jax.tree.map(lambda leaf: leaf[place], tree)
+    return jax.tree.map(lambda leaf: leaf[index], tree)
 
 
 # --- Compiled, for all seeds ---
@@ -232,19 +232,22 @@ def _advance(
 
 
 @partial(jax.jit, static_argnames="config")
-def _episodes(actors: Network, world: BesidePeople, company: Person, config: Config) -> Played:
+def _episodes(
+    actors: Perceptron, world: BesidePeople, company: Person, config: Config
+) -> EpisodeResults:
     """`[S, E]`: the episodes of `Trainee._played`. Noise of Gumbel's distribution turns the most
     probable action into a drawn one.
     """
+    # the first is greedy and stands for the result, `BEST_OF` are drawn, the others are greedy
     number = company.pace.shape[0]
     drawn = (jnp.arange(number) > 0) & (jnp.arange(number) <= BEST_OF)
     keys, draw_key = jax.random.split(jax.random.key(0), number), jax.random.key(1)
     uniform = jax.random.uniform(draw_key, (number, world.draw.numbers))
 
-    def of_actor(actor: Network) -> Played:
+    def of_actor(actor: Perceptron) -> EpisodeResults:
         alone = jax.tree.map(lambda leaf: leaf[0], actor)
 
-        def one(person: Person, uniform: Array, key: Array, drawn: Array) -> Played:
+        def one(person: Person, uniform: Array, key: Array, drawn: Array) -> EpisodeResults:
             def decide(arrays: Arrays, shift: Shift) -> Array:
                 logits = forward(
                     jnp,
@@ -252,6 +255,7 @@ def _episodes(actors: Network, world: BesidePeople, company: Person, config: Con
                     observation.observe(arrays, shift.state, shift.mask, shift.turn),
                     config.activation,
                 )
+                # adding the noise to the logits draws from the policy and keeps one loop for both
                 logits = logits + drawn * jax.random.gumbel(
                     jax.random.fold_in(key, shift.decisions), logits.shape
                 )
@@ -262,15 +266,16 @@ def _episodes(actors: Network, world: BesidePeople, company: Person, config: Con
                         -jnp.inf,
                     )
                 )
+                # the last action lets the turn pass, which the world calls -1
                 return jnp.where(action == world.actions - 1, -1, action)
 
             played = episode.play(
                 world.arrays,
-                fate(world.draw, world.arrays, uniform),
+                scenario(world.draw, world.arrays, uniform),
                 crew(world.arrays, person),
                 decide,
             )
-            return Played(played.makespan, played.stress, played.done)
+            return EpisodeResults(played.makespan, played.stress, played.done)
 
         return jax.vmap(one)(company, uniform, keys, drawn)
 

@@ -17,7 +17,7 @@ from tandem.learn.ppo.recipes import longer
 from tandem.learn.training.recipes import recipe
 
 if TYPE_CHECKING:
-    from tandem.learn.training.trainer import Progress
+    from tandem.learn.training.trainer import TrainingProgress
 
 
 class PPO:
@@ -61,7 +61,7 @@ class PPO:
         total_timesteps: int | None = None,
         *,
         folder: str | Path | None = None,
-        callback: Callable[[Progress], None] | None = None,
+        callback: Callable[[TrainingProgress], None] | None = None,
     ) -> Self:
         """Trains from scratch; the recipe's own budget unless `total_timesteps` says otherwise
         (recipes with a budget in steps only).

@@ -10,7 +10,7 @@ from pydantic import ConfigDict, Field
 from tandem.cell.model import Cell
 from tandem.errors import UsageError
 from tandem.extensions import extended, resolved
-from tandem.learn.algorithm import Algorithm, Learnt, Order, Reader
+from tandem.learn.algorithm import Algorithm, Learnt, Reader, TrainingOrder
 from tandem.learn.forms import Form
 from tandem.learn.tensors import read_tensors
 
@@ -49,7 +49,7 @@ def trainee(name: str) -> type[Algorithm]:
     return found
 
 
-def algorithm(order: Order) -> Algorithm:
+def algorithm(order: TrainingOrder) -> Algorithm:
     """The order's algorithm. Raises CellError when it cannot hold the cell."""
     return trainee(order.recipe.algorithm)(order)
 

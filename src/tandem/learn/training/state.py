@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass, field
 from typing import Any
 
-from tandem.learn.algorithm import Algorithm, Learners, Order
+from tandem.learn.algorithm import Algorithm, Learners, TrainingOrder
 from tandem.learn.training.runs import RunFolder
 from tandem.plan.result import Front
 
@@ -15,7 +15,7 @@ from tandem.plan.result import Front
 class Training:
     """A training under way."""
 
-    order: Order
+    order: TrainingOrder
     folder: RunFolder
     algorithm: Algorithm
     front: Front | None

@@ -15,7 +15,7 @@ import numpy as np
 
 from tandem.cell.model import Cell
 from tandem.errors import CellError, NothingFoundError, UsageError
-from tandem.learn.algorithm import AnyRecipe, Order, Row
+from tandem.learn.algorithm import AnyRecipe, Row, TrainingOrder
 from tandem.learn.forms import SettingsError, unreadable
 from tandem.learn.room import make_room
 from tandem.learn.training import checkpoint
@@ -33,7 +33,7 @@ class NotFiniteError(NothingFoundError):
 
 
 @dataclass(frozen=True)
-class Progress:
+class TrainingProgress:
     """What a training tells after every interval: `share` of the budget that is done (the slowest
     seed's), and the newest row of each seed.
     """
@@ -42,7 +42,7 @@ class Progress:
     rows: Sequence[Row]
 
 
-def order_of(run: RunFolder) -> Order:
+def order_of(run: RunFolder) -> TrainingOrder:
     """What a run was asked.
 
     Raises CellError when the folder holds no run, or one whose cell or settings do not hold; with
@@ -60,7 +60,9 @@ def order_of(run: RunFolder) -> Order:
     if faults:
         raise unreadable(run.path / "run.json", faults)
     try:
-        return Order(cell, made, asked.recipe, asked.seeds, asked.stress_factor, asked.front_limit)
+        return TrainingOrder(
+            cell, made, asked.recipe, asked.seeds, asked.stress_factor, asked.front_limit
+        )
     except UsageError as error:
         raise unreadable(run.path / "run.json", [str(error)]) from None
 
@@ -84,7 +86,7 @@ def train(
     folder: str | Path | None = None,
     front_limit: float = 30.0,
     tensorboard: bool = False,
-    on_progress: Callable[[Progress], None] | None = None,
+    on_progress: Callable[[TrainingProgress], None] | None = None,
 ) -> dict[str, Any]:
     """Trains the cell's operators and returns the result document (see `documents.result`);
     everything is kept in the run's folder.
@@ -105,7 +107,7 @@ def train(
       CellError: the algorithm cannot hold the cell. UsageError: an option is out of range.
       NotFiniteError: a parameter became infinite or nan; the last good checkpoint is kept.
     """
-    order = Order(
+    order = TrainingOrder(
         cell,
         own_recipe or recipe(recipe_name),
         recipe_name,
@@ -125,7 +127,7 @@ def resume(
     folder: str | Path,
     *,
     tensorboard: bool = False,
-    on_progress: Callable[[Progress], None] | None = None,
+    on_progress: Callable[[TrainingProgress], None] | None = None,
     on_notice: Callable[[str], None] = warnings.warn,
 ) -> dict[str, Any]:
     """Goes on with a run from its newest checkpoint, to the same end (bit by bit, on the same
@@ -170,7 +172,7 @@ def exact_front(cell: Cell, limit: float) -> Front | None:
 
 
 def _go_on(
-    training: Training, tensorboard: bool, on_progress: Callable[[Progress], None] | None
+    training: Training, tensorboard: bool, on_progress: Callable[[TrainingProgress], None] | None
 ) -> dict[str, Any]:
     if tensorboard:
         from tensorboardX import SummaryWriter
@@ -182,7 +184,7 @@ def _go_on(
         while training.share < 1:
             rows = _interval(training)
             if on_progress:
-                on_progress(Progress(training.share, rows))
+                on_progress(TrainingProgress(training.share, rows))
     except KeyboardInterrupt:
         interrupted = True
         _save(training)
@@ -238,5 +240,5 @@ def _save(training: Training) -> None:
 
 
 def _save_policies(training: Training) -> None:
-    for place, seed in enumerate(training.order.seeds):
-        training.algorithm.save_policy(training.learners, place, training.folder.policy(seed))
+    for index, seed in enumerate(training.order.seeds):
+        training.algorithm.save_policy(training.learners, index, training.folder.policy(seed))

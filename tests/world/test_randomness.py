@@ -14,9 +14,9 @@ from tandem.world.randomness import (
     Chance,
     Draw,
     away_until,
-    fate,
-    fates,
-    nominal_fate,
+    nominal_scenario,
+    scenario,
+    scenarios,
     with_rests,
 )
 
@@ -24,7 +24,11 @@ from tandem.world.randomness import (
 def drawn(cell: Cell, chance: Chance, episodes: int = 4000, undo: float | None = None):
     names = Names.of(cell)
     arrays = names.arrays(undo=undo)
-    return names, arrays, fates(jax.random.key(0), Draw.of(names, arrays, chance), arrays, episodes)
+    return (
+        names,
+        arrays,
+        scenarios(jax.random.key(0), Draw.of(names, arrays, chance), arrays, episodes),
+    )
 
 
 @pytest.mark.parametrize("chance", [Chance("lognormal", cv=0.3), Chance("triangular", cv=0.3)])
@@ -53,7 +57,7 @@ def test_off_is_nominal(thesis: Cell) -> None:
     names = Names.of(thesis)
     arrays = names.arrays()
     draw = Draw.of(names, arrays, OFF)
-    one = nominal_fate(draw, arrays)
+    one = nominal_scenario(draw, arrays)
     assert one.factor.size == one.away_from.size == one.slip.size == 0
 
 
@@ -93,14 +97,14 @@ def test_joint_work_rests_once_while_both_are_away(thesis: Cell) -> None:
     assert with_rests(both, np.int32(0), np.int32(5), np.array([True, True])) == 10
 
 
-def test_the_same_numbers_give_the_same_fate_in_numpy_and_jax(rich: Cell) -> None:
+def test_the_same_numbers_give_the_same_scenario_in_numpy_and_jax(rich: Cell) -> None:
     names = Names.of(rich)
     arrays = names.arrays(undo=1.0)
     draw = Draw.of(names, arrays, Chance("lognormal", cv=0.2, failure_s=30.0, absence_s=40.0))
     uniform = np.random.default_rng(0).random(draw.numbers, np.float32)
     here, there = (
-        fate(draw, arrays, uniform),
-        jax.jit(lambda numbers: fate(draw, arrays, numbers))(uniform),
+        scenario(draw, arrays, uniform),
+        jax.jit(lambda numbers: scenario(draw, arrays, numbers))(uniform),
     )
     for mine, other in zip(here, there, strict=True):
         assert mine.shape == other.shape
