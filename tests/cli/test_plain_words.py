@@ -126,11 +126,11 @@ def test_what_commands_say_of_drawn_cells_reads_like_prose(
     for number in range(8):
         file = tmp_path / f"cell{number}.json"
         file.write_text(json.dumps(drawn(random)))
+        assert odd_in(said(["check", str(file)], capfd)) == []
         try:
             cell = tandem.load(str(file))
-        except CellError as error:
-            assert odd_in(str(error)) == []
-            continue
+        except CellError:
+            continue  # it is no sound cell; what `check` says of it was read
         asked = (
             commands(file, cell, tmp_path)
             if number % 4 == 0
