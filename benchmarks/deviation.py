@@ -3,13 +3,15 @@ exact optimum, with 95 % intervals.
 
     python benchmarks/deviation.py [--case FILE] [--learned FILE] [-o
     benchmarks/results/deviation.csv] python benchmarks/deviation.py --show
-    benchmarks/results/deviation.csv
+    benchmarks/results/deviation.csv python benchmarks/deviation.py --again fixed --show
+    benchmarks/results/deviation.csv [--only thesis]
 
 Cells: the thesis's, ten random layered cells of 9 to 12 tasks (seeds 0 to 9), a case study
 (--case), Yu's desk. All deciders meet the same episodes (seed 0). Where everything is certain one
 episode is as good as many; those who re-plan by CP-SAT get fewer episodes than the others, and the
 large cells fewer than the small ones; each row says how many. Cells already in the output file are
-kept, so a run that was stopped goes on.
+kept, so a run that was stopped goes on. `--again` judges one decider anew, and says which of its
+rows have changed.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ import csv
 import json
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -53,6 +55,9 @@ COLUMNS = (
     "difference_low", "difference_high",
     "p50_ms", "p99_ms",
 )  # fmt: skip
+PAIRED = ("difference", "difference_low", "difference_high")
+JUDGED = ("digest", "episodes", "done", "makespan", "stress", "regret_share", "difference")
+"""What makes a decider's row another one."""
 
 
 def cells(case: Path | None) -> Iterator[tuple[str, Cell, int]]:
@@ -82,14 +87,22 @@ def fewer(people: str, episodes: int, small: bool) -> dict[str, int]:
 
 
 def rows_of(
-    name: str, cell: Cell, episodes: int, options: Options, tell: Callable[[str], None]
+    name: str,
+    cell: Cell,
+    episodes: int,
+    options: Options,
+    tell: Callable[[str], None],
+    among: Sequence[str] = POLICIES,
+    beside: Collection[str] | None = None,
 ) -> Iterator[tuple[Any, ...]]:
-    """One row per people and decider."""
+    """One row per people and decider `among` those; with `beside`, beside these people only."""
     small = len(cell.tasks) <= MOST_TASKS
-    policies = tuple(one for one in POLICIES if small or one not in ("expected", "minimax"))
+    policies = tuple(one for one in among if small or one not in ("expected", "minimax"))
     if options.learned is not None and name == "thesis":
         policies = (*policies, "learned")
     for people in (*(PEOPLE if name == "thesis" else ELSEWHERE), SCATTERED):
+        if beside is not None and people not in beside:
+            continue
         scatter = people == SCATTERED
         trial = Trial(
             policies,
@@ -172,6 +185,53 @@ def _entry(rows: list[dict[str, str]]) -> str:
     return f"{mean:.2f} s"
 
 
+def again(decider: str, earlier: list[dict[str, str]], options: argparse.Namespace) -> None:
+    """Judges the decider anew in the same episodes; prints the rows that came out otherwise, and
+    with `-o` writes the earlier table with the decider's rows of today.
+
+    Where there is no exact optimum, the first decider plays along, to be compared with.
+    """
+    told = replace(Options(), budget_ms=options.budget)
+    place = {(row["cell"], row["people"], row["policy"]): row for row in earlier}
+    same = other = 0
+    for name, cell, episodes in cells(options.case):
+        if options.only and name not in options.only:
+            continue
+        then = {key[1]: row for key, row in place.items() if (key[0], key[2]) == (name, decider)}
+        known = [people for people, row in then.items() if row["optimum"]]
+        rows = [
+            *rows_of(name, cell, episodes, told, lambda _: None, (decider,), known),
+            *rows_of(
+                name,
+                cell,
+                episodes,
+                told,
+                lambda _: None,
+                (POLICIES[0], decider),
+                then.keys() - known,
+            ),
+        ]
+        for row in rows:
+            now = dict(zip(COLUMNS, ("" if one is None else str(one) for one in row), strict=True))
+            if now["policy"] != decider:
+                continue
+            before = then[now["people"]]
+            now |= {} if now["difference"] else {key: before[key] for key in PAIRED}
+            differing = [
+                f"{key} {before[key]} -> {now[key]}" for key in JUDGED if before[key] != now[key]
+            ]
+            same, other = same + (not differing), other + bool(differing)
+            if differing:
+                print(f"{name}, {now['people']}: {', '.join(differing)}", flush=True)
+            place[name, now["people"], decider] = now
+        if options.output:
+            with open(options.output, "w", newline="", encoding="utf-8") as file:
+                writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+                writer.writeheader()
+                writer.writerows(place.values())
+    print(f"{decider}: {same} rows as before, {other} otherwise")
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -183,10 +243,15 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="a tenth of the episodes")
     parser.add_argument("-o", "--output", type=Path)
     parser.add_argument("--show", type=Path, help="only print the tables of an earlier run")
+    parser.add_argument("--again", metavar="DECIDER", help="judge this one anew, against --show")
     options = parser.parse_args()
     if options.show:
         with open(options.show, newline="", encoding="utf-8") as file:
-            show(list(csv.DictReader(file)))
+            earlier = list(csv.DictReader(file))
+        if options.again:
+            again(options.again, earlier, options)
+        else:
+            show(earlier)
         return 0
     rows: list[list[str]] = []
     if options.output and options.output.exists():

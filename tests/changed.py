@@ -29,6 +29,7 @@ ADDED = {
     "gymnasium": "tandem.envs.registry",
     "recipes": "tandem.learn.training.recipes",
     "algorithms": "tandem.learn.training.algorithms",
+    "deciders": "tandem.learn.training.algorithms",
 }
 """Group of entry points -> the module whose table they fill: it loads them by their names."""
 READ = ("docs/", "README.md", "CONTRIBUTING.md", "examples/", "benchmarks/", "dev.py")

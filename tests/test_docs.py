@@ -156,7 +156,9 @@ def named_in_code(pattern: str) -> set[tuple[str, str]]:
     }
 
 
-GROUPS = {f"tandem.{name}" for name in ("environments", "gymnasium", "recipes", "algorithms")}
+GROUPS = {
+    f"tandem.{name}" for name in ("environments", "gymnasium", "recipes", "algorithms", "deciders")
+}
 
 
 def test_every_name_of_the_package_on_the_pages_is_there() -> None:

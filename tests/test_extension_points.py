@@ -41,6 +41,7 @@ HELP: dict[str, Callable[[Any], str]] = {
     "tandem.lab.systems.SYSTEMS": lambda system: system.title,
     "tandem.lab.yu2020.players.PLAYERS": first_line,
     "tandem.learn.training.algorithms.ALGORITHMS": lambda home: first_line(resolved(home)),
+    "tandem.learn.training.algorithms.DECIDERS": lambda home: first_line(resolved(home)),
     "tandem.learn.training.recipes.RECIPES": lambda recipe: recipe.what,
     "tandem.plan.methods.METHODS": lambda entry: entry.what,
     "tandem.plan.rules.SPECS": lambda rule: rule.what,

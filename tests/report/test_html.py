@@ -196,7 +196,7 @@ def test_assumptions_name_what_the_cell_has_and_nothing_else() -> None:
         assert sentence in gearbox_page
         assert sentence not in thesis_page
     assert "Proof: complete" in thesis_page
-    assert "0 of 3 plans are proven" in html(
+    assert "Proven plans: 0 of 3" in html(
         front_of(thesis(), thesis_schedules(), proven=False, slack=0.1)
     )
 

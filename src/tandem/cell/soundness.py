@@ -137,9 +137,10 @@ def someone_can_do_each_task(cell: Fields) -> Iterator[Fault]:
     for name, task in cell.tasks.items():
         path: Path = ("tasks", name)
         if not task.time and not task.together:
-            here = _listed(cell.operators)
+            of = "one of " * (len(cell.operators) > 1)
+            here = f"{of}{_listed(cell.operators)}"
             yield Fault(
-                f"task {name!r}: nobody can do it. Give `time` for one of {here}, or a group in"
+                f"task {name!r}: nobody can do it. Give `time` for {here}, or a group in"
                 " `together`.",
                 path,
             )

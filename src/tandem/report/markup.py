@@ -57,8 +57,8 @@ def _pieces(text: str) -> Iterator[str | None]:
         if len(word) <= LONGEST_WORD:
             yield word
             continue
-        for index, part in enumerate(JOINT.split(word)):
-            yield from (None,) * (index > 0)
+        for joint, part in enumerate(JOINT.split(word)):
+            yield from (None,) * (joint > 0)
             yield part[:PIECE] if len(part) > LONGEST_WORD else part
             for place in range(PIECE, len(part), PIECE) if len(part) > LONGEST_WORD else ():
                 yield from (None, part[place : place + PIECE])
