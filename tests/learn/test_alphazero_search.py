@@ -18,7 +18,7 @@ from tandem.lab.yu2020.network import YuNetworks
 from tandem.lab.yu2020.search import backed_up
 from tandem.learn.alphazero.config import Config, EpsilonGreedy, Search
 from tandem.learn.alphazero.network import Scorer
-from tandem.learn.alphazero.selfplay import find, played
+from tandem.learn.alphazero.selfplay import find, play_games
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.cell_env import CellGame
 from tandem.learn.env import many
@@ -198,12 +198,12 @@ def test_their_network_is_two_convolutions_as_a_loop_would_work_them_out():
 
 def test_an_epsilon_greedy_player_is_legal_and_a_game_ends(trap):
     games, _ = trap
-    found = played(jax.random.key(0), Blind(3), {}, many(Trap.of(), 64), EpsilonGreedy(1.0))
+    found = play_games(jax.random.key(0), Blind(3), {}, many(Trap.of(), 64), EpsilonGreedy(1.0))
     assert found.over.all()
     assert set(found.cost.tolist()) == {6.0, 7.0, 3.0, 11.0}
     assert (found.moves[2] == -1).all()
     np.testing.assert_array_equal(
-        np.asarray(played(jax.random.key(0), Blind(3), {}, games).cost), 6
+        np.asarray(play_games(jax.random.key(0), Blind(3), {}, games).cost), 6
     )
 
 

@@ -12,7 +12,7 @@ import jax
 from tandem.cell.model import Cell
 from tandem.learn.algorithm import Row
 from tandem.learn.alphazero.network import Network, predict
-from tandem.learn.alphazero.selfplay import FinishedGames, Looking, played
+from tandem.learn.alphazero.selfplay import FinishedGames, Looking, play_games
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.cell_env import CellGame, reached
 from tandem.learn.env import Game, many
@@ -69,7 +69,7 @@ def as_document(result: Reached) -> Row:
 def _play(
     key: jax.Array, network: Network, parameters: Any, games: Game, looking: Looking | None
 ) -> FinishedGames:
-    found = played(key, network, parameters, games, looking)
+    found = play_games(key, network, parameters, games, looking)
     return found._replace(moves=found.moves.T)
 
 
@@ -78,7 +78,7 @@ def _alone(network: Network, parameters: Any, games: Game) -> tuple[FinishedGame
     first = jax.tree.map(lambda leaf: leaf[0], games)
 
     def one(weights: Any) -> tuple[FinishedGames, jax.Array]:
-        found = played(jax.random.key(0), network, weights, games)
+        found = play_games(jax.random.key(0), network, weights, games)
         return found._replace(moves=found.moves.T), predict(
             network, weights, first, first.reset()
         ).to_come * first.unit

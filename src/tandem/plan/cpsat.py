@@ -309,6 +309,7 @@ def stress_is_counted(plan: Decisions) -> None:
             )
         )
         return
+    # stress depends on the set as a whole, so a table of whole assignments is the only exact form
     by_human = []
     for ways, chosen in zip(instance.ways, plan.chosen, strict=True):
         human = [

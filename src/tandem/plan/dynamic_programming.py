@@ -65,12 +65,14 @@ def solve(
         search.run()
     except KeyboardInterrupt:
         interrupted = True
+    # a schedule that the checker refuses is a bug of ours: it is said, and nothing is called proven
     if search.door.refused:
         if not search.best.found:
             raise NothingFoundError(
                 f"no schedule that keeps {limits(question)} was found: {search.door.apology()}"
             )
         warnings.warn(search.door.apology(), RefusedScheduleWarning, stacklevel=2)
+    # all was searched, so this is a proof and no lack of time
     if not search.best.found and search.done:
         raise InfeasibleError(
             f"no schedule keeps {limits(question)}: every order and every allocation has been ruled"
@@ -356,12 +358,14 @@ class Limits:
         """
         known = self._of_mask.get(mask)
         if known is None:
+            # many nodes share a mask, so what depends on it alone is reckoned once
             tasks = [task for task in range(len(self.behind)) if not mask >> task & 1]
             rows = [self.layout.steps[task] for task in tasks]
             work = sum(
                 min(step.ticks * sum(self.prices[o] for o in step.operators) for step in row)
                 for row in rows
             )
+            # work that only one operator can do needs no prices: it is a bound by itself
             own = []
             for operator in range(len(self.prices)):
                 mine = [

@@ -161,6 +161,8 @@ class _Search:
         """What was found. Raises as `solve` says."""
         wall = monotonic() - self.began
         if not self.archive.found:
+            # a schedule that the checker refuses is a bug of ours: it is said, and nothing is
+            # called proven
             if self.door.refused:
                 raise NothingFoundError(
                     f"no schedule that keeps {_limits(self.question)} was found in {wall:.1f} s:"
@@ -176,6 +178,8 @@ class _Search:
                 f"no schedule that keeps {_limits(self.question)} was found in {wall:.1f} s;"
                 " whether there is one is open."
             )
+        # a single answer is complete once it is proven, a front once nothing lies between its
+        # points
         results = self._results()
         complete = (
             self.archive.complete

@@ -144,6 +144,7 @@ class Ground:
         """Reads the layout."""
         instance = layout.instance
         ends = layout.latest_ends(most)
+        # tasks that the same operators can do, in any way, are alike to the bounds
         groups = [tuple(sorted({step.operators for step in row})) for row in layout.steps]
         kinds = sorted(set(groups))
         operators = range(len(instance.operators))

@@ -218,6 +218,7 @@ def method(
     )
     keeper = Keeper(Door(cell, layout.instance, question), bound)
     interrupted = False
+    # what was found so far is an answer, also when time runs out or the user interrupts
     try:
         for state in attempts(
             layout, SPECS[name], Random(seed), question, lambda: bool(keeper.found)
@@ -311,10 +312,12 @@ def attempts(
     """
     if layout.impossible():
         return
+    # a rule would hardly meet a listed set by itself, so the sets are taken one by one
     if layout.instance.stress_of_set is not None:
         yield from _by_listed_sets(layout, rule, random)
         return
     prices = load_prices(layout)[1]
+    # the first is the rule itself, without noise; the others draw around it
     for sample in range(rule.samples):
         for weight in _weights(layout, rule, question, sample, random):
             yield build(
@@ -325,6 +328,7 @@ def attempts(
                 temperature=rule.temperature if sample else 0.0,
                 prices=prices,
             )
+    # while nothing keeps limits and deadlines: ever more weight on stress, or on what is due first
     for attempt in range(REPAIRS):
         if enough():
             return

@@ -246,6 +246,7 @@ def _ways(names: Names, layout: Layout) -> dict[str, Any]:
     for row, (_, _, way) in enumerate(flat):
         uses[row, list(way.operators)] = True
         load[row, list(way.operators)] = way.load
+    # where no set of human tasks is listed, no schedule is allowed, so no way is open
     nothing_is_listed = instance.stress_of_set is not None and not instance.stress_of_set
     opened = [
         set[int]() if nothing_is_listed else {step.way for step in steps} for steps in layout.steps
@@ -299,6 +300,7 @@ def _operators(names: Names, layout: Layout) -> dict[str, Any]:
 def _places(names: Names, layout: Layout) -> dict[str, Any]:
     instance, everybody = layout.instance, len(layout.instance.operators)
     tool, zone = np.array(instance.timed_tool), np.array(instance.timed_zone)
+    # arrays of length 0 switch a rule off: what the cell does not have costs no time
     tools = len(instance.tools) if (tool >= 0).any() else 0
     zones = len(instance.zones) if (zone >= 0).any() else 0
     flat = (
@@ -306,6 +308,7 @@ def _places(names: Names, layout: Layout) -> dict[str, Any]:
         if tools
         else []
     )
+    # per way, so that no step has to look up whose tool it is
     swap = np.zeros((len(flat), everybody), np.int64)
     for row, (mine, way) in zip(swap, flat, strict=True):
         if mine >= 0:

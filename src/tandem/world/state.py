@@ -187,6 +187,7 @@ def assign(
     chosen = xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32) == way
     task = (arrays.of_task & chosen[:, None]).any(axis=0)
     who = (arrays.way_uses & chosen[:, None]).any(axis=0)
+    # idle time before counts for the changeover, so the start may already lie at the clock
     start = _at(xp, starts(arrays, state), chosen)
     end = start + (_at(xp, nominal(arrays, state), chosen) if ticks is None else ticks)
     after = state._replace(
@@ -196,9 +197,11 @@ def assign(
         free_at=xp.where(who, end, state.free_at).astype(xp.int32),
         load=state.load + xp.where(chosen[:, None], arrays.way_load, 0).sum(axis=0, dtype=xp.int32),
     )
+    # without tools these arrays have length 0, and nothing is to be written
     if arrays.swap.shape[0]:
         tool = xp.where(chosen, arrays.way_tool + 1, 0).sum(dtype=xp.int32) - 1
         after = after._replace(in_hand=xp.where(who & (tool >= 0), tool, state.in_hand))
+    # beginning a task that is mounted takes it apart; whether it was wrong then stays as it is
     if arrays.undo.shape[0]:
         comes_off = task & mounted(state)
         bad_at = (

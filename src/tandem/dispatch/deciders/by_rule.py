@@ -65,6 +65,7 @@ class ByRule:
         layout = Layout.of(left.instance)
         rule = SPECS[self.name]
         legal = allowed(moves, situation)
+        # drawn anew from seed and moment, so that the same situation is decided alike in a replay
         random = Random(f"{self.seed} {situation.now!r}")
         found: list[PartialSchedule] = []
         for sample in range(rule.samples):
@@ -79,6 +80,7 @@ class ByRule:
                 found.append(state)
         if not found:
             return _anything(moves, here, legal)
+        # a rule that draws makes several schedules; the objective, which no rule knows, picks one
         best = min(
             found,
             key=lambda state: self.objective.cost(
@@ -90,6 +92,7 @@ class ByRule:
             for t, (way, start) in enumerate(best.starts())
             if _begins(layout, best, t, start)
         )
+        # the plan may begin what the situation does not allow, or what no longer fits together
         kept = _compatible(moves, here, [_apart(moves, here, way) for way in begins], legal)
         return kept or (() if here.running else _anything(moves, here, legal))
 

@@ -131,18 +131,22 @@ def best(
         )
         if not legal:
             continue
+        # a human who follows the advice takes the best; one who spoils it is reckoned with at each
+        # task
         wishes = (
             found.wishes(after, turn, legal)
             if not found.human.spoils
             else [(way, found.if_human(after, turn, way)) for way in legal]
         )
         way, _ = min(wishes, key=lambda wish: wish[1])
+        # alternatives are those of the first decision: later ones depend on it
         ranked = ranked or _sorted(
             [(() if one is None else (one,), value) for one, value in wishes]
         )
         if way is not None:
             after = moves.begin(after, way)
             asked.append(way)
+    # the robots choose knowing what the humans have been asked for
     options = _sorted(
         [(ways, value) for ways, value in found.robot_choices(after) if may.issuperset(ways)]
     )

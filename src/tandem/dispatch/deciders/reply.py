@@ -47,16 +47,19 @@ def reply(
     wanted = [moves.named(way) for way in choice]
     begins = beginning(situation, wanted)
     humans = set(situation.cell.humans)
+    # who is busy is told what comes next, and who begins now what that is
     announced = {
         who: task
         for who, task in (later or {}).items()
         if _may_be_next(situation, begins, who, task)
     }
     announced |= {who: task for task, operators in begins for who in operators if who in humans}
+    # a bound must hold whatever happens, so those who are away count as if they came back
     ticks, _ = moves.floor(
         if_all_return(moves, position) if situation.absent or situation.failed else position
     )
     whole = begins == wanted
+    # the expected cost is that of the whole choice; of a part of it nothing is known
     cost = (
         next((cost for ways, cost in ranked if tuple(ways) == tuple(choice)), None)
         if whole

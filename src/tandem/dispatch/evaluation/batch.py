@@ -116,6 +116,7 @@ class _Play:
 
     def run(self) -> Outcome:
         stage, names = self.stage, self.stage.names
+        # compiling takes seconds, which only many episodes win back
         begin, tick, end = compiled() if len(stage.people.pace) > FEW else by_hand()
         episodes, operators = len(stage.people.pace), len(names.operators)
         shift, over, off = begin(stage.arrays, stage.people)
@@ -127,12 +128,16 @@ class _Play:
             over = np.asarray(over)[: self.count]
             if over.all():
                 break
+            # time runs on, or stands still, in all episodes at once; where nobody's turn it is,
+            # nothing is asked
             ways = np.full(episodes, -1, np.int32)
             turns = np.asarray(shift.turn)
             for number in np.flatnonzero((turns[: self.count] >= 0) & ~over):
                 decision = self._decision(seen, int(number))
                 turn = int(turns[number])
                 ways[number] = self._way(decision, turn, seen.mask[number])
+                # a decider may want to look again without an event; always later, or time would
+                # stand still
                 until[number] = (
                     NEVER
                     if decision.look_again is None

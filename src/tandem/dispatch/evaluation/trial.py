@@ -110,6 +110,7 @@ def _document(
 ) -> dict[str, Any]:
     arrays = names.arrays(undo=trial.chance.undo if people.makes_mistakes else None)
     draw = Draw.of(names, arrays, trial.chance)
+    # people and chances are drawn before anybody decides, so that all deciders meet the same ones
     persons = people.draw(np.random.default_rng(trial.seed), trial.episodes)
     best = best_of(cell, trial, persons)
     stage = EpisodeBatch.of(names, arrays, draw, persons, trial.seed)
@@ -122,7 +123,11 @@ def _document(
     for name in trial.policies:
         tell(f"{people.spec}: {name}")
         count = min(trial.episodes, trial.fewer.get(name, trial.episodes))
+        # a decider is built once for all groups of people; only "expected" is told of their
+        # randomness
         key = (name, told.random if name == "expected" else 0.0)
+        # who cannot decide on this cell is left out with its reason, and the others are still
+        # judged
         try:
             if key not in made:
                 made[key] = policy(name, cell, trial.objective, told)
@@ -131,6 +136,7 @@ def _document(
         except TandemError as error:
             left_out[name] = error
             continue
+        # kept by episode, because deciders are compared pair by pair
         costs[name] = trial.objective.time * found.makespan + trial.objective.stress * found.stress
         row = _row(name, found, costs, None if best is None else best[:count])
         rows.append(row | _planned(basis_of(made[key])))
@@ -221,6 +227,7 @@ def _row(name: str, found: Outcome, costs: Mapping[str, Any], best: Any) -> dict
         "regret_share": None,
         "proximity": None,
     }
+    # regret against the exact optimum of the same person, where there is one
     if best is not None:
         mean = best.mean()
         low, high = _interval(cost - best)
@@ -230,6 +237,7 @@ def _row(name: str, found: Outcome, costs: Mapping[str, Any], best: Any) -> dict
             "regret_share": _rounded((cost - best).mean() / mean, 5),
             "proximity": _rounded(mean / cost.mean(), 5),
         }
+    # paired by episode: both had the same people and chances, so little noise is left
     if name != compared_with:
         count = min(len(cost), len(costs[compared_with]))
         difference = cost[:count] - costs[compared_with][:count]

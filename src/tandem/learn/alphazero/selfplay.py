@@ -131,7 +131,7 @@ def selfplay(
     )
 
 
-def played(
+def play_games(
     key: Array, network: Network, parameters: Parameters, games: Game, config: Looking | None = None
 ) -> FinishedGames:
     """One whole game on each of `games` `[B]`: by a search, or the move that the network likes best
