@@ -30,7 +30,8 @@ UNLIKE_PROSE = {
     "a blank before a mark": r"\w ,|\w \.(\s|$)|\w ;",
     "a plural of one": (
         r"(?<![\d.,])1"
-        r" (tasks|humans|robots|points|schedules|results|plans|operators|faults|events|decisions|entries|others|lines)\b"
+        r" (tasks|humans|robots|points|schedules|results|plans|operators|faults|events|decisions"
+        r"|entries|others|lines)\b"
     ),
     "words run together": r"\b[a-z]{3,}[A-Z][a-z]{2,}",
     "an object": (
