@@ -27,7 +27,6 @@ from typing import Any
 import jax
 import numpy as np
 
-from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.learned import learned
 from tandem.dispatch.deciders.policy import Options
@@ -37,6 +36,7 @@ from tandem.dispatch.evaluation.best_response import optimum
 from tandem.dispatch.lookahead.objective import SECONDS
 from tandem.dispatch.situation.model import Situation
 from tandem.files.atomic import store
+from tandem.files.generators import layered
 from tandem.files.load import load
 from tandem.learn.policy import Policy
 from tandem.learn.ppo.decider import decider

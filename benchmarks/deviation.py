@@ -26,11 +26,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.by_value import MOST_TASKS
 from tandem.dispatch.deciders.policy import Options
 from tandem.dispatch.evaluation.trial import Trial, judge
+from tandem.files.generators import layered
 from tandem.files.load import load
 from tandem.lab.yu2020.board import desk
 from tandem.learn.training.runs import versions

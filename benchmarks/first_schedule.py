@@ -12,7 +12,7 @@ import statistics
 import sys
 import time
 
-from tandem.cell.generators import layered
+from tandem.files.generators import layered
 from tandem.plan.bounds import load_bound
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout

@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import Any
 
 import tandem
-from tandem.cell.generators import layered
+from tandem.files.generators import layered
 from tandem.plan.methods import plan
 
 SAMPLE_S = 0.01

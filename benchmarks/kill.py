@@ -27,8 +27,8 @@ from pathlib import Path
 from typing import Any
 
 from tandem import __version__
-from tandem.cell.generators import layered
 from tandem.dispatch.journal import Entry, Journal
+from tandem.files.generators import layered
 from tandem.files.load import dump
 
 PEOPLE = "random:0.2+forgetful:0.1+pace:1.3"

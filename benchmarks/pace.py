@@ -22,12 +22,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from random import Random
 
-from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Options
 from tandem.dispatch.evaluation.trial import Trial, judge
 from tandem.dispatch.lookahead.bayes_adaptive import bayes_adaptive, belief_values
 from tandem.dispatch.lookahead.dynamic_programming import expected
+from tandem.files.generators import layered
 from tandem.files.load import load
 from tandem.learn.training.runs import versions
 

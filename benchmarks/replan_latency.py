@@ -24,7 +24,6 @@ from typing import Any
 
 import numpy as np
 
-from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.memory import settled_memory
 from tandem.dispatch.deciders.policy import Decision, Options, Policy
@@ -35,6 +34,7 @@ from tandem.dispatch.shift.deadline import InTime
 from tandem.dispatch.shift.live import FOR_PLANNING, RULE, Settings, Shift
 from tandem.dispatch.shift.simulated import Floor
 from tandem.dispatch.situation.model import Situation
+from tandem.files.generators import layered
 from tandem.learn.training.runs import versions
 
 DECIDER, PEOPLE, TASKS = "replan-robust", "random:0.3+pace:0.8..1.6", 30

@@ -20,7 +20,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 from peers import PEERS, Run
-from tandem.cell.generators import layered
+from tandem.files.generators import layered
 
 COLUMNS = (
     "tasks",

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tandem.cell.generators import HARDEST, LONGEST, SHORTEST, layered
+from tandem.files.generators import HARDEST, LONGEST, SHORTEST, layered
 from tandem.lab.yu2020.board import Who, desk, random_board
 
 share = st.floats(0, 1)

@@ -15,7 +15,6 @@ import pytest
 from tests.dispatch.cells import GEARBOX, Plain, in_time
 from tests.dispatch.stations import THESIS
 
-from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.memory import settled_memory
 from tandem.dispatch.deciders.policy import Decision, Options
@@ -31,6 +30,7 @@ from tandem.dispatch.lookahead.residual import rest, solve
 from tandem.dispatch.lookahead.transitions import Moves
 from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.situation.pace import estimates
+from tandem.files.generators import layered
 
 WIDE = layered(30, 2, 2, seed=3)
 """At its beginning 3,507 sets of ways can be begun, each of which is a step of the search."""

@@ -12,7 +12,6 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from tests.dispatch.stations import THESIS, station
 
-from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.auto import Auto
 from tandem.dispatch.deciders.by_value import repairing
@@ -27,6 +26,7 @@ from tandem.dispatch.lookahead.objective import SECONDS, Objective
 from tandem.dispatch.situation.legal import legal
 from tandem.dispatch.situation.model import Running, Situation, Work
 from tandem.errors import NothingFoundError, UsageError
+from tandem.files.generators import layered
 from tandem.world.arrays import Names
 from tandem.world.population import crowd
 from tandem.world.randomness import OFF, Chance, Draw

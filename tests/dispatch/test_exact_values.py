@@ -7,7 +7,6 @@ from itertools import pairwise
 import pytest
 from tests.dispatch.stations import THESIS, station
 
-from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.dispatch.lookahead.bayes_adaptive import bayes_adaptive, belief_values
 from tandem.dispatch.lookahead.branch_and_bound import BranchAndBound
@@ -16,6 +15,7 @@ from tandem.dispatch.lookahead.mistakes import repair_values
 from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.errors import CellError, NothingFoundError
+from tandem.files.generators import layered
 from tandem.files.validate import cell_of
 from tandem.plan.dynamic_programming import solve
 from tandem.plan.question import Question

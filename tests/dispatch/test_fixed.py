@@ -14,7 +14,6 @@ from tests.dispatch.stations import ROOT, THESIS, station
 from tests.strategies import cells
 
 import tandem
-from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.fixed import Fixed, fixed
 from tandem.dispatch.deciders.policy import Options, basis_of
@@ -23,6 +22,7 @@ from tandem.dispatch.evaluation.batch import EpisodeBatch, Outcome
 from tandem.dispatch.lookahead.objective import SECONDS, Objective
 from tandem.dispatch.situation.model import Situation
 from tandem.errors import InfeasibleError
+from tandem.files.generators import layered
 from tandem.files.load import load
 from tandem.files.validate import cell_of
 from tandem.world.arrays import Names

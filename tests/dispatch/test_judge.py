@@ -11,13 +11,13 @@ from typing import Any
 import pytest
 from tests.dispatch.stations import THESIS
 
-from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.cli.root import run
 from tandem.dispatch.deciders.table import POLICIES
 from tandem.dispatch.evaluation.trial import Trial, judge, split_people
 from tandem.draw.judged import judged_figure, plot_regret
 from tandem.errors import UsageError
+from tandem.files.generators import layered
 from tandem.files.validate import cell_of
 from tandem.world.randomness import Chance
 

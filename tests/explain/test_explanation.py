@@ -282,7 +282,7 @@ def test_the_thesis_cell_is_explained_within_two_seconds(thesis: Cell) -> None:
 
 @pytest.mark.slow
 def test_fifty_tasks_are_explained_within_twenty_seconds() -> None:
-    from tandem.cell.generators import layered
+    from tandem.files.generators import layered
 
     cell = layered(tasks=50, humans=2, robots=1, seed=7)
     begin = time.perf_counter()

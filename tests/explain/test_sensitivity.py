@@ -8,12 +8,12 @@ import copy
 
 import pytest
 
-from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.draw.tornado import plot_tornado
 from tandem.errors import UsageError
 from tandem.explain.fronts import area
 from tandem.explain.sensitivity import carried_over, nondominated, scaled, sensitivity
+from tandem.files.generators import layered
 from tandem.plan.methods import METHODS, plan
 from tandem.plan.question import Question
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from tandem.cell.generators import layered
 from tandem.files.atomic import store
+from tandem.files.generators import layered
 from tandem.files.load import dump
 
 

@@ -10,8 +10,8 @@ import pytest
 from tests.plan.test_deadlines import FRONTS
 from tests.schedule.cells import gearbox, thesis, thesis_schedule
 
-from tandem.cell.generators import layered
 from tandem.errors import NothingFoundError
+from tandem.files.generators import layered
 from tandem.plan import cpsat
 from tandem.plan.chronological import Branching
 from tandem.plan.door import Door, RefusedScheduleWarning

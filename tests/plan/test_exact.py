@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from tests.schedule.cells import thesis
 
-from tandem.cell.generators import layered
 from tandem.errors import InfeasibleError, NothingFoundError, UsageError
+from tandem.files.generators import layered
 from tandem.lab.yu2020.board import desk, random_board
 from tandem.plan.methods import METHODS, describe, plan
 from tandem.plan.question import Question

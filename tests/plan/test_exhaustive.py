@@ -9,9 +9,9 @@ from time import perf_counter
 import pytest
 from tests.schedule.cells import THESIS, gearbox, thesis, thesis_schedule
 
-from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError
+from tandem.files.generators import layered
 from tandem.plan.dynamic_programming import solve
 from tandem.plan.method import Progress
 from tandem.plan.question import Question

@@ -17,8 +17,8 @@ import pytest
 from ortools.sat.python import cp_model
 from tests.schedule.cells import thesis
 
-from tandem.cell.generators import layered
 from tandem.cell.model import Cell
+from tandem.files.generators import layered
 from tandem.plan.dynamic_programming import solve
 from tandem.plan.instance import Instance
 from tandem.plan.question import Question

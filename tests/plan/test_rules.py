@@ -11,9 +11,9 @@ from tests.schedule.cells import THESIS, gearbox, thesis
 from tests.strategies import cells
 
 import tandem
-from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError
+from tandem.files.generators import layered
 from tandem.plan.bounds import (
     chain_bound,
     least_makespan,

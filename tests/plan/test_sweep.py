@@ -11,8 +11,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from tests.strategies import cells
 
-from tandem.cell.generators import layered
 from tandem.errors import InfeasibleError, NothingFoundError
+from tandem.files.generators import layered
 from tandem.plan import sweep
 from tandem.plan.methods import METHODS, plan
 from tandem.plan.question import Question

@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.plan.brute_force import front_in_order
 
-from tandem.cell.generators import layered
 from tandem.errors import CellError
+from tandem.files.generators import layered
 from tandem.files.validate import cell_of
 from tandem.plan import exact
 from tandem.plan.methods import METHODS, plan

@@ -83,7 +83,7 @@ def layered_command(
     output: Path | None,
 ) -> None:
     """A random cell whose tasks lie in layers; the same numbers give the same cell."""
-    from tandem.cell.generators import layered
+    from tandem.files.generators import layered
 
     try:
         cell = layered(

@@ -9,8 +9,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from tandem.cell.generators import layered
 from tandem.cell.model import Cell
+from tandem.files.generators import layered
 from tandem.files.load import load
 from tandem.lab.records import stored_document, write_document
 from tandem.learn.training.runs import versions

@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from tandem.cell.generators import layered
+from tandem.files.generators import layered
 from tandem.lab.alessio2022.adversarial import (
     Against,
     ByChance,

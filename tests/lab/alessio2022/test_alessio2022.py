@@ -14,10 +14,10 @@ pytest.importorskip("jax", reason="learning needs the extra tandem[learn]")
 
 from tests.lab.changed_records import refuses_changed_records
 
-from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.dispatch.lookahead.dynamic_programming import minimax, values
 from tandem.errors import CellError
+from tandem.files.generators import layered
 from tandem.lab.alessio2022 import cells as alessio_cells
 from tandem.lab.alessio2022 import exact, experiment, grid_runs, layout, robots
 from tandem.lab.alessio2022.cells import HOSTILE, as_state, nominal_robot, play, times, trade

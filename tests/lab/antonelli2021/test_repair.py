@@ -14,8 +14,8 @@ from tests.lab.conftest import THESIS, cell_of
 
 import tandem
 import tandem.envs
-from tandem.cell.generators import layered
 from tandem.errors import CellError, UsageError
+from tandem.files.generators import layered
 from tandem.lab.antonelli2021 import ABSENT, RIGHT, WRONG, Slips, product, repair
 from tandem.lab.antonelli2021.markov import reaching_states, sure_states, value_iteration
 from tandem.lab.antonelli2021.world import legal, operation_words

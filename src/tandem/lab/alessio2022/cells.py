@@ -19,10 +19,10 @@ from typing import Any
 
 import numpy as np
 
-from tandem.cell.generators import layered
 from tandem.cell.model import Cell
 from tandem.dispatch.lookahead.dynamic_programming import COMPLIANT, Human, Values, values
 from tandem.dispatch.lookahead.transitions import Moves, Position
+from tandem.files.generators import layered
 from tandem.lab.kinat2023 import decisions
 from tandem.lab.kinat2023.observations import observe_normalised
 from tandem.lab.kinat2023.recipe import STATION, StationRecipe
