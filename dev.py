@@ -1,18 +1,21 @@
 #!/usr/bin/env python3
 """Everything a developer does here, on a bare Python 3.11, 3.12 or 3.13 with pip.
 
-    python3 dev.py run              plan the example cell, train on it: front, Gantt, a report as
-    one HTML file python3 dev.py run ARGUMENTS    the command itself: run plan my-cell.yaml python3
-    dev.py test             format, lint, types, import rules, docs, tests python3 dev.py test
-    --changed   only the tests that what you changed since the last commit can break (or since
-    COMMIT) python3 dev.py test ARGUMENTS   pytest alone, with these arguments python3 dev.py lint
-    all of `test` that is not a test python3 dev.py fix              mend what ruff can mend: format
-    and simple findings python3 dev.py docs             build the documentation into
-    docs/_build/html python3 dev.py bench [NAME ...] list the benchmarks, or run one with its
-    arguments python3 dev.py house [FOLDER]   rooms, lines, circles and density of the code; beside
-    another checkout's python3 dev.py fuzz [NAME ...]  list the fuzzing programs, or run one: random
-    inputs until something differs python3 dev.py clean [--all]    remove what tools left behind;
-    with --all also .venv
+    python3 dev.py run              plan the example cell and train on it: front, Gantt, a report
+    python3 dev.py run ARGUMENTS    the command itself: run plan my-cell.yaml
+    python3 dev.py test             format, lint, types, import rules, docs, tests
+    python3 dev.py test --changed   only the tests that what you changed since the last commit can
+                                    break, or since COMMIT
+    python3 dev.py test ARGUMENTS   pytest alone, with these arguments
+    python3 dev.py lint             all of `test` that is not a test
+    python3 dev.py fix              mend what ruff can mend: format and simple findings
+    python3 dev.py docs             build the documentation into docs/_build/html
+    python3 dev.py bench [NAME ...] list the benchmarks, or run one with its arguments
+    python3 dev.py house [FOLDER]   rooms, lines, circles and density of the code; beside another
+                                    checkout's
+    python3 dev.py fuzz [NAME ...]  list the fuzzing programs, or run one: random inputs until
+                                    something differs
+    python3 dev.py clean [--all]    remove what tools left behind; with --all also .venv
 
 What is needed is installed into .venv the first time, and again when pyproject.toml or
 constraints.txt change. Only the standard library is used here.

@@ -1,9 +1,9 @@
 """A learned best response beside people it has never met: Best-Response Proximity next to
 self-play's, re-planning's and a rule's.
 
-    python benchmarks/best_response.py [--seeds 3] [--episodes 1000] [-o
-    benchmarks/results/best_response.json] python benchmarks/best_response.py --show
-    benchmarks/results/best_response.json
+    python benchmarks/best_response.py [--seeds 3] [--episodes 1000]
+        [-o benchmarks/results/best_response.json]
+    python benchmarks/best_response.py --show benchmarks/results/best_response.json
 
 Cells: the thesis's, and a random layered cell of 12 tasks. Trained with the training part of
 `benchmarks/people.yaml`, judged beside each person of the held-out part. Self-play is the same

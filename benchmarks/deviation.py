@@ -1,10 +1,11 @@
 """People who deviate, beside everybody who can decide live: makespan, stress, regret against the
 exact optimum, with 95 % intervals.
 
-    python benchmarks/deviation.py [--case FILE] [--learned FILE] [-o
-    benchmarks/results/deviation.csv] python benchmarks/deviation.py --show
-    benchmarks/results/deviation.csv python benchmarks/deviation.py --again fixed --show
-    benchmarks/results/deviation.csv [--only thesis]
+    python benchmarks/deviation.py [--case FILE] [--learned FILE]
+        [-o benchmarks/results/deviation.csv]
+    python benchmarks/deviation.py --show benchmarks/results/deviation.csv
+    python benchmarks/deviation.py --again fixed --show benchmarks/results/deviation.csv
+        [--only thesis]
 
 Cells: the thesis's, ten random layered cells of 9 to 12 tasks (seeds 0 to 9), a case study
 (--case), Yu's desk. All deciders meet the same episodes (seed 0). Where everything is certain one

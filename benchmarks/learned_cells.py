@@ -1,9 +1,9 @@
 """How near to the exact optimum does `tandem train` come on every example cell, and does what it
 learned run a shift?
 
-    python benchmarks/learned_cells.py [CELL ...] [--seeds 5] [--factors 0 5] [-o
-    benchmarks/results/learned_cells.json] python benchmarks/learned_cells.py --show
-    benchmarks/results/learned_cells.json
+    python benchmarks/learned_cells.py [CELL ...] [--seeds 5] [--factors 0 5]
+        [-o benchmarks/results/learned_cells.json]
+    python benchmarks/learned_cells.py --show benchmarks/results/learned_cells.json
 
 The default recipe, unchanged, all seeds of a cell side by side. Each learned number stands beside
 the exact one: the least weighted cost (10 for a second, the factor for a unit of stress) on the

@@ -1,8 +1,8 @@
 """Public benchmark instances: Tandem beside a plain CP-SAT model and PyJobShop at equal seconds,
 next to the best values known.
 
-    python benchmarks/public_sets.py --data DIR [--sets fjsp_kacem ...] [--seconds 15] [--peers
-    tandem ...] [-o FILE.csv]
+    python benchmarks/public_sets.py --data DIR [--sets fjsp_kacem ...] [--seconds 15]
+        [--peers tandem ...] [-o FILE.csv]
 
 DIR holds a folder per set with its instances and a best_known.csv (instance, lower_bound,
 upper_bound). Prints a row per instance as it is done and a table per set at the end. Ends with 1

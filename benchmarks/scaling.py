@@ -2,7 +2,8 @@
 Tandem beside plain CP-SAT and PyJobShop.
 
     python benchmarks/scaling.py [--tasks 20 50 100 200 500] [--operators 2 4] [--seeds 10]
-    [--seconds 1 10 30] [-o FILE.csv] python benchmarks/scaling.py --show FILE.csv
+        [--seconds 1 10 30] [-o FILE.csv]
+    python benchmarks/scaling.py --show FILE.csv
 
 The best bound known of a cell is the best that any of the three proved in this run. PyJobShop says
 nothing while it works, so it is run once for each number of seconds. Every schedule goes through

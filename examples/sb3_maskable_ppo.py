@@ -2,8 +2,8 @@
 masks, `learn`, `predict`.
 
     pip install 'tandem[sb3]'
-    python examples/sb3_maskable_ppo.py CELL.yaml [--steps 60000] [--target 23] [--by
-    ticks|decisions] [--stress-factor 0] [--seed 0]
+    python examples/sb3_maskable_ppo.py CELL.yaml [--steps 60000] [--target 23]
+        [--by ticks|decisions] [--stress-factor 0] [--seed 0]
 
 Plays its greedy policy every 1,000 steps and stops at the first whose makespan is at most the
 target.

@@ -3,7 +3,7 @@ masks, `learn`, `predict`.
 
     pip install 'tandem[sb3]'
     python examples/sb3_robot_beside_human.py CELL.yaml [--person random:0.5] [--steps 40000]
-    [--episodes 200] [--seed 0]
+        [--episodes 200] [--seed 0]
 
 Trains beside the person, then plays so many further episodes with the greedy policy and as many
 with random legal actions, on the same seeds.

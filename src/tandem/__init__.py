@@ -1,8 +1,8 @@
 """Tandem plans and runs the work that people and collaborative robots share.
 
     cell = tandem.load("cell.yaml")
-    front = tandem.plan(cell, time_limit=10, seed=0)     # every compromise between makespan and
-    stress tandem.faults(cell, front.knee.schedule)             # [] or sentences
+    front = tandem.plan(cell, time_limit=10, seed=0)  # the trade-off of makespan and stress
+    tandem.faults(cell, front.knee.schedule)          # [] or sentences
 
 Importing it is quick: each name is fetched from its home when it is first used.
 """

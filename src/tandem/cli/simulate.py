@@ -171,8 +171,7 @@ def simulate_command(
     \b
     Examples:
       tandem simulate cell.yaml --policy fixed,replan-robust --people pace:1.5
-      tandem simulate cell.yaml --policy expected,fixed --people random:0.1,random:0.5,random:1
-      --chart regret.svg
+      tandem simulate cell.yaml --policy expected,fixed --people random:0.5 --chart regret.svg
     """
     from tandem.files.load import load
 

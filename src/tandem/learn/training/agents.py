@@ -25,8 +25,7 @@ class PPO:
     agents on the thesis's station.
 
         agents = PPO(cell, stress_factor=5).learn()
-        agents.save("cell.safetensors")     # for `tandem dispatch --policy learned --learned
-        cell.safetensors`
+        agents.save("cell.safetensors")  # for `tandem dispatch --learned cell.safetensors`
 
     Attributes:
       policy: the trained actors; None before `learn` or `load`.
