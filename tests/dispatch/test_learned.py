@@ -334,7 +334,7 @@ def test_of_a_run_the_seed_that_did_best_is_taken_and_named(
         )
         == 0
     )
-    assert f"seed {best} of 2, the best by the run's own evaluation" in capfd.readouterr().err
+    assert f"seed {best}, the best of 2 by the run's own evaluation" in capfd.readouterr().err
 
 
 def test_beside_its_people_a_best_response_is_judged_by_them(runs: dict[str, Path]) -> None:
@@ -354,4 +354,4 @@ def test_while_a_training_goes_on_the_first_seed_is_taken(
             RunFolder(runs["tandem"]).policy(seed).read_bytes()
         )
     assert RunFolder(tmp_path).best_seed() == 3
-    assert "the first, while the training goes on" in RunFolder(tmp_path).chosen()
+    assert "seed 3, the first of 2, while the training goes on" in RunFolder(tmp_path).chosen()

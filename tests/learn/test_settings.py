@@ -100,7 +100,7 @@ def test_what_a_recipe_writes_down_is_read_back(name):
 
 def test_a_setting_in_a_stage_is_reached_by_its_place():
     stages = changed(RECIPES["tandem"], ["config.stages.1.entropy=0.25"]).config.stages
-    assert [stage.entropy for stage in stages] == [0.02, 0.25, 0.001]
+    assert [stage.entropy for stage in stages] == [0.1, 0.25, 0.003]
 
 
 STAGE = '{"steps": 64, "entropie": 1}'

@@ -310,7 +310,7 @@ def evaluate_command(
     keep_compiled()
     from tandem.learn.training.evaluate import evaluate
 
-    if seed is None:
+    if seed is None and not as_json:  # the document has it
         say_which_seed(str(run))
     found = evaluate(
         run,

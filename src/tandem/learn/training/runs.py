@@ -217,13 +217,10 @@ class RunFolder:
         """Which seed `best_seed` names, in words; empty where there is only one."""
         if len(self.seeds) < 2:
             return ""
-        ended = (self.path / "result.json").exists()
-        why = (
-            "the best by the run's own evaluation"
-            if ended
-            else "the first, while the training goes on"
-        )
-        return f"{self.path}: seed {self.best_seed()} of {len(self.seeds)}, {why}."
+        seed, number = self.best_seed(), len(self.seeds)
+        if not (self.path / "result.json").exists():
+            return f"{self.path}: seed {seed}, the first of {number}, while the training goes on."
+        return f"{self.path}: seed {seed}, the best of {number} by the run's own evaluation."
 
     def _result(self) -> _Result:
         try:
