@@ -44,27 +44,21 @@ def python(*arguments: str, **variables: str) -> subprocess.CompletedProcess[str
     )
 
 
-def test_importing_is_quick_and_loads_nothing_heavy() -> None:
-    program = (
-        "import json, sys, time; begun = time.perf_counter(); import tandem; spent ="
-        " time.perf_counter() - begun;print(json.dumps([spent, sorted(sys.modules)]))"
-    )
-    runs = [json.loads(python("-c", program).stdout) for _ in range(3)]
-    assert min(spent for spent, _ in runs) < 0.3
-    assert HEAVY & {name.partition(".")[0] for name in runs[0][1]} == set()
+def test_importing_loads_nothing_heavy() -> None:
+    program = "import json, sys, tandem; print(json.dumps(sorted(sys.modules)))"
+    loaded = json.loads(python("-c", program).stdout)
+    assert HEAVY & {name.partition(".")[0] for name in loaded} == set()
 
 
-def test_asking_the_command_for_help_is_quick_and_loads_neither_solver_nor_pictures() -> None:
+def test_asking_the_command_for_help_loads_neither_solver_nor_pictures() -> None:
     program = (
-        "import json, sys, time; begun = time.perf_counter()\nfrom tandem.cli import main\nsys.argv"
-        " = ['tandem', '--help']\ntry: main()\nexcept SystemExit:"
-        " pass\nprint(json.dumps([time.perf_counter() - begun, sorted(sys.modules)]),"
-        " file=sys.stderr)"
+        "import json, sys\nfrom tandem.cli import main\nsys.argv = ['tandem', '--help']\n"
+        "try: main()\nexcept SystemExit: pass\n"
+        "print(json.dumps(sorted(sys.modules)), file=sys.stderr)"
     )
-    runs = [json.loads(python("-c", program).stderr.splitlines()[-1]) for _ in range(3)]
-    assert min(spent for spent, _ in runs) < 1.0
+    loaded = json.loads(python("-c", program).stderr.splitlines()[-1])
     assert (HEAVY - {"click", "rich", "pydantic"}) & {
-        name.partition(".")[0] for name in runs[0][1]
+        name.partition(".")[0] for name in loaded
     } == set()
 
 

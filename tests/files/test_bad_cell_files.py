@@ -12,7 +12,6 @@ import random
 import re
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from typing import Any
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from tests.effort import calls
 from tests.strategies import cells
 
 from tandem.errors import CellError
@@ -242,9 +242,8 @@ def test_an_exploding_file_is_refused_at_once():
     lines = ["a0: &a0 [x, x]"] + [
         f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]" for n in range(1, 11)
     ]
-    begin = time.perf_counter()
-    found = told("\n".join(lines))
-    assert time.perf_counter() - begin < 1
+    text, found = "\n".join(lines), []
+    assert calls(lambda: found.extend(told(text))) < 100_000
     assert "is an anchor" in found[0]
     assert len(found) <= 20
 
@@ -255,9 +254,9 @@ def test_an_exploding_file_is_refused_at_once():
     ids=["lists", "flow", "blocks", "json"],
 )
 def test_a_file_nested_without_end_is_refused_at_once(text):
-    begin = time.perf_counter()
-    assert any(word in told(text)[0] for word in ("nests deeper", "not well-formed"))
-    assert time.perf_counter() - begin < 5
+    found = []
+    assert calls(lambda: found.extend(told(text))) < 10 * len(text)
+    assert any(word in found[0] for word in ("nests deeper", "not well-formed"))
 
 
 @pytest.mark.parametrize(
@@ -476,17 +475,20 @@ def big(count: int) -> str:
 
 
 @pytest.mark.parametrize("form", ["yaml", "json"])
-def test_ten_thousand_tasks_load_within_seconds(form):
-    text = big(10_000)
-    if form == "json":
-        text = json.dumps(loads(text).to_dict(), indent=1)
-    begin = time.process_time()
-    assert len(loads(text).tasks) == 10_000
-    assert time.process_time() - begin < 10
+def test_twice_the_tasks_are_read_with_at_most_three_times_the_effort(form):
+    effort = []
+    for size in (1_000, 2_000):
+        text = big(size)
+        if form == "json":
+            text = json.dumps(loads(text).to_dict(), indent=1)
+        effort.append(calls(lambda text=text: loads(text)))
+    assert effort[1] < 3 * effort[0]
 
 
-def test_ten_thousand_faulty_tasks_are_refused_within_seconds():
-    text = big(10_000).replace("robot: ", "robbot: ").replace("stress: 2.5", "stres: -1")
-    begin = time.process_time()
-    assert len(told(text)) == MOST + 1
-    assert time.process_time() - begin < 20
+def test_twice_the_faulty_tasks_are_refused_with_at_most_three_times_the_effort():
+    effort = []
+    for size in (1_000, 2_000):
+        text = big(size).replace("robot: ", "robbot: ").replace("stress: 2.5", "stres: -1")
+        assert len(told(text)) == MOST + 1
+        effort.append(calls(lambda text=text: told(text)))
+    assert effort[1] < 3 * effort[0]

@@ -18,7 +18,7 @@ from tandem.world import state as world
 from tandem.world.arrays import Array, Arrays, Names
 from tandem.world.episode import Episode, Shift, play_one
 from tandem.world.people import compliant, crew
-from tandem.world.randomness import Draw, nominal_fate
+from tandem.world.randomness import Draw, nominal_scenario
 
 ROOT = Path(__file__).resolve().parents[2]
 STORED = ROOT / "benchmarks" / "results" / "learned_cells.json"
@@ -84,7 +84,7 @@ def by_turns(cell: Cell, schedule: Schedule) -> Episode:
     return play_one(
         names,
         arrays,
-        nominal_fate(Draw.of(names, arrays), arrays),
+        nominal_scenario(Draw.of(names, arrays), arrays),
         crew(arrays, compliant(arrays)),
         decide,
     )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from time import perf_counter
 
 import pytest
 from tests.schedule.cells import THESIS, gearbox, thesis, thesis_schedule
@@ -19,10 +18,8 @@ from tandem.plan.result import Status
 from tandem.schedule.checker import faults
 
 
-def test_the_thesis_s_front_is_proven_in_well_under_a_second():
-    began = perf_counter()
+def test_the_thesis_s_front_is_proven():
     front = solve(thesis())
-    assert perf_counter() - began < 1
     assert front.points == [(23, 7), (24, 3), (34, 2)]
     assert front.complete
     assert {result.status for result in front} == {Status.OPTIMAL}
@@ -181,10 +178,8 @@ def test_a_hint_is_where_it_begins():
     assert front.points == [(23, 7)]
 
 
-def test_a_dozen_tasks_take_seconds():
-    began = perf_counter()
+def test_a_dozen_tasks_are_proven():
     assert solve(layered(11, seed=1)).complete
-    assert perf_counter() - began < 20
 
 
 def test_it_runs_without_the_constraint_solver():

@@ -36,8 +36,8 @@ def schema_text() -> str:
 
 
 def _tidy(value: Any) -> Any:
-    """Without the titles that pydantic makes of field names, and with the rule for names said once
-    for all keys of a mapping.
+    """Without the titles that pydantic makes of field names, with descriptions in one line, and
+    with the rule for names said once for all keys of a mapping.
     """
     if isinstance(value, list):
         return [_tidy(item) for item in value]
@@ -48,6 +48,8 @@ def _tidy(value: Any) -> Any:
         for key, item in value.items()
         if not (key == "title" and isinstance(item, str))
     }
+    if isinstance(said := tidy.get("description"), str):
+        tidy["description"] = " ".join(said.split())
     patterns = tidy.pop("patternProperties", None)
     if isinstance(patterns, dict) and len(patterns) == 1:
         [(pattern, item)] = patterns.items()
