@@ -32,7 +32,7 @@ from tandem.dispatch.journal import Journal
 from tandem.dispatch.lookahead.objective import SECONDS
 from tandem.dispatch.shift.deadline import InTime
 from tandem.dispatch.shift.live import FOR_PLANNING, RULE, Settings, Shift
-from tandem.dispatch.shift.simulated import Floor
+from tandem.dispatch.shift.simulated import SimulatedFloor
 from tandem.dispatch.situation.model import Situation
 from tandem.files.generators import layered
 from tandem.learn.training.runs import versions
@@ -78,7 +78,7 @@ def measure(cell: Cell, episodes: int, budget_ms: float) -> dict[str, Any]:
             with Journal() as journal:
                 shift = Shift.open(cell, journal, settings, decider=decider)
                 warmed_up = 1
-                floor = Floor(cell, PEOPLE, seed=seed)
+                floor = SimulatedFloor(cell, PEOPLE, seed=seed)
                 while event := floor.next(shift.situation, shift.decision["look_again"]):
                     shift.take(json.dumps(event.to_dict()))
                     settle()
