@@ -52,8 +52,11 @@ def test_importing_loads_nothing_heavy() -> None:
 
 def test_asking_the_command_for_help_loads_neither_solver_nor_pictures() -> None:
     program = (
-        "import json, sys\nfrom tandem.cli import main\nsys.argv = ['tandem', '--help']\n"
-        "try: main()\nexcept SystemExit: pass\n"
+        "import json, sys\n"
+        "from tandem.cli import main\n"
+        "sys.argv = ['tandem', '--help']\n"
+        "try: main()\n"
+        "except SystemExit: pass\n"
         "print(json.dumps(sorted(sys.modules)), file=sys.stderr)"
     )
     loaded = json.loads(python("-c", program).stderr.splitlines()[-1])
@@ -163,9 +166,13 @@ def test_the_changelog_and_the_citation_name_this_version() -> None:
 def test_in_ci_a_test_without_its_program_has_failed(tmp_path: Path, ci: str, ending: str) -> None:
     (tmp_path / "conftest.py").write_text((ROOT / "tests" / "conftest.py").read_text())
     (tmp_path / "test_pages.py").write_text(
-        "import pytest\n\ndef test_page():\n    pytest.skip('there is no Chromium here; apt-get"
-        " install chromium')\n\ndef test_data():\n    pytest.skip('the benchmark sets are not"
-        " here')\n"
+        "import pytest\n"
+        "\n"
+        "def test_page():\n"
+        "    pytest.skip('there is no Chromium here; apt-get install chromium')\n"
+        "\n"
+        "def test_data():\n"
+        "    pytest.skip('the benchmark sets are not here')\n"
     )
     done = python(
         "-m",

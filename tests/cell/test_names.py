@@ -66,8 +66,10 @@ def test_a_cell_file_may_refer_to_a_task_in_another_spelling(form, spelling):
         text = json.dumps({**data, "same_operator": [[WHOLE, "b"]]})
     else:
         text = (
-            f"operators: {{h: {{kind: human}}}}\ntasks:\n  {WHOLE}: {{time: {{h: 1}}}}\n  b:"
-            f' {{time: {{h: 1}}, after: ["{spelling}"]}}\n'
+            "operators: {h: {kind: human}}\n"
+            "tasks:\n"
+            f"  {WHOLE}: {{time: {{h: 1}}}}\n"
+            f'  b: {{time: {{h: 1}}, after: ["{spelling}"]}}\n'
         )
     cell = loads(text)
     assert list(cell.tasks) == [WHOLE, "b"]
@@ -77,8 +79,10 @@ def test_a_cell_file_may_refer_to_a_task_in_another_spelling(form, spelling):
 @pytest.mark.parametrize("spelling", SPELLINGS)
 def test_the_same_name_twice_is_refused_with_both_lines(spelling):
     text = (
-        f'operators: {{h: {{kind: human}}}}\ntasks:\n  {WHOLE}: {{time: {{h: 1}}}}\n  "{spelling}":'
-        " {time: {h: 2}}\n"
+        "operators: {h: {kind: human}}\n"
+        "tasks:\n"
+        f"  {WHOLE}: {{time: {{h: 1}}}}\n"
+        f'  "{spelling}": {{time: {{h: 2}}}}\n'
     )
     with pytest.raises(CellError) as refused:
         loads(text, source="twins.yaml")

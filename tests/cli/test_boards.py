@@ -44,8 +44,11 @@ def test_the_desk_and_its_proven_optimum(desk, capfd):
 def test_a_board_in_the_terminal_stands_as_it_lies(tmp_path, capfd):
     file = tmp_path / "three.yaml"
     file.write_text(
-        "operators: {cobot: {kind: robot}, anna: {kind: human}}\ntasks:\n  a: {time: {cobot: 2}}\n "
-        " b: {time: {anna: 3}}\n  c: {time: {cobot: 4, anna: 4}, after: [a, b]}\n"
+        "operators: {cobot: {kind: robot}, anna: {kind: human}}\n"
+        "tasks:\n"
+        "  a: {time: {cobot: 2}}\n"
+        "  b: {time: {anna: 3}}\n"
+        "  c: {time: {cobot: 4, anna: 4}, after: [a, b]}\n"
     )
     assert run(["board", str(file), "-o", str(tmp_path / "board.png")]) == 0
     captured = capfd.readouterr()

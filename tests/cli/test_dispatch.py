@@ -18,8 +18,8 @@ from tandem.cli.root import run
 
 CELL = str(Path("examples/thesis.yaml").resolve())
 TWO = (
-    '{"event": "started", "at": 0, "task": 1, "operator": "robot", "id": 1}\n{"event": "done",'
-    ' "at": 9, "task": 1, "id": 2}\n'
+    '{"event": "started", "at": 0, "task": 1, "operator": "robot", "id": 1}\n'
+    '{"event": "done", "at": 9, "task": 1, "id": 2}\n'
 )
 
 
@@ -207,8 +207,9 @@ def test_a_journal_keeps_what_the_shift_was_begun_with(dispatch: Any, tmp_path: 
 def test_on_a_terminal_it_speaks_in_words(dispatch: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("tandem.cli.dispatch._is_terminal", lambda: True)
     lines = (
-        TWO + '{"event": "wrong", "at": 9, "task": 1}\n{"event": "started", "at": 9, "task": 3,'
-        ' "operator": "human"}\nx\n'
+        TWO + '{"event": "wrong", "at": 9, "task": 1}\n'
+        '{"event": "started", "at": 9, "task": 3, "operator": "human"}\n'
+        "x\n"
     )
     said = dispatch(lines=lines)
     for words in (

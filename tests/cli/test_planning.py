@@ -175,8 +175,11 @@ def test_exit_codes_and_messages(arguments, code, words, tmp_path):
 def test_all_faults_are_told_at_once_with_their_places(tmp_path):
     path = tmp_path / "cell.yaml"
     path.write_text(
-        "operators:\n  robot: {kind: robot}\ntasks:\n  1: {time: {robo: 3}, after: [2]}\n  2:"
-        " {time: {robot: -1}, after: [1]}\n"
+        "operators:\n"
+        "  robot: {kind: robot}\n"
+        "tasks:\n"
+        "  1: {time: {robo: 3}, after: [2]}\n"
+        "  2: {time: {robot: -1}, after: [1]}\n"
     )
     done = tandem("plan", path)
     assert done.returncode == 3

@@ -269,11 +269,14 @@ def test_a_slow_human_shows_once_it_has_done_something(thesis: Cell):
 
 
 def test_the_robot_beside_a_human_needs_no_jax():
-    program = (
-        "import sys, gymnasium, tandem, tandem.envs\nenv ="
-        " gymnasium.make('tandem/RobotBesideHuman-v0', cell=tandem.load('examples/thesis.yaml'),"
-        " person='forgetful:0.2').unwrapped\nenv.reset(seed=0)\nwhile not env.game.over:"
-        " env.step(int(env.action_masks().nonzero()[0][-1]))\nassert env.game.done and 'jax' not in"
-        " sys.modules"
-    )
+    program = """
+import sys, gymnasium, tandem, tandem.envs
+
+cell = tandem.load("examples/thesis.yaml")
+env = gymnasium.make("tandem/RobotBesideHuman-v0", cell=cell, person="forgetful:0.2").unwrapped
+env.reset(seed=0)
+while not env.game.over:
+    env.step(int(env.action_masks().nonzero()[0][-1]))
+assert env.game.done and "jax" not in sys.modules
+"""
     subprocess.run([sys.executable, "-c", program], check=True)

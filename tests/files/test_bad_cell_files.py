@@ -181,9 +181,13 @@ def test_a_wrong_frame_is_told_without_noise_about_what_follows(text, sentences)
 
 def test_faults_of_form_and_of_fit_come_together_in_the_order_of_lines():
     found = told(
-        "operators:\n  robot: {kind: robot, stress_limit: 1}\n  human: {kind: humn}\ntasks:\n  1:"
-        " {time: {robot: 0}, after: [3]}\n  2: {tiem: {robot: 1}}\n  3: {time: {robto: 2}, after:"
-        " [4, {}, 1]}\n"
+        "operators:\n"
+        "  robot: {kind: robot, stress_limit: 1}\n"
+        "  human: {kind: humn}\n"
+        "tasks:\n"
+        "  1: {time: {robot: 0}, after: [3]}\n"
+        "  2: {tiem: {robot: 1}}\n"
+        "  3: {time: {robto: 2}, after: [4, {}, 1]}\n"
     )
     assert [fault.split(": ")[0].removeprefix("cell.yaml:") for fault in found] == [
         "2:24",
@@ -205,9 +209,8 @@ def test_what_a_misspelled_key_should_have_said_is_not_missed_as_well():
     assert (
         len(
             told(
-                GOOD
-                + "  3: {together: [{operators: [robot, human], time: 2}], zone: jig}\nzones: {jig:"
-                " {capacity: two}}\n"
+                GOOD + "  3: {together: [{operators: [robot, human], time: 2}], zone: jig}\n"
+                "zones: {jig: {capacity: two}}\n"
             )
         )
         == 1
@@ -223,8 +226,11 @@ def test_hundreds_of_faults_are_cut_to_what_a_person_reads():
 
 def test_tags_anchors_aliases_and_second_documents_are_refused_together():
     found = told(
-        "operators: &all {h: !!python/object/apply:os.system [echo]}\ntasks: *all\nname: !cell"
-        " x\n---\na: 1\n"
+        "operators: &all {h: !!python/object/apply:os.system [echo]}\n"
+        "tasks: *all\n"
+        "name: !cell x\n"
+        "---\n"
+        "a: 1\n"
     )
     assert [fault.split(": ")[0] for fault in found] == [
         "cell.yaml:1:12",
@@ -440,9 +446,15 @@ def test_a_file_without_permission(tmp_path):
     for folder in (tmp_path, *tmp_path.parents[:2]):
         folder.chmod(0o755)
     code = (
-        "import os, sys\nfrom tandem.files.load import load\nfrom tandem.errors import"
-        " CellError\nos.setgid(65534), os.setuid(65534)\ntry:\n    load(sys.argv[1])\nexcept"
-        " CellError as error:\n    print(error)\n    sys.exit(error.exit_code)"
+        "import os, sys\n"
+        "from tandem.files.load import load\n"
+        "from tandem.errors import CellError\n"
+        "os.setgid(65534), os.setuid(65534)\n"
+        "try:\n"
+        "    load(sys.argv[1])\n"
+        "except CellError as error:\n"
+        "    print(error)\n"
+        "    sys.exit(error.exit_code)"
     )
     done = subprocess.run(
         [sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=False

@@ -89,8 +89,11 @@ def test_names_are_kept_to_the_letter(name):
 
 def test_names_written_like_numbers_are_taken_as_written():
     cell = loads(
-        "operators: {7: {kind: human}}\ntasks:\n 1.10: {time: {7: 1}}\n 010: {time: {7: 2}, after:"
-        " [1.10]}\n 1.1: {time: {7: 2}, after: [010, 1.10], label: 1.50}\n"
+        "operators: {7: {kind: human}}\n"
+        "tasks:\n"
+        " 1.10: {time: {7: 1}}\n"
+        " 010: {time: {7: 2}, after: [1.10]}\n"
+        " 1.1: {time: {7: 2}, after: [010, 1.10], label: 1.50}\n"
     )
     assert list(cell.tasks) == ["1.10", "010", "1.1"]
     assert cell.tasks["1.1"].after == ("010", "1.10")

@@ -209,16 +209,18 @@ BROKEN = [
     (
         "case",
         (
-            '{"agents": [{"id": "H", "type": "human"}],\n "tasks": [{"id": "1",\n "modes":'
-            ' [{"agents": ["X"], "time": 3}]}]}'
+            '{"agents": [{"id": "H", "type": "human"}],\n'
+            ' "tasks": [{"id": "1",\n'
+            ' "modes": [{"agents": ["X"], "time": 3}]}]}'
         ),
         "x:2:12: .*names 'X'",
     ),
     (
         "case",
         (
-            '{"agents": [{"id": "H", "type": "cyborg"}],\n "tasks": [{"id": "1",\n "modes":'
-            ' [{"agents": ["H"], "time": 3}]}]}'
+            '{"agents": [{"id": "H", "type": "cyborg"}],\n'
+            ' "tasks": [{"id": "1",\n'
+            ' "modes": [{"agents": ["H"], "time": 3}]}]}'
         ),
         "x:1:13: .*kind is 'cyborg'",
     ),

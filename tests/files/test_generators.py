@@ -9,6 +9,7 @@ import statistics
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.boards import OPTIMA
 
 from tandem.files.generators import HARDEST, LONGEST, SHORTEST, layered
 from tandem.lab.yu2020.board import Who, desk, random_board
@@ -151,31 +152,6 @@ def test_precedence_is_overlap_of_columns_and_says_nothing_twice(seed):
 def test_a_board_that_cannot_be_is_refused():
     with pytest.raises(ValueError, match="at least one a row, at most one a cell"):
         random_board(3, 3, 1, 0, 1, 5, seed=0)
-
-
-OPTIMA = (
-    135,
-    126,
-    142,
-    158,
-    141,
-    145,
-    137,
-    123,
-    122,
-    136,
-    139,
-    138,
-    125,
-    135,
-    135,
-    138,
-    131,
-    152,
-    132,
-    128,
-)
-"""Proven optima of the authors' boards with seeds 0 to 19."""
 
 
 @pytest.mark.parametrize("seed", range(20))

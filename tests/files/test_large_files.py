@@ -84,8 +84,8 @@ def test_numbers_beyond_all_measure_are_refused_at_their_place(number, key, form
     )
     zones = f', "zones": {{"z": {{"capacity": {number}}}}}' if key == "capacity" else ""
     text = (
-        '{"operators": {"h": {"kind": "human"}},\n"tasks": {"a": {"time":'
-        f" {task}}}}}{zones}}}"
+        '{"operators": {"h": {"kind": "human"}},\n'
+        f'"tasks": {{"a": {{"time": {task}}}}}{zones}}}'
     )
     if number == "1e-999" and key in ("stress", "release"):
         assert loads(text, form).tasks["a"].release == 0
@@ -118,8 +118,8 @@ def test_more_breaks_than_a_year_of_shifts_has_are_refused():
         CellError, match="operator 'h': breaks holds 2001, at most 2,000 can be planned"
     ):
         loads(
-            f"operators: {{h: {{kind: human, breaks: [{breaks}]}}}}\ntasks: {{a: {{time: {{h:"
-            " 1}}}"
+            f"operators: {{h: {{kind: human, breaks: [{breaks}]}}}}\n"
+            "tasks: {a: {time: {h: 1}}}"
         )
 
 

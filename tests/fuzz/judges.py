@@ -332,12 +332,14 @@ def run(cells: int, seed: int, minutes: float, workers: int, key: str | None = N
 def report(finding: Finding, key: str | None = None) -> None:
     """Prints a finding, where it is stored and how it is repeated."""
     print(
-        f"\n{finding.method}, {json.dumps(finding.question)}\n  says  {finding.said}\n  right"
-        f" {finding.right}"
+        "\n"
+        f"{finding.method}, {json.dumps(finding.question)}\n"
+        f"  says  {finding.said}\n"
+        f"  right {finding.right}"
     )
     print(
-        f"  {finding.store(FOUND)}\n  python3 dev.py fuzz judges --cells 1 --seed"
-        f" {finding.seed}{_with(key)}",
+        f"  {finding.store(FOUND)}\n"
+        f"  python3 dev.py fuzz judges --cells 1 --seed {finding.seed}{_with(key)}",
         flush=True,
     )
 

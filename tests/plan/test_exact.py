@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from tests.boards import OPTIMA
 from tests.schedule.cells import thesis
 
 from tandem.errors import InfeasibleError, NothingFoundError, UsageError
@@ -165,32 +166,7 @@ def test_nothing_found_is_no_proof():
 
 @pytest.mark.parametrize(
     ("seed", "optimum"),
-    list(
-        enumerate(
-            [
-                135,
-                126,
-                142,
-                158,
-                141,
-                145,
-                137,
-                123,
-                122,
-                136,
-                139,
-                138,
-                125,
-                135,
-                135,
-                138,
-                131,
-                152,
-                132,
-                128,
-            ]
-        )
-    ),
+    list(enumerate(OPTIMA)),
 )
 def test_the_optimum_of_yus_boards(seed, optimum):
     front = plan(random_board(seed=seed).to_cell(), minimize="makespan")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from tests.boards import OPTIMA
 from tests.schedule.cells import thesis
 from tests.strategies import cells
 
@@ -17,30 +18,6 @@ from tandem.plan.question import Question
 from tandem.plan.rules import RULES
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import exact, makespan, stress
-
-OPTIMA = (
-    135,
-    126,
-    142,
-    158,
-    141,
-    145,
-    137,
-    123,
-    122,
-    136,
-    139,
-    138,
-    125,
-    135,
-    135,
-    138,
-    131,
-    152,
-    132,
-    128,
-)
-"""Least makespans of Yu's random boards, seeds 0 to 19, by an independent exact solver."""
 
 
 def test_the_desk_takes_94_and_that_is_proven_in_seconds():

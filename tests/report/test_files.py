@@ -108,9 +108,13 @@ def test_a_full_disk_leaves_the_old_file_and_nothing_else(tmp_path: Path, ending
     target = tmp_path / f"plan{ending}"
     target.write_text("the old one")
     code = (
-        "import sys\nfrom tests.draw.cells import thesis_front\nfrom tandem.report.files import"
-        " write\ntry:\n    write(thesis_front(), sys.argv[1])\nexcept OSError as error:\n   "
-        " print('refused', error.strerror)\n"
+        "import sys\n"
+        "from tests.draw.cells import thesis_front\n"
+        "from tandem.report.files import write\n"
+        "try:\n"
+        "    write(thesis_front(), sys.argv[1])\n"
+        "except OSError as error:\n"
+        "    print('refused', error.strerror)\n"
     )
 
     def small_disk() -> None:

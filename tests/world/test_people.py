@@ -194,8 +194,12 @@ def test_the_example_population_keeps_its_parts_apart(station: tuple[Names, Arra
 def test_a_population_file_is_read_strictly(station: tuple[Names, Arrays], tmp_path: Path) -> None:
     file = tmp_path / "people.yaml"
     file.write_text(
-        'trian:\n  - {person: "compliant"}\ntrain:\n  - {person: "rendom:0.5", shares:'
-        " 2}\nheld_out:\n  - {person: 5}\n"
+        "trian:\n"
+        '  - {person: "compliant"}\n'
+        "train:\n"
+        '  - {person: "rendom:0.5", shares: 2}\n'
+        "held_out:\n"
+        "  - {person: 5}\n"
     )
     with pytest.raises(CellError) as error:
         load(str(file), station[0])

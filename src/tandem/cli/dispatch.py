@@ -15,9 +15,8 @@ from typing import IO, TYPE_CHECKING, Any
 
 import click
 
-from tandem.cli.options import FORMAT, Weights
+from tandem.cli.options import FORMAT, decider_options
 from tandem.cli.seeds import say_which_seed
-from tandem.cli.simulate import Prior
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
@@ -70,58 +69,13 @@ class Moment(click.ParamType):  # type: ignore[type-arg]  # older releases of cl
     help="File of events, a line each; standard input when absent.",
 )
 @click.option(
-    "--budget",
-    type=click.FloatRange(1.0),
-    default=50.0,
-    show_default=True,
-    help="Milliseconds for each decision.",
-)
-@click.option(
     "--seed",
     type=int,
     default=0,
     show_default=True,
     help="Seed of the decider, and of the simulated floor.",
 )
-@click.option(
-    "--weights",
-    type=Weights(),
-    default=(1.0, 0.0),
-    help="Keep TIME * makespan + STRESS * stress small; 1,0 when absent.",
-)
-@click.option(
-    "--max-stress", type=float, help="Stay within this stress of all humans, as far as possible."
-)
-@click.option(
-    "--frozen",
-    type=click.FloatRange(0.0),
-    default=0.0,
-    show_default=True,
-    help="Seconds: what was announced so shortly before is not changed.",
-)
-@click.option(
-    "--change-penalty",
-    type=click.FloatRange(0.0),
-    default=0.0,
-    show_default=True,
-    help="Seconds to gain before an announced task is changed.",
-)
-@click.option(
-    "--prior",
-    type=Prior(),
-    help=(
-        "What is believed of a human's pace before anything was seen: factors with weights,"
-        " 0.6:1,1:3,2:1."
-    ),
-)
-@click.option("--learned", help="A trained policy: a file, or the folder of a run (its best seed).")
-@click.option(
-    "--taking-apart",
-    type=click.FloatRange(0.0, min_open=True),
-    default=1.0,
-    show_default=True,
-    help="Share of a task's time that taking it apart takes.",
-)
+@decider_options
 @click.option(
     "--start",
     type=Moment(),

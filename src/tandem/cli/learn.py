@@ -144,15 +144,16 @@ def train_command(
     own_recipe = changed(
         recipe(recipe_name), [*settings, *([f"people={people}"] if people else [])]
     )
+    cell = None if cell_file is None else load(cell_file, form)
     with _Bar(quiet) as bar:
         if resume is not None:
             document = trainer.resume(
                 resume, tensorboard=tensorboard, on_progress=bar, on_notice=_notice
             )
         else:
-            assert cell_file is not None
+            assert cell is not None
             document = trainer.train(
-                load(cell_file, form),
+                cell,
                 recipe_name=recipe_name,
                 own_recipe=own_recipe,
                 stress_factor=stress_factor,

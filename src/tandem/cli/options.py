@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 import click
 
 from tandem.files.formats.table import FORMATS
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 FORMAT = click.option(
     "--format",
@@ -31,3 +34,87 @@ class Weights(click.ParamType):  # type: ignore[type-arg]  # older releases of c
         except ValueError:
             self.fail(f"{value!r} is not two numbers joined by a comma, such as 1,0.5.", param, ctx)
         return time, stress
+
+
+class Prior(click.ParamType):  # type: ignore[type-arg]  # older releases of click take no parameter
+    """Pace factors, each with a weight: 0.6:1,1:3,2:1."""
+
+    name = "FACTOR:WEIGHT,..."
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> dict[float, float]:
+        if isinstance(value, dict):
+            return value
+        try:
+            pairs = [part.split(":") for part in str(value).split(",")]
+            return {float(factor): float(weight) for factor, weight in pairs}
+        except ValueError:
+            self.fail(
+                f"{value!r} is no list of factors and weights, such as 0.6:1,1:3,2:1.", param, ctx
+            )
+
+
+_OF_DECIDERS = (
+    click.option(
+        "--weights",
+        type=Weights(),
+        default=(1.0, 0.0),
+        help="Keep TIME * makespan + STRESS * stress small; 1,0 when absent.",
+    ),
+    click.option(
+        "--max-stress",
+        type=float,
+        help="Stay within this stress of all humans, as far as possible.",
+    ),
+    click.option(
+        "--budget",
+        type=click.FloatRange(1.0),
+        default=50.0,
+        show_default=True,
+        help="Milliseconds for each decision.",
+    ),
+    click.option(
+        "--prior",
+        type=Prior(),
+        help=(
+            "What is believed of a human's pace before anything was seen: factors with weights,"
+            " 0.6:1,1:3,2:1."
+        ),
+    ),
+    click.option(
+        "--frozen",
+        type=click.FloatRange(0.0),
+        default=0.0,
+        show_default=True,
+        help="Seconds: what was announced so shortly before is not changed.",
+    ),
+    click.option(
+        "--change-penalty",
+        type=click.FloatRange(0.0),
+        default=0.0,
+        show_default=True,
+        help="Seconds to gain before an announced task is changed.",
+    ),
+    click.option(
+        "--taking-apart",
+        type=click.FloatRange(0.0, 100.0, min_open=True),
+        default=1.0,
+        show_default=True,
+        help="Share of a task's time that taking it apart takes.",
+    ),
+    click.option(
+        "--learned",
+        help=(
+            "A trained policy, for `learned` and `auto`: a file, or the folder of a run (its best"
+            " seed)."
+        ),
+    ),
+)
+
+
+def decider_options(command: F) -> F:
+    """The options of whoever decides: what for, in which time, believing what."""
+    for option in reversed(_OF_DECIDERS):
+        command = option(command)
+    return command

@@ -11,30 +11,11 @@ import click
 
 from tandem.cell.written import number
 from tandem.cli.compiled import needs_jax
-from tandem.cli.options import FORMAT, Weights
+from tandem.cli.options import FORMAT, decider_options
 from tandem.cli.seeds import say_which_seed
 from tandem.errors import UsageError
 
 PICTURE = click.Path(dir_okay=False, path_type=Path)
-
-
-class Prior(click.ParamType):  # type: ignore[type-arg]  # older releases of click take no parameter
-    """Pace factors, each with a weight: 0.6:1,1:3,2:1."""
-
-    name = "FACTOR:WEIGHT,..."
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> dict[float, float]:
-        if isinstance(value, dict):
-            return value
-        try:
-            pairs = [part.split(":") for part in str(value).split(",")]
-            return {float(factor): float(weight) for factor, weight in pairs}
-        except ValueError:
-            self.fail(
-                f"{value!r} is no list of factors and weights, such as 0.6:1,1:3,2:1.", param, ctx
-            )
 
 
 @click.command("simulate")
@@ -70,17 +51,7 @@ class Prior(click.ParamType):  # type: ignore[type-arg]  # older releases of cli
     show_default=True,
     help="Of all chance. The same seed gives every policy the same episodes.",
 )
-@click.option(
-    "--weights",
-    type=Weights(),
-    default=(1.0, 0.0),
-    help="Policies keep TIME * makespan + STRESS * stress small; 1,0 when absent.",
-)
-@click.option(
-    "--max-stress",
-    type=float,
-    help="Policies stay within this stress of the human, as far as they can.",
-)
+@decider_options
 @click.option(
     "--spread",
     type=click.Choice(["off", "lognormal", "triangular"]),
@@ -104,49 +75,6 @@ class Prior(click.ParamType):  # type: ignore[type-arg]  # older releases of cli
     "--absences",
     type=click.FloatRange(0.0, min_open=True),
     help="Mean seconds until a human is called away; never when absent.",
-)
-@click.option(
-    "--taking-apart",
-    type=click.FloatRange(0.0, 100.0, min_open=True),
-    default=1.0,
-    show_default=True,
-    help="Share of a task's time that taking it apart takes.",
-)
-@click.option(
-    "--budget",
-    type=click.FloatRange(1.0),
-    default=50.0,
-    show_default=True,
-    help="Milliseconds that a policy is given for a decision.",
-)
-@click.option(
-    "--prior",
-    type=Prior(),
-    help=(
-        "What is believed of a human's pace before anything was seen: factors with weights,"
-        " 0.6:1,1:3,2:1."
-    ),
-)
-@click.option(
-    "--frozen",
-    type=click.FloatRange(0.0),
-    default=0.0,
-    show_default=True,
-    help="Seconds: what was announced so shortly before is not changed.",
-)
-@click.option(
-    "--change-penalty",
-    type=click.FloatRange(0.0),
-    default=0.0,
-    show_default=True,
-    help="Seconds to gain before an announced task is changed.",
-)
-@click.option(
-    "--learned",
-    help=(
-        "A trained policy, for `learned` and `auto`: a file, or the folder of a run (its best"
-        " seed)."
-    ),
 )
 @click.option("--chart", type=PICTURE, help="Draw what came out into this .svg, .png or .pdf.")
 @click.option("-o", "--output", type=PICTURE, help="Write the document into this .json file too.")

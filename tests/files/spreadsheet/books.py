@@ -290,8 +290,9 @@ def windows_csv(path: Path) -> Path:
     in quotes.
     """
     text = (
-        "Vorgänge der Station 3;;;;\r\n;;;;\r\nVorgang;Zeit Roboter [s];Zeit Mensch"
-        " [s];Belastung;Vorgänger\r\n"
+        "Vorgänge der Station 3;;;;\r\n"
+        ";;;;\r\n"
+        "Vorgang;Zeit Roboter [s];Zeit Mensch [s];Belastung;Vorgänger\r\n"
     )
     for row in PLAIN_ROWS:
         time = "" if row[1] is None else f"{row[1]},0"

@@ -18,50 +18,14 @@ from tandem.schedule.checker import faults
 from tandem.schedule.measures import makespan
 
 NO_WAITING = (
-    135,
-    129,
-    142,
-    159,
-    141,
-    145,
-    137,
-    123,
-    123,
-    136,
-    139,
-    138,
-    127,
-    135,
-    136,
-    141,
-    131,
-    152,
-    132,
+    135, 129, 142, 159, 141, 145, 137, 123, 123, 136, 139, 138, 127, 135, 136, 141, 131, 152, 132,
     128,
-)
+)  # fmt: skip
 """The game's optimum on the authors' boards with seeds 0 to 19, known from elsewhere."""
 WAITING = (
-    135,
-    126,
-    142,
-    158,
-    141,
-    145,
-    137,
-    123,
-    122,
-    136,
-    139,
-    138,
-    125,
-    135,
-    135,
-    138,
-    131,
-    152,
-    132,
+    135, 126, 142, 158, 141, 145, 137, 123, 122, 136, 139, 138, 125, 135, 135, 138, 131, 152, 132,
     128,
-)
+)  # fmt: skip
 """The same boards as cells."""
 
 
