@@ -9,8 +9,8 @@ from typing import Any, NamedTuple, Self
 import jax
 import jax.numpy as jnp
 
-from tandem.learn.ppo.config import Config, Stage, StageValues
-from tandem.learn.world import StepResult
+from tandem.learn.ppo.config import Config, Stage
+from tandem.learn.world import StageValues, StepResult
 
 
 class Count(NamedTuple):

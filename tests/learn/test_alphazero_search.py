@@ -18,12 +18,12 @@ from tandem.lab.yu2020.network import YuNetworks
 from tandem.lab.yu2020.search import backed_up
 from tandem.learn.alphazero.config import Config, EpsilonGreedy, Search
 from tandem.learn.alphazero.network import Scorer
+from tandem.learn.alphazero.rollout import play
 from tandem.learn.alphazero.selfplay import find, play_games
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.cell_env import CellGame
 from tandem.learn.env import many
 from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES, Observation
-from tandem.learn.rollout import play
 
 pytestmark = pytest.mark.usefixtures("quickly_compiled")
 

@@ -9,10 +9,21 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple, Protocol, Self
 
-from tandem.learn.ppo.config import StageValues
-
 Array = Any
 State = Any
+
+
+class StageValues(NamedTuple):
+    """One stage as numbers that a compiled loop reads; see `Stage`. It ends at `episodes` or
+    `steps`.
+    """
+
+    entropy: Any
+    learning_rate: Any
+    idle: Any
+    normalise_advantages: Any
+    episodes: Any
+    steps: Any
 
 
 class StepResult(NamedTuple):

@@ -22,9 +22,9 @@ import jax.numpy as jnp
 
 from tandem.learn.networks import Perceptron, forward, masked_log_softmax, sample
 from tandem.learn.ppo import ppo
-from tandem.learn.ppo.config import Config, StageValues
+from tandem.learn.ppo.config import Config
 from tandem.learn.ppo.ppo import Learner, Parameters, Report
-from tandem.learn.world import State, StepResult, World
+from tandem.learn.world import StageValues, State, StepResult, World
 
 Array = Any
 

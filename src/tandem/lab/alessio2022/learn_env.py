@@ -14,8 +14,7 @@ from tandem.lab.alessio2022.adversarial import Draws
 from tandem.lab.alessio2022.layout import RIGHT, WRONG, Layout
 from tandem.lab.alessio2022.observations import OBSERVATIONS, observe
 from tandem.lab.alessio2022.world import Grid, Rewards, State
-from tandem.learn.ppo.config import StageValues
-from tandem.learn.world import StepResult, World
+from tandem.learn.world import StageValues, StepResult, World
 
 Array = Any
 

@@ -16,8 +16,7 @@ from tandem.lab.kinat2023.recipe import OBSERVATIONS, StationRecipe
 from tandem.lab.kinat2023.rewards import reward_set
 from tandem.lab.kinat2023.station import station, whole_ticks
 from tandem.lab.kinat2023.world import HUMAN, ROBOT, Rewards, State, Station
-from tandem.learn.ppo.config import StageValues
-from tandem.learn.world import StepResult
+from tandem.learn.world import StageValues, StepResult
 
 Array = Any
 

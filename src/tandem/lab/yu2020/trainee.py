@@ -23,12 +23,12 @@ from tandem.lab.yu2020.network import YuNetworks
 from tandem.lab.yu2020.play import play as play_one
 from tandem.lab.yu2020.recipe import YuRecipe
 from tandem.learn.algorithm import Row, TrainingOrder
+from tandem.learn.alphazero.rollout import as_document
 from tandem.learn.alphazero.selfplay import Looking
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.env import Game, stacked
 from tandem.learn.forms import unreadable
 from tandem.learn.results import Reached, paid
-from tandem.learn.rollout import as_document
 from tandem.schedule.model import Schedule
 
 GAMES_BETWEEN_FIGURES = 10

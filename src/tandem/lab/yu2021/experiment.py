@@ -254,8 +254,8 @@ def at_random(cell: Cell, *, games: int, seed: int = 0) -> list[Reached]:
 
     from tandem.learn.alphazero.config import EpsilonGreedy
     from tandem.learn.alphazero.network import Scorer
+    from tandem.learn.alphazero.rollout import game_of, play
     from tandem.learn.alphazero.trained import Trained
-    from tandem.learn.rollout import game_of, play
 
     network = Scorer(1)
     nobody = Trained(network, network.start(jax.random.key(0)))
@@ -354,7 +354,7 @@ def runs_on(cell: Cell) -> Cell:
     """The cell itself: the game is that of the event world, which holds every cell. Raises
     CellError for times too large to be counted.
     """
-    from tandem.learn.rollout import game_of
+    from tandem.learn.alphazero.rollout import game_of
 
     game_of(cell, 0.0, waiting=False)
     return cell
@@ -362,9 +362,9 @@ def runs_on(cell: Cell) -> Cell:
 
 def _small(cell: Cell, stress_factor: float = 0.0) -> tuple[Any, Any]:
     """The cell's game, and networks after a training of seconds."""
+    from tandem.learn.alphazero.rollout import game_of
     from tandem.learn.alphazero.trained import Trained
     from tandem.learn.dqn.network import ValueNetworks
-    from tandem.learn.rollout import game_of
     from tandem.learn.training import trainer
 
     recipe = replace(
@@ -408,7 +408,7 @@ def _play(cell: Cell, seed: int) -> Played:
 
 
 def _carry(trained_on: Cell, played_on: Cell, seed: int) -> Played:
-    from tandem.learn.rollout import game_of, play
+    from tandem.learn.alphazero.rollout import game_of, play
 
     _, trained = _small(trained_on)
     began = time.perf_counter()

@@ -18,8 +18,7 @@ from tandem.lab.zhang2022.pairs import Networks, choose
 from tandem.lab.zhang2022.setting import AGENTS, HUMAN, Duo, Setting
 from tandem.lab.zhang2022.setting import duo as duo_of
 from tandem.lab.zhang2022.world import Paid, State
-from tandem.learn.ppo.config import StageValues
-from tandem.learn.world import StepResult
+from tandem.learn.world import StageValues, StepResult
 
 Array = Any
 

@@ -19,10 +19,10 @@ from tandem.learn.alphazero import training
 from tandem.learn.alphazero.config import Config, Search
 from tandem.learn.alphazero.network import Scorer
 from tandem.learn.alphazero.recipes import SearchRecipe
+from tandem.learn.alphazero.rollout import alone, as_document, game_of, play
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.env import Game, stacked
 from tandem.learn.results import Reached, paid
-from tandem.learn.rollout import alone, as_document, game_of, play
 
 MOST_SEARCHED = 16
 """Searched games of `tandem evaluate`, however many episodes are asked for."""

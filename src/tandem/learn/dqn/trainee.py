@@ -15,6 +15,7 @@ import numpy as np
 from tandem.cell.model import Cell
 from tandem.learn.algorithm import Row, TrainingOrder
 from tandem.learn.alphazero.config import EpsilonGreedy
+from tandem.learn.alphazero.rollout import alone, as_document, game_of, play
 from tandem.learn.alphazero.trained import Trained
 from tandem.learn.dqn import learning
 from tandem.learn.dqn.config import Config
@@ -22,7 +23,6 @@ from tandem.learn.dqn.network import ValueNetworks
 from tandem.learn.dqn.recipes import ValueRecipe
 from tandem.learn.env import Game
 from tandem.learn.results import Reached, paid
-from tandem.learn.rollout import alone, as_document, game_of, play
 
 INTERVALS = 30
 """Figures of a training."""

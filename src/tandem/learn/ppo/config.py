@@ -5,32 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 from pydantic import ConfigDict
 
 from tandem.learn.forms import STRICT
 from tandem.learn.networks import ACTIVATIONS
 from tandem.learn.settings import counts, must_hold, one_of
+from tandem.learn.world import StageValues
 
 MOST_STEPS = 2**22
 """Steps of a rollout that are held at once; a few gigabytes for a cell of a dozen tasks."""
 
 MOST_LAYERS, MOST_UNITS = 16, 4096
 """Of a network, and of one of its layers."""
-
-
-class StageValues(NamedTuple):
-    """One stage as numbers that a compiled loop reads; see `Stage`. It ends at `episodes` or
-    `steps`.
-    """
-
-    entropy: Any
-    learning_rate: Any
-    idle: Any
-    normalise_advantages: Any
-    episodes: Any
-    steps: Any
 
 
 @dataclass(frozen=True)

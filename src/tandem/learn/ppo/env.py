@@ -16,8 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from tandem.learn.ppo import observation
-from tandem.learn.ppo.config import StageValues
-from tandem.learn.world import StepResult
+from tandem.learn.world import StageValues, StepResult
 from tandem.world import episode, state
 from tandem.world.arrays import Array, Arrays
 from tandem.world.episode import Shift

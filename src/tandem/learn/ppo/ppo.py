@@ -21,8 +21,8 @@ import jax.numpy as jnp
 import optax
 
 from tandem.learn.networks import Perceptron, forward, init, masked_log_softmax, sample
-from tandem.learn.ppo.config import Config, StageValues
-from tandem.learn.world import State, World
+from tandem.learn.ppo.config import Config
+from tandem.learn.world import StageValues, State, World
 
 Array = jax.Array
 Parameters = dict[str, Perceptron]
