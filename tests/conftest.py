@@ -23,6 +23,10 @@ if "PYTEST_XDIST_WORKER" not in os.environ and "JAX_COMPILATION_CACHE_DIR" not i
     keep_compiled()
     atexit.register(shutil.rmtree, compiled, ignore_errors=True)
 
+# What is compiled for a test runs for milliseconds: most optimisations would cost more than they
+# bring, and change nothing but speed.
+os.environ.setdefault("JAX_DISABLE_MOST_OPTIMIZATIONS", "1")
+
 pytest_plugins = ["tests.changed"]
 
 settings.register_profile("tandem", deadline=None)  # a busy machine is no fault of the code
@@ -90,12 +94,3 @@ def browser() -> Generator[Any, None, None]:
         )
         yield chromium
         chromium.close()
-
-
-@pytest.fixture(scope="module")
-def quickly_compiled() -> Iterator[None]:
-    """Compiles without most optimisations: what is compiled for a test runs for milliseconds."""
-    from tandem.lab.quick import compiled_quickly
-
-    with compiled_quickly():
-        yield

@@ -25,8 +25,6 @@ from tandem.learn.cell_env import CellGame
 from tandem.learn.env import many
 from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES, Observation
 
-pytestmark = pytest.mark.usefixtures("quickly_compiled")
-
 SURE = {
     "gumbel": Search(simulations=16, gumbel_scale=0.0),
     # 32 leave both moves with as many visits

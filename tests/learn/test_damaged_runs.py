@@ -30,8 +30,6 @@ from tandem.learn.ppo import observation
 from tandem.learn.training import trainer
 from tandem.world.arrays import Names
 
-pytestmark = pytest.mark.usefixtures("quickly_compiled")
-
 CELL = str(tiny.CELL)
 DEEP = b"[" * 100_000 + b"]" * 100_000
 
@@ -40,7 +38,7 @@ DEEP = b"[" * 100_000 + b"]" * 100_000
 
 
 @pytest.fixture(scope="module")
-def stopped(tmp_path_factory: pytest.TempPathFactory, quickly_compiled: None) -> Path:
+def stopped(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """PPO, stopped after 4 of its 12 intervals: it has both checkpoints, figures, policies, and
     goes on.
     """
@@ -55,7 +53,7 @@ def stopped(tmp_path_factory: pytest.TempPathFactory, quickly_compiled: None) ->
 
 
 @pytest.fixture(scope="module")
-def turns(tmp_path_factory: pytest.TempPathFactory, quickly_compiled: None) -> Path:
+def turns(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Deep Q-learning, trained for a moment: its policies hold another kind of network."""
     folder = tmp_path_factory.mktemp("dqn") / "run"
     recipe = ValueRecipe(

@@ -16,8 +16,6 @@ from tandem.learn.cell_env import CellGame, reached
 from tandem.learn.env import many, stacked
 from tandem.learn.observation import MOVE_FEATURES, WHOLE_FEATURES, ahead
 
-pytestmark = pytest.mark.usefixtures("quickly_compiled")
-
 SMALL = {"height": 3, "width": 4, "human": 2, "joint": 3, "robot": 2, "max_time": 5}
 
 

@@ -26,8 +26,6 @@ from tandem.learn.training import trainer
 from tandem.learn.training.recipes import RECIPES, changed, recipe_from
 from tandem.learn.training.runs import RunFolder
 
-pytestmark = pytest.mark.usefixtures("quickly_compiled")
-
 THREE = tandem.Cell.model_validate(
     {
         "name": "two robots and a human",

@@ -15,8 +15,6 @@ from tandem.lab.yu2020.optimal import optimum
 from tandem.lab.yu2020.play import play
 from tandem.learn.alphazero.config import Config, EpsilonGreedy
 
-pytestmark = pytest.mark.usefixtures("quickly_compiled")
-
 SIZE = (4, 5, 3, 3, 3, 6)
 TRAINING = [random_board(*SIZE, seed=seed) for seed in range(10, 14)]
 TEST = [random_board(*SIZE, seed=seed) for seed in range(3)]

@@ -18,8 +18,6 @@ from tandem.lab.yu2020.network import YuNetworks
 from tandem.lab.yu2020.search import yu_search
 from tandem.learn.env import many
 
-pytestmark = pytest.mark.usefixtures("quickly_compiled")
-
 LOOKS = {
     name: YuSearch(simulations=20, depth=3, exploration=30.0, unvisited=name)
     for name in ("first", "zero")
