@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import click
@@ -39,9 +40,12 @@ def told_risk(front: Front, cv: float, robust: bool, wanted: bool, quiet: bool) 
         return front
     from tandem.dispatch.evaluation.risk import with_risk
 
-    return with_risk(
-        front,
-        cv=cv,
-        robust=robust,
-        tell=(lambda _: None) if quiet else lambda text: click.echo(text, err=True),
-    )
+    try:
+        return with_risk(
+            front,
+            cv=cv,
+            robust=robust,
+            tell=(lambda _: None) if quiet else lambda text: click.echo(text, err=True),
+        )
+    except KeyboardInterrupt:
+        return replace(front, interrupted=True)  # what was planned is not lost
