@@ -273,6 +273,12 @@ class Task(Frozen):
         ),
     )
 
+    @property
+    def scatters(self) -> bool:
+        """Whether a spread of its time is stated."""
+        stated = self.spread.values() if isinstance(self.spread, Mapping) else (self.spread,)
+        return any(spread > 0 for spread in stated)
+
 
 class Tool(Frozen):
     """A tool that tasks name."""

@@ -18,6 +18,7 @@ import click
 from tandem.cli.answers import difference, tell_difference, variant_options
 from tandem.cli.options import FORMAT, Weights
 from tandem.cli.project import sound, tell_folder
+from tandem.cli.risk import told_risk
 from tandem.errors import CellError, Fault, UnsoundScheduleError, UsageError
 
 if TYPE_CHECKING:
@@ -61,6 +62,23 @@ if TYPE_CHECKING:
         "Threads; one per core when absent. With 1, a run that ends before its limit repeats"
         " exactly."
     ),
+)
+@click.option(
+    "--cv",
+    type=click.FloatRange(0.0, 10.0),
+    default=0.0,
+    show_default=True,
+    help=(
+        "How far times scatter where the cell does not say (coefficient of variation): each point"
+        " shows P50 and P95 of its makespan when carried out."
+    ),
+)
+@click.option("--robust", is_flag=True, help="Recommend by the P95 of the makespan as carried out.")
+@click.option(
+    "--risk/--no-risk",
+    "risk",
+    default=True,
+    help="Leave the risk out although the cell states a spread.",
 )
 @click.option(
     "--hint",
@@ -112,6 +130,9 @@ def plan_command(
     time_limit: float,
     seed: int,
     workers: int | None,
+    cv: float,
+    robust: bool,
+    risk: bool,
     hint: Path | None,
     as_json: bool,
     outputs: tuple[Path, ...],
@@ -128,6 +149,7 @@ def plan_command(
     Examples:
       tandem plan cell.yaml
       tandem plan cell.yaml --minimize makespan --json > result.json
+      tandem plan cell.yaml --cv 0.2 --robust
       tandem plan cell.yaml --set tasks.6.time.robot=8 --without robot2 --force 5=human
 
     With --set, --without or --force the variant is planned, and what becomes of each point of
@@ -164,6 +186,8 @@ def plan_command(
             hint=begin,
             on_solution=progress,
         )
+    if not front.interrupted:
+        front = told_risk(front, cv, robust, risk, quiet)
     # a variant stands in no file, so that none can have changed since
     front = replace(front, source=cell_file if base is None and cell_file != "-" else None)
     if front.interrupted and not any(path.suffix == ".json" for path in files):

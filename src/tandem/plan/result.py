@@ -42,11 +42,42 @@ class Bound:
 
 
 @dataclass(frozen=True)
+class Quantiles:
+    """Makespans of simulated assemblies, seconds: `p50`, `p95`, over so many `episodes`."""
+
+    p50: float
+    p95: float
+    episodes: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """As a `risk` of a result document holds it."""
+        return {"p50": plain(self.p50), "p95": plain(self.p95), "episodes": self.episodes}
+
+
+@dataclass(frozen=True)
+class Risk:
+    """What a schedule's makespan becomes on the floor, where times scatter.
+
+    Attributes:
+      fixed: when it is carried out as it stands, only the clock giving way.
+      replanned: when the rest is planned anew at every event, within the schedule's stress.
+    """
+
+    fixed: Quantiles
+    replanned: Quantiles
+
+    def to_dict(self) -> dict[str, Any]:
+        """As a result document holds it."""
+        return {"fixed": self.fixed.to_dict(), "replanned": self.replanned.to_dict()}
+
+
+@dataclass(frozen=True)
 class Result:
     """One schedule and how good it is proven to be.
 
     Attributes:
       canonical: the schedule is the one that stands behind these values in every run.
+      risk: what becomes of it where times scatter; None when that was not asked.
     """
 
     cell: Cell
@@ -54,6 +85,7 @@ class Result:
     status: Status
     bound: Bound
     canonical: bool = False
+    risk: Risk | None = None
 
     @cached_property
     def makespan(self) -> float:
@@ -81,6 +113,7 @@ class Result:
             "bound": {"makespan": plain(self.bound.makespan), "stress": plain(self.bound.stress)},
             "canonical": self.canonical,
             "digest": self.schedule.digest,
+            **({} if self.risk is None else {"risk": self.risk.to_dict()}),
             "assignments": self.schedule.to_list(),
         }
 
@@ -95,6 +128,7 @@ class Front:
       interrupted: the search was stopped from outside; what it had is here.
       question: what was asked: all compromises or one, and within which limits.
       source: the file of the cell as it was named; None when the cell came from elsewhere.
+      robust: what is recommended is chosen by the P95 of the makespan as carried out.
     """
 
     cell: Cell
@@ -107,6 +141,7 @@ class Front:
     interrupted: bool = False
     question: Question = Question()
     source: str | None = None
+    robust: bool = False
 
     def __iter__(self) -> Iterator[Result]:
         return iter(self.results)
@@ -126,9 +161,32 @@ class Front:
     def knee(self) -> Result:
         """The recommended compromise: the point farthest below the straight line between the
         front's two ends, both axes scaled to the front's own range (Das 1999). The quickest when
-        the front has fewer than three points or none lies below the line.
+        the front has fewer than three points or none lies below the line. Of a `robust` front it
+        is that of the points (P95 of the makespan as carried out, stress).
         """
-        return self.results[knee_index(self.points)]
+        return self.results[self.knee_place]
+
+    @property
+    def knee_place(self) -> int:
+        """Index of the knee."""
+        if not self.robust:
+            return knee_index(self.points)
+        late = [
+            result.makespan if result.risk is None else result.risk.fixed.p95 for result in self
+        ]
+        # points that another one beats in both are no compromise
+        kept = sorted(
+            (
+                place
+                for place, (time, (_, load)) in enumerate(zip(late, self.points, strict=True))
+                if not any(
+                    other <= time and less <= load and (other, less) != (time, load)
+                    for other, (_, less) in zip(late, self.points, strict=True)
+                )
+            ),
+            key=late.__getitem__,
+        )
+        return kept[knee_index([(late[place], self.points[place][1]) for place in kept])]
 
     def to_dict(self) -> dict[str, Any]:
         """The result document of `tandem plan --json`."""
@@ -143,6 +201,7 @@ class Front:
             "seed": self.seed,
             "wall_s": round(self.wall_s, 4),
             "interrupted": self.interrupted,
+            **({"recommended_by": "p95"} if self.robust else {}),
             "question": self.question.to_dict(),
             "front": [result.to_dict() for result in self.results],
             "source": self.source,

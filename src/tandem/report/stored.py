@@ -19,7 +19,7 @@ from tandem.errors import CellError, Fault, UnsoundScheduleError, UsageError
 from tandem.files.load import load
 from tandem.files.messages import shown
 from tandem.plan.question import Question
-from tandem.plan.result import Bound, Front, Result, Status, knee_index
+from tandem.plan.result import Bound, Front, Quantiles, Result, Risk, Status
 from tandem.report.results import points_of, read_result, schedules_of
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import makespan, stress
@@ -103,7 +103,7 @@ def point_of(
     if point is not None:
         return point - 1
     if makespan is None and stress is None:
-        return knee_index(front.points)
+        return front.knee_place
     latest, hardest = (inf if given is None else given for given in (makespan, stress))
     fit = [
         place
@@ -166,7 +166,14 @@ def _front(document: Mapping[str, Any], cell: Cell, path: Path) -> Front:
                 f" {number(stress(cell, schedule))}."
             )
         results.append(
-            Result(cell, schedule, _status(row), _bound(row), row.get("canonical") is True)
+            Result(
+                cell,
+                schedule,
+                _status(row),
+                _bound(row),
+                row.get("canonical") is True,
+                _risk(row.get("risk")),
+            )
         )
     if wrong:
         raise UnsoundScheduleError(wrong)
@@ -181,6 +188,7 @@ def _front(document: Mapping[str, Any], cell: Cell, path: Path) -> Front:
         document.get("interrupted") is True,
         _question(document.get("question")),
         document.get("source"),
+        document.get("recommended_by") == "p95",
     )
 
 
@@ -198,6 +206,18 @@ def _bound(row: Mapping[str, Any]) -> Bound:
     told = row.get("bound")
     told = told if isinstance(told, Mapping) else {}
     return Bound(_number(told.get("makespan"), 0.0), _number(told.get("stress"), 0.0))
+
+
+def _risk(told: Any) -> Risk | None:
+    """What was simulated of a point; None where the document does not say all of it."""
+    try:
+        fixed, replanned = (
+            Quantiles(float(way["p50"]), float(way["p95"]), int(way["episodes"]))
+            for way in (told["fixed"], told["replanned"])
+        )
+    except (TypeError, KeyError, ValueError):
+        return None
+    return Risk(fixed, replanned)
 
 
 def _question(told: Any) -> Question:
