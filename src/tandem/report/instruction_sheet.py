@@ -1,18 +1,21 @@
-"""An operator's instruction sheet in the page: folded away on the screen, on a new page on
+"""An operator's instruction sheet in the page: folded away on the screen, a page of its own on
 paper.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from tandem.draw.style import looks
 from tandem.plan.result import Result
-from tandem.report.instructions import Turn, rules, times, turns
+from tandem.report.instructions import Condition, Step, columns, rules, steps
 from tandem.report.language import Words
 from tandem.report.markup import Markup, join, tag
 from tandem.report.tables import table
 
-EXTRAS = {"part": "part", "tool": "tool", "zone": "zone", "together_with": "with"}
-"""Fields of a turn that only some cells have -> the key of their word."""
+LONG = 34
+"""A sheet of more lines than that is printed in smaller letters, so that it stays on one page."""
+NUMBERS = ("number", "start", "end", "deadline")
 
 
 def sheets(result: Result, title: str, t: Words) -> Markup:
@@ -23,7 +26,7 @@ def sheets(result: Result, title: str, t: Words) -> Markup:
 
 
 def _sheet(result: Result, operator: str, title: str, t: Words) -> Markup:
-    found = turns(result.cell, result.schedule, operator, t)
+    found = steps(result.cell, result.schedule, operator, t)
     heading = t("steps.title", who=looks(result.cell)[operator].label)
     above = [tag("p", sentence) for sentence in rules(result.cell, operator, t)] if found else []
     origin = t(
@@ -33,47 +36,48 @@ def _sheet(result: Result, operator: str, title: str, t: Words) -> Markup:
         plan=title,
     )
     inside = _table(found, heading, origin, t) if found else tag("p", t("steps.none"))
+    lines = sum(max(len(step.begin), len(step.then), 1) for step in found)
     return tag(
-        "details", tag("summary", tag("h3", heading)), *above, inside, class_="sheet", open=True
+        "details",
+        tag("summary", tag("h3", heading)),
+        *above,
+        inside,
+        class_="sheet long" if lines > LONG else "sheet",
+        open=True,
     )
 
 
-def _table(found: tuple[Turn, ...], heading: str, origin: str, t: Words) -> Markup:
-    extras = [key for key in EXTRAS if any(getattr(turn, key) for turn in found)]
-    heads = [
-        (t("steps.turn"), "number"),
-        (t("steps.does"), ""),
-        *((t(f"steps.{EXTRAS[key]}"), "") for key in extras),
-    ]
-    heads += [
-        (t("steps.wait"), ""),
-        (t("steps.hands"), ""),
-        *((t(f"steps.{key}"), "number") for key in times(found)),
-    ]
-    return table(
-        heads, (_row(turn, extras, times(found), t) for turn in found), heading, on_paper=origin
-    )
+def _table(found: tuple[Step, ...], heading: str, origin: str, t: Words) -> Markup:
+    shown = columns(found)
+    heads = [(t(f"steps.{key}"), "number" if key in NUMBERS else "") for key in shown]
+    return table(heads, (_row(step, shown, t) for step in found), heading, on_paper=origin)
 
 
-def _row(turn: Turn, extras: list[str], shown: tuple[str, ...], t: Words) -> Markup:
+def _row(step: Step, shown: tuple[str, ...], t: Words) -> Markup:
     return tag(
         "tr",
-        tag("td", str(turn.number), class_="number"),
-        tag("th", turn.does, scope="row"),
-        *(tag("td", getattr(turn, key) or "–") for key in extras),
-        tag("td", _lines(turn.wait), class_="told"),
-        tag("td", _lines(turn.hands_to), class_="told"),
-        *(
-            tag(
-                "td",
-                "–" if getattr(turn, key) is None else t.number(getattr(turn, key)),
-                class_="number",
-            )
-            for key in shown
-        ),
+        *(_cell(step, key, t) for key in shown),
+        class_=None if step.task else "change",
     )
 
 
-def _lines(sentences: tuple[str, ...]) -> Markup | str:
+def _cell(step: Step, key: str, t: Words) -> Markup:
+    value = getattr(step, key)
+    if key == "begin":
+        return tag("td", _lines(map(_condition, step.begin)), class_="told")
+    if key == "then":
+        return tag("td", _lines(step.then), class_="told")
+    if key in NUMBERS:
+        return tag("td", "–" if value is None else t.number(value), class_="number")
+    heads_row = key == "what" or key == ("task" if step.task else "does")
+    return tag("th", value, scope="row") if heads_row else tag("td", value or "–")
+
+
+def _condition(condition: Condition) -> Markup | str:
+    """In bold when it is the one expected last."""
+    return tag("b", condition.says) if condition.last else condition.says
+
+
+def _lines(sentences: Iterable[Markup | str]) -> Markup | str:
     """Each on a line of its own."""
-    return join(tag("div", sentence) for sentence in sentences) if sentences else "–"
+    return join(tag("div", sentence) for sentence in sentences) or "–"
