@@ -5,16 +5,19 @@ paper.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import ceil
 
 from tandem.draw.style import looks
 from tandem.plan.result import Result
-from tandem.report.instructions import Condition, Step, columns, rules, steps
+from tandem.report.instructions import Condition, Step, columns, origin, rules, steps
 from tandem.report.language import Words
 from tandem.report.markup import Markup, join, tag
 from tandem.report.tables import table
 
-LONG = 34
-"""A sheet of more lines than that is printed in smaller letters, so that it stays on one page."""
+PAGE, LINE, GAP = 138.0, 4.5, 2.0
+"""Height of a printed page for rows, of a line and between rows, millimetres."""
+ACROSS = {"does": 19, "what": 19, "means": 25, "begin": 43, "then": 29}
+"""Characters across a column on paper."""
 NUMBERS = ("number", "start", "end", "deadline")
 
 
@@ -29,28 +32,40 @@ def _sheet(result: Result, operator: str, title: str, t: Words) -> Markup:
     found = steps(result.cell, result.schedule, operator, t)
     heading = t("steps.title", who=looks(result.cell)[operator].label)
     above = [tag("p", sentence) for sentence in rules(result.cell, operator, t)] if found else []
-    origin = t(
-        "steps.of",
-        who=looks(result.cell)[operator].label,
-        cell=result.cell.name or t("unnamed"),
-        plan=title,
+    inside = (
+        _table(found, heading, origin(result, operator, title, t), t)
+        if found
+        else tag("p", t("steps.none"))
     )
-    inside = _table(found, heading, origin, t) if found else tag("p", t("steps.none"))
-    lines = sum(max(len(step.begin), len(step.then), 1) for step in found)
     return tag(
         "details",
         tag("summary", tag("h3", heading)),
         *above,
         inside,
-        class_="sheet long" if lines > LONG else "sheet",
+        class_="sheet long" if _height(found) > PAGE else "sheet",
         open=True,
     )
 
 
-def _table(found: tuple[Step, ...], heading: str, origin: str, t: Words) -> Markup:
+def _height(found: tuple[Step, ...]) -> float:
+    """What the rows take on paper, millimetres: a sheet that would not go onto one page is printed
+    in smaller letters.
+    """
+    return sum(max(_lines_of(step, key) for key in ACROSS) * LINE + GAP for step in found)
+
+
+def _lines_of(step: Step, key: str) -> int:
+    value = getattr(step, key)
+    said = (
+        [one.says for one in value] if key == "begin" else [value] if value == str(value) else value
+    )
+    return sum(ceil(len(sentence) / ACROSS[key]) for sentence in said)
+
+
+def _table(found: tuple[Step, ...], heading: str, on_paper: str, t: Words) -> Markup:
     shown = columns(found)
-    heads = [(t(f"steps.{key}"), "number" if key in NUMBERS else "") for key in shown]
-    return table(heads, (_row(step, shown, t) for step in found), heading, on_paper=origin)
+    heads = [(t(f"steps.{key}"), f"number {key}" if key in NUMBERS else key) for key in shown]
+    return table(heads, (_row(step, shown, t) for step in found), heading, on_paper=on_paper)
 
 
 def _row(step: Step, shown: tuple[str, ...], t: Words) -> Markup:
@@ -65,8 +80,8 @@ def _cell(step: Step, key: str, t: Words) -> Markup:
     value = getattr(step, key)
     if key == "begin":
         return tag("td", _lines(map(_condition, step.begin)), class_="told")
-    if key == "then":
-        return tag("td", _lines(step.then), class_="told")
+    if key in ("means", "then"):
+        return tag("td", _lines(value), class_="told")
     if key in NUMBERS:
         return tag("td", "–" if value is None else t.number(value), class_="number")
     heads_row = key == "what" or key == ("task" if step.task else "does")

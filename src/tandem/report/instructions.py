@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 from tandem.cell.model import Cell
 from tandem.draw.style import looks, task_label
+from tandem.plan.result import Result
 from tandem.report.language import Words
 from tandem.report.tables import named
 from tandem.schedule.measures import changeover_times, exact
@@ -48,9 +49,8 @@ class Step:
       number: counted from 1.
       task: its name; empty for a changeover and for setting up.
       does: the task's label, empty when it has none; or what the operator changes to or sets up.
-      part, tool, zone: empty when there is none; of a tool and a zone also how many there are, or
-        have room.
-      partners: who takes part too.
+      means: the part, the tool, the zone and who takes part too, each a short sentence; of a tool
+        and a zone also how many there are, or have room.
       begin: everything that must be true before.
       then: who can begin what when it is done, each a short sentence: all tasks that come after
         it, and whoever waits for its tool or its place.
@@ -65,10 +65,7 @@ class Step:
     end: float
     begin: tuple[Condition, ...]
     then: tuple[str, ...] = ()
-    part: str = ""
-    tool: str = ""
-    zone: str = ""
-    partners: str = ""
+    means: tuple[str, ...] = ()
     deadline: float | None = None
 
     @property
@@ -78,7 +75,7 @@ class Step:
 
 
 COLUMNS = (
-    *("number", "task", "does", "what", "part", "tool", "zone", "partners"),
+    *("number", "task", "does", "what", "means"),
     *("begin", "then", "start", "end", "deadline"),
 )
 """What a sheet shows of a step, in the order of its columns."""
@@ -100,7 +97,7 @@ def columns(found: tuple[Step, ...]) -> tuple[str, ...]:
         key
         for key in COLUMNS
         if key not in left_out
-        and (key == "then" or any(getattr(step, key) not in ("", None) for step in found))
+        and (key == "then" or any(getattr(step, key) not in ("", (), None) for step in found))
     )
 
 
@@ -112,6 +109,21 @@ def rules(cell: Cell, operator: str, t: Words) -> tuple[str, ...]:
     return (
         t(f"steps.rule.{cell.operators[operator].kind}"),
         *([t("steps.breaks", breaks=", ".join(off))] if off else []),
+    )
+
+
+def origin(result: Result, operator: str, title: str, t: Words) -> str:
+    """Whose sheet it is, of which cell and of which plan: what stands on every page of it.
+
+    Args:
+      title: what the report calls the plan.
+    """
+    return t(
+        "steps.of",
+        who=looks(result.cell)[operator].label,
+        cell=result.cell.name or t("unnamed"),
+        plan=title,
+        digest=result.schedule.digest,
     )
 
 
@@ -159,10 +171,7 @@ class _Sheet:
             end=a.end,
             begin=_with_last([*self._conditions(place, a, begun)], self.t),
             then=tuple(self._then(a)),
-            part=task.part or "",
-            tool=self._of_places("tool", task.tool),
-            zone=self._of_places("zone", task.zone),
-            partners=", ".join(self._label(who) for who in self._partners(a)),
+            means=tuple(self._means(a)),
             deadline=task.deadline,
         )
 
@@ -256,13 +265,19 @@ class _Sheet:
     def _with(self, who: str, task: str) -> str:
         return self.t("steps.with", who=who, task=named(self.cell, task))
 
-    def _of_places(self, kind: Kind, name: str | None) -> str:
-        """The tool with how many there are of it, if several; the zone with its room."""
-        if name is None:
-            return ""
-        places = places_of(self.cell, kind, name)
-        many = "one" if places == 1 else "other"
-        return self.t(f"steps.places.{kind}.{many}", name=name, n=places)
+    def _means(self, a: Assignment) -> Iterator[str]:
+        """With what, where and with whom."""
+        task = self.cell.tasks[a.task]
+        if task.part:
+            yield self.t("steps.means.part", part=task.part)
+        kinds: tuple[tuple[Kind, str | None], ...] = (("tool", task.tool), ("zone", task.zone))
+        for kind, name in kinds:
+            if name is not None:
+                places = places_of(self.cell, kind, name)
+                many = "one" if places == 1 else "other"
+                yield self.t(f"steps.means.{kind}.{many}", name=name, n=places)
+        for who in self._partners(a):
+            yield self.t("steps.means.partner", who=self._label(who))
 
     def _partners(self, a: Assignment) -> tuple[str, ...]:
         return tuple(who for who in a.operators if who != self.operator)

@@ -125,9 +125,9 @@ def _said(step: Step, key: str, t: Words) -> str:
             f"**{_text(condition.says)}**" if condition.last else _text(condition.says)
             for condition in step.begin
         )
-    if key == "then":
-        return "<br>".join(map(_text, step.then)) or "–"
     value = getattr(step, key)
+    if isinstance(value, tuple):
+        return "<br>".join(map(_text, value)) or "–"
     if isinstance(value, float):
         return t.number(value)
     return "–" if value in ("", None) else _text(str(value))

@@ -42,10 +42,10 @@ PAGE = 118.0
 """Characters across a page in A4 landscape, beside the column of names."""
 FONT = "Calibri"
 WIDTHS = {
-    "number": 7, "task": 10, "does": 30, "what": 30, "partners": 14, "begin": 46, "then": 36,
+    "number": 7, "task": 10, "does": 30, "what": 30, "means": 28, "begin": 46, "then": 36,
     "start": 10, "end": 10, "deadline": 12,
 }  # fmt: skip
-"""Characters across the columns of an instruction sheet; 16 for the others."""
+"""Characters across the columns of an instruction sheet"""
 HEAD, RULE, BREAK = "1F4E5F", "C8CCD0", "BDBDBD"
 
 
@@ -282,7 +282,7 @@ def _instructions(book: Workbook, result: Result, operator: str, t: Words) -> No
         _put(sheet, 4, 1, t("steps.none"))
         return
     shown = columns(found)
-    _header(sheet, 3, [t(f"steps.{key}") for key in shown], [WIDTHS.get(key, 16) for key in shown])
+    _header(sheet, 3, [t(f"steps.{key}") for key in shown], [WIDTHS[key] for key in shown])
     for row, step in enumerate(found, 4):
         _row(sheet, row, [_said(step, key) for key in shown])
     _spread(sheet, 2, " ".join(rules(result.cell, operator, t)), len(shown))
@@ -295,10 +295,9 @@ def _said(step: Step, key: str) -> Any:
     from openpyxl.cell.rich_text import CellRichText, TextBlock
     from openpyxl.cell.text import InlineFont
 
-    if key == "then":
-        return "\n".join(step.then)
     if key != "begin":
-        return getattr(step, key)
+        value = getattr(step, key)
+        return "\n".join(value) if isinstance(value, tuple) else value
     bold, pieces = InlineFont(rFont=FONT, sz=11, b=True), []
     for place, condition in enumerate(step.begin):
         line = ("\n" if place else "") + condition.says
