@@ -82,9 +82,9 @@ HEADS = {
         "with": "means",
         "begin when": "begin",
         "then can begin": "then",
-        "from [s]": "start",
-        "to [s]": "end",
-        "at the latest [s]": "deadline",
+        "start [s]": "start",
+        "end [s]": "end",
+        "latest end [s]": "deadline",
     },
     "de": {
         "Schritt": "number",
@@ -93,9 +93,9 @@ HEADS = {
         "womit, wo, mit wem": "means",
         "anfangen, wenn": "begin",
         "danach kann anfangen": "then",
-        "von [s]": "start",
-        "bis [s]": "end",
-        "spätestens [s]": "deadline",
+        "Beginn [s]": "start",
+        "Ende [s]": "end",
+        "spätestes Ende [s]": "deadline",
     },
 }
 
@@ -272,8 +272,10 @@ def _row(head: list[str], row: list[list[str]], bold: set[str], language: str) -
         HEADS[language][name]: [line for line in cell if line and line != "–"]
         for name, cell in zip(head, row, strict=True)
     }
+    if "does" not in cells:  # no task has a label: one column says what to do
+        cells["what"] = cells["task"]
     what = (cells["task"] or cells["does"])[0]
-    found = Row(cells["task"][0] if cells["task"] else "", None, cells)
+    found = Row(what if cells["task"] else "", None, cells)
     if match := re.fullmatch(SAID[language]["change"], what):
         found.task, found.change = "", (match[1], number(match[2]))
     elif match := re.fullmatch(SAID[language]["setup"], what):

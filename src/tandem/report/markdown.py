@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from tandem.draw.style import looks
 from tandem.plan.result import Front, Result
 from tandem.report.html import summary
-from tandem.report.instructions import Step, columns, rules, steps
+from tandem.report.instructions import Step, columns, origin, rules, steps
 from tandem.report.language import Words, words
 from tandem.report.sources import assumptions, made
 from tandem.report.tables import named, status
@@ -35,7 +35,9 @@ def markdown(front: Front, *, command: str = "", date: str = "", language: str =
         )
         parts += [f"## {title}", _steps(knee, t)]
         parts += [
-            part for operator in front.cell.operators for part in _instructions(knee, operator, t)
+            part
+            for operator in front.cell.operators
+            for part in _instructions(knee, operator, title, t)
         ]
     parts += [
         f"## {t('assume.title')}",
@@ -102,7 +104,7 @@ def _steps(result: Result, t: Words) -> str:
     )
 
 
-def _instructions(result: Result, operator: str, t: Words) -> list[str]:
+def _instructions(result: Result, operator: str, plan: str, t: Words) -> list[str]:
     found = steps(result.cell, result.schedule, operator, t)
     title = f"### {_text(t('steps.title', who=looks(result.cell)[operator].label))}"
     if not found:
@@ -113,6 +115,7 @@ def _instructions(result: Result, operator: str, t: Words) -> list[str]:
         title,
         *map(_text, rules(result.cell, operator, t)),
         table([t(f"steps.{key}") for key in shown], rows),
+        _text(origin(result, operator, plan, t)),
     ]
 
 

@@ -14,7 +14,7 @@ from tandem.cell.model import Cell, plain
 from tandem.draw.style import contrast, looks, task_label
 from tandem.files.spreadsheet.template import to_workbook, workbook_bytes
 from tandem.plan.result import Front, Result
-from tandem.report.instructions import Step, columns, rules, steps
+from tandem.report.instructions import Step, columns, origin, rules, steps
 from tandem.report.language import Words, words
 from tandem.report.sources import assumptions, made
 from tandem.report.tables import named, shown_plans, status
@@ -68,8 +68,9 @@ def xlsx(front: Front, *, command: str = "", date: str = "", language: str = "en
         _plan(book, front[place], place + 1, t)
         _gantt(book, front[place], place + 1, t)
     if len(front):
+        title = _plan_title(front.knee, front.results.index(front.knee) + 1, t)
         for operator in front.cell.operators:
-            _instructions(book, front.knee, operator, t)
+            _instructions(book, front.knee, operator, title, t)
     _made(book, front, t, command, date)
     book._sheets = [*book._sheets[cell_sheets:], *book._sheets[:cell_sheets]]
     book.active = 0
@@ -110,19 +111,20 @@ def _front(book: Workbook, front: Front, t: Words) -> None:
     sheet.freeze_panes = "B4"
 
 
+def _plan_title(result: Result, place: int, t: Words) -> str:
+    return t(
+        "plan.title",
+        n=place,
+        makespan=t.seconds(result.makespan),
+        stress=t.number(result.stress),
+    )
+
+
 def _plan(book: Workbook, result: Result, place: int, t: Words) -> None:
     """The steps of one plan, and below them the balance of its operators."""
     cell, schedule = result.cell, result.schedule
     sheet = book.create_sheet(t("sheet.plan", n=place))
-    _title(
-        sheet,
-        t(
-            "plan.title",
-            n=place,
-            makespan=f"{t.number(result.makespan)} s",
-            stress=t.number(result.stress),
-        ),
-    )
+    _title(sheet, _plan_title(result, place, t))
     keys = ("task", "who", "start", "end", "stress", "slack")
     _header(
         sheet,
@@ -185,15 +187,7 @@ def _gantt(book: Workbook, result: Result, place: int, t: Words) -> None:
 
     cell, schedule = result.cell, result.schedule
     sheet = book.create_sheet(t("sheet.gantt", n=place))
-    _title(
-        sheet,
-        t(
-            "plan.title",
-            n=place,
-            makespan=f"{t.number(result.makespan)} s",
-            stress=t.number(result.stress),
-        ),
-    )
+    _title(sheet, _plan_title(result, place, t))
     slot = slot_seconds(result.makespan)
     count = max(ceil(round(result.makespan / slot, 6)), 1)
     sheet.column_dimensions["A"].width = 20
@@ -273,7 +267,7 @@ def _bar(
         sheet.merge_cells(start_row=row, end_row=row, start_column=first + 2, end_column=last + 1)
 
 
-def _instructions(book: Workbook, result: Result, operator: str, t: Words) -> None:
+def _instructions(book: Workbook, result: Result, operator: str, plan: str, t: Words) -> None:
     look = looks(result.cell)[operator]
     sheet = book.create_sheet(_sheet_name(book, look.label))
     _title(sheet, t("steps.title", who=look.label))
@@ -286,6 +280,7 @@ def _instructions(book: Workbook, result: Result, operator: str, t: Words) -> No
     for row, step in enumerate(found, 4):
         _row(sheet, row, [_said(step, key) for key in shown])
     _spread(sheet, 2, " ".join(rules(result.cell, operator, t)), len(shown))
+    _put(sheet, len(found) + 5, 1, origin(result, operator, plan, t))
 
 
 def _said(step: Step, key: str) -> Any:
