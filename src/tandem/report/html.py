@@ -81,6 +81,7 @@ def html(
             "header",
             tag("h1", t("title", name=name)),
             *(tag("p", sentence, class_="lead") for sentence in summary(front, t)),
+            _printing(front, t),
         ),
         tag("main", *sections, _assumptions(front, t), _made(front, t, command, date)),
         tag("footer", tag("p", t("safety"), class_="note")),
@@ -168,6 +169,23 @@ def _advice(front: Front, t: Words) -> str:
     )
 
 
+def _printing(front: Front, t: Words) -> Markup:
+    """What is printed, and what more can be: two boxes to tick, which need no script."""
+    if not len(front):
+        return Markup("")
+    keys = ("plans", "more") if len(front) > 1 else ("more",)
+    boxes = (
+        tag(
+            "label",
+            Markup(f'<input type="checkbox" id="print-{key}" autocomplete="off">'),
+            " ",
+            t(f"print.{key}"),
+        )
+        for key in keys
+    )
+    return tag("p", t("print.lead"), *boxes, class_="screen printing")
+
+
 def _trade_off(front: Front, t: Words, players: Sequence[Player]) -> Markup:
     if not len(front):
         return Markup("")
@@ -189,6 +207,7 @@ def _trade_off(front: Front, t: Words, players: Sequence[Player]) -> Markup:
         front_chart(front, t, players),
         legend,
         plans(front, t),
+        class_="trade",
     )
 
 
@@ -211,13 +230,17 @@ def _plan(front: Front, place: int, t: Words) -> Markup:
         tag("p", *(_key(look, front.cell) for look in looks(front.cell).values())),
         tag("p", _legend(front.cell, result, t), class_="note"),
         tag("p", t("plan.critical", chain=_chain(result))),
-        tag("h3", t("balance.title")),
-        tag("div", balance(front.cell, result.schedule, t), class_="keep"),
+        tag(
+            "div",
+            tag("h3", t("balance.title")),
+            balance(front.cell, result.schedule, t),
+            class_="keep page",
+        ),
         tag("h3", t("plan.steps")),
         tag("div", steps(front.cell, result.schedule, t), class_="steps"),
         sheets(result, t("plan.title", **values), t),
         id=f"plan-{place + 1}",
-        class_="plan",
+        class_="plan chosen" if result is front.knee else "plan",
         data_plan=place + 1,
     )
 
@@ -272,7 +295,7 @@ def _assumptions(front: Front, t: Words) -> Markup:
         "section",
         tag("h2", t("assume.title"), id="assumptions"),
         tag("ul", *(tag("li", sentence) for sentence in found)),
-        class_="keep",
+        class_="keep papers",
     )
 
 

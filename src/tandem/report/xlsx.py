@@ -14,7 +14,7 @@ from tandem.cell.model import Cell, plain
 from tandem.draw.style import contrast, looks, task_label
 from tandem.files.spreadsheet.template import to_workbook, workbook_bytes
 from tandem.plan.result import Front, Result
-from tandem.report.instructions import rules, times, turns
+from tandem.report.instructions import Step, columns, origin, rules, steps
 from tandem.report.language import Words, words
 from tandem.report.sources import assumptions, made
 from tandem.report.tables import named, shown_plans, status
@@ -41,6 +41,11 @@ STEPS = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600
 PAGE = 118.0
 """Characters across a page in A4 landscape, beside the column of names."""
 FONT = "Calibri"
+WIDTHS = {
+    "number": 7, "task": 10, "does": 30, "what": 30, "means": 28, "begin": 46, "then": 36,
+    "start": 10, "end": 10, "deadline": 12,
+}  # fmt: skip
+"""Characters across the columns of an instruction sheet"""
 HEAD, RULE, BREAK = "1F4E5F", "C8CCD0", "BDBDBD"
 
 
@@ -63,8 +68,9 @@ def xlsx(front: Front, *, command: str = "", date: str = "", language: str = "en
         _plan(book, front[place], place + 1, t)
         _gantt(book, front[place], place + 1, t)
     if len(front):
+        title = _plan_title(front.knee, front.results.index(front.knee) + 1, t)
         for operator in front.cell.operators:
-            _instructions(book, front.knee, operator, t)
+            _instructions(book, front.knee, operator, title, t)
     _made(book, front, t, command, date)
     book._sheets = [*book._sheets[cell_sheets:], *book._sheets[:cell_sheets]]
     book.active = 0
@@ -105,19 +111,20 @@ def _front(book: Workbook, front: Front, t: Words) -> None:
     sheet.freeze_panes = "B4"
 
 
+def _plan_title(result: Result, place: int, t: Words) -> str:
+    return t(
+        "plan.title",
+        n=place,
+        makespan=t.seconds(result.makespan),
+        stress=t.number(result.stress),
+    )
+
+
 def _plan(book: Workbook, result: Result, place: int, t: Words) -> None:
     """The steps of one plan, and below them the balance of its operators."""
     cell, schedule = result.cell, result.schedule
     sheet = book.create_sheet(t("sheet.plan", n=place))
-    _title(
-        sheet,
-        t(
-            "plan.title",
-            n=place,
-            makespan=f"{t.number(result.makespan)} s",
-            stress=t.number(result.stress),
-        ),
-    )
+    _title(sheet, _plan_title(result, place, t))
     keys = ("task", "who", "start", "end", "stress", "slack")
     _header(
         sheet,
@@ -180,15 +187,7 @@ def _gantt(book: Workbook, result: Result, place: int, t: Words) -> None:
 
     cell, schedule = result.cell, result.schedule
     sheet = book.create_sheet(t("sheet.gantt", n=place))
-    _title(
-        sheet,
-        t(
-            "plan.title",
-            n=place,
-            makespan=f"{t.number(result.makespan)} s",
-            stress=t.number(result.stress),
-        ),
-    )
+    _title(sheet, _plan_title(result, place, t))
     slot = slot_seconds(result.makespan)
     count = max(ceil(round(result.makespan / slot, 6)), 1)
     sheet.column_dimensions["A"].width = 20
@@ -268,47 +267,37 @@ def _bar(
         sheet.merge_cells(start_row=row, end_row=row, start_column=first + 2, end_column=last + 1)
 
 
-def _instructions(book: Workbook, result: Result, operator: str, t: Words) -> None:
+def _instructions(book: Workbook, result: Result, operator: str, plan: str, t: Words) -> None:
     look = looks(result.cell)[operator]
     sheet = book.create_sheet(_sheet_name(book, look.label))
     _title(sheet, t("steps.title", who=look.label))
-    found = turns(result.cell, result.schedule, operator, t)
-    keys = ["turn", "does", "part", "tool", "zone", "with", "wait", "hands", *times(found)]
-    widths = {
-        "turn": 7,
-        "does": 34,
-        "wait": 42,
-        "hands": 36,
-        "start": 10,
-        "end": 10,
-        "deadline": 12,
-    }
-    filled = {"part": "part", "tool": "tool", "zone": "zone", "with": "together_with"}
-    keys = [
-        key
-        for key in keys
-        if key not in filled or any(getattr(turn, filled[key]) for turn in found)
-    ]
-    _header(sheet, 3, [t(f"steps.{key}") for key in keys], [widths.get(key, 16) for key in keys])
-    for row, turn in enumerate(found, 4):
-        values = {
-            "turn": turn.number,
-            "does": turn.does,
-            "part": turn.part,
-            "tool": turn.tool,
-            "zone": turn.zone,
-            "with": turn.together_with,
-            "wait": "\n".join(turn.wait),
-            "hands": "\n".join(turn.hands_to),
-            "start": turn.start,
-            "end": turn.end,
-            "deadline": turn.deadline,
-        }
-        _row(sheet, row, [values[key] for key in keys])
-    if found:
-        _spread(sheet, 2, " ".join(rules(result.cell, operator, t)), len(keys))
-    else:
+    found = steps(result.cell, result.schedule, operator, t)
+    if not found:
         _put(sheet, 4, 1, t("steps.none"))
+        return
+    shown = columns(found)
+    _header(sheet, 3, [t(f"steps.{key}") for key in shown], [WIDTHS[key] for key in shown])
+    for row, step in enumerate(found, 4):
+        _row(sheet, row, [_said(step, key) for key in shown])
+    _spread(sheet, 2, " ".join(rules(result.cell, operator, t)), len(shown))
+    _put(sheet, len(found) + 5, 1, origin(result, operator, plan, t))
+
+
+def _said(step: Step, key: str) -> Any:
+    """What stands in a column of an instruction sheet; of the conditions, the one expected last in
+    bold.
+    """
+    from openpyxl.cell.rich_text import CellRichText, TextBlock
+    from openpyxl.cell.text import InlineFont
+
+    if key != "begin":
+        value = getattr(step, key)
+        return "\n".join(value) if isinstance(value, tuple) else value
+    bold, pieces = InlineFont(rFont=FONT, sz=11, b=True), []
+    for place, condition in enumerate(step.begin):
+        line = ("\n" if place else "") + condition.says
+        pieces.append(TextBlock(bold, line) if condition.last else line)
+    return CellRichText(pieces)
 
 
 def _made(book: Workbook, front: Front, t: Words, command: str, date: str) -> None:
@@ -345,13 +334,14 @@ def _put(sheet: Worksheet, row: int, column: int, value: Any, bold: bool = False
 
 
 def _row(sheet: Worksheet, row: int, values: Sequence[Any], bold: bool = False) -> None:
+    from openpyxl.cell.rich_text import CellRichText
     from openpyxl.styles import Alignment
 
     for column, value in enumerate(values, 1):
         _put(sheet, row, column, value, bold)
         sheet.cell(row, column).border = _edge()
         sheet.cell(row, column).alignment = Alignment(
-            wrap_text=isinstance(value, str), vertical="top"
+            wrap_text=isinstance(value, str | CellRichText), vertical="top"
         )
     lines = [
         _lines(str(value), sheet.column_dimensions[_letter(column)].width)
