@@ -1,19 +1,20 @@
-"""An old plan in a changed cell: what it changes is counted exactly, and nothing moves that may not."""
+"""An old plan in a changed cell: changes are counted exactly, and nothing moves that may not."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from random import Random
-from typing import Any
+from typing import Any, NamedTuple
 
-from tests.plan.brute_force import Plain, Row, latest, moments, schedules
+from tests.plan.brute_force import Plain, Row, latest, moments, schedules, worth
 
 import tandem
 from tandem.cell.model import Cell
-from tandem.errors import InfeasibleError, UsageError
+from tandem.errors import CellError, InfeasibleError
 from tandem.plan.least_change import Replan, replan
 from tandem.schedule.checker import faults
-from tandem.schedule.model import Schedule
+from tandem.schedule.measures import changeovers
+from tandem.schedule.model import Assignment, Schedule
 
 THESIS: dict[str, Any] = {
     "operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}},
@@ -78,19 +79,29 @@ def rows_of(schedule: Schedule) -> dict[str, Row]:
     return {a.task: Row(a.task, a.start, a.end, a.operators) for a in schedule}
 
 
-def stays(old: dict[str, Row], rows: tuple[Row, ...], fixed: set[str], at: float) -> bool:
-    """Whether the fixed tasks are where they were and all others begin from `at` on."""
-    for row in rows:
-        if row.task in fixed:
-            was = old[row.task]
-            if row.start != was.start or set(row.who) != set(was.who):
+class Still(NamedTuple):
+    """What may not move: `fixed` tasks; all else begins at `now` or later or, if `may_stay`, where
+    it was.
+    """
+
+    fixed: set[str]
+    now: float
+    may_stay: bool
+
+    def holds(self, old: dict[str, Row], rows: tuple[Row, ...]) -> bool:
+        """Whether these rows keep to it."""
+        for row in rows:
+            was = old.get(row.task)
+            as_it_was = was is not None and (row.start, set(row.who)) == (was.start, set(was.who))
+            if row.task in self.fixed:
+                if not as_it_was:
+                    return False
+            elif row.start < self.now and not (self.may_stay and as_it_was):
                 return False
-        elif row.start < at:
-            return False
-    return True
+        return True
 
 
-def small(random: Random, rich: bool) -> dict[str, Any]:
+def small(random: Random, count: int, rich: bool) -> dict[str, Any]:
     """A cell of three or four tasks that take 1 to 3 seconds, with every feature now and then."""
 
     def seldom() -> bool:
@@ -102,7 +113,7 @@ def small(random: Random, rich: bool) -> dict[str, Any]:
         "wrench": {"changeover": {"h": 1}},
     }
     tasks: dict[str, Any] = {}
-    names = [str(number) for number in range(1, random.choice((4, 5, 5)))]
+    names = [str(number) for number in range(1, count + 1)]
     for place, name in enumerate(names):
         who = random.choice((["r"], ["h"], ["r", "h"], ["r", "h"], ["r", "h"]))
         task: dict[str, Any] = {
@@ -152,72 +163,147 @@ def changed(random: Random, data: dict[str, Any]) -> dict[str, Any]:
     return {**data, "tasks": tasks}
 
 
-def questions(count: int) -> Iterator[tuple[int, dict[str, Any], dict[str, Any], Schedule]]:
+def questions(
+    count: int, tasks: tuple[int, ...] = (3, 4, 4)
+) -> Iterator[tuple[int, dict[str, Any], dict[str, Any], Schedule]]:
     """So many changed cells, each with an old plan."""
     seed = found = 0
     while found < count:
         seed += 1
         random = Random(seed)
-        before = small(random, rich=seed % 4 > 0)
+        before = small(random, random.choice(tasks), rich=seed % 4 > 0)
         after = changed(random, before)
         try:
             front = tandem.plan(tandem.load(before), time_limit=10, workers=1)
             tandem.plan(tandem.load(after), time_limit=10, workers=1)
-        except InfeasibleError:
+        except (InfeasibleError, CellError):
             continue
         if moments(after) <= 40:
             found += 1
             yield seed, before, after, front[random.randrange(len(front))].schedule
 
 
+class Asked(NamedTuple):
+    """A question to a changed cell, and the options that say it."""
+
+    old: dict[str, Row]
+    still: Still
+    options: dict[str, Any]
+
+
+def asked(random: Random, after: dict[str, Any], old: Schedule) -> Asked:
+    """A question with or without a moment, tasks that are done, and tasks to keep."""
+    was = rows_of(old)
+    both = [name for name in was if name in after["tasks"]]
+    at = random.choice((None, None, 1.0, min(3.0, max(row.start for row in was.values()))))
+    started = {name for name in both if at is not None and was[name].start < at}
+    done: set[str] = set()
+    if at is None and random.random() < 0.4:
+        done = {random.choice(both)}
+        while more := {x for name in done for x in after["tasks"][name]["after"]} - done:
+            done |= more
+        done = done if done <= set(both) else set()
+    keep = {random.choice(both)} if random.random() < 0.3 else set()
+    now = max((was[name].end for name in done), default=0.0) if at is None else at
+    options = {
+        "at": at,
+        "done": sorted(done),
+        "keep": sorted(keep),
+        "allow": random.choice((0.0, 2.0, 30.0)),
+        "tolerance": random.choice((0.0, 1.0)),
+    }
+    return Asked(was, Still(started | done | keep, now, at is None), options)
+
+
+def stress_in(data: dict[str, Any], old: Schedule) -> float:
+    """The stress of a plan in the cell that it was made for."""
+    found = worth(data, [(a.task, a.start, a.end, a.operators) for a in old])
+    assert found is not None
+    return found[1]
+
+
 def test_no_schedule_at_all_changes_less() -> None:
     """Every schedule of small cells within the limits is looked at, on the grid of their times."""
-    moved = 0
-    for seed, before, after, old in questions(60):
-        random = Random(seed)
-        cell, was = tandem.load(after), rows_of(old)
-        stress = tandem.Result(
-            tandem.load(before), old, None, None  # type: ignore[arg-type]
-        ).stress  # fmt: skip
-        at = random.choice((None, None, 1.0, 3.0))
-        allow, tolerance = random.choice((0.0, 2.0, 30.0)), random.choice((0.0, 1.0))
-        fixed = {name for name, row in was.items() if at is not None and row.start < at}
-        fixed &= set(after["tasks"])
-        keep = [random.choice([name for name in was if name in after["tasks"]])]
-        keep = keep if random.random() < 0.3 else []
+    moved = refused = 0
+    for seed, before, after, old in questions(80):
+        was, still, options = asked(Random(seed), after, old)
+        cell, stress = tandem.load(after), stress_in(before, old)
         try:
-            found = replan(
-                cell, old, stress=stress, at=at, keep=keep, allow=allow, tolerance=tolerance,
-                workers=1,
-            )  # fmt: skip
-        except UsageError:
-            assert at is not None
-            assert at >= max(row.end for row in was.values())
-            continue
+            found = replan(cell, old, stress=stress, workers=1, **options)
         except InfeasibleError:
-            horizon = min(latest(Plain(after)) / 1e6, 16)
-            everything = schedules(after, horizon)
-            assert not any(
-                stays(was, rows, fixed | set(keep), at or 0.0) for _, _, rows in everything
-            ), seed
+            refused += 1
+            everything = schedules(after, min(latest(Plain(after)) / 1e6, 16))
+            assert not any(still.holds(was, rows) for _, _, rows in everything), seed
             continue
         best = found[0]
-        assert isinstance(best, Replan) and found.complete and best.canonical, seed
+        assert isinstance(best, Replan)
+        assert found.complete, seed
+        assert best.canonical, seed
         assert faults(cell, best.schedule) == []
-        limit, most = found.question.max_makespan, found.question.max_stress
-        assert limit is not None
-        assert most is not None
+        limits = found.question
+        assert limits.max_makespan is not None
+        assert limits.max_stress is not None
         seen = [
-            (numbers(was, rows, tolerance), makespan, load)
-            for makespan, load, rows in schedules(after, limit)
-            if stays(was, rows, fixed | set(keep), at or 0.0)
+            (numbers(was, rows, options["tolerance"]), makespan, load)
+            for makespan, load, rows in schedules(after, limits.max_makespan)
+            if still.holds(was, rows) and not begun_too_early(cell, still, old, rows)
         ]
         gentle = [makespan for _, makespan, load in seen if load <= (found.optimum.stress or 0)]
         assert min(gentle) == found.optimum.makespan, seed
-        within = [row for row in seen if row[2] <= most]
-        assert min(within) == (best.changes.counts, best.makespan, best.stress), (seed, at, keep)
-        assert numbers(was, tuple(rows_of(best.schedule).values()), tolerance) == (
-            best.changes.counts
-        )
+        within = [row for row in seen if row[2] <= limits.max_stress]
+        assert min(within) == (best.changes.counts, best.makespan, best.stress), (seed, options)
+        rows = tuple(rows_of(best.schedule).values())
+        assert numbers(was, rows, options["tolerance"]) == best.changes.counts
         moved += sum(best.changes.counts) > 0
     assert moved >= 10, "the questions were too easy"
+    assert refused >= 2
+
+
+def begun_too_early(cell: Cell, still: Still, old: Schedule, rows: tuple[Row, ...]) -> bool:
+    """Whether somebody changes tools before now for a task that has not begun, and had not begun to
+    by the old plan.
+    """
+
+    def begun(schedule: Schedule) -> set[tuple[str, str]]:
+        return {
+            (change.operator, change.task)
+            for change in changeovers(cell, schedule)
+            if change.start < still.now
+        }
+
+    schedule = Schedule(tuple(Assignment(r.start, r.end, r.task, tuple(r.who)) for r in rows))
+    known = Schedule(tuple(a for a in old if a.task in cell.tasks))
+    running = {row.task for row in rows if row.task in still.fixed and row.start < still.now}
+    early = begun(schedule) - begun(known)
+    return any(task not in running for _, task in early)
+
+
+def test_no_schedule_lies_below_the_front_of_changes_and_makespan() -> None:
+    longest = 0
+    for seed, before, after, old in questions(25, tasks=(3,)):
+        random = Random(seed)
+        was, tolerance = rows_of(old), random.choice((0.0, 1.0))
+        stress = stress_in(before, old)
+        found = replan(
+            tandem.load(after), old, stress=stress, tolerance=tolerance, front=True, workers=1
+        )
+        assert found.complete, seed
+        most = found.question.max_stress
+        assert most is not None
+        least: dict[int, float] = {}
+        for makespan, load, rows in schedules(after, latest(Plain(after)) / 1e6):
+            count = sum(numbers(was, rows, tolerance))
+            if load <= most:
+                least[count] = min(makespan, least.get(count, makespan))
+        expected: list[tuple[int, float]] = []
+        for count in sorted(least):
+            if not expected or least[count] < expected[-1][1]:
+                expected.append((count, least[count]))
+        points = [
+            (sum(result.changes.counts), result.makespan)
+            for result in reversed(found.results)
+            if isinstance(result, Replan)
+        ]
+        assert points == expected, seed
+        longest = max(longest, len(points))
+    assert longest >= 2

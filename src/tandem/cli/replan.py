@@ -18,7 +18,6 @@ import click
 from tandem.cell.written import number
 from tandem.cli.answers import AS_JSON, CELL, aligned, check_time
 from tandem.cli.options import FORMAT, point_options
-from tandem.errors import UsageError
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
@@ -151,26 +150,21 @@ def replan_command(
     old = stored.front[point_of(stored.front, point, makespan, stress)]
     known = {*cell.tasks, *(a.task for a in old.schedule)}
     with SolveProgress(quiet=quiet) as progress:
-        try:
-            found = replan(
-                cell,
-                old.schedule,
-                stress=old.stress,
-                done=_names(done, known),
-                at=at,
-                keep=_names(keep, known),
-                allow=allow,
-                tolerance=tolerance,
-                front=front,
-                time_limit=time_limit,
-                seed=seed,
-                workers=workers,
-                on_solution=progress,
-            )
-        except UsageError as error:
-            raise UsageError(
-                f"{plan_file}: {error}" if "\n" not in str(error) else str(error)
-            ) from error
+        found = replan(
+            cell,
+            old.schedule,
+            stress=old.stress,
+            done=_names(done, known),
+            at=at,
+            keep=_names(keep, known),
+            allow=allow,
+            tolerance=tolerance,
+            front=front,
+            time_limit=time_limit,
+            seed=seed,
+            workers=workers,
+            on_solution=progress,
+        )
     found = replace(found, source=None if cell_file == "-" else cell_file)
     if found.interrupted and not any(path.suffix == ".json" for path in files):
         name = "stdin" if cell_file == "-" else Path(cell_file).stem

@@ -151,8 +151,8 @@ def stand(
     was = {a.task: a for a in before}
     if not any(name in cell.tasks for name in was):
         raise UsageError(
-            f"this is a plan of another cell: none of its tasks ({_few(was)}) is among those of"
-            f" {cell.name or 'the cell'} ({_few(cell.tasks)})."
+            f"the plan is one of another cell: none of its tasks ({_few(was)}) is among those of"
+            f" {cell.name or 'the cell'} ({_few(cell.tasks)}). Give a plan that was made for it."
         )
     if wrong := list(_wrong(cell, was, done, at, keep)):
         raise UsageError("\n".join(wrong))
@@ -174,7 +174,10 @@ def stand(
                 fixed[index] = Fixed(way, old[index].start, why[name])
     standing = Standing(cell, before, stated, old, fixed, _ticks(stated, now), at is None)
     if clashes := [*gone, *_not_begun(standing), *_clashes(standing)]:
-        raise InfeasibleError("what is done, started or kept cannot stay as it is:", clashes)
+        raise InfeasibleError(
+            "what is done, started or kept cannot stay as it is, by the times of the cell.",
+            [*clashes, _way_out(standing)],
+        )
     return standing
 
 
@@ -198,10 +201,11 @@ def _wrong(
                     " when. Leave it out."
                 )
             else:
-                yield f"{option} {name}: the plan has no such task. {Known(was).hint(name)}"
+                known = Known([task for task in cell.tasks if task in was])
+                yield f"{option} {name}: the plan has no such task. {known.hint(name)}"
     if at is not None and not (math.isfinite(at) and at >= 0):
         yield f"--at {number(at)}: must be a number of seconds, 0 or more."
-        return
+        at = None
     yield from _undone(cell, was, done, at)
     end = max((a.end for a in was.values()), default=0.0)
     if at is not None and at >= end and not set(cell.tasks) - set(was):
@@ -225,7 +229,12 @@ def _undone(
                 f" is not before --at {number(at)}."
             )
         missing = [first for first in cell.tasks[name].after if first not in over]
-        if missing:
+        if new := [first for first in missing if first not in was]:
+            yield (
+                f"--done {name}: {', '.join(new)} must be done before it and is new in the cell,"
+                " so that it cannot be done. Leave it out."
+            )
+        elif missing:
             yield (
                 f"--done {name}: {', '.join(missing)} must be done before it. Name"
                 f" {'it' if len(missing) == 1 else 'them'} too: --done"
@@ -267,6 +276,14 @@ def _clashes(standing: Standing) -> list[str]:
         for task, fixed in sorted(standing.fixed.items())
     )
     return faults(alone, Schedule(tuple(rows)))
+
+
+def _way_out(standing: Standing) -> str:
+    """What the user can do when the fixed tasks clash."""
+    kept = any(fixed.why == "kept" for fixed in standing.fixed.values())
+    if kept or not standing.fixed:
+        return "Leave out of --keep what need not stay."
+    return "Give in the cell the times that what is done or has started really takes."
 
 
 def _placed(stated: Instance, task: int, way: int, start: int) -> Assignment:
