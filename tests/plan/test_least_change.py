@@ -225,7 +225,7 @@ def stress_in(data: dict[str, Any], old: Schedule) -> float:
 def test_no_schedule_at_all_changes_less() -> None:
     """Every schedule of small cells within the limits is looked at, on the grid of their times."""
     moved = refused = 0
-    for seed, before, after, old in questions(80):
+    for seed, before, after, old in questions(50):
         was, still, options = asked(Random(seed), after, old)
         cell, stress = tandem.load(after), stress_in(before, old)
         try:
@@ -280,7 +280,7 @@ def begun_too_early(cell: Cell, still: Still, old: Schedule, rows: tuple[Row, ..
 
 def test_no_schedule_lies_below_the_front_of_changes_and_makespan() -> None:
     longest = 0
-    for seed, before, after, old in questions(25, tasks=(3,)):
+    for seed, before, after, old in questions(15, tasks=(3,)):
         random = Random(seed)
         was, tolerance = rows_of(old), random.choice((0.0, 1.0))
         stress = stress_in(before, old)

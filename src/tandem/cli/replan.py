@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import click
 
 from tandem.cell.written import number
-from tandem.cli.answers import AS_JSON, CELL, aligned, check_time
+from tandem.cli.answers import AS_JSON, CELL, aligned, check_time, variant_options
 from tandem.cli.options import FORMAT, point_options
 
 if TYPE_CHECKING:
@@ -92,6 +92,7 @@ if TYPE_CHECKING:
     type=click.Path(dir_okay=False, path_type=Path),
     help="Write a file, as `tandem plan -o` does; may be repeated.",
 )
+@variant_options
 @click.option(
     "--lang",
     type=click.Choice(["en", "de"]),
@@ -118,6 +119,9 @@ def replan_command(
     workers: int | None,
     as_json: bool,
     outputs: tuple[Path, ...],
+    sets: tuple[str, ...],
+    without: tuple[str, ...],
+    force: tuple[str, ...],
     lang: str,
     quiet: bool,
 ) -> int:
@@ -128,6 +132,9 @@ def replan_command(
       tandem replan cell.yaml --from plan.json
       tandem replan cell.yaml --from plan.json --point 2 --at 40 --keep 7 -o new.json
       tandem replan cell.yaml --from plan.json --front
+      tandem replan cell.yaml --from plan.json --set tasks.6.time.robot=14 --without robot2
+
+    With --set, --without or --force the variant is planned, not CELL as it stands in its file.
 
     Fewest tasks change operator; among those plans fewest change their order, then fewest begin at
     another time; then the makespan is least, then the stress. The new optimum, above which --allow
@@ -136,6 +143,7 @@ def replan_command(
     Exit code 4 when what is done, started or kept cannot stay where it is; the message says why.
     Ctrl-C ends the search: what was found is printed and saved, and the exit code is 130.
     """
+    from tandem.explain.variant import variant
     from tandem.files.load import load
     from tandem.plan.least_change import replan
     from tandem.report.files import ready_to_write, write
@@ -146,6 +154,9 @@ def replan_command(
     files = list(outputs)
     ready_to_write(files)
     cell = load(cell_file, form)
+    is_variant = bool(sets or without or force)
+    if is_variant:
+        cell = variant(cell, sets, without, force)
     stored = _stored(plan_file, cell)
     old = stored.front[point_of(stored.front, point, makespan, stress)]
     known = {*cell.tasks, *(a.task for a in old.schedule)}
@@ -165,7 +176,8 @@ def replan_command(
             workers=workers,
             on_solution=progress,
         )
-    found = replace(found, source=None if cell_file == "-" else cell_file)
+    # a variant stands in no file, so that none can have changed since
+    found = replace(found, source=None if is_variant or cell_file == "-" else cell_file)
     if found.interrupted and not any(path.suffix == ".json" for path in files):
         name = "stdin" if cell_file == "-" else Path(cell_file).stem
         files.append(Path(f"{name}.interrupted.json"))
