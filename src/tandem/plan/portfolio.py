@@ -153,7 +153,8 @@ class Race:
     """The state that the workers of one question share.
 
     Several races can go on at once: they are started with a common inbox, which their caller hears,
-    and halted by it.
+    and halted by it. `rules` are what the prover keeps; where they are more than the cell's own,
+    the door has to know of them too.
     """
 
     def __init__(
@@ -165,6 +166,7 @@ class Race:
         incumbent: Admitted | None,
         bound: int,
         inbox: Inbox | None = None,
+        rules: Sequence[cpsat.Rule] = cpsat.RULES,
     ) -> None:
         self.door, self.instance, self.layout, self.goal, self.effort = (
             door,
@@ -173,6 +175,7 @@ class Race:
             goal,
             effort,
         )
+        self.rules = rules
         self.lock = threading.Lock()
         self.best = incumbent
         self.value = None if incumbent is None else goal.value(*incumbent.point)
@@ -387,7 +390,7 @@ class Race:
         patience = 1.0
         while not self.over:
             cut = self.value
-            plan = self._model(cpsat.RULES)
+            plan = self._model(self.rules)
             solver = self._solver(workers, seed, work)
             watcher = _Watcher(self, solver, plan, cut, patience)
             solver.best_bound_callback = watcher.on_bound
