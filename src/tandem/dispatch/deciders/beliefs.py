@@ -71,6 +71,11 @@ class Models:
         self._kept[key] = moves
         return moves
 
+    @property
+    def count(self) -> int:
+        """How many ways of doing there are in the cell."""
+        return sum(map(len, self._stated.ways))
+
     def factors(self, factor: float | Mapping[str, float]) -> Factors:
         """Every human's factor; 1 for who is not named."""
         if isinstance(factor, int | float):

@@ -31,7 +31,7 @@ from tandem.dispatch.deciders.beliefs import (
 )
 from tandem.dispatch.deciders.by_rule import ByRule
 from tandem.dispatch.deciders.fixed import Fixed, carried_out
-from tandem.dispatch.deciders.policy import Decision, Options
+from tandem.dispatch.deciders.policy import Chosen, Decision, Options
 from tandem.dispatch.deciders.reply import reply
 from tandem.dispatch.lookahead.branch_and_bound import NOTHING, BranchAndBound, Known
 from tandem.dispatch.lookahead.objective import Objective
@@ -228,6 +228,11 @@ class Robust:
     follows: Fixed | None = None
     before: Mapping[Factors, Known] = field(default_factory=dict)
     name: str = "replan-robust"
+
+    @property
+    def chosen(self) -> Chosen | None:
+        """The plan that is followed; None for none."""
+        return None if self.follows is None else self.follows.chosen
 
     def first_values(self) -> dict[Factors, Known]:
         """Values of the first choices and of what may follow them, by the humans' paces, so that
