@@ -74,6 +74,11 @@ class Fixed:
     name: str = "fixed"
 
     @property
+    def basis(self) -> Basis:
+        """What the plan comes to."""
+        return self.chosen.basis
+
+    @property
     def title(self) -> str:
         """What the plan is called in a sentence."""
         return f"the plan {self.chosen.schedule.digest}"
@@ -125,12 +130,12 @@ class Fixed:
 
     def later(self, situation: Situation) -> dict[str, str]:
         """Busy human -> the first open task that the plan holds for them."""
-        idle, found = set(situation.idle), dict[str, str]()
+        busy = {who for at in situation.running.values() for who in at.operators}
+        here = busy.intersection(situation.cell.humans) - situation.absent
+        found: dict[str, str] = {}
         for task, operators in self.order:
             if task in situation.open:
-                for who in operators:
-                    if who in situation.cell.humans and who not in idle:
-                        found.setdefault(who, task)
+                found |= {who: task for who in operators if who in here and who not in found}
         return found
 
     def _replied(
