@@ -33,8 +33,8 @@ def replay(cell: Cell, journal: Journal, *, decider: InTime | None = None) -> Re
     is written there, latencies aside.
 
     Deciders limit their work, not their time, so they decide now as they did then, on whatever
-    machine. A decision that the rule gave, because the decider was late, is asked of the rule
-    again: that it was late stands in the journal.
+    machine. A decision that the rule gave, because the decider was late or failed, is asked of the
+    rule again: that it stood in is in the journal.
 
     Raises JournalError, UsageError and CellError as `Shift.open` does.
     """
@@ -47,8 +47,9 @@ def replay(cell: Cell, journal: Journal, *, decider: InTime | None = None) -> Re
     with Journal() as fresh:
         shift = Shift(fresh, cell, settings, start, made.decide)
         for entry in journal.entries():
-            instead: Instead = "" if entry.decision is None else entry.decision["instead"]
-            shift.ask = partial(made.again, instead=instead)
+            then = entry.decision or {"instead": ""}
+            instead: Instead = then["instead"]
+            shift.ask = partial(made.again, instead=instead, fault=then.get("fault", ""))
             if entry.number == 0:
                 shift.begin()
                 again = [shift.decision]
