@@ -15,7 +15,7 @@ from datetime import UTC, datetime
 from typing import Any, Self
 
 from tandem.cell.model import Cell
-from tandem.dispatch.deciders.policy import Basis, Options, basis_of
+from tandem.dispatch.deciders.policy import Basis, Chosen, Options, basis_of, plan_of
 from tandem.dispatch.deciders.table import POLICIES, policy
 from tandem.dispatch.journal import Entry, Journal, JournalError
 from tandem.dispatch.lookahead.objective import Objective
@@ -43,12 +43,15 @@ from tandem.dispatch.situation.model import TAKING_APART, Situation
 from tandem.dispatch.situation.objections import objections, remarks
 from tandem.dispatch.situation.transitions import after, ordered
 from tandem.errors import UsageError
+from tandem.schedule.checker import faults
 
 RULE = "longest-tail"
 """The rule that answers when the decider cannot."""
 
 FOR_PLANNING = 0.6
-"""Share of the budget that deciders who plan against the clock are told."""
+"""Share of the budget that becomes work of the decider; the rest is for what takes longer than it
+should.
+"""
 
 
 @dataclass(frozen=True)
@@ -75,21 +78,30 @@ class Settings:
         """As plain values."""
         made = asdict(self)
         made["options"]["prior"] = [[factor, share] for factor, share in self.options.prior.items()]
+        chosen = self.options.plan
+        made["options"]["plan"] = None if chosen is None else chosen.to_dict()
         return made
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
         """The inverse of `to_dict`."""
-        options = Options(**{**data["options"], "prior": dict(data["options"]["prior"])})
+        kept = data["options"]
+        plan = None if kept.get("plan") is None else Chosen.from_dict(kept["plan"])
+        options = Options(**{**kept, "prior": dict(kept["prior"]), "plan": plan})
         return cls(data["policy"], Objective(**data["objective"]), options, data["taking_apart"])
 
-    def decider(self, cell: Cell, *, patience: float = 1.0) -> InTime:
-        """The decider, with the rule that stands in for it. May take seconds. With `patience` it is
-        told so many times the budget.
-        """
-        told = replace(self.options, budget_ms=self.options.budget_ms * FOR_PLANNING * patience)
+    def decider(self, cell: Cell) -> InTime:
+        """The decider, with the rule that stands in for it. May take seconds."""
+        told = replace(self.options, budget_ms=self.options.budget_ms * FOR_PLANNING)
         made = policy(self.policy, cell, self.objective, told)
         return InTime(made, policy(RULE, cell, self.objective, told), self.options.budget_ms)
+
+
+    def carrying_out(self, plan: Chosen | None) -> Settings:
+        """The same with the plan that its decider made for itself, so that the journal keeps it."""
+        if plan is None or self.options.plan is not None:
+            return self
+        return replace(self, options=replace(self.options, plan=plan))
 
 
 class Shift:
@@ -153,6 +165,7 @@ class Shift:
         if not journal.is_new:
             settings, start = opened_with(journal, cell)
         decider = decider or settings.decider(cell)
+        settings = settings.carrying_out(plan_of(decider.policy))
         shift = cls(journal, cell, settings, start, decider.decide)
         shift.basis = basis_of(decider.policy)
         shift.is_resumed = not journal.is_new
@@ -189,6 +202,7 @@ class Shift:
 
     def hello(self) -> Document:
         """What the shift is and where it stands: the first thing that the floor hears."""
+        plan = self.settings.options.plan
         return {
             "type": "shift",
             "schema_version": SCHEMA_VERSION,
@@ -197,6 +211,7 @@ class Shift:
             "policy": self.settings.policy,
             "budget_ms": self.settings.options.budget_ms,
             "seed": self.settings.options.seed,
+            "plan": None if plan is None else plan.schedule.digest,
             "start": None if self.start is None else self.start.isoformat(),
             "resumed": self.is_resumed,
             "number": self.number,
@@ -316,6 +331,12 @@ def opened_with(journal: Journal, cell: Cell) -> tuple[Settings, datetime | None
             " began, or name another journal."
         )
     settings = kept_settings(journal)
+    plan = settings.options.plan
+    if wrong := [] if plan is None else faults(cell, plan.schedule):
+        raise JournalError(
+            f"{journal.path}: shift, settings, plan: {' '.join(wrong)} It was changed, or is"
+            " damaged. Name another journal."
+        )
     return settings, None if about["start"] is None else datetime.fromisoformat(about["start"])
 
 

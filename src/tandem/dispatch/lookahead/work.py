@@ -1,0 +1,71 @@
+"""Work instead of time: what a decision may cost is counted in steps, so that it comes out the same
+on every machine and however busy it is.
+
+A step is one position made by branch and bound; all else is counted in what it takes compared with
+that. A budget in milliseconds is turned into steps once, before anything is decided, at
+`STEPS_PER_MS` or at what `measured` found.
+"""
+
+from __future__ import annotations
+
+from math import inf
+from time import thread_time
+
+from tandem.errors import TandemError
+
+STEPS_PER_MS = 60.0
+"""Steps that a millisecond buys where nothing was measured: a core of 2020 makes about 100."""
+SLOWEST, QUICKEST = 5.0, 200.0
+"""What is measured is kept between these: a machine that is slower than this is busy, not slow."""
+
+
+class OutOfWorkError(TandemError):
+    """The work that was allowed is done, and what was asked is not."""
+
+
+class Work:
+    """So many steps may be done.
+
+    Attributes:
+      done: steps so far. `limit`: the most of them, inf for no end.
+    """
+
+    __slots__ = ("done", "limit")
+
+    def __init__(self, limit: float = inf) -> None:
+        self.done, self.limit = 0.0, limit
+
+    def spend(self, steps: float = 1.0) -> None:
+        """Counts the steps. Raises OutOfWorkError, and counts nothing, where they are too many."""
+        if self.done + steps > self.limit:
+            raise OutOfWorkError("the work that was allowed is done.")
+        self.done += steps
+
+    @property
+    def left(self) -> float:
+        """Steps that may still be done."""
+        return self.limit - self.done
+
+
+def measured() -> float:
+    """Steps that a millisecond buys here: the best of a few runs over a cell made up for it, by
+    this thread's own time on a core. Takes about a tenth of a second.
+    """
+    from tandem.dispatch.lookahead.branch_and_bound import BranchAndBound
+    from tandem.dispatch.lookahead.transitions import Moves
+    from tandem.files.generators import layered
+
+    moves = Moves.of(layered(9, seed=0))
+    quickest = inf
+    for _ in range(8):
+        search = BranchAndBound(moves, (1.0, 0.0))
+        began = thread_time()
+        search.value(moves.root())
+        spent = 1000 * (thread_time() - began)
+        if spent > 0:
+            quickest = min(quickest, spent / search.work.done)
+    return round(min(max(CAUTION / quickest, SLOWEST), QUICKEST), 1)
+
+
+CAUTION = 0.6
+"""Of what was measured in peace so much is counted on: beside a floor there is other work."""
