@@ -43,13 +43,17 @@ from tandem.schedule.measures import exact
 
 SMALL = 16
 """Up to so many tasks the rule is asked for at once: a start by list scheduling saves nothing."""
-START_WORK = 2.0
-"""CP-SAT's deterministic seconds for any schedule of the values; next to always a hundredth is
-enough.
-"""
+ALLOCATION_WORK = 0.02
+"""CP-SAT's deterministic seconds for who does what."""
+START_WORK: tuple[tuple[float, dict[str, int]], ...] = (
+    (0.006, {"linearization_level": 0}),
+    (0.06, {"search_branching": cp_model.PORTFOLIO_WITH_QUICK_RESTART_SEARCH}),
+    (2.0, {}),
+)
+"""The same for any schedule of the values, in one way after the other until there is one."""
 SPREAD_WORK = 0.02
 """The same for the least spread of stress."""
-SUM_WORK = ((20, 0.02), (40, 0.004))
+SUM_WORK = ((24, 0.02), (40, 0.004))
 """The same for the least sum of starts, up to so many tasks. On larger cells CP-SAT does not come
 to search in a time that would be worth it.
 """
@@ -188,27 +192,30 @@ class _Choice:
         """The first by the rule, as far as the work goes; None when no schedule was found at
         all.
         """
-        tasks = len(self.instance.tasks)
-        start = None
-        if tasks > SMALL:
-            start = self._by_allocation() or self._any()
-            if start is None:
-                return None
-        plan = self._model()
+        plan, start = self._model(), None
+        if len(self.instance.tasks) > SMALL and (start := self._begin()) is None:
+            return None
         if (spread := self._spread(plan)) is not None:
             start, least = self._least(plan, spread, SPREAD_WORK, start)
-            if start is None and (start := self._any()) is None:
+            if start is None:
                 return None
-            plan.model.add(spread <= (least if least is not None else self._spread_of(start)))
+            plan.model.add(spread <= (self._spread_of(start) if least is None else least))
         total: cp_model.LinearExprT = sum(plan.start)
-        work = next((work for most, work in SUM_WORK if tasks <= most), 0.0)
-        start, least = self._least(plan, total, work, start)
+        start, least = self._least(plan, total, self._sum_work(), start)
         if start is None:
-            start = self._any()
-        elif least is not None:
+            return None
+        if least is not None:
             plan.model.add(total <= least)
             start = self._first(plan) or start
-        return None if start is None else moved_up(self.layout, start)
+        return moved_up(self.layout, start)
+
+    def _sum_work(self) -> float:
+        tasks = len(self.instance.tasks)
+        return next((work for most, work in SUM_WORK if tasks <= most), 0.0)
+
+    def _begin(self) -> Starts | None:
+        """A schedule of these values to begin with."""
+        return self._by_allocation() or self._any()
 
     def _model(self, rules: Sequence[Rule] | None = None) -> Decisions:
         """Every schedule of these values in the ways that count; the values are the least, so a
@@ -232,7 +239,7 @@ class _Choice:
         plan.model.minimize(
             plan.makespan if spread is None else (self.makespan + 1) * spread + plan.makespan
         )
-        solver = self._solve(plan, START_WORK)
+        solver = self._solve(plan, ALLOCATION_WORK)
         if solver is None:
             return None
         starts = list_schedule(self.layout, [way for way, _ in plan.read(solver.value)])
@@ -242,25 +249,31 @@ class _Choice:
         return starts if makespan <= self.makespan and stress <= self.stress else None
 
     def _any(self) -> Starts | None:
-        """Any schedule of these values."""
-        plan = self._model()
-        solver = self._solve(
-            plan, START_WORK, search_branching=cp_model.PORTFOLIO_WITH_QUICK_RESTART_SEARCH
-        )
-        return None if solver is None else self._appended(plan.read(solver.value))
+        """Any schedule of these values: without linear relaxation where that is enough, which it is
+        at once or never; then in other ways.
+        """
+        for work, parameters in START_WORK:
+            solver = self._solve(plan := self._model(), work, **parameters)
+            if solver is not None:
+                return self._appended(plan.read(solver.value))
+        return None
 
     def _least(
         self, plan: Decisions, value: cp_model.LinearExprT, work: float, start: Starts | None
     ) -> tuple[Starts | None, int | None]:
         """The schedule of least value found, beginning with `start`; and that value if it is
-        proven.
+        proven. Where none is found so, it begins with any.
         """
         if not work:
             return start, None
         if start is not None:
             plan.hint(start)
         plan.model.minimize(value)
-        solver = self._solve(plan, work)
+        # relaxed, the order of an operator's tasks says much about the sum of their starts
+        solver = self._solve(plan, work, linearization_level=2)
+        if solver is None and start is None and (start := self._begin()) is not None:
+            plan.hint(start)
+            solver = self._solve(plan, work, linearization_level=2)
         if solver is None:
             return start, None
         found = self._appended(plan.read(solver.value))
@@ -289,6 +302,7 @@ class _Choice:
         solver = self._solve(
             plan,
             ORDER_WORK,
+            linearization_level=2,
             search_branching=cp_model.FIXED_SEARCH,
             keep_all_feasible_solutions_in_presolve=True,
             stop_after_first_solution=True,
