@@ -45,19 +45,21 @@ SMALL = 16
 """Up to so many tasks the rule is asked for at once: a start by list scheduling saves nothing."""
 ALLOCATION_WORK = 0.02
 """CP-SAT's deterministic seconds for who does what."""
+ALLOCATIONS = 4
+"""So many are tried before the whole model is asked."""
 START_WORK: tuple[tuple[float, dict[str, int]], ...] = (
     (0.006, {"linearization_level": 0}),
     (0.06, {"search_branching": cp_model.PORTFOLIO_WITH_QUICK_RESTART_SEARCH}),
     (2.0, {}),
 )
 """The same for any schedule of the values, in one way after the other until there is one."""
-SPREAD_WORK = 0.02
+SPREAD_WORK = 0.01
 """The same for the least spread of stress."""
-SUM_WORK = ((24, 0.02), (40, 0.004))
+SUM_WORK = ((16, 0.02), (24, 0.004))
 """The same for the least sum of starts, up to so many tasks. On larger cells CP-SAT does not come
 to search in a time that would be worth it.
 """
-ORDER_WORK = 0.02
+ORDER_WORK = 0.005
 """The same for the cell's order."""
 
 
@@ -172,11 +174,16 @@ class _LastStep:
 
 @dataclass
 class _Choice:
-    """The choice among the schedules of one makespan (ticks) and one stress (units)."""
+    """The choice among the schedules of one makespan (ticks) and one stress (units).
+
+    Attributes:
+      least_spread: units; no schedule of these values has a lesser spread.
+    """
 
     last_step: _LastStep
     makespan: int
     stress: int
+    least_spread: int = 0
 
     @property
     def layout(self) -> Layout:
@@ -192,22 +199,39 @@ class _Choice:
         """The first by the rule, as far as the work goes; None when no schedule was found at
         all.
         """
-        plan, start = self._model(), None
+        start = None
         if len(self.instance.tasks) > SMALL and (start := self._begin()) is None:
             return None
+        work = self._sum_work()
+        if start is not None and not work and self._is_spread(start):
+            return moved_up(self.layout, start)
+        plan = self._model()
         if (spread := self._spread(plan)) is not None:
-            start, least = self._least(plan, spread, SPREAD_WORK, start)
+            start, least = self._least_spread(plan, spread, start)
             if start is None:
                 return None
-            plan.model.add(spread <= (self._spread_of(start) if least is None else least))
-        total: cp_model.LinearExprT = sum(plan.start)
-        start, least = self._least(plan, total, self._sum_work(), start)
-        if start is None:
-            return None
-        if least is not None:
-            plan.model.add(total <= least)
-            start = self._first(plan) or start
-        return moved_up(self.layout, start)
+            plan.model.add(spread <= least)
+        if work:
+            total: cp_model.LinearExprT = sum(plan.start)
+            # relaxed, the order of an operator's tasks says much about the sum of their starts
+            start, proven = self._least(plan, total, work, start, linearization_level=2)
+            if start is not None and proven is not None:
+                plan.model.add(total <= proven)
+                start = self._first(plan) or start
+        return None if start is None else moved_up(self.layout, start)
+
+    def _is_spread(self, start: Starts) -> bool:
+        """Whether no schedule of these values has a lesser spread, as far as who does what says."""
+        return not self._people() or self._spread_of(start) <= self.least_spread
+
+    def _least_spread(
+        self, plan: Decisions, spread: cp_model.IntVar, start: Starts | None
+    ) -> tuple[Starts | None, int]:
+        """A schedule of the least spread found, and that spread."""
+        if start is not None and self._is_spread(start):
+            return start, self._spread_of(start)
+        start, _ = self._least(plan, spread, SPREAD_WORK, start, linearization_level=0)
+        return start, 0 if start is None else self._spread_of(start)
 
     def _sum_work(self) -> float:
         tasks = len(self.instance.tasks)
@@ -232,21 +256,24 @@ class _Choice:
 
     def _by_allocation(self) -> Starts | None:
         """Who does what without the order: the least spread, then the least makespan; and what list
-        scheduling makes of it, if that has the values.
+        scheduling makes of it, if that has the values. Several are tried.
         """
         plan = self._model(ALLOCATION)
-        spread = self._spread(plan)
-        plan.model.minimize(
-            plan.makespan if spread is None else (self.makespan + 1) * spread + plan.makespan
-        )
-        solver = self._solve(plan, ALLOCATION_WORK)
-        if solver is None:
-            return None
-        starts = list_schedule(self.layout, [way for way, _ in plan.read(solver.value)])
-        if starts is None:
-            return None
-        makespan, stress = measures(self.instance, starts)
-        return starts if makespan <= self.makespan and stress <= self.stress else None
+        weight, spread = self.makespan + 1, self._spread(plan)
+        plan.model.minimize(plan.makespan + (0 if spread is None else weight * spread))
+        for seed in range(ALLOCATIONS):
+            solver = self._solve(plan, ALLOCATION_WORK, random_seed=seed)
+            if solver is None:
+                return None
+            self.least_spread = max(
+                self.least_spread, int(solver.best_objective_bound + 1e-6) // weight
+            )
+            starts = list_schedule(self.layout, [way for way, _ in plan.read(solver.value)])
+            if starts is not None:
+                makespan, stress = measures(self.instance, starts)
+                if makespan <= self.makespan and stress <= self.stress:
+                    return starts
+        return None
 
     def _any(self) -> Starts | None:
         """Any schedule of these values: without linear relaxation where that is enough, which it is
@@ -259,7 +286,12 @@ class _Choice:
         return None
 
     def _least(
-        self, plan: Decisions, value: cp_model.LinearExprT, work: float, start: Starts | None
+        self,
+        plan: Decisions,
+        value: cp_model.LinearExprT,
+        work: float,
+        start: Starts | None,
+        **parameters: int,
     ) -> tuple[Starts | None, int | None]:
         """The schedule of least value found, beginning with `start`; and that value if it is
         proven. Where none is found so, it begins with any.
@@ -269,11 +301,10 @@ class _Choice:
         if start is not None:
             plan.hint(start)
         plan.model.minimize(value)
-        # relaxed, the order of an operator's tasks says much about the sum of their starts
-        solver = self._solve(plan, work, linearization_level=2)
+        solver = self._solve(plan, work, **parameters)
         if solver is None and start is None and (start := self._begin()) is not None:
             plan.hint(start)
-            solver = self._solve(plan, work, linearization_level=2)
+            solver = self._solve(plan, work, **parameters)
         if solver is None:
             return start, None
         found = self._appended(plan.read(solver.value))
