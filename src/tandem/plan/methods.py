@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from time import monotonic
 from typing import Any
 
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault, InfeasibleError, UsageError
 from tandem.plan import dynamic_programming, exact
+from tandem.plan.canonical import settled
 from tandem.plan.infeasible import reasons
 from tandem.plan.method import Method, Progress
 from tandem.plan.question import Question
@@ -112,8 +115,9 @@ def plan(
         )
     if question is None:
         question = Question(minimize, weights, max_makespan, max_stress)  # type: ignore[arg-type]
+    began = monotonic()
     try:
-        return METHODS[method](
+        front = METHODS[method](
             cell,
             question,
             time_limit=time_limit,
@@ -124,3 +128,7 @@ def plan(
         )
     except InfeasibleError as error:
         raise InfeasibleError(str(error), reasons(cell, question)) from error
+    if not front.interrupted:
+        until = None if time_limit is None else began + time_limit
+        front = settled(front, until=until, workers=workers or os.cpu_count() or 1)
+    return replace(front, wall_s=monotonic() - began)
