@@ -7,9 +7,15 @@ from typing import Any, TypeVar
 
 import click
 
+from tandem.errors import UsageError
 from tandem.files.formats.table import FORMATS
 
 F = TypeVar("F", bound=Callable[..., Any])
+
+CELL = click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=True))
+AS_JSON = click.option(
+    "--json", "as_json", is_flag=True, help="Print one document on stdout and nothing else there."
+)
 
 FORMAT = click.option(
     "--format",
@@ -118,3 +124,11 @@ def decider_options(command: F) -> F:
     for option in reversed(_OF_DECIDERS):
         command = option(command)
     return command
+
+
+def check_time(time_limit: float, workers: int | None) -> None:
+    """Raises UsageError for a time limit or a number of workers that makes no sense."""
+    if not time_limit > 0:
+        raise UsageError(f"--time-limit {time_limit}: must be more than 0 seconds.")
+    if workers is not None and workers < 1:
+        raise UsageError(f"--workers {workers}: must be 1 or more.")

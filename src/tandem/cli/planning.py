@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tandem.cli.answers import difference, tell_difference, variant_options
 from tandem.cli.options import FORMAT, Weights
 from tandem.cli.project import sound, tell_folder
+from tandem.cli.what_if import difference, tell_difference, variant_options
 from tandem.errors import CellError, Fault, UnsoundScheduleError, UsageError
 
 if TYPE_CHECKING:
