@@ -132,3 +132,25 @@ def check_time(time_limit: float, workers: int | None) -> None:
         raise UsageError(f"--time-limit {time_limit}: must be more than 0 seconds.")
     if workers is not None and workers < 1:
         raise UsageError(f"--workers {workers}: must be 1 or more.")
+
+
+_OF_A_POINT = (
+    click.option(
+        "--point",
+        type=int,
+        help="A point of the front, counted from 1; the recommended compromise when absent.",
+    ),
+    click.option(
+        "--makespan", type=float, help="Instead: the point of least stress within so many seconds."
+    ),
+    click.option(
+        "--stress", type=float, help="Instead: the quickest point of at most this stress."
+    ),
+)
+
+
+def point_options(command: F) -> F:
+    """The options by which one point of a front is chosen; `report.stored.point_of` reads them."""
+    for option in reversed(_OF_A_POINT):
+        command = option(command)
+    return command
