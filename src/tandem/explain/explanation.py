@@ -13,10 +13,10 @@ from typing import Any
 
 from tandem.cell.model import Cell, plain
 from tandem.cell.names import Known, clean
-from tandem.cell.written import number
 from tandem.errors import UsageError
 from tandem.explain.alternatives import EVERYTHING, Alternative, alternative, sentence
-from tandem.explain.bottleneck import Bottleneck, floor, listed
+from tandem.explain.bottleneck import Bottleneck, floor
+from tandem.explain.language import listed, words
 from tandem.explain.variant import ways_not_taken
 from tandem.explain.waiting import Waiting, waiting
 from tandem.plan.methods import plan
@@ -47,18 +47,26 @@ class TaskAnswer:
     waiting: Waiting
     alternatives: tuple[Alternative, ...]
 
-    def sentences(self) -> list[str]:
+    def sentences(self, language: str = "en") -> list[str]:
         """Who and when, why then, and each alternative."""
+        t = words(language)
         a = self.assignment
         label = self.cell.tasks[a.task].label
-        head = (
-            f"task {a.task}{f' ({label})' if label else ''}: {' + '.join(a.operators)},"
-            f" {number(a.start)} to {number(a.end)} s; {self.waiting}"
+        head = t(
+            "explain.task.label" if label else "explain.task",
+            task=a.task,
+            label=label,
+            who=" + ".join(a.operators),
+            span=t("span", start=t.number(a.start), end=t.number(a.end)),
+            waiting=self.waiting.sentence(language),
         )
-        others = [f"  instead {sentence(self.cell, other)}" for other in self.alternatives]
-        return [head, *(others or ["  nobody else can do it"])]
+        others = [
+            t("explain.instead", sentence=sentence(other, language)) for other in self.alternatives
+        ]
+        return [head, *(f"  {other}" for other in others or [t("explain.nobody")])]
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self, language: str = "en") -> dict[str, Any]:
+        """One entry of `tasks` in an explanation's document; its sentences in this language."""
         a = self.assignment
         place = {
             "task": a.task,
@@ -70,7 +78,7 @@ class TaskAnswer:
             **place,
             **self.waiting.to_dict(),
             "alternatives": [other.to_dict() for other in self.alternatives],
-            "sentences": self.sentences(),
+            "sentences": self.sentences(language),
         }
 
 
@@ -93,8 +101,8 @@ class Explanation:
     def result(self) -> Result:
         return self.front[self.point - 1]
 
-    def to_dict(self) -> dict[str, Any]:
-        """The document of `tandem explain --json`."""
+    def to_dict(self, language: str = "en") -> dict[str, Any]:
+        """The document of `tandem explain --json`; its sentences in this language."""
         return {
             "schema_version": 1,
             "cell": self.front.cell.name,
@@ -105,8 +113,8 @@ class Explanation:
             "status": str(self.result.status),
             "complete": self.front.complete,
             "front": [[plain(time), plain(load)] for time, load in self.front.points],
-            "floor": self.floor.to_dict() if self.floor else None,
-            "tasks": [answer.to_dict() for answer in self.tasks],
+            "floor": self.floor.to_dict(language) if self.floor else None,
+            "tasks": [answer.to_dict(language) for answer in self.tasks],
             "solver": self.front.solver,
             "seed": self.front.seed,
             "wall_s": round(self.wall_s, 3),
@@ -227,15 +235,21 @@ def _answers(
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-def heading(front: Front, place: int) -> str:
+def heading(front: Front, place: int, language: str = "en") -> str:
     """One sentence about the point that is explained."""
-    result = front[place - 1]
+    result, t = front[place - 1], words(language)
     who = "; ".join(
-        f"{name} does {listed([a.task for a in rows], '')}"
+        t("explain.does", who=name, tasks=listed(t, [a.task for a in rows], word=False))
         for name in front.cell.operators
         if (rows := result.schedule.of(name))
     )
-    return (
-        f"point {place} of {len(front)}: makespan {number(result.makespan)} s, stress"
-        f" {number(result.stress)} ({result.status}). {who}."
+    return t(
+        "explain.point",
+        n=place,
+        of=len(front),
+        makespan=t.seconds(result.makespan),
+        stress=t.number(result.stress),
+        status=t(f"status.{result.status}"),
+        digest=result.schedule.digest,
+        who=who,
     )
