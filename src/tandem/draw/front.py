@@ -17,12 +17,14 @@ POINT = "#0072B2"
 MOST_LABELS = 40
 
 
-def plot_front(front: Front, ax: Axes | None = None, *, language: str = "en") -> Axes:
+def plot_front(
+    front: Front, ax: Axes | None = None, *, language: str = "en", point: int | None = None
+) -> Axes:
     """Draws every point with its numbers and returns the axes.
 
     What the points dominate is shaded, the knee has a ring, and a point that is not proven is
-    hollow, with lines that reach to its bounds. Raises UsageError when pictures do not speak the
-    language.
+    hollow, with lines that reach to its bounds. `point`, counted from 1, has a square around it
+    when it is another than the knee. Raises UsageError when pictures do not speak the language.
     """
     t = words(language)
     ax = axes_or_new(ax, (7.0, 4.8))
@@ -41,19 +43,9 @@ def plot_front(front: Front, ax: Axes | None = None, *, language: str = "en") ->
         _dominated(ax, front, right, high)
         for result in front:
             _point(ax, result)
-        knee = front.knee
-        ax.plot(
-            [knee.makespan],
-            [knee.stress],
-            ls="",
-            marker="o",
-            ms=17,
-            mfc="none",
-            mec=INK,
-            mew=1.6,
-            zorder=4,
-            gid="knee",
-        )
+        _frame(ax, front.knee, "knee")
+        if front.shown(point) is not front.knee:
+            _frame(ax, front.shown(point), "shown")
         _labels(ax, front, t)
     title = t(
         "picture.complete" if front.complete else "picture.open",
@@ -61,7 +53,7 @@ def plot_front(front: Front, ax: Axes | None = None, *, language: str = "en") ->
     )
     ax.set_title(title, loc="left", fontsize=11, fontweight="bold")
     if len(front):
-        _legend(ax, front, t)
+        _legend(ax, front, point, t)
     return ax
 
 
@@ -158,6 +150,17 @@ def _point(ax: Axes, result: Result) -> None:
     )
 
 
+FRAMES: dict[str, dict[str, Any]] = {
+    "knee": {"ls": "", "marker": "o", "mfc": "none", "mec": INK, "mew": 1.6},
+    "shown": {"ls": "", "marker": "s", "mfc": "none", "mec": INK, "mew": 1.6},
+}
+
+
+def _frame(ax: Axes, result: Result, why: str) -> None:
+    at = [result.makespan], [result.stress]
+    ax.plot(*at, ms=17, zorder=4, gid=why, **FRAMES[why])
+
+
 def _labels(ax: Axes, front: Front, t: Words) -> None:
     """The knee and the ends first, then every other point whose label meets no other."""
     from matplotlib.transforms import Bbox
@@ -189,7 +192,7 @@ def _labels(ax: Axes, front: Front, t: Words) -> None:
         ax.annotate(label, (result.makespan, result.stress), (away, away - 2), **at)
 
 
-def _legend(ax: Axes, front: Front, t: Words) -> None:
+def _legend(ax: Axes, front: Front, point: int | None, t: Words) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -199,7 +202,9 @@ def _legend(ax: Axes, front: Front, t: Words) -> None:
         entries.append((Line2D([], [], mfc=POINT, ms=8, **marks), t("picture.proven")))
     if any(r.status != Status.OPTIMAL for r in front):
         entries.append((Line2D([], [], mfc="white", ms=8, **marks), t("picture.unproven")))
-    ring = Line2D([], [], ls="", marker="o", mfc="none", mec=INK, mew=1.6, ms=12)
+    ring = Line2D([], [], ms=12, **FRAMES["knee"])
     entries.append((ring, t("picture.knee" if len(front) > 2 else "picture.recommended")))
+    if front.shown(point) is not front.knee:
+        entries.append((Line2D([], [], ms=12, **FRAMES["shown"]), t("picture.shown")))
     entries.append((Patch(facecolor=SHADE, edgecolor="#7A828A"), t("picture.dominated")))
     legend_below(ax, entries)

@@ -130,6 +130,10 @@ class Front:
         """
         return self.results[knee_index(self.points)]
 
+    def shown(self, point: int | None = None) -> Result:
+        """The point of this number, counted from 1; the knee when none is given."""
+        return self.knee if point is None else self.results[point - 1]
+
     def to_dict(self) -> dict[str, Any]:
         """The result document of `tandem plan --json`."""
         return {
