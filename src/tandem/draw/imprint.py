@@ -18,4 +18,4 @@ def imprint(result: Result, t: Words, *, stale: bool = False) -> str:
         else ["not_canonical"]
     )
     remarks = [t(f"imprint.{key}") for key in [*open_ends, *(["stale"] if stale else [])]]
-    return " · ".join([t("imprint.plan", digest=result.schedule.digest), *remarks])
+    return "; ".join([t("imprint.plan", digest=result.schedule.digest), *remarks])
