@@ -1,12 +1,13 @@
 """A plan that was kept: the very front that `tandem plan` wrote, read back with the cell that it
 was made for.
 
-Nothing is planned anew. Every schedule is judged by the checker when it is read, against the cell
-that the plan is asked to keep.
+Nothing is planned anew. Every schedule is judged by the checker when it is read: against the cell
+that the plan holds, and against another one when it is asked to keep that too.
 """
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
@@ -15,11 +16,13 @@ from typing import Any
 
 from tandem.cell.model import Cell
 from tandem.cell.written import number
-from tandem.errors import CellError, Fault, UnsoundScheduleError, UsageError
+from tandem.errors import CellError, Fault, NotReadWarning, UnsoundScheduleError, UsageError
 from tandem.files.load import load
 from tandem.files.messages import shown
 from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Result, Status, knee_index
+from tandem.report.language import words
+from tandem.report.project import stale_at_home
 from tandem.report.results import points_of, read_result, schedules_of
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import makespan, stress
@@ -34,35 +37,48 @@ class StoredPlan:
     """A front as it was stored.
 
     Attributes:
-      front: its points, each accepted by the checker for `front.cell`.
+      front: its points as they were stored, each accepted by the checker.
       made_for: digest of the cell that it was made for; None when the document does not say.
+      is_stale: the cell has changed since: it is another now, or no sound one any more.
       changed: the cell as it is now, where it is another than the one it was made for; else None.
+      path: the file.
     """
 
     front: Front
     made_for: str | None
-    changed: Cell | None = None
+    is_stale: bool
+    changed: Cell | None
+    path: Path
 
     @property
     def cell(self) -> Cell:
-        """The cell that the schedules were judged by."""
+        """The cell that the plan holds; the one beside it when it holds none."""
         return self.front.cell
 
-    @property
-    def is_stale(self) -> bool:
-        """The cell has changed since the plan was made."""
-        return self.changed is not None
+    def stale_note(self, language: str = "en") -> str:
+        """One sentence for whoever is about to use a plan whose cell has changed; empty when it has
+        not.
+        """
+        return stale_note(self.path, language) if self.is_stale else ""
+
+
+def stale_note(path: str | Path, language: str = "en") -> str:
+    """How everyone says that the plan in this file was made for another state of its cell."""
+    return words(language)("stale.note", file=path)
 
 
 def read_plan(path: Path, cell: Cell | None = None) -> StoredPlan:
-    """The plan in a result document.
+    """The plan in a result document, the very points that were stored.
 
     Args:
-      cell: what the schedules are to keep; when absent, the cell that the document holds.
+      cell: what the schedules are to keep besides the cell that the document holds. When absent,
+        the file that the document names as its cell's is looked for, beside it and here; whether it
+        has changed is said, and nothing is judged by it.
 
     Raises:
       CellError: the file is no result document, holds no point, or no cell although none was given.
-      UnsoundScheduleError: a schedule breaks the cell, or is not worth what the document says.
+      UnsoundScheduleError: a schedule breaks a cell that it is to keep, or is not worth what the
+        document says.
     """
     document = read_result(path)
     held = _held(document, path)
@@ -77,12 +93,24 @@ def read_plan(path: Path, cell: Cell | None = None) -> StoredPlan:
                 )
             ]
         )
-    judged = cell or held
-    assert judged is not None
     made_for = document.get("cell_digest")
-    now = cell or _as_it_is_now(document, path)
-    changed = now if now is not None and made_for not in (None, now.digest) else None
-    return StoredPlan(_front(document, judged, path), made_for, changed)
+    if cell is not None:
+        changed = cell if made_for not in (None, cell.digest) else None
+        is_stale = changed is not None
+    else:
+        changed, is_stale = _as_it_is_now(document, path)
+    own = held or cell
+    assert own is not None
+    front, wrong = _front(document, own, path, valued=held is not None or not is_stale)
+    if cell is not None and cell != own:
+        wrong += [
+            f"{path}: point {place}: {fault}"
+            for place, result in enumerate(front, 1)
+            for fault in faults(cell, result.schedule)
+        ]
+    if wrong:
+        raise UnsoundScheduleError([*([stale_note(path)] if is_stale else []), *wrong])
+    return StoredPlan(front, made_for, is_stale, changed, path)
 
 
 def point_of(
@@ -135,42 +163,63 @@ def _held(document: Mapping[str, Any], path: Path) -> Cell | None:
         raise CellError([fault.at(f"{path}, cell_document") for fault in error.faults]) from None
 
 
-def _as_it_is_now(document: Mapping[str, Any], path: Path) -> Cell | None:
-    """The cell in the file that the document names, as seen from here or from beside the plan; None
-    when there is none, or none that is sound.
+def _as_it_is_now(document: Mapping[str, Any], path: Path) -> tuple[Cell | None, bool]:
+    """The cell of the file that the document names, where it is another now, and whether the plan
+    is stale.
+
+    The file is looked for from here, from beside the plan and from the folder above; where one of
+    them is what the plan was made for, it is not stale. A plan that names no file, or one that is
+    not found, is judged by the project in which it lies, if it lies in one.
     """
-    source = document.get("source")
-    if not isinstance(source, str):
+    source, made_for = document.get("source"), document.get("cell_digest")
+    if isinstance(source, str) and isinstance(made_for, str):
+        named = [Path(source), path.parent / source, path.parent.parent / source]
+        found = [_loaded(file) for file in dict.fromkeys(named) if file.is_file()]
+        if any(now is not None and now.digest == made_for for now in found):
+            return None, False
+        if found:
+            return found[0], True
+    return None, stale_at_home(path)
+
+
+def _loaded(file: Path) -> Cell | None:
+    """The cell in a file; None when it is no sound one."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", NotReadWarning)
+            return load(file)
+    except CellError:
         return None
-    for file in (Path(source), path.parent / source, path.parent.parent / source):
-        if file.is_file():
-            try:
-                return load(file)
-            except CellError:
-                return None
-    return None
 
 
-def _front(document: Mapping[str, Any], cell: Cell, path: Path) -> Front:
-    values = points_of(document)
-    results, wrong = [], []
+def _front(
+    document: Mapping[str, Any], cell: Cell, path: Path, *, valued: bool
+) -> tuple[Front, list[str]]:
+    """The front of a document, and what is wrong with it; `valued`: its makespans and stresses are
+    those of this cell.
+    """
+    values, schedules = points_of(document), schedules_of(document)
+    wrong = []
     for place, (schedule, told, row) in enumerate(
-        zip(schedules_of(document), values, document["front"], strict=True), 1
+        zip(schedules, values, document["front"], strict=True), 1
     ):
         found = faults(cell, schedule)
-        wrong += [f"{path}: point {place}: {fault}" for fault in found]
-        if not found and not _is_worth(cell, schedule, told):
-            wrong.append(
-                f"{path}: point {place}: is said to be worth {number(told[0])} s and a stress of"
-                f" {number(told[1])}, but takes {number(makespan(schedule))} s with"
-                f" {number(stress(cell, schedule))}."
+        if valued and not found and not _is_worth(cell, schedule, told):
+            found.append(
+                f"is said to be worth {number(told[0])} s and a stress of {number(told[1])}, but"
+                f" takes {number(makespan(schedule))} s with {number(stress(cell, schedule))}."
             )
-        results.append(
-            Result(cell, schedule, _status(row), _bound(row), row.get("canonical") is True)
-        )
-    if wrong:
-        raise UnsoundScheduleError(wrong)
-    return Front(
+        if row.get("digest") not in (None, schedule.digest):
+            found.append(
+                f"is said to have the digest {shown(row['digest'])}, but has {schedule.digest}."
+            )
+        wrong += [f"{path}: point {place}: {fault}" for fault in found]
+    results = [
+        Result(cell, schedule, _status(row), _bound(row), row.get("canonical") is True)
+        for schedule, row in zip(schedules, document["front"], strict=True)
+    ]
+    source = document.get("source")
+    front = Front(
         cell,
         tuple(results),
         document.get("complete") is True,
@@ -180,8 +229,9 @@ def _front(document: Mapping[str, Any], cell: Cell, path: Path) -> Front:
         float(_number(document.get("wall_s"), 0.0)),
         document.get("interrupted") is True,
         _question(document.get("question")),
-        document.get("source"),
+        source if isinstance(source, str) else None,
     )
+    return front, wrong
 
 
 def _is_worth(cell: Cell, schedule: Any, told: tuple[float, float]) -> bool:
