@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from tandem.cell.written import number
-from tandem.cli.options import AS_JSON, check_time
+from tandem.cli.options import AS_JSON, LANGUAGE, check_time, point_options
+from tandem.cli.stored import is_plan, stored_plan
 from tandem.cli.what_if import difference_lines
 from tandem.errors import CellError, UsageError
+
+if TYPE_CHECKING:
+    from tandem.schedule.model import Schedule
 
 
 @click.command("compare")
 @click.argument("before_file", metavar="BEFORE", type=click.Path(dir_okay=False))
 @click.argument("after_file", metavar="AFTER", type=click.Path(dir_okay=False))
-@click.option(
-    "--point",
-    type=int,
-    help=(
-        "For results: the point of both fronts, counted from 1; the recommended compromise when"
-        " absent."
-    ),
-)
+@point_options
 @click.option(
     "--plan/--no-plan",
     "planned",
@@ -40,51 +38,59 @@ from tandem.errors import CellError, UsageError
     help="Seconds for planning each cell.",
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
+@LANGUAGE
 @AS_JSON
 def compare_command(
     before_file: str,
     after_file: str,
     point: int | None,
+    makespan: float | None,
+    stress: float | None,
     planned: bool,
     time_limit: float,
     seed: int,
+    lang: str,
     as_json: bool,
 ) -> None:
-    """Say what changed between two cells, or between two results of `tandem plan --json`.
+    """Say what changed between two cells, or between two plans that `tandem plan` has stored.
 
     \b
     Examples:
       tandem compare cell.yaml faster-robot.yaml
       tandem compare monday.json tuesday.json --point 1
+      tandem compare monday.json tuesday.json --makespan 30 --lang de
+
+    Of two plans the very schedules in them are compared; --point, --makespan and --stress choose
+    from each of them.
     """
     check_time(time_limit, None)
-    results = [_result_document(Path(name)) for name in (before_file, after_file)]
-    if (results[0] is None) != (results[1] is None):
+    plans = [is_plan(name) for name in (before_file, after_file)]
+    if plans[0] != plans[1]:
         raise UsageError(
             f"{before_file} and {after_file} are a cell and a result: give two cells or two"
             " results."
         )
-    if results[0] is not None and results[1] is not None:
-        _tell_stale(before_file, after_file)
-        _compare_results(results[0], results[1], (before_file, after_file), point, as_json)
+    if not plans[0]:
+        _compare_cells(before_file, after_file, planned, time_limit, seed, lang, as_json)
         return
-    _compare_cells(before_file, after_file, planned, time_limit, seed, as_json)
-
-
-def _tell_stale(*names: str) -> None:
-    """Of results that lie in a project, whether their cell has changed since."""
-    from tandem.report.project import stale_at_home
-
-    for name in dict.fromkeys(names):
-        if stale_at_home(Path(name)):
-            click.echo(f"{name}: stale: made for another state of the cell.", err=True)
+    names = dict.fromkeys((before_file, after_file))
+    which = (point, makespan, stress)
+    sides = {name: _side(Path(name), which, lang) for name in names}
+    _compare_plans(sides[before_file], sides[after_file], lang, as_json)
 
 
 def _compare_cells(
-    before_file: str, after_file: str, planned: bool, time_limit: float, seed: int, as_json: bool
+    before_file: str,
+    after_file: str,
+    planned: bool,
+    time_limit: float,
+    seed: int,
+    lang: str,
+    as_json: bool,
 ) -> None:
     from tandem.explain.compare import compare_cells
     from tandem.explain.fronts import changes
+    from tandem.explain.language import words
     from tandem.files.load import load
     from tandem.plan.methods import plan
 
@@ -95,112 +101,153 @@ def _compare_cells(
         if planned and found
         else []
     )
-    moved = changes(*fronts) if fronts else ()
     if as_json:
-        document = {
-            "schema_version": 1,
-            "kind": "cells",
-            "digests": [before.digest, after.digest],
-            "changes": [change.to_dict() for change in found],
-        }
         _print(
             {
-                **document,
-                "front_changes": [change.to_dict() for change in moved],
+                "schema_version": 1,
+                "kind": "cells",
+                "digests": [before.digest, after.digest],
+                "changes": [change.to_dict(lang) for change in found],
+                "front_changes": [
+                    change.to_dict() for change in (changes(*fronts) if fronts else ())
+                ],
                 "complete": all(front.complete for front in fronts),
             }
         )
         return
-    click.echo("\n".join(map(str, found)) if found else "the two cells are the same.")
+    said = [change.sentence(lang) for change in found]
+    click.echo("\n".join(said or [words(lang)("cells.same")]))
     if fronts:
-        click.echo("")
-        click.echo("\n".join(difference_lines(*fronts)))
+        click.echo("\n".join(["", *difference_lines(fronts[0], fronts[1], lang)]))
 
 
-def _compare_results(
-    before: dict[str, Any],
-    after: dict[str, Any],
-    files: tuple[str, str],
-    point: int | None,
-    as_json: bool,
-) -> None:
-    from tandem.explain.compare import compare_schedules
-    from tandem.schedule.model import Schedule
+@dataclass(frozen=True)
+class _Side:
+    """One schedule of a result document.
 
-    places = [
-        _point_of(document, point, name, file)
-        for document, name, file in zip(
-            (before, after), ("the first", "the second"), files, strict=True
-        )
-    ]
-    rows = [
-        document["front"][place] for document, place in zip((before, after), places, strict=True)
-    ]
-    moves = compare_schedules(*(Schedule.from_list(row["assignments"]) for row in rows))
-    moved = [move for move in moves if move.changed]
-    if as_json:
-        values = [
-            {"makespan": row["makespan"], "stress": row["stress"], "point": place + 1}
-            for row, place in zip(rows, places, strict=True)
-        ]
-        same = before.get("cell_digest") == after.get("cell_digest")
-        _print(
-            {
-                "schema_version": 1,
-                "kind": "results",
-                "same_cell": same,
-                "before": values[0],
-                "after": values[1],
-                "tasks": [m.to_dict() for m in moves],
-            }
-        )
-        return
-    if before.get("cell_digest") != after.get("cell_digest"):
-        click.echo("the two results belong to different cells, or to different versions of one.")
-    times, loads = ([number(row[key]) for row in rows] for key in ("makespan", "stress"))
-    click.echo(f"makespan {times[0]} s -> {times[1]} s, stress {loads[0]} -> {loads[1]}")
-    click.echo(
-        "\n".join(map(str, moved))
-        if moved
-        else "every task is done by the same operators at the same time."
-    )
-    if moved and len(moved) < len(moves):
-        click.echo(f"{len(moves) - len(moved)} of {len(moves)} tasks stay as they were.")
-
-
-def _print(document: dict[str, Any]) -> None:
-    click.echo(json.dumps(document, ensure_ascii=False))
-
-
-def _result_document(path: Path) -> dict[str, Any] | None:
-    """The result document in a file, or None when it holds something else.
-
-    Raises CellError for one that means to be a result and is damaged.
+    Attributes:
+      point: its number, counted from 1.
+      values: makespan in seconds, and stress.
+      plan: how it is named, with what a reader must not overlook.
+      cell_digest: of the cell that it was made for; None when the document does not say.
     """
-    from tandem.report.results import is_result, read_result
 
+    point: int
+    values: tuple[float, float]
+    schedule: Schedule
+    plan: str
+    canonical: bool
+    stale: bool
+    cell_digest: str | None
+
+    def to_dict(self) -> dict[str, Any]:
+        from tandem.cell.model import plain
+
+        return {
+            "makespan": plain(self.values[0]),
+            "stress": plain(self.values[1]),
+            "point": self.point,
+            "digest": self.schedule.digest,
+            "canonical": self.canonical,
+            "stale": self.stale,
+        }
+
+
+def _side(path: Path, which: tuple[int | None, float | None, float | None], lang: str) -> _Side:
+    """The point of a stored plan that is meant. Raises UsageError when it has none such, and what
+    `read_plan` raises.
+    """
+    from tandem.draw.imprint import imprint
+    from tandem.explain.language import words
+    from tandem.plan.choice import point_of
+    from tandem.report.results import read_result
+
+    if "cell_document" not in (document := read_result(path)):
+        return _bare_side(path, document, which, lang)
+    plan = stored_plan(path, language=lang)
     try:
-        document = json.loads(path.read_bytes())
-    except (OSError, ValueError, RecursionError):
-        return None
-    return read_result(path) if is_result(document) else None
+        place = point_of(plan.front, *which)
+    except UsageError as error:
+        raise UsageError(f"{path}: {error}") from None
+    result = plan.front[place]
+    return _Side(
+        place + 1,
+        plan.front.points[place],
+        result.schedule,
+        imprint(result, words(lang), stale=plan.is_stale),
+        result.canonical,
+        plan.is_stale,
+        plan.made_for,
+    )
 
 
-def _point_of(document: dict[str, Any], point: int | None, name: str, file: str) -> int:
-    """Which point of the front is meant, from 0; `name` and `file` are for messages."""
-    from tandem.plan.result import knee_index
-    from tandem.report.results import points_of
+def _bare_side(
+    path: Path,
+    document: Mapping[str, Any],
+    which: tuple[int | None, float | None, float | None],
+    lang: str,
+) -> _Side:
+    """The same of a document without its cell, which nothing can be judged by."""
+    from tandem.explain.language import words
+    from tandem.plan.choice import chosen
+    from tandem.report.project import stale_at_home
+    from tandem.report.results import points_of, schedules_of
+    from tandem.report.stored import stale_note
 
     try:
         values = points_of(document)
     except CellError as error:
-        raise CellError([fault.at(file) for fault in error.faults]) from None
-    rows = document["front"]
-    if point is None:
-        return knee_index(values)
-    if not 1 <= point <= len(rows):
-        raise UsageError(
-            f"--point {point}: {name} front has {len(rows)} point{'s' * (len(rows) != 1)}, counted"
-            " from 1."
+        raise CellError([fault.at(str(path)) for fault in error.faults]) from None
+    try:
+        place = chosen(values, *which)
+    except UsageError as error:
+        raise UsageError(f"{path}: {error}") from None
+    if stale := stale_at_home(path):
+        click.echo(stale_note(path, lang), err=True)
+    schedule = schedules_of(document)[place]
+    named = words(lang)("imprint.plan", digest=schedule.digest)
+    return _Side(
+        place + 1, values[place], schedule, named, False, stale, document.get("cell_digest")
+    )
+
+
+def _compare_plans(before: _Side, after: _Side, lang: str, as_json: bool) -> None:
+    from tandem.explain.compare import compare_schedules
+    from tandem.explain.language import words
+
+    t = words(lang)
+    moves = compare_schedules(before.schedule, after.schedule)
+    moved = [move for move in moves if move.changed]
+    if as_json:
+        _print(
+            {
+                "schema_version": 1,
+                "kind": "results",
+                "same_cell": before.cell_digest == after.cell_digest,
+                "before": before.to_dict(),
+                "after": after.to_dict(),
+                "tasks": [move.to_dict() for move in moves],
+            }
         )
-    return point - 1
+        return
+    lines = [] if before.cell_digest == after.cell_digest else [t("move.cells")]
+    lines.append(
+        t("move.same", plan=before.plan)
+        if before.plan == after.plan
+        else t("move.digests", before=before.plan, after=after.plan)
+    )
+    values = {
+        "before": t.seconds(before.values[0]),
+        "after": t.seconds(after.values[0]),
+        "stress_before": t.number(before.values[1]),
+        "stress_after": t.number(after.values[1]),
+    }
+    lines.append(t("move.values", **values))
+    lines += [move.sentence(lang) for move in moved] or [t("move.none")]
+    if moved and len(moved) < len(moves):
+        lines.append(t("move.rest", n=len(moves) - len(moved), of=len(moves)))
+    click.echo("\n".join(lines))
+
+
+def _print(document: dict[str, Any]) -> None:
+    click.echo(json.dumps(document, ensure_ascii=False))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from tandem.cli.options import AS_JSON, CELL, FORMAT, check_time
+from tandem.cli.options import AS_JSON, FORMAT, LANGUAGE, check_time, point_options
+from tandem.cli.stored import is_plan, stored_plan
 
 if TYPE_CHECKING:
     from tandem.explain.bottleneck import Bottleneck
@@ -16,14 +17,10 @@ if TYPE_CHECKING:
 
 
 @click.command("explain")
-@CELL
+@click.argument("cell_file", metavar="CELL|PLAN", type=click.Path(allow_dash=True))
 @FORMAT
 @click.option("--task", help="Only this task.")
-@click.option(
-    "--point",
-    type=int,
-    help="A point of the front, counted from 1; the recommended compromise when absent.",
-)
+@point_options
 @click.option(
     "--time-limit",
     type=float,
@@ -35,15 +32,19 @@ if TYPE_CHECKING:
 @click.option(
     "--workers", type=int, help="Threads that plan at the same time; one per core when absent."
 )
+@LANGUAGE
 @AS_JSON
 def explain_command(
     cell_file: str,
     form: str | None,
     task: str | None,
     point: int | None,
+    makespan: float | None,
+    stress: float | None,
     time_limit: float,
     seed: int,
     workers: int | None,
+    lang: str,
     as_json: bool,
 ) -> None:
     """Say why a schedule is as it is, and what every other choice would cost.
@@ -52,42 +53,49 @@ def explain_command(
     Examples:
       tandem explain cell.yaml
       tandem explain cell.yaml --task 4 --point 1
+      tandem explain plan.json --point 2 --lang de
 
-    Each cost is that of a schedule found by planning anew with the other choice forced.
+    Of a PLAN that `tandem plan` has stored, the very schedule in it is explained. Each cost is that
+    of a schedule found by planning anew with the other choice forced.
     """
     from tandem.explain.explanation import explain
     from tandem.files.load import load
 
     check_time(time_limit, workers)
-    cell = load(cell_file, form)
-    show = None if as_json else Telling(point)
+    plan = stored_plan(cell_file, language=lang) if is_plan(cell_file) else None
+    stale = plan is not None and plan.is_stale
+    which: dict[str, Any] = {"point": point, "makespan": makespan, "stress": stress}
     found = explain(
-        cell,
+        plan.cell if plan else load(cell_file, form),
+        front=plan.front if plan else None,
         task=task,
-        point=point,
+        **which,
         time_limit=time_limit,
         seed=seed,
         workers=workers,
-        on_answer=show,
+        on_answer=None if as_json else Telling(which, lang, stale),
     )
     if as_json:
-        click.echo(json.dumps(found.to_dict(), ensure_ascii=False))
+        document = {**found.to_dict(lang), **({"stale": True} if stale else {})}
+        click.echo(json.dumps(document, ensure_ascii=False))
 
 
 class Telling:
-    """Prints each answer as it comes."""
+    """Prints each answer as it comes. `which`: how the point was named, as `point_of` takes it."""
 
-    def __init__(self, point: int | None):
-        self.point = point
+    def __init__(self, which: dict[str, Any], language: str, stale: bool):
+        self.which, self.language, self.stale = which, language, stale
 
     def __call__(self, answer: Front | Bottleneck | TaskAnswer) -> None:
         from tandem.explain.bottleneck import Bottleneck, sentences
-        from tandem.explain.explanation import TaskAnswer, chosen_point, heading
+        from tandem.explain.explanation import TaskAnswer, heading
+        from tandem.plan.choice import point_of
 
         if isinstance(answer, TaskAnswer):
-            lines = answer.sentences()
+            lines = answer.sentences(self.language)
         elif isinstance(answer, Bottleneck):
-            lines = [*sentences(answer), ""]
+            lines = [*sentences(answer, self.language), ""]
         else:
-            lines = [heading(answer, chosen_point(answer, self.point)), ""]
+            place = point_of(answer, **self.which) + 1
+            lines = [heading(answer, place, self.language, stale=self.stale), ""]
         click.echo("\n".join(lines))

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar
 
 import click
 
+from tandem.cell.language import LANGUAGES
 from tandem.errors import UsageError
 from tandem.files.formats.table import FORMATS
 
@@ -60,6 +62,25 @@ class Prior(click.ParamType):  # type: ignore[type-arg]  # older releases of cli
                 f"{value!r} is no list of factors and weights, such as 0.6:1,1:3,2:1.", param, ctx
             )
 
+
+LANGUAGE = click.option(
+    "--lang",
+    type=click.Choice(LANGUAGES),
+    default=LANGUAGES[0],
+    show_default=True,
+    help="Language of what is shown and written.",
+)
+OUTPUTS = click.option(
+    "-o",
+    "--output",
+    "outputs",
+    multiple=True,
+    type=click.Path(dir_okay=False, path_type=Path),
+    help=(
+        "Write .json, .csv, .svg, .png, .pdf, .html, .xlsx, .xml (MS Project) or .md; may be"
+        " repeated."
+    ),
+)
 
 _OF_DECIDERS = (
     click.option(

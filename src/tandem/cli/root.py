@@ -37,6 +37,11 @@ VERBS: dict[str, tuple[str, str, str]] = {
         "explain_command",
         "Say why a schedule is so, and what else would cost.",
     ),
+    "report": (
+        "tandem.cli.report",
+        "report_command",
+        "Write reports, sheets and pictures of a stored plan.",
+    ),
     "compare": (
         "tandem.cli.compare",
         "compare_command",

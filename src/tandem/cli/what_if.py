@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tandem.cell.written import number, signed
 from tandem.cli.columns import aligned
 
 if TYPE_CHECKING:
@@ -44,31 +43,30 @@ def variant_options(command: Any) -> Any:
     return command
 
 
-def tell_difference(base: Cell, front: Front, plan_base: Callable[[], Front]) -> None:
+def tell_difference(
+    base: Cell, front: Front, plan_base: Callable[[], Front], lang: str = "en"
+) -> None:
     """Prints what the variant changed in the cell, and what becomes of each point of the base's
     front.
     """
     from tandem.errors import InfeasibleError, NothingFoundError
     from tandem.explain.compare import compare_cells
+    from tandem.explain.language import words
 
-    click.echo("")
-    click.echo(
-        "\n".join(
-            [
-                "compared with the cell as it is:",
-                *(f"  {change}" for change in compare_cells(base, front.cell)),
-            ]
-        )
-    )
+    t = words(lang)
+    changed = [f"  {change.sentence(lang)}" for change in compare_cells(base, front.cell)]
+    click.echo("\n".join(["", t("fronts.with"), *changed]))
     try:
-        click.echo("\n".join(difference_lines(plan_base(), front)))
+        click.echo("\n".join(difference_lines(plan_base(), front, lang)))
     except InfeasibleError:
-        click.echo("the cell as it is has no schedule at all.")
+        click.echo(t("fronts.infeasible"))
     except NothingFoundError:
-        click.echo("no schedule of the cell as it is was found within the limit.")
+        click.echo(t("fronts.not_found"))
 
 
-def difference(base: Cell, front: Front, plan_base: Callable[[], Front]) -> dict[str, Any]:
+def difference(
+    base: Cell, front: Front, plan_base: Callable[[], Front], lang: str = "en"
+) -> dict[str, Any]:
     """What `tell_difference` says, for programs: the changes of the cell, and of each point of the
     base's front.
 
@@ -80,7 +78,7 @@ def difference(base: Cell, front: Front, plan_base: Callable[[], Front]) -> dict
     from tandem.explain.fronts import changes
 
     found: dict[str, Any] = {
-        "cell": [change.to_dict() for change in compare_cells(base, front.cell)],
+        "cell": [change.to_dict(lang) for change in compare_cells(base, front.cell)],
         "base": None,
         "points": [],
     }
@@ -100,35 +98,32 @@ def difference(base: Cell, front: Front, plan_base: Callable[[], Front]) -> dict
     return {**found, "points": [change.to_dict() for change in changes(before, front)]}
 
 
-def difference_lines(base: Front, other: Front) -> list[str]:
+def difference_lines(base: Front, other: Front, lang: str = "en") -> list[str]:
     """A table: for each point of the base, what the other front offers at the same stress and in
     the same time.
     """
     from tandem.explain.fronts import changes
+    from tandem.explain.language import words
 
-    table: list[tuple[str, ...]] = [
-        ("point", "makespan", "stress", "at the same stress", "in the same time")
-    ]
+    t = words(lang)
+    heads = ("point", "makespan", "stress", "same_stress", "same_time")
+    table: list[tuple[str, ...]] = [tuple(t(f"fronts.{head}") for head in heads)]
     for place, change in enumerate(changes(base, other), 1):
-        time, load = change.makespan_then, change.stress_then
-        faster = (
-            "not possible" if time is None else f"{number(time)} s ({_signed(change.seconds)} s)"
-        )
-        easier = (
-            "not possible"
-            if load is None
-            else f"stress {number(load)} ({_signed(change.more_stress)})"
-        )
-        table.append(
-            (str(place), f"{number(change.makespan)} s", f"{number(change.stress)}", faster, easier)
-        )
+        faster = easier = t("fronts.impossible")
+        if change.makespan_then is not None and change.seconds is not None:
+            time, more = t.seconds(change.makespan_then), t.signed(change.seconds)
+            faster = t("fronts.faster", makespan=time, more=more)
+        if change.stress_then is not None and change.more_stress is not None:
+            load, more = t.number(change.stress_then), t.signed(change.more_stress)
+            easier = t("fronts.easier", stress=load, more=more)
+        values = (t.seconds(change.makespan), t.number(change.stress))
+        table.append((str(place), *values, faster, easier))
+    points = ", ".join(
+        t("fronts.pair", makespan=t.seconds(time), stress=t.number(load))
+        for time, load in other.points
+    )
     lines = aligned(table)
-    points = ", ".join(f"({number(time)} s, {number(load)})" for time, load in other.points)
-    lines.append(f"front then: {points}{'' if other.complete else ', not complete'}")
+    lines.append(t("fronts.then" if other.complete else "fronts.then.open", points=points))
     if not (base.complete and other.complete):
-        lines.append("not everything is proven: the differences are between what was found.")
+        lines.append(t("fronts.unproven"))
     return lines
-
-
-def _signed(value: float | None) -> str:
-    return "?" if value is None else signed(value)

@@ -8,9 +8,8 @@ that the plan holds, and against another one when it is asked to keep that too.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -19,13 +18,17 @@ from tandem.cell.written import number
 from tandem.errors import CellError, Fault, NotReadWarning, UnsoundScheduleError, UsageError
 from tandem.files.load import load
 from tandem.files.messages import shown
+from tandem.plan.choice import point_of
 from tandem.plan.question import Question
-from tandem.plan.result import Bound, Front, Result, Status, knee_index
+from tandem.plan.result import Bound, Front, Result, Status
 from tandem.report.language import words
 from tandem.report.project import stale_at_home
 from tandem.report.results import points_of, read_result, schedules_of
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import makespan, stress
+from tandem.schedule.model import Schedule
+
+__all__ = ["StoredPlan", "cell_in", "faults_in", "point_of", "read_plan", "stale_note", "stale_now"]
 
 CLOSE = 1e-6
 """Values of a document that are so close to those of its schedules are the same: seconds, stress.
@@ -81,72 +84,54 @@ def read_plan(path: Path, cell: Cell | None = None) -> StoredPlan:
         document says.
     """
     document = read_result(path)
-    held = _held(document, path)
-    if cell is None and held is None:
-        raise CellError(
-            [
-                Fault(
-                    "holds no cell: an earlier version of Tandem wrote it. Name the cell file"
-                    " beside it, or plan anew.",
-                    (),
-                    str(path),
-                )
-            ]
-        )
+    held = _held(document, path) if cell is not None else cell_in(document, path)
     made_for = document.get("cell_digest")
     if cell is not None:
         changed = cell if made_for not in (None, cell.digest) else None
         is_stale = changed is not None
     else:
-        changed, is_stale = _as_it_is_now(document, path)
+        changed, is_stale = stale_now(document, path)
     own = held or cell
     assert own is not None
-    front, wrong = _front(document, own, path, valued=held is not None or not is_stale)
+    values = points_of(document) if held is not None or not is_stale else []
+    wrong = faults_in(document, own, values)
     if cell is not None and cell != own:
-        wrong += [
-            f"{path}: point {place}: {fault}"
-            for place, result in enumerate(front, 1)
-            for fault in faults(cell, result.schedule)
-        ]
+        wrong += faults_in(document, cell)
     if wrong:
-        raise UnsoundScheduleError([*([stale_note(path)] if is_stale else []), *wrong])
-    return StoredPlan(front, made_for, is_stale, changed, path)
+        told = [f"{path}: point {place}: {fault}" for place, fault in wrong]
+        raise UnsoundScheduleError([*([stale_note(path)] if is_stale else []), *told])
+    return StoredPlan(_front(document, own), made_for, is_stale, changed, path)
 
 
-def point_of(
-    front: Front,
-    point: int | None = None,
-    makespan: float | None = None,
-    stress: float | None = None,
-) -> int:
-    """Index of the point that is meant: the one of this number, counted from 1; the one of least
-    stress within so many seconds; the quickest of at most so much stress; else the knee.
+def cell_in(document: Mapping[str, Any], path: Path) -> Cell:
+    """The cell that a result document holds. Raises CellError when it holds none that is sound."""
+    held = _held(document, path)
+    if held is None:
+        fault = (
+            "holds no cell: an earlier version of Tandem wrote it. Name the cell file beside it,"
+            " or plan anew."
+        )
+        raise CellError([Fault(fault, (), str(path))])
+    return held
 
-    Raises UsageError when more than one is given, or no point is so.
+
+def faults_in(
+    document: Mapping[str, Any], cell: Cell, values: Sequence[tuple[float, float]] = ()
+) -> list[tuple[int, str]]:
+    """What is wrong with the schedules of a result document: the number of the point, counted from
+    1, and a sentence. They are to keep the cell, to have the digest that is stated, and to be worth
+    these makespans and stresses if any are given.
     """
-    if sum(given is not None for given in (point, makespan, stress)) > 1:
-        raise UsageError("--point, --makespan and --stress exclude each other: give one of them.")
-    if point is not None and not 1 <= point <= len(front):
-        raise UsageError(f"--point {point}: {_has(front)}")
-    if point is not None:
-        return point - 1
-    if makespan is None and stress is None:
-        return knee_index(front.points)
-    latest, hardest = (inf if given is None else given for given in (makespan, stress))
-    fit = [
-        place
-        for place, (time, load) in enumerate(front.points)
-        if time <= latest + CLOSE and load <= hardest + CLOSE
-    ]
-    if not fit:
-        given = f"--makespan {number(latest)}" if stress is None else f"--stress {number(hardest)}"
-        raise UsageError(f"{given}: no point of the front keeps this; {_has(front)}")
-    return fit[-1] if stress is None else fit[0]
-
-
-def _has(front: Front) -> str:
-    points = ", ".join(f"({number(time)} s, {number(load)})" for time, load in front.points)
-    return f"the front has {len(front)} point{'s' * (len(front) != 1)}, counted from 1: {points}."
+    wrong = []
+    for place, schedule in enumerate(schedules_of(document), 1):
+        found = faults(cell, schedule)
+        if values and not found:
+            found += _worth(cell, schedule, values[place - 1])
+        stated = document["front"][place - 1].get("digest")
+        if stated not in (None, schedule.digest):
+            found.append(f"is said to be plan {shown(stated)}, but is plan {schedule.digest}.")
+        wrong += [(place, fault) for fault in found]
+    return wrong
 
 
 def _held(document: Mapping[str, Any], path: Path) -> Cell | None:
@@ -163,7 +148,7 @@ def _held(document: Mapping[str, Any], path: Path) -> Cell | None:
         raise CellError([fault.at(f"{path}, cell_document") for fault in error.faults]) from None
 
 
-def _as_it_is_now(document: Mapping[str, Any], path: Path) -> tuple[Cell | None, bool]:
+def stale_now(document: Mapping[str, Any], path: Path) -> tuple[Cell | None, bool]:
     """The cell of the file that the document names, where it is another now, and whether the plan
     is stale.
 
@@ -192,36 +177,25 @@ def _loaded(file: Path) -> Cell | None:
         return None
 
 
-def _front(
-    document: Mapping[str, Any], cell: Cell, path: Path, *, valued: bool
-) -> tuple[Front, list[str]]:
-    """The front of a document, and what is wrong with it; `valued`: its makespans and stresses are
-    those of this cell.
-    """
-    values, schedules = points_of(document), schedules_of(document)
-    wrong = []
-    for place, (schedule, told, row) in enumerate(
-        zip(schedules, values, document["front"], strict=True), 1
-    ):
-        found = faults(cell, schedule)
-        if valued and not found and not _is_worth(cell, schedule, told):
-            found.append(
-                f"is said to be worth {number(told[0])} s and a stress of {number(told[1])}, but"
-                f" takes {number(makespan(schedule))} s with {number(stress(cell, schedule))}."
-            )
-        if row.get("digest") not in (None, schedule.digest):
-            found.append(
-                f"is said to have the digest {shown(row['digest'])}, but has {schedule.digest}."
-            )
-        wrong += [f"{path}: point {place}: {fault}" for fault in found]
-    results = [
-        Result(cell, schedule, _status(row), _bound(row), row.get("canonical") is True)
-        for schedule, row in zip(schedules, document["front"], strict=True)
+def _worth(cell: Cell, schedule: Schedule, told: tuple[float, float]) -> list[str]:
+    """That a schedule is not worth what is told, if it is not."""
+    found = (makespan(schedule), stress(cell, schedule))
+    if all(abs(one - other) <= CLOSE for one, other in zip(found, told, strict=True)):
+        return []
+    return [
+        f"is said to be worth {number(told[0])} s and a stress of {number(told[1])}, but takes"
+        f" {number(found[0])} s with {number(found[1])}."
     ]
+
+
+def _front(document: Mapping[str, Any], cell: Cell) -> Front:
     source = document.get("source")
-    front = Front(
+    return Front(
         cell,
-        tuple(results),
+        tuple(
+            Result(cell, schedule, _status(row), _bound(row), row.get("canonical") is True)
+            for schedule, row in zip(schedules_of(document), document["front"], strict=True)
+        ),
         document.get("complete") is True,
         str(document.get("method", "")),
         str(document.get("solver", "")),
@@ -231,12 +205,6 @@ def _front(
         _question(document.get("question")),
         source if isinstance(source, str) else None,
     )
-    return front, wrong
-
-
-def _is_worth(cell: Cell, schedule: Any, told: tuple[float, float]) -> bool:
-    found = (makespan(schedule), stress(cell, schedule))
-    return all(abs(one - other) <= CLOSE for one, other in zip(found, told, strict=True))
 
 
 def _status(row: Mapping[str, Any]) -> Status:
