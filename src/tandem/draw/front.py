@@ -46,7 +46,7 @@ def plot_front(
         _frame(ax, front.knee, "knee")
         if front.shown(point) is not front.knee:
             _frame(ax, front.shown(point), "shown")
-        _labels(ax, front, t)
+        _labels(ax, front, point, t)
     title = t(
         "picture.complete" if front.complete else "picture.open",
         points=t.count("picture.points", len(front)),
@@ -161,11 +161,11 @@ def _frame(ax: Axes, result: Result, why: str) -> None:
     ax.plot(*at, ms=17, zorder=4, gid=why, **FRAMES[why])
 
 
-def _labels(ax: Axes, front: Front, t: Words) -> None:
+def _labels(ax: Axes, front: Front, point: int | None, t: Words) -> None:
     """The knee and the ends first, then every other point whose label meets no other."""
     from matplotlib.transforms import Bbox
 
-    knee = front.results.index(front.knee)
+    knee, shown = (front.results.index(result) for result in (front.knee, front.shown(point)))
     order = list(dict.fromkeys([knee, 0, len(front) - 1, *range(len(front))]))
     to_points = 72 / ax.figure.dpi
     dots = [to_points * ax.transData.transform((r.makespan, r.stress)) for r in front]
@@ -174,7 +174,7 @@ def _labels(ax: Axes, front: Front, t: Words) -> None:
         result, (x, y) = front[place], dots[place]
         key = "picture.point.knee" if place == knee and len(front) > 2 else "picture.point"
         label = t(key, makespan=t.seconds(result.makespan), stress=t.number(result.stress))
-        away = 10 if place == knee else 7
+        away = 10 if place in (knee, shown) else 7
         # Above right of a point lies only what it dominates: the one side that is always free of
         # other points.
         box = Bbox.from_bounds(x + away, y + away - 2, 5.6 * len(label), 11)
