@@ -7,8 +7,9 @@ from tandem.plan.result import Result, Status
 
 
 def imprint(result: Result, t: Words, *, stale: bool = False) -> str:
-    """The plan's short digest, and all that a reader must not overlook: that it is not proven, that
-    another run may give another schedule of the same values, that the cell has changed since.
+    """The plan's short digest, and all that a reader must not overlook: that the cell has
+    changed since, that it is not proven, that another run may give another schedule of the same
+    values.
     """
     open_ends = (
         ["unproven"]
@@ -17,5 +18,5 @@ def imprint(result: Result, t: Words, *, stale: bool = False) -> str:
         if result.canonical
         else ["not_canonical"]
     )
-    remarks = [t(f"imprint.{key}") for key in [*open_ends, *(["stale"] if stale else [])]]
+    remarks = [t(f"imprint.{key}") for key in [*(["stale"] if stale else []), *open_ends]]
     return "; ".join([t("imprint.plan", digest=result.schedule.digest), *remarks])
