@@ -170,9 +170,7 @@ def test_what_a_millisecond_buys_stands_in_the_journal_and_decides_alike(tmp_pat
             shift = Shift.open(cell, journal, settings, decider=patient)
             for line in islice(events(shift, SimulatedFloor(cell, ODD, ROUGH, 0)), 12):
                 shift.take(line)
-            shifts[steps] = [
-                entry.decision["why"] for entry in journal.entries() if entry.decision
-            ]
+            shifts[steps] = [entry.decision["why"] for entry in journal.entries() if entry.decision]
         with Journal(path, read_only=True) as journal:
             assert replay(cell, journal).differences == ()
     assert shifts[1.0] != shifts[100.0], "work matters, or this would show nothing"

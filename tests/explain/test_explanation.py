@@ -296,6 +296,6 @@ def test_a_point_that_is_not_the_best_is_told_so(thesis: Cell) -> None:
     found = alternative(thesis, point, "6", human)
     assert (found.better.makespan, found.better.stress) == (24, 3) if found.better else False
     assert (
-        sentence(thesis, found)
+        sentence(found)
         == "human (3 s): a better schedule, found only now, does it so: 24 s, stress 3."
     )

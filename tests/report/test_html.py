@@ -140,7 +140,7 @@ def test_all_numbers_are_in_the_page_as_data() -> None:
         re.search(r'<script type="application/json" id="result">(.*?)</script>', page, re.S)[1]
     )
     assert {key: document[key] for key in gearbox_front().to_dict()} == gearbox_front().to_dict()
-    assert document["cell_file"] == gearbox_front().cell.to_dict()
+    assert document["cell_document"] == gearbox_front().cell.to_dict()
 
 
 def test_nothing_is_fetched_from_anywhere() -> None:

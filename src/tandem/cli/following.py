@@ -125,7 +125,9 @@ def _recommended(cell: Cell, seed: int) -> tuple[Front, int] | None:
         front = plan(cell, time_limit=FRONT_S, seed=seed)
     except (InfeasibleError, NothingFoundError) as error:
         why = str(error).splitlines()[0].rstrip(".")
-        click.echo(f"no point of a front can be recommended ({why}): seconds alone count.", err=True)
+        click.echo(
+            f"no point of a front can be recommended ({why}): seconds alone count.", err=True
+        )
         return None
     point = knee_index(front.points)
     if not front.complete:

@@ -8,9 +8,16 @@ from typing import Any, TypeVar
 
 import click
 
+from tandem.cell.language import LANGUAGES
+from tandem.errors import UsageError
 from tandem.files.formats.table import FORMATS
 
 F = TypeVar("F", bound=Callable[..., Any])
+
+CELL = click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=True))
+AS_JSON = click.option(
+    "--json", "as_json", is_flag=True, help="Print one document on stdout and nothing else there."
+)
 
 FORMAT = click.option(
     "--format",
@@ -67,6 +74,25 @@ class Prior(click.ParamType):  # type: ignore[type-arg]  # older releases of cli
                 f"{value!r} is no list of factors and weights, such as 0.6:1,1:3,2:1.", param, ctx
             )
 
+
+LANGUAGE = click.option(
+    "--lang",
+    type=click.Choice(LANGUAGES),
+    default=LANGUAGES[0],
+    show_default=True,
+    help="Language of what is shown and written.",
+)
+OUTPUTS = click.option(
+    "-o",
+    "--output",
+    "outputs",
+    multiple=True,
+    type=click.Path(dir_okay=False, path_type=Path),
+    help=(
+        "Write .json, .csv, .svg, .png, .pdf, .html, .xlsx, .xml (MS Project) or .md; may be"
+        " repeated."
+    ),
+)
 
 _OF_DECIDERS = (
     click.option(
@@ -134,6 +160,14 @@ _OF_DECIDERS = (
         ),
     ),
 )
+
+
+def check_time(time_limit: float, workers: int | None) -> None:
+    """Raises UsageError for a time limit or a number of workers that makes no sense."""
+    if not time_limit > 0:
+        raise UsageError(f"--time-limit {time_limit}: must be more than 0 seconds.")
+    if workers is not None and workers < 1:
+        raise UsageError(f"--workers {workers}: must be 1 or more.")
 
 
 _OF_A_POINT = (

@@ -8,17 +8,18 @@ import datetime
 import json
 import shlex
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from tandem.cli.answers import difference, tell_difference, variant_options
-from tandem.cli.options import FORMAT, Weights
+from tandem.cli.options import FORMAT, LANGUAGE, OUTPUTS, Weights
 from tandem.cli.project import sound, tell_folder
 from tandem.cli.risk import told_risk
+from tandem.cli.stored import is_plan
+from tandem.cli.what_if import difference, tell_difference, variant_options
 from tandem.errors import CellError, Fault, UnsoundScheduleError, UsageError
 
 if TYPE_CHECKING:
@@ -91,15 +92,13 @@ if TYPE_CHECKING:
     is_flag=True,
     help="Print the result document on stdout and nothing else there.",
 )
+@OUTPUTS
 @click.option(
-    "-o",
-    "--output",
-    "outputs",
-    multiple=True,
-    type=click.Path(dir_okay=False, path_type=Path),
+    "--point",
+    type=int,
     help=(
-        "Write .json, .csv, .svg, .png, .pdf, .html, .xlsx, .xml (MS Project) or .md; may be"
-        " repeated."
+        "Whose schedule is shown, and stands in pictures, sheets and the MS Project file, counted"
+        " from 1; the recommended compromise when absent."
     ),
 )
 @variant_options
@@ -108,16 +107,7 @@ if TYPE_CHECKING:
     type=click.Path(dir_okay=False, path_type=Path),
     help="Write the report: one HTML file that opens offline.",
 )
-@click.option(
-    "--lang",
-    type=click.Choice(["en", "de"]),
-    default="en",
-    show_default=True,
-    help=(
-        "Language of the report, workbook, Markdown, MS Project file and pictures; what the"
-        " terminal shows is English."
-    ),
-)
+@LANGUAGE
 @click.option("-q", "--quiet", is_flag=True, help="No progress on stderr.")
 def plan_command(
     cell_file: str,
@@ -136,6 +126,7 @@ def plan_command(
     hint: Path | None,
     as_json: bool,
     outputs: tuple[Path, ...],
+    point: int | None,
     report: Path | None,
     sets: tuple[str, ...],
     without: tuple[str, ...],
@@ -150,10 +141,12 @@ def plan_command(
       tandem plan cell.yaml
       tandem plan cell.yaml --minimize makespan --json > result.json
       tandem plan cell.yaml --cv 0.2 --robust
+      tandem plan cell.yaml -o plan.json -o sheets.xlsx --point 2 --lang de
       tandem plan cell.yaml --set tasks.6.time.robot=8 --without robot2 --force 5=human
 
     With --set, --without or --force the variant is planned, and what becomes of each point of
-    CELL's own front is said.
+    CELL's own front is said. `tandem report plan.json` makes any file later, of any point, without
+    planning anew.
 
     Ctrl-C ends the search: what was found so far is printed with its bounds and saved (in
     CELL.interrupted.json when no .json file was asked for), and the exit code is 130.
@@ -162,7 +155,8 @@ def plan_command(
     from tandem.files.load import load
     from tandem.plan.methods import plan
     from tandem.plan.question import Question
-    from tandem.report.files import ready_to_write, write
+    from tandem.report.files import ready_to_write
+    from tandem.report.language import words
     from tandem.report.progress import SolveProgress
 
     if minimize and weights:
@@ -175,7 +169,7 @@ def plan_command(
     if sets or without or force:
         base, cell = cell, variant(cell, sets, without, force)
     begin = _first_schedule(hint, cell) if hint else None
-    with SolveProgress(quiet=quiet) as progress:
+    with SolveProgress(quiet=quiet, language=lang) as progress:
         front = plan(
             cell,
             question,
@@ -193,16 +187,10 @@ def plan_command(
     if front.interrupted and not any(path.suffix == ".json" for path in files):
         name = "stdin" if cell_file == "-" else Path(cell_file).stem
         files.append(Path(f"{name}.interrupted.json"))
-    for path in files:
-        write(
-            front,
-            path,
-            command=shlex.join(["tandem", *sys.argv[1:]]),
-            date=datetime.date.today().isoformat(),
-            language=lang,
-        )
+    point = None if point is None else _existing(front, point, files, lang) + 1
+    write_outputs(front, files, lang, point=point)
     if base is None or front.interrupted:
-        show(front, as_json)
+        show(front, as_json, lang, point=point)
     else:
         _show_variant(
             base,
@@ -211,31 +199,92 @@ def plan_command(
             lambda: plan(
                 base, question, method=method, time_limit=time_limit, seed=seed, workers=workers
             ),
+            lang,
+            point,
         )
-    for path in files:
-        click.echo(f"wrote {path}", err=True)
+    tell_written(files, lang)
     if front.interrupted:
-        click.echo("interrupted: this is the best found so far, with its bounds.", err=True)
+        click.echo(words(lang)("terminal.stopped"), err=True)
     return 130 if front.interrupted else 0
 
 
-def _show_variant(base: Cell, front: Front, as_json: bool, plan_base: Callable[[], Front]) -> None:
+def _existing(front: Front, point: int, files: Sequence[Path], lang: str) -> int:
+    """Index of the point that was asked for; when there is none, what shows no single point is
+    written before that is said, so that the search was not in vain.
+    """
+    from tandem.plan.choice import point_of
+
+    try:
+        return point_of(front, point)
+    except UsageError:
+        whole = [path for path in files if path.suffix.lower() == ".json"]
+        write_outputs(front, whole, lang)
+        tell_written(whole, lang)
+        raise
+
+
+def write_outputs(
+    front: Front,
+    files: Iterable[Path],
+    lang: str,
+    *,
+    point: int | None = None,
+    stale: bool = False,
+) -> None:
+    """Writes the files, with the command and the day."""
+    from tandem.report.files import write
+
+    for path in files:
+        write(
+            front,
+            path,
+            command=shlex.join(["tandem", *sys.argv[1:]]),
+            date=datetime.date.today().isoformat(),
+            language=lang,
+            point=point,
+            stale=stale,
+        )
+
+
+def tell_written(files: Iterable[Path], lang: str) -> None:
+    """Says on stderr which files were written."""
+    from tandem.report.language import words
+
+    for path in files:
+        click.echo(words(lang)("terminal.wrote", path=path), err=True)
+
+
+def _show_variant(
+    base: Cell,
+    front: Front,
+    as_json: bool,
+    plan_base: Callable[[], Front],
+    lang: str,
+    point: int | None,
+) -> None:
     """The front of a variant, and how it differs from that of the cell as it is: under `difference`
     in the document, or in words.
     """
     if as_json:
         click.echo(
             json.dumps(
-                {**front.to_dict(), "difference": difference(base, front, plan_base)},
+                {**front.to_dict(), "difference": difference(base, front, plan_base, lang)},
                 ensure_ascii=False,
             )
         )
         return
-    show(front, as_json)
-    tell_difference(base, front, plan_base)
+    show(front, as_json, lang, point=point)
+    tell_difference(base, front, plan_base, lang)
 
 
-def show(front: Front, as_json: bool) -> None:
+def show(
+    front: Front,
+    as_json: bool,
+    lang: str = "en",
+    *,
+    point: int | None = None,
+    stale: bool = False,
+) -> None:
     """The front on stdout: as the result document, or for people."""
     if as_json:
         click.echo(json.dumps(front.to_dict(), ensure_ascii=False))
@@ -244,11 +293,13 @@ def show(front: Front, as_json: bool) -> None:
 
     from tandem.report.terminal import FrontView
 
-    Console(file=sys.stdout, highlight=False).print(FrontView(front))
+    Console(file=sys.stdout, highlight=False).print(
+        FrontView(front, language=lang, point=point, stale=stale)
+    )
 
 
 @click.command("check")
-@click.argument("cell_file", metavar="CELL|FOLDER", type=click.Path(allow_dash=True))
+@click.argument("cell_file", metavar="CELL|PLAN|FOLDER", type=click.Path(allow_dash=True))
 @click.argument(
     "result_file",
     metavar="[RESULT]",
@@ -260,21 +311,22 @@ def show(front: Front, as_json: bool) -> None:
 def check_command(
     cell_file: str, result_file: Path | None, form: str | None, as_json: bool
 ) -> None:
-    """Say whether CELL is sound and, with RESULT, whether its schedules keep to it; of a project's
-    FOLDER, which results are stale.
+    """Say whether CELL is sound and, with RESULT, whether its schedules keep to it; whether a
+    stored PLAN keeps to the cell that it holds; of a project's FOLDER, which results are stale.
 
     \b
     Examples:
       tandem check cell.yaml
-      tandem check cell.yaml result.json
+      tandem check cell.yaml plan.json
+      tandem check plan.json
       tandem check line-3
 
     A result is stale when it was made for another state of the cell. Exit code 3 when the cell is
     not sound, 6 when a schedule breaks it.
     """
     from tandem.files.load import load
-    from tandem.report.results import read_result, schedules_of, stale
-    from tandem.schedule.checker import faults
+    from tandem.report.results import points_of, read_result, schedules_of, stale
+    from tandem.report.stored import cell_in, faults_in, stale_note, stale_now
 
     if cell_file != "-" and Path(cell_file).is_dir():
         if result_file is not None:
@@ -282,12 +334,16 @@ def check_command(
                 f"{cell_file} is a folder: give a cell file with a result, or the folder alone."
             )
         return tell_folder(Path(cell_file), as_json)
-    cell = load(cell_file, form)
-    document = read_result(result_file) if result_file else {"front": []}
-    found = [
-        (place, faults(cell, schedule))
-        for place, schedule in enumerate(schedules_of(document), start=1)
-    ]
+    if result_file is None and is_plan(cell_file):
+        result_file = Path(cell_file)
+        document = read_result(result_file)
+        cell, values = cell_in(document, result_file), points_of(document)
+        is_stale: bool | None = stale_now(document, result_file)[1]
+    else:
+        cell, values = load(cell_file, form), []
+        document = read_result(result_file) if result_file else {"front": []}
+        is_stale = stale(document, cell)
+    found = faults_in(document, cell, values)
     if as_json:
         answer: dict[str, Any] = {
             "schema_version": 1,
@@ -295,26 +351,20 @@ def check_command(
             "cell_digest": cell.digest,
         }
         if result_file:
-            answer["stale"] = stale(document, cell)
-        click.echo(
-            json.dumps(
-                {**answer, "faults": [{"point": p, "fault": f} for p, fs in found for f in fs]},
-                ensure_ascii=False,
-            )
-        )
-    if result_file and stale(document, cell):
-        click.echo(f"{result_file}: stale: made for another state of the cell.", err=True)
-    if any(wrong for _, wrong in found):
-        raise UnsoundScheduleError(
-            [f"schedule {place}: {fault}" for place, wrong in found for fault in wrong]
-        )
+            answer["stale"] = is_stale
+            answer["plans"] = [schedule.digest for schedule in schedules_of(document)]
+        wrong = [{"point": place, "fault": fault} for place, fault in found]
+        click.echo(json.dumps({**answer, "faults": wrong}, ensure_ascii=False))
+    if result_file and is_stale:
+        click.echo(stale_note(result_file), err=True)
+    if found:
+        raise UnsoundScheduleError([f"schedule {place}: {fault}" for place, fault in found])
     if not as_json:
         click.echo(sound(cell, cell_file))
-        if found:
-            click.echo(
-                f"{result_file}: {len(found)} schedule{'s' * (len(found) != 1)}, none breaks the"
-                " cell."
-            )
+        count = len(document["front"])
+        if count:
+            whose = "the cell" if str(result_file) != cell_file else "the cell that it holds"
+            click.echo(f"{result_file}: {count} schedule{'s' * (count != 1)}, none breaks {whose}.")
     return None
 
 
@@ -344,15 +394,12 @@ def methods_command(as_json: bool) -> None:
 
 def _first_schedule(path: Path, cell: Cell) -> Schedule:
     from tandem.report.results import read_result, schedules_of, stale
+    from tandem.report.stored import stale_note
 
     document = read_result(path)
     schedules = schedules_of(document)
     if not schedules:
         raise CellError([Fault("holds no schedule.", (), str(path))])
     if stale(document, cell):
-        click.echo(
-            f"--hint {path}: stale: made for another state of the cell; what does not fit is not"
-            " used.",
-            err=True,
-        )
+        click.echo(f"--hint {stale_note(path)} What does not fit is not used.", err=True)
     return schedules[0]

@@ -38,17 +38,22 @@ VERBS: dict[str, tuple[str, str, str]] = {
         "Say whether a cell is sound, and a result keeps to it.",
     ),
     "explain": (
-        "tandem.cli.answers",
+        "tandem.cli.explain",
         "explain_command",
         "Say why a schedule is so, and what else would cost.",
     ),
+    "report": (
+        "tandem.cli.report",
+        "report_command",
+        "Write reports, sheets and pictures of a stored plan.",
+    ),
     "compare": (
-        "tandem.cli.answers",
+        "tandem.cli.compare",
         "compare_command",
         "Say what changed between two cells or two results.",
     ),
     "sensitivity": (
-        "tandem.cli.answers",
+        "tandem.cli.sensitivity",
         "sensitivity_command",
         "Say which task time moves the front most.",
     ),

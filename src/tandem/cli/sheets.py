@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tandem.cli.columns import indented
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
@@ -157,11 +158,11 @@ def preview_text(draft: Draft) -> str:
                 ),
             )
         )
-    lines += _aligned(table)
+    lines += indented(table)
     if draft.rows:
         letters = [column.place.rpartition("!")[2].rstrip("0123456789") for column in draft.columns]
         lines += ["", "first rows:"]
-        lines += _aligned(
+        lines += indented(
             [
                 tuple(letters),
                 *(
@@ -185,15 +186,6 @@ def tell_notes(draft: Draft) -> None:
         for note in notes:
             click.echo(f"  {note}", err=True)
     sys.stderr.flush()
-
-
-def _aligned(rows: list[tuple[str, ...]]) -> list[str]:
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    return [
-        "  "
-        + "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    ]
 
 
 def _short(text: str) -> str:

@@ -17,12 +17,14 @@ POINT = "#0072B2"
 MOST_LABELS = 40
 
 
-def plot_front(front: Front, ax: Axes | None = None, *, language: str = "en") -> Axes:
+def plot_front(
+    front: Front, ax: Axes | None = None, *, language: str = "en", point: int | None = None
+) -> Axes:
     """Draws every point with its numbers and returns the axes.
 
     What the points dominate is shaded, the knee has a ring, and a point that is not proven is
-    hollow, with lines that reach to its bounds. Raises UsageError when pictures do not speak the
-    language.
+    hollow, with lines that reach to its bounds. `point`, counted from 1, has a square around it
+    when it is another than the knee. Raises UsageError when pictures do not speak the language.
     """
     t = words(language)
     ax = axes_or_new(ax, (7.0, 4.8))
@@ -41,27 +43,17 @@ def plot_front(front: Front, ax: Axes | None = None, *, language: str = "en") ->
         _dominated(ax, front, right, high)
         for result in front:
             _point(ax, result)
-        knee = front.knee
-        ax.plot(
-            [knee.makespan],
-            [knee.stress],
-            ls="",
-            marker="o",
-            ms=17,
-            mfc="none",
-            mec=INK,
-            mew=1.6,
-            zorder=4,
-            gid="knee",
-        )
-        _labels(ax, front, t)
+        _frame(ax, front.knee, "knee")
+        if front.shown(point) is not front.knee:
+            _frame(ax, front.shown(point), "shown")
+        _labels(ax, front, point, t)
     title = t(
         "picture.complete" if front.complete else "picture.open",
         points=t.count("picture.points", len(front)),
     )
     ax.set_title(title, loc="left", fontsize=11, fontweight="bold")
     if len(front):
-        _legend(ax, front, t)
+        _legend(ax, front, point, t)
     return ax
 
 
@@ -158,11 +150,22 @@ def _point(ax: Axes, result: Result) -> None:
     )
 
 
-def _labels(ax: Axes, front: Front, t: Words) -> None:
+FRAMES: dict[str, dict[str, Any]] = {
+    "knee": {"ls": "", "marker": "o", "mfc": "none", "mec": INK, "mew": 1.6},
+    "shown": {"ls": "", "marker": "s", "mfc": "none", "mec": INK, "mew": 1.6},
+}
+
+
+def _frame(ax: Axes, result: Result, why: str) -> None:
+    at = [result.makespan], [result.stress]
+    ax.plot(*at, ms=17, zorder=4, gid=why, **FRAMES[why])
+
+
+def _labels(ax: Axes, front: Front, point: int | None, t: Words) -> None:
     """The knee and the ends first, then every other point whose label meets no other."""
     from matplotlib.transforms import Bbox
 
-    knee = front.results.index(front.knee)
+    knee, shown = (front.results.index(result) for result in (front.knee, front.shown(point)))
     order = list(dict.fromkeys([knee, 0, len(front) - 1, *range(len(front))]))
     to_points = 72 / ax.figure.dpi
     dots = [to_points * ax.transData.transform((r.makespan, r.stress)) for r in front]
@@ -171,7 +174,7 @@ def _labels(ax: Axes, front: Front, t: Words) -> None:
         result, (x, y) = front[place], dots[place]
         key = "picture.point.knee" if place == knee and len(front) > 2 else "picture.point"
         label = t(key, makespan=t.seconds(result.makespan), stress=t.number(result.stress))
-        away = 10 if place == knee else 7
+        away = 10 if place in (knee, shown) else 7
         # Above right of a point lies only what it dominates: the one side that is always free of
         # other points.
         box = Bbox.from_bounds(x + away, y + away - 2, 5.6 * len(label), 11)
@@ -189,7 +192,7 @@ def _labels(ax: Axes, front: Front, t: Words) -> None:
         ax.annotate(label, (result.makespan, result.stress), (away, away - 2), **at)
 
 
-def _legend(ax: Axes, front: Front, t: Words) -> None:
+def _legend(ax: Axes, front: Front, point: int | None, t: Words) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -199,7 +202,9 @@ def _legend(ax: Axes, front: Front, t: Words) -> None:
         entries.append((Line2D([], [], mfc=POINT, ms=8, **marks), t("picture.proven")))
     if any(r.status != Status.OPTIMAL for r in front):
         entries.append((Line2D([], [], mfc="white", ms=8, **marks), t("picture.unproven")))
-    ring = Line2D([], [], ls="", marker="o", mfc="none", mec=INK, mew=1.6, ms=12)
+    ring = Line2D([], [], ms=12, **FRAMES["knee"])
     entries.append((ring, t("picture.knee" if len(front) > 2 else "picture.recommended")))
+    if front.shown(point) is not front.knee:
+        entries.append((Line2D([], [], ms=12, **FRAMES["shown"]), t("picture.shown")))
     entries.append((Patch(facecolor=SHADE, edgecolor="#7A828A"), t("picture.dominated")))
     legend_below(ax, entries)

@@ -35,18 +35,16 @@ class Shading:
     Attributes:
       fill: of what kind it looks: "break" or "changeover".
       hatch: matplotlib's notation for that.
-      word: what a legend in the terminal calls it.
     """
 
     fill: Literal["break", "changeover"]
     hatch: str
-    word: str
 
 
 SHADINGS = {
-    "break": Shading("break", "xxxx", "break"),
-    "setup": Shading("changeover", "....", "set-up"),
-    "changeover": Shading("changeover", "....", "tool changeover"),
+    "break": Shading("break", "xxxx"),
+    "setup": Shading("changeover", "...."),
+    "changeover": Shading("changeover", "...."),
 }
 """Kind of time off -> how it is shown; each has the words `picture.KIND` and `gantt.KIND`."""
 

@@ -7,8 +7,8 @@ from typing import Any
 
 from tandem.cell.model import Cell, plain
 from tandem.cell.parts import Mode
-from tandem.cell.written import number, signed
 from tandem.errors import CellError, InfeasibleError, NothingFoundError
+from tandem.explain.language import Words, words
 from tandem.explain.variant import force_modes
 from tandem.plan import exact
 from tandem.plan.instance import Instance
@@ -20,6 +20,8 @@ from tandem.schedule.model import Schedule
 
 TIME, STRESS, ANY = "time at the same stress", "stress in the same time", "any schedule"
 EVERYTHING = (TIME, STRESS, ANY)
+UNKNOWN = {TIME: "time", STRESS: "stress", ANY: "any"}
+"""Question -> the last part of its words' key."""
 
 
 @dataclass(frozen=True)
@@ -194,57 +196,45 @@ def rearranged(cell: Cell, schedule: Schedule) -> Schedule | None:
     return instance.schedule(state.starts())
 
 
-def sentence(cell: Cell, found: Alternative) -> str:
+def sentence(found: Alternative, language: str = "en") -> str:
     """What a person wants to know about the alternative."""
-    who = " + ".join(found.operators)
+    t = words(language)
+    way = {"who": " + ".join(found.operators), "time": t.seconds(found.time)}
     if not found.possible:
-        return f"{who} ({number(found.time)} s): no schedule allows it."
+        return t("other.impossible", **way)
     if found.open == EVERYTHING:
-        return f"{who} ({number(found.time)} s): not looked at, time was short."
+        return t("other.open", **way)
     if better := found.better:
-        size = f"{number(better.makespan)} s, stress {number(better.stress)}"
-        return (
-            f"{who} ({number(found.time)} s): a better schedule, found only now, does it so:"
-            f" {size}."
-        )
+        values = {"makespan": t.seconds(better.makespan), "stress": t.number(better.stress)}
+        return t("other.better", **way, **values)
     if found.costs_nothing:
-        return (
-            f"{who} ({number(found.time)} s): costs nothing, another schedule of the same makespan"
-            " and stress does it so."
-        )
+        return t("other.free", **way)
+    said = ""
+    for part in _costs(found, t):
+        said = t("or", first=said, last=part) if said else part
+    return t("other.costs", **way, costs=said)
+
+
+def _costs(found: Alternative, t: Words) -> list[str]:
     parts = []
-    if found.at_same_stress:
-        parts.append(
-            f"{_more(found.at_same_stress.seconds, ' s')}"
-            f" ({_size(found.at_same_stress, 'makespan')} s) at no more stress"
-        )
-    if found.in_same_time:
-        parts.append(
-            f"{_more(found.in_same_time.more_stress, ' stress')}"
-            f" ({_size(found.in_same_time, 'stress')}) in no more time"
-        )
-    if found.otherwise:
-        cost = found.otherwise
-        parts.append(
-            f"at best {number(cost.makespan)} s and stress {number(cost.stress)}"
-            f" ({_more(cost.seconds, ' s')}, {_more(cost.more_stress, ' stress')})"
-        )
+    if cost := found.at_same_stress:
+        parts.append(t("other.time", more=t.signed(cost.seconds), size=_size(cost, "makespan", t)))
+    if cost := found.in_same_time:
+        size = _size(cost, "stress", t)
+        parts.append(t("other.stress", more=t.signed(cost.more_stress), size=size))
+    if cost := found.otherwise:
+        values = {"makespan": t.seconds(cost.makespan), "stress": t.number(cost.stress)}
+        more = {"seconds": t.signed(cost.seconds), "more": t.signed(cost.more_stress)}
+        parts.append(t("other.any", **values, **more))
     if not found.at_same_stress and TIME not in found.open and found.in_same_time:
-        parts[-1] += "; no schedule keeps the stress"
+        parts[-1] = t("other.no_stress", cost=parts[-1])
     if not found.in_same_time and STRESS not in found.open and found.at_same_stress:
-        parts[-1] += "; no schedule keeps the time"
-    parts += [f"{question}: not known yet" for question in found.open]
-    return f"{who} ({number(found.time)} s): {', or '.join(parts)}."
+        parts[-1] = t("other.no_time", cost=parts[-1])
+    return parts + [t(f"other.unknown.{UNKNOWN[question]}") for question in found.open]
 
 
-def _size(cost: Cost, what: str) -> str:
+def _size(cost: Cost, what: str, t: Words) -> str:
     value: float = getattr(cost, what)
-    return (
-        f"{number(value)}"
-        if cost.proven or cost.bound >= value
-        else f"{number(cost.bound)} to {number(value)}"
-    )
-
-
-def _more(value: float, unit: str) -> str:
-    return f"{signed(value)}{unit}"
+    if cost.proven or cost.bound >= value:
+        return t.number(value)
+    return t("other.range", low=t.number(cost.bound), high=t.number(value))

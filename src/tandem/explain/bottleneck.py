@@ -11,8 +11,8 @@ from time import monotonic
 from typing import Any, Literal
 
 from tandem.cell.model import Cell, plain
-from tandem.cell.written import number
 from tandem.errors import CellError, InfeasibleError, NothingFoundError
+from tandem.explain.language import Words, listed, together, words
 from tandem.plan import exact
 from tandem.plan.instance import Instance
 from tandem.plan.method import Progress
@@ -67,7 +67,8 @@ class Bottleneck:
     needs_order: bool | None = None
     without: dict[str, float] = field(default_factory=dict)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self, language: str = "en") -> dict[str, Any]:
+        """The `floor` of an explanation's document; its sentences in this language."""
         return {
             "makespan": plain(self.makespan),
             "proven": self.proven,
@@ -81,7 +82,7 @@ class Bottleneck:
             "smallest": self.smallest,
             "needs_order": self.needs_order,
             "without": plain(self.without),
-            "sentences": sentences(self),
+            "sentences": sentences(self, language),
         }
 
 
@@ -349,104 +350,80 @@ def _sooner(
 # --- in words -------------------------------------------------------------------------------------
 
 
-def sentences(found: Bottleneck) -> list[str]:
+def sentences(found: Bottleneck, language: str = "en") -> list[str]:
     """The floor as a person would explain it."""
-    cap = (
-        "" if found.max_stress is None else f" with a stress of at most {number(found.max_stress)}"
-    )
+    t = words(language)
+    cap = "" if found.max_stress is None else t("floor.limit", limit=t.number(found.max_stress))
+    quickest = t.seconds(found.makespan)
     if found.kind == "open":
-        return [
-            f"{number(found.makespan)} s is the quickest found{cap}. What is proven so far is that"
-            f" nothing takes less than {number(found.bound)} s."
-        ]
-    head = f"{number(found.makespan)} s is the floor{cap}"
-    names = listed(found.tasks)
-    if found.kind == "chain":
-        parts = " + ".join(f"{number(seconds)}" for seconds in found.least.values())
-        begin = f" from {number(found.rest[0])} s on" if found.rest[0] else ""
-        whole = (
-            f"{names} must follow one another{begin} and take {parts} s even when each is done in"
-            " its quickest way"
-        )
-        if len(found.tasks) == 1:
-            whole = f"{names} alone takes {parts} s{begin} in its quickest way"
-        return [f"{head}: {whole}."]
-    if found.kind == "load":
-        who, total = found.operators[0], sum(found.least.values())
-        ahead = f"not before {number(found.rest[0])} s, " if found.rest[0] else ""
-        behind = f", and {number(found.rest[1])} s must follow" if found.rest[1] else ""
-        return [
-            f"{head}: only {who} can take part in {names}, {ahead}at least {number(total)} s of"
-            f" work{behind}."
-        ]
-    return [f"{head}: {stretches(found.cell, found.schedule)}.", *_group_sentences(found, names)]
+        return [t("floor.open", quickest=quickest, cap=cap, bound=t.seconds(found.bound))]
+    why = {"chain": _chain_words, "load": _load_words}.get(found.kind, _stretches)(found, t)
+    head = t("floor.head", quickest=quickest, cap=cap, why=why)
+    return [head, *(_group_sentences(found, t) if found.kind == "group" else [])]
 
 
-def _group_sentences(found: Bottleneck, names: str) -> list[str]:
+def _chain_words(found: Bottleneck, t: Words) -> str:
+    return t(
+        "floor.chain" if len(found.tasks) > 1 else "floor.alone",
+        names=listed(t, found.tasks),
+        parts=" + ".join(t.number(seconds) for seconds in found.least.values()),
+        begin=t("floor.from", seconds=t.seconds(found.rest[0])) if found.rest[0] else "",
+    )
+
+
+def _load_words(found: Bottleneck, t: Words) -> str:
+    ahead, behind = (
+        t(f"floor.{key}", seconds=t.seconds(rest)) if rest else ""
+        for key, rest in zip(("ahead", "behind"), found.rest, strict=True)
+    )
+    return t.count(
+        "floor.load",
+        len(found.tasks),
+        who=found.operators[0],
+        names=listed(t, found.tasks),
+        ahead=ahead,
+        total=t.seconds(sum(found.least.values())),
+        behind=behind,
+    )
+
+
+def _group_sentences(found: Bottleneck, t: Words) -> list[str]:
     if len(found.tasks) < len(found.cell.tasks):
         missing = [task for task in found.cell.tasks if task not in found.tasks]
-        which = names if len(missing) > 3 else f"all tasks but {listed(missing, '')}"
-        said = [
-            f"No other way is quicker, because {which} alone need"
-            f" it{'' if found.smallest else ' (fewer may, time was short)'}."
-        ]
-    else:
-        said = [
-            (
-                "No other way is quicker; every task has its share in it."
-                if found.smallest
-                else "No other way is quicker."
-            )
-        ]
-    if found.needs_order is False:
-        said.append(
-            "They would take as long if they could be done in any order: it is the work itself that"
-            " cannot be shared out better."
+        few = len(missing) <= 3
+        which = (
+            t("floor.but", names=listed(t, missing, word=False)) if few else listed(t, found.tasks)
         )
-    shorter = [f"{task}: {number(seconds)} s" for task, seconds in found.without.items()]
-    if shorter:
-        said.append(f"Without one of them the others could be done sooner ({', '.join(shorter)}).")
-    return said
+        fewer = "" if found.smallest else t("floor.fewer")
+        count = 2 if few else len(found.tasks)
+        said = [t.count("floor.need", count, which=which, open=fewer)]
+    else:
+        said = [t("floor.every" if found.smallest else "floor.none")]
+    if found.needs_order is False:
+        said.append(t("floor.order"))
+    sooner = ", ".join(f"{task}: {t.seconds(after)}" for task, after in found.without.items())
+    return [*said, t("floor.without", sooner=sooner)] if sooner else said
 
 
-def stretches(cell: Cell, schedule: Schedule) -> str:
-    """The critical path as stretches of work: "1, 2 and 4 keep robot busy until 18 s, then 6 keeps
-    human busy until 21 s".
+def _stretches(found: Bottleneck, t: Words) -> str:
+    """The critical path as stretches of work: "tasks 1, 2 and 4 keep robot busy until 18 s, then 6
+    keeps human busy until 21 s".
     """
-    path = critical_path(cell, schedule)
+    path = critical_path(found.cell, found.schedule)
     runs = [
         (who, list(links))
         for who, links in groupby(path, key=lambda link: link.assignment.operators)
     ]
-    said = []
-    for who, links in runs:
-        names = listed([link.assignment.task for link in links], "")
-        verb = "keep" if len(links) > 1 else "keeps"
-        said.append(
-            f"{names} {verb} {' and '.join(who)} busy until {number(links[-1].assignment.end)} s"
+    said = [
+        t.count(
+            f"stretch.{'next' if place else 'first'}",
+            len(links),
+            names=listed(t, [link.assignment.task for link in links], word=False),
+            who=together(t, who),
+            end=t.seconds(links[-1].assignment.end),
         )
+        for place, (who, links) in enumerate(runs)
+    ]
+    whole = t("stretch.then").join(said)
     begin = path[0].assignment.start if path else 0.0
-    after = f"from {number(begin)} s on " if begin else ""
-    return f"{after}task{'s' if path and len(runs[0][1]) > 1 else ''} " + ", then ".join(said)
-
-
-def listed(names: Sequence[str], word: str = "tasks") -> str:
-    """ "tasks 1, 2 and 4", "task 1"; four and more numbers in a row as "1 to 16"."""
-    runs = _runs(names)
-    text = runs[0] if len(runs) == 1 else f"{', '.join(runs[:-1])} and {runs[-1]}"
-    return f"{word.removesuffix('s') if len(names) == 1 else word} {text}".strip()
-
-
-def _runs(names: Sequence[str]) -> list[str]:
-    runs: list[list[str]] = []
-    for name in names:
-        if (
-            runs
-            and name.isdecimal()
-            and runs[-1][-1].isdecimal()
-            and int(name) == int(runs[-1][-1]) + 1
-        ):
-            runs[-1].append(name)
-        else:
-            runs.append([name])
-    return [text for run in runs for text in ([f"{run[0]} to {run[-1]}"] if len(run) > 3 else run)]
+    return t("stretch.from", begin=t.seconds(begin), stretches=whole) if begin else whole

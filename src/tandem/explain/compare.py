@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tandem.cell.model import Cell, plain
-from tandem.cell.written import number
+from tandem.explain.language import Words, words
 from tandem.files.yaml_writer import flow
 from tandem.schedule.measures import exact
 from tandem.schedule.model import Assignment, Schedule
@@ -27,14 +27,18 @@ class Change:
     after: Any
 
     def __str__(self) -> str:
-        return _sentence(self)
+        return self.sentence()
 
-    def to_dict(self) -> dict[str, Any]:
+    def sentence(self, language: str = "en") -> str:
+        """What it is now instead of what."""
+        return _sentence(self, words(language))
+
+    def to_dict(self, language: str = "en") -> dict[str, Any]:
         return {
             "path": list(self.path),
             "before": self.before,
             "after": self.after,
-            "sentence": str(self),
+            "sentence": self.sentence(language),
         }
 
 
@@ -51,77 +55,80 @@ def _differences(path: tuple[str, ...], before: Any, after: Any) -> Iterator[Cha
         yield Change(path, before, after)
 
 
-def _sentence(change: Change) -> str:
+def _sentence(change: Change, t: Words) -> str:
     path, before, after = change.path, change.before, change.after
     match path:
         case ("tasks" | "operators" | "tools" | "zones" as room, name):
             what = "new" if before is None else "gone" if after is None else "other"
-            return f"{room[:-1]} {name}: {what}" + (
-                f" ({_ways(after)})" if room == "tasks" and after else ""
-            )
+            said = t(f"cells.{what}", what=t(f"cells.{room}", name=name))
+            return said + (f" ({_ways(after, t)})" if room == "tasks" and after else "")
         case ("tasks", name, "time", who):
+            values = {"name": name, "who": who}
             if after is None:
-                return f"task {name}: {who} can no longer do it (took {number(before)} s)"
-            return (
-                f"task {name}: {who} can do it now, in {number(after)} s"
-                if before is None
-                else f"task {name}: {who} takes {number(after)} s instead of {number(before)} s"
-            )
+                return t("cells.no_longer", **values, before=t.seconds(before))
+            if before is None:
+                return t("cells.can", **values, after=t.seconds(after))
+            return t("cells.takes", **values, after=t.seconds(after), before=t.seconds(before))
         case ("tasks", name, "after"):
-            return f"task {name}: {_list_change('waits for', before or [], after or [])}"
+            said = _list_change("cells.waits", before or [], after or [], t)
+            return t("cells.waits", name=name, said=said)
         case ("tasks", name, "together"):
             if not before or not after:
-                can = (
-                    "can be done together now, by"
-                    if after
-                    else "can no longer be done together, as by"
-                )
-                return f"task {name}: {can} {_joint(after or before)}"
-            return f"task {name}: done together by {_joint(after)} instead of {_joint(before)}"
-    where = (
-        f"{path[0][:-1]} {path[1]}: {' of '.join(path[2:])}"
-        if path[0] in ("tasks", "operators", "tools", "zones") and len(path) > 2
-        else ".".join(path)
-    )
-    return f"{where} is {_shown(after)} instead of {_shown(before)}"
+                new = "new" if after else "gone"
+                return t(f"cells.joint.{new}", name=name, ways=_joint(after or before, t))
+            return t("cells.joint", name=name, after=_joint(after, t), before=_joint(before, t))
+    where = ".".join(path)
+    if path[0] in ("tasks", "operators", "tools", "zones") and len(path) > 2:
+        what = t(f"cells.{path[0]}", name=path[1])
+        where = t("cells.key", what=what, keys=t("cells.of").join(path[2:]))
+    return t("cells.value", where=where, after=_shown(after, t), before=_shown(before, t))
 
 
-def _ways(task: Mapping[str, Any]) -> str:
-    times = [f"{who} {number(seconds)} s" for who, seconds in task.get("time", {}).items()]
-    return ", ".join(
-        [
-            *times,
-            *(
-                f"{' + '.join(map(str, way['operators']))} {number(way['time'])} s"
-                for way in task.get("together", ())
-            ),
-        ]
-    )
+def _ways(task: Mapping[str, Any], t: Words) -> str:
+    times = [f"{who} {t.seconds(seconds)}" for who, seconds in task.get("time", {}).items()]
+    joint = [
+        f"{' + '.join(map(str, way['operators']))} {t.seconds(way['time'])}"
+        for way in task.get("together", ())
+    ]
+    return ", ".join([*times, *joint])
 
 
-def _list_change(verb: str, before: list[Any], after: list[Any]) -> str:
+def _list_change(key: str, before: list[Any], after: list[Any], t: Words) -> str:
     more = [str(name) for name in after if name not in before]
     less = [str(name) for name in before if name not in after]
-    said = [f"now {verb} {', '.join(more)}"] if more else []
-    said += [f"no longer {verb} {', '.join(less)}"] if less else []
-    return " and ".join(said) or f"{verb} the same in another order"
+    said = [
+        t(f"{key}.{kind}", names=", ".join(names))
+        for kind, names in (("more", more), ("less", less))
+        if names
+    ]
+    if len(said) > 1:
+        return t("and", first=said[0], last=said[1])
+    return said[0] if said else t(f"{key}.order")
 
 
-def _joint(ways: list[Mapping[str, Any]] | None) -> str:
+def _joint(ways: list[Mapping[str, Any]] | None, t: Words) -> str:
     """Joint ways in words: "anna + cobot in 12 s, stress 3"."""
-    said = []
+    said = ""
     for way in ways or ():
+        values = {
+            "who": " + ".join(map(str, way["operators"])),
+            "seconds": t.seconds(way["time"]),
+        }
         load = way.get("stress")
-        stress = "" if load is None else f", stress {_shown(load)}"
-        said.append(f"{' + '.join(map(str, way['operators']))} in {number(way['time'])} s{stress}")
-    return " or ".join(said)
+        one = (
+            t("cells.way", **values)
+            if load is None
+            else t("cells.way.stress", **values, stress=_shown(load, t))
+        )
+        said = t("cells.ways", first=said, last=one) if said else one
+    return said
 
 
-def _shown(value: Any) -> str:
+def _shown(value: Any, t: Words) -> str:
     """A value as the cell file has it; text in quotes."""
     if isinstance(value, str):
         return repr(value)
-    return "nothing" if value is None else flow(plain(value), name=True)
+    return t("cells.nothing") if value is None else flow(plain(value), name=True)
 
 
 # --- schedules ------------------------------------------------------------------------------------
@@ -164,25 +171,20 @@ class Move:
         )
 
     def __str__(self) -> str:
-        if self.before is None or self.after is None:
-            row = self.before or self.after
-            assert row is not None
-            when = "only before" if self.after is None else "only after"
-            return (
-                f"task {self.task}: {when}, {' + '.join(row.operators)}, {number(row.start)} to"
-                f" {number(row.end)} s"
-            )
-        who = (
-            f"{' + '.join(self.before.operators)} -> {' + '.join(self.after.operators)}, "
-            if self.other_operators
-            else ""
-        )
-        return (
-            f"task {self.task}:"
-            f" {who or ' + '.join(self.after.operators) + ', '}{number(self.before.start)} to"
-            f" {number(self.before.end)} s -> {number(self.after.start)} to"
-            f" {number(self.after.end)} s"
-        )
+        return self.sentence()
+
+    def sentence(self, language: str = "en") -> str:
+        """Who did it when, and who does it when now."""
+        t = words(language)
+        who, span = [], []
+        for row in filter(None, (self.before, self.after)):
+            who.append(" + ".join(row.operators))
+            span.append(t("span", start=t.number(row.start), end=t.number(row.end)))
+        if len(who) == 1:
+            when = "before" if self.after is None else "after"
+            return t(f"move.{when}", task=self.task, who=who[0], span=span[0])
+        by = " -> ".join(who) if self.other_operators else who[1]
+        return t("move.moved", task=self.task, who=by, before=span[0], after=span[1])
 
     def to_dict(self) -> dict[str, Any]:
         return {

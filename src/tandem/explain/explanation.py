@@ -7,21 +7,23 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import monotonic
 from typing import Any
 
 from tandem.cell.model import Cell, plain
 from tandem.cell.names import Known, clean
-from tandem.cell.written import number
+from tandem.draw.imprint import imprint
 from tandem.errors import UsageError
 from tandem.explain.alternatives import EVERYTHING, Alternative, alternative, sentence
-from tandem.explain.bottleneck import Bottleneck, floor, listed
+from tandem.explain.bottleneck import Bottleneck, floor
+from tandem.explain.language import listed, words
 from tandem.explain.variant import ways_not_taken
 from tandem.explain.waiting import Waiting, waiting
+from tandem.plan.choice import point_of
 from tandem.plan.methods import plan
 from tandem.plan.question import Question
-from tandem.plan.result import Front, Result
+from tandem.plan.result import Front, Result, Status
 from tandem.schedule.model import Assignment
 
 SHARE_FOR_FRONT = 0.3
@@ -47,18 +49,26 @@ class TaskAnswer:
     waiting: Waiting
     alternatives: tuple[Alternative, ...]
 
-    def sentences(self) -> list[str]:
+    def sentences(self, language: str = "en") -> list[str]:
         """Who and when, why then, and each alternative."""
+        t = words(language)
         a = self.assignment
         label = self.cell.tasks[a.task].label
-        head = (
-            f"task {a.task}{f' ({label})' if label else ''}: {' + '.join(a.operators)},"
-            f" {number(a.start)} to {number(a.end)} s; {self.waiting}"
+        head = t(
+            "explain.task.label" if label else "explain.task",
+            task=a.task,
+            label=label,
+            who=" + ".join(a.operators),
+            span=t("span", start=t.number(a.start), end=t.number(a.end)),
+            waiting=self.waiting.sentence(language),
         )
-        others = [f"  instead {sentence(self.cell, other)}" for other in self.alternatives]
-        return [head, *(others or ["  nobody else can do it"])]
+        others = [
+            t("explain.instead", sentence=sentence(other, language)) for other in self.alternatives
+        ]
+        return [head, *(f"  {other}" for other in others or [t("explain.nobody")])]
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self, language: str = "en") -> dict[str, Any]:
+        """One entry of `tasks` in an explanation's document; its sentences in this language."""
         a = self.assignment
         place = {
             "task": a.task,
@@ -70,7 +80,7 @@ class TaskAnswer:
             **place,
             **self.waiting.to_dict(),
             "alternatives": [other.to_dict() for other in self.alternatives],
-            "sentences": self.sentences(),
+            "sentences": self.sentences(language),
         }
 
 
@@ -93,20 +103,22 @@ class Explanation:
     def result(self) -> Result:
         return self.front[self.point - 1]
 
-    def to_dict(self) -> dict[str, Any]:
-        """The document of `tandem explain --json`."""
+    def to_dict(self, language: str = "en") -> dict[str, Any]:
+        """The document of `tandem explain --json`; its sentences in this language."""
         return {
             "schema_version": 1,
             "cell": self.front.cell.name,
             "cell_digest": self.front.cell.digest,
             "point": self.point,
+            "digest": self.result.schedule.digest,
+            "canonical": self.result.canonical,
             "makespan": plain(self.result.makespan),
             "stress": plain(self.result.stress),
             "status": str(self.result.status),
             "complete": self.front.complete,
             "front": [[plain(time), plain(load)] for time, load in self.front.points],
-            "floor": self.floor.to_dict() if self.floor else None,
-            "tasks": [answer.to_dict() for answer in self.tasks],
+            "floor": self.floor.to_dict(language) if self.floor else None,
+            "tasks": [answer.to_dict(language) for answer in self.tasks],
             "solver": self.front.solver,
             "seed": self.front.seed,
             "wall_s": round(self.wall_s, 3),
@@ -116,8 +128,11 @@ class Explanation:
 def explain(
     cell: Cell,
     *,
+    front: Front | None = None,
     task: str | None = None,
     point: int | None = None,
+    makespan: float | None = None,
+    stress: float | None = None,
     time_limit: float = 17.0,
     seed: int = 0,
     workers: int | None = None,
@@ -127,9 +142,11 @@ def explain(
     anew, and says whether it is proven.
 
     Args:
+      front: whose points are explained, as they are; planned when not given.
       task: only this one; without the floor.
       point: of the front, counted from 1 in order of makespan; the recommended compromise when not
         given.
+      makespan, stress: instead, as `plan.choice.point_of` takes them.
       time_limit: seconds for everything. Costs that are not proven by then come with their bounds,
         or as not known.
       workers: threads that plan at the same time; one a core when not given.
@@ -145,20 +162,21 @@ def explain(
     if task is not None and task not in cell.tasks:
         raise UsageError(f"there is no task {task!r}. {Known(cell.tasks).hint(task)}")
     threads = workers or os.cpu_count() or 1
-    front = plan(
-        cell,
-        Question(),
-        time_limit=max(time_limit * SHARE_FOR_FRONT, 0.2),
-        seed=seed,
-        workers=workers,
-    )
-    place = chosen_point(front, point)
+    if front is None:
+        front = plan(
+            cell,
+            Question(),
+            time_limit=max(time_limit * SHARE_FOR_FRONT, 0.2),
+            seed=seed,
+            workers=workers,
+        )
+    place = point_of(front, point, makespan, stress) + 1
     tell = on_answer or (lambda answer: None)
     tell(front)
     held = None
     if task is None:
-        cap = front[place - 1].stress if point is not None and place > 1 else None
-        quickest = front[place - 1] if cap is not None else front[0]
+        named = any(given is not None for given in (point, makespan, stress))
+        quickest, cap = _quickest(front, place if named else 1)
         held = floor(
             cell,
             quickest,
@@ -178,20 +196,15 @@ def explain(
     return Explanation(front, place, tuple(answers), held, monotonic() - began)
 
 
-def chosen_point(front: Front, point: int | None) -> int:
-    """The number of the point, counted from 1; that of the knee when none is given.
-
-    Raises:
-      UsageError: the front has no such point.
+def _quickest(front: Front, place: int) -> tuple[Result, float | None]:
+    """The point of this number as the quickest of all schedules with at most so much stress; None
+    where the stress is no matter.
     """
-    if point is None:
-        return front.results.index(front.knee) + 1
-    if not 1 <= point <= len(front):
-        raise UsageError(
-            f"point {point}: the front has {len(front)} point{'s' * (len(front) != 1)}, counted"
-            " from 1 in order of makespan."
-        )
-    return point
+    result, asked = front[place - 1], front.question
+    if result.bound.makespan < result.makespan:  # whatever was asked, that is not proven
+        result = replace(result, status=Status.FEASIBLE)
+    no_matter = asked.max_stress is None and asked.minimize in ("front", "makespan") and place == 1
+    return result, None if no_matter else result.stress
 
 
 def _answers(
@@ -227,15 +240,21 @@ def _answers(
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-def heading(front: Front, place: int) -> str:
-    """One sentence about the point that is explained."""
-    result = front[place - 1]
+def heading(front: Front, place: int, language: str = "en", *, stale: bool = False) -> str:
+    """One sentence about the point that is explained; `stale`: its cell has changed since."""
+    result, t = front[place - 1], words(language)
     who = "; ".join(
-        f"{name} does {listed([a.task for a in rows], '')}"
+        t("explain.does", who=name, tasks=listed(t, [a.task for a in rows], word=False))
         for name in front.cell.operators
         if (rows := result.schedule.of(name))
     )
-    return (
-        f"point {place} of {len(front)}: makespan {number(result.makespan)} s, stress"
-        f" {number(result.stress)} ({result.status}). {who}."
+    return t(
+        "explain.point",
+        n=place,
+        of=len(front),
+        makespan=t.seconds(result.makespan),
+        stress=t.number(result.stress),
+        status=t(f"status.{result.status}"),
+        plan=imprint(result, t, stale=stale),
+        who=who,
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tandem.cell.model import Cell, plain
-from tandem.cell.written import number
+from tandem.explain.language import Words, words
 from tandem.schedule.critical import Link, critical_path, links, slack
 from tandem.schedule.model import Schedule
 
@@ -27,17 +27,17 @@ class Waiting:
     critical: bool
 
     def __str__(self) -> str:
-        reasons = list(dict.fromkeys(_reason(link) for link in self.links)) or [
-            "could start earlier"
-        ]
-        free = (
-            ", on the critical path"
-            if self.critical
-            else f", may slip by {number(self.slack)} s"
-            if self.slack
-            else ", cannot slip"
-        )
-        return " and ".join(reasons) + free
+        return self.sentence()
+
+    def sentence(self, language: str = "en") -> str:
+        """Every reason, and whether the task may slip."""
+        t = words(language)
+        reasons = list(dict.fromkeys(_reason(link, t) for link in self.links))
+        said = t("wait.choice")
+        for place, reason in enumerate(reasons):
+            said = t("and", first=said, last=reason) if place else reason
+        key = "critical" if self.critical else "slack" if self.slack else "fixed"
+        return t(f"wait.{key}", reasons=said, seconds=t.seconds(self.slack))
 
     def to_dict(self) -> dict[str, Any]:
         waits = [
@@ -54,20 +54,10 @@ def waiting(cell: Cell, schedule: Schedule) -> Mapping[str, Waiting]:
     return {a.task: Waiting(held[a.task], free[a.task], a.task in critical) for a in schedule}
 
 
-def _reason(link: Link) -> str:
-    match link.reason:
-        case "start":
-            return "starts at the beginning"
-        case "release":
-            return f"starts at its release, {number(link.assignment.start)} s"
-        case "predecessor":
-            return f"waits for task {link.by}, its predecessor"
-        case "operator":
-            return f"waits for {link.by}, busy with {link.waited_for}"
-        case "changeover":
-            return f"waits for {link.by}, who changes tools after {link.waited_for}"
-        case "tool" | "zone":
-            return f"waits for {link.reason} {link.by}, held by {link.waited_for}"
-        case "choice":
-            return "could start earlier"
-    return f"waits for the end of {link.by}'s {link.reason}"  # a time off
+def _reason(link: Link, t: Words) -> str:
+    return t(
+        f"wait.{link.reason}",
+        by=link.by,
+        task=link.waited_for,
+        start=t.seconds(link.assignment.start),
+    )

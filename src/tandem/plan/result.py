@@ -188,6 +188,10 @@ class Front:
         )
         return kept[knee_index([(late[place], self.points[place][1]) for place in kept])]
 
+    def shown(self, point: int | None = None) -> Result:
+        """The point of this number, counted from 1; the knee when none is given."""
+        return self.knee if point is None else self.results[point - 1]
+
     def to_dict(self) -> dict[str, Any]:
         """The result document of `tandem plan --json`."""
         return {

@@ -10,20 +10,24 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from tandem.cell.written import number
+from tandem.draw.imprint import imprint
 from tandem.draw.saving import save
 from tandem.draw.style import task_label
 from tandem.errors import UsageError
 from tandem.files.atomic import store
 from tandem.plan.result import Front
 from tandem.report.html import write_html
+from tandem.report.language import words
 from tandem.schedule.critical import critical_path, slack
 from tandem.schedule.measures import mode_of
 
 COLUMNS = (
     "point", "makespan_s", "stress", "status", "bound_makespan_s", "bound_stress", "knee",
     "task", "label", "operators", "start_s", "end_s", "task_stress", "slack_s", "critical",
+    "plan", "canonical", "shown", "stale",
 )  # fmt: skip
 
 
@@ -34,10 +38,17 @@ def write(
     command: str = "",
     date: str = "",
     language: str = "en",
+    point: int | None = None,
+    stale: bool = False,
 ) -> Path:
     """Writes the front as the ending of the name says, a line of `EXPORTERS`, and returns where.
 
-    `command` and `date` are for the reports, `language` for them and the pictures.
+    Args:
+      command, date: for the reports.
+      language: of reports and pictures.
+      point: whose schedule pictures, sheets and the MS Project file show, counted from 1; the
+        recommended one when not given.
+      stale: the cell has changed since; the file says so.
 
     Raises:
       UsageError: the name has none of these endings.
@@ -46,7 +57,7 @@ def write(
     ending = Path(path).suffix.lower()
     if ending not in EXPORTERS:
         raise UsageError(_not_ready(Path(path)))
-    EXPORTERS[ending].write(front, Path(path), About(command, date, language))
+    EXPORTERS[ending].write(front, Path(path), About(command, date, language, point, stale))
     return Path(path)
 
 
@@ -79,12 +90,13 @@ def _not_ready(path: Path) -> str:
     return ""
 
 
-def to_json(front: Front) -> str:
-    """The result document as text."""
-    return json.dumps(front.to_dict(), indent=2, ensure_ascii=False) + "\n"
+def to_json(front: Front, *, stale: bool = False) -> str:
+    """The result document as text; with `stale` when the cell has changed since."""
+    document = {**front.to_dict(), **({"stale": True} if stale else {})}
+    return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
 
 
-def to_csv(front: Front) -> str:
+def to_csv(front: Front, *, point: int | None = None, stale: bool = False) -> str:
     """One row for each task of each point, times in seconds, decimals with a point.
 
     A name that a spreadsheet would take for a formula gets an apostrophe in front, as spreadsheets
@@ -93,23 +105,24 @@ def to_csv(front: Front) -> str:
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\r\n")
     writer.writerow(COLUMNS)
-    writer.writerows(_rows(front))
+    writer.writerows(_rows(front, point, stale))
     return buffer.getvalue()
 
 
-def _rows(front: Front) -> Iterator[list[str]]:
-    knee = front.knee if len(front) else None
+def _rows(front: Front, point: int | None, stale: bool) -> Iterator[list[str]]:
+    knee, shown = (front.knee, front.shown(point)) if len(front) else (None, None)
     for place, result in enumerate(front, 1):
         path = {link.assignment.task for link in critical_path(front.cell, result.schedule)}
         slacks = slack(front.cell, result.schedule)
-        point = [
+        values = [
             str(place),
             number(result.makespan),
             number(result.stress),
             str(result.status),
             number(result.bound.makespan),
         ]
-        point += [number(result.bound.stress), "yes" if result is knee else "no"]
+        values += [number(result.bound.stress), _yes(result is knee)]
+        plan = [result.schedule.digest, _yes(result.canonical), _yes(result is shown), _yes(stale)]
         for a in result.schedule:
             mode = mode_of(front.cell, a)
             load = number(sum(mode.stress.values())) if mode else ""
@@ -118,14 +131,19 @@ def _rows(front: Front) -> Iterator[list[str]]:
                 for name in (a.task, task_label(front.cell, a.task), " + ".join(a.operators))
             ]
             yield [
-                *point,
+                *values,
                 *names,
                 number(a.start),
                 number(a.end),
                 load,
                 number(slacks[a.task]),
-                "yes" if a.task in path else "no",
+                _yes(a.task in path),
+                *plan,
             ]
+
+
+def _yes(value: bool) -> str:
+    return "yes" if value else "no"
 
 
 def _harmless(name: str) -> str:
@@ -137,21 +155,33 @@ def _harmless(name: str) -> str:
 
 @dataclass(frozen=True)
 class About:
-    """What stands in an export beside the front: the command that made it, the day, the
-    language.
+    """What stands in an export beside the front: the command that made it, the day, the language,
+    which point is shown, and whether the cell has changed since.
     """
 
     command: str
     date: str
     language: str
+    point: int | None
+    stale: bool
+
+    @property
+    def everywhere(self) -> dict[str, Any]:
+        """As the arguments of a writer of reports."""
+        return vars(self)
+
+    @property
+    def shown(self) -> dict[str, Any]:
+        """As the arguments of a writer that tells neither command nor day."""
+        return {key: value for key, value in vars(self).items() if key not in ("command", "date")}
 
 
 def _write_json(front: Front, path: Path, about: About) -> None:
-    store(path, to_json(front))
+    store(path, to_json(front, stale=about.stale))
 
 
 def _write_csv(front: Front, path: Path, about: About) -> None:
-    text = to_csv(front)
+    text = to_csv(front, point=about.point, stale=about.stale)
     # Excel takes a CSV file for the local 8-bit encoding unless it begins with this mark; plain
     # ASCII does without.
     store(path, text if text.isascii() else text.encode("utf-8-sig"))
@@ -160,30 +190,33 @@ def _write_csv(front: Front, path: Path, about: About) -> None:
 def _write_picture(front: Front, path: Path, about: About) -> None:
     from tandem.draw.overview import overview
 
-    save(overview(front, language=about.language), path)
+    says = ""
+    if len(front):
+        says = imprint(front.shown(about.point), words(about.language), stale=about.stale)
+    save(overview(front, **about.shown), path, about=says)
 
 
 def _write_html(front: Front, path: Path, about: About) -> None:
-    write_html(front, path, command=about.command, date=about.date, language=about.language)
+    write_html(front, path, **about.everywhere)
 
 
 def _write_workbook(front: Front, path: Path, about: About) -> None:
     from tandem.report.xlsx import xlsx
 
-    store(path, xlsx(front, command=about.command, date=about.date, language=about.language))
+    store(path, xlsx(front, **about.everywhere))
 
 
 def _write_project(front: Front, path: Path, about: About) -> None:
     from tandem.report.mspdi import mspdi
 
-    store(path, mspdi(front.knee, language=about.language))
+    result = front.shown(about.point)
+    store(path, mspdi(result, language=about.language, stale=about.stale))
 
 
 def _write_markdown(front: Front, path: Path, about: About) -> None:
     from tandem.report.markdown import markdown
 
-    text = markdown(front, command=about.command, date=about.date, language=about.language)
-    store(path, text)
+    store(path, markdown(front, **about.everywhere))
 
 
 @dataclass(frozen=True)
@@ -194,7 +227,7 @@ class Exporter:
     write: Callable[[Front, Path, About], None]
 
 
-PICTURE = "the front above the recommended plan's Gantt chart"
+PICTURE = "the front above one plan's Gantt chart"
 
 EXPORTERS: dict[str, Exporter] = {
     ".json": Exporter("every number, for programs; the same in every language", _write_json),
@@ -204,7 +237,7 @@ EXPORTERS: dict[str, Exporter] = {
     ".pdf": Exporter(PICTURE, _write_picture),
     ".html": Exporter("the report in one file that opens offline", _write_html),
     ".xlsx": Exporter("a workbook, which `tandem import` reads too", _write_workbook),
-    ".xml": Exporter("the recommended plan for MS Project", _write_project),
+    ".xml": Exporter("one plan for MS Project", _write_project),
     ".md": Exporter("the report for wikis", _write_markdown),
 }
 """How a file's name ends -> what is written there. A new exporter is a line here."""

@@ -12,6 +12,7 @@ from importlib import resources
 from pathlib import Path
 
 from tandem.cell.model import Cell
+from tandem.draw.imprint import imprint
 from tandem.draw.lanes import kinds_shaded, lanes
 from tandem.draw.style import Look, looks
 from tandem.files.atomic import store
@@ -20,11 +21,12 @@ from tandem.report.instruction_sheet import sheets
 from tandem.report.language import Words, words
 from tandem.report.markup import Markup, hatch_id, hatches, tag
 from tandem.report.players import Player, players_section
+from tandem.report.risk import is_told, risk_heads, risk_note, risk_rows
 from tandem.report.sources import assumptions, made
 from tandem.report.svg_front import front_chart
 from tandem.report.svg_gantt import gantt
 from tandem.report.svg_graph import chain_words, graph
-from tandem.report.tables import balance, plans, steps, tasks
+from tandem.report.tables import balance, plans, steps, table, tasks
 from tandem.schedule.critical import critical_path
 
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
@@ -39,6 +41,8 @@ def write_html(
     date: str = "",
     language: str = "en",
     players: Sequence[Player] = (),
+    point: int | None = None,
+    stale: bool = False,
 ) -> Path:
     """Writes the report and returns where. The same arguments give the same bytes.
 
@@ -46,12 +50,23 @@ def write_html(
       command: the command line that made the front, to be printed in the report.
       date: when it was made, to be printed; left out when empty.
       players: others who played the cell, to be shown beside the front.
+      point: the plan with which the page opens, counted from 1; the recommended one when not given.
+      stale: the cell has changed since; the page says so.
 
     Raises:
       OSError: the file cannot be written; nothing is left behind.
       UsageError: there is no such language.
     """
-    store(path, html(front, command=command, date=date, language=language, players=players))
+    page = html(
+        front,
+        command=command,
+        date=date,
+        language=language,
+        players=players,
+        point=point,
+        stale=stale,
+    )
+    store(path, page)
     return Path(path)
 
 
@@ -62,15 +77,17 @@ def html(
     date: str = "",
     language: str = "en",
     players: Sequence[Player] = (),
+    point: int | None = None,
+    stale: bool = False,
 ) -> str:
     """The report as text; see `write_html`."""
     t = words(language)
     name = front.cell.name or t("unnamed")
-    knee = front.results.index(front.knee) + 1 if len(front) else 0
+    opens = front.results.index(front.shown(point)) + 1 if len(front) else 0
     sections = [
         _trade_off(front, t, players),
         players_section(front.cell, players, t),
-        *(_plan(front, place, t) for place in range(len(front))),
+        *(_plan(front, place, t, point, stale) for place in range(len(front))),
         _graph(front.cell, t),
         _tasks(front, t),
     ]
@@ -80,14 +97,14 @@ def html(
         tag(
             "header",
             tag("h1", t("title", name=name)),
-            *(tag("p", sentence, class_="lead") for sentence in summary(front, t)),
+            *(tag("p", sentence, class_="lead") for sentence in summary(front, t, point, stale)),
             _printing(front, t),
         ),
         tag("main", *sections, _assumptions(front, t), _made(front, t, command, date)),
         tag("footer", tag("p", t("safety"), class_="note")),
-        _data(front),
+        _data(front, stale),
         tag("script", Markup(_shipped("page.js"))),
-        data_recommended=knee,
+        data_opens=opens,
     )
     head = tag(
         "head",
@@ -101,8 +118,8 @@ def html(
     return "<!DOCTYPE html>\n" + tag("html", head, body, lang=t("language")) + "\n"
 
 
-def summary(front: Front, t: Words) -> list[str]:
-    """What a reader must know, in a few sentences."""
+def summary(front: Front, t: Words, point: int | None = None, stale: bool = False) -> list[str]:
+    """What a reader must know, in a few sentences; `point` was chosen, `stale` as in `write`."""
     cell = front.cell
     people = [
         t.count(kind, len(names))
@@ -147,7 +164,12 @@ def summary(front: Front, t: Words) -> list[str]:
         else "open"
     )
     sentences = [f"{first} {found}", t(f"summary.{proof}")]
-    return [*sentences, t("summary.interrupted")] if front.interrupted else sentences
+    sentences += [t("summary.interrupted")] if front.interrupted else []
+    chosen = front.shown(point)
+    if chosen is not front.knee:
+        values = {"makespan": t.seconds(chosen.makespan), "stress": t.number(chosen.stress)}
+        sentences.append(t("summary.shown", n=point, **values))
+    return [*sentences, *([t("summary.stale")] if stale else [])]
 
 
 def _advice(front: Front, t: Words) -> str:
@@ -207,25 +229,46 @@ def _trade_off(front: Front, t: Words, players: Sequence[Player]) -> Markup:
         front_chart(front, t, players),
         legend,
         plans(front, t),
+        *_risk(front, t),
         class_="trade",
     )
 
 
-def _plan(front: Front, place: int, t: Words) -> Markup:
+def _risk(front: Front, t: Words) -> list[Markup]:
+    if not is_told(front):
+        return []
+    heads = [(head, "number") for head in risk_heads(t)]
+    rows = [
+        tag("tr", *(tag("td", cell, class_="number") for cell in row))
+        for row in risk_rows(front, t)
+    ]
+    return [
+        tag("h3", t("risk.title")),
+        table(heads, rows, t("risk.title")),
+        tag("p", risk_note(front, t), class_="note"),
+    ]
+
+
+def _plan(front: Front, place: int, t: Words, point: int | None, stale: bool) -> Markup:
     result = front[place]
     values = {
         "n": place + 1,
         "makespan": t.seconds(result.makespan),
         "stress": t.number(result.stress),
     }
-    badge = (
-        [" ", tag("span", t("plan.recommended"), class_="badge")]
-        if len(front) > 1 and result is front.knee
-        else []
-    )
+    marks = [("plan.recommended", front.knee)]
+    marks += [("plan.shown", front.shown(point))] if front.shown(point) is not front.knee else []
+    badge = [
+        piece
+        for key, marked in marks
+        if len(front) > 1 and result is marked
+        for piece in (" ", tag("span", t(key), class_="badge"))
+    ]
+    title, origin = t("plan.title", **values), imprint(result, t, stale=stale)
     return tag(
         "section",
-        tag("h2", t("plan.title", **values), *badge),
+        tag("h2", title, *badge),
+        tag("p", origin, class_="note"),
         gantt(front.cell, result.schedule, t, label=t("plan.chart", **values)),
         tag("p", *(_key(look, front.cell) for look in looks(front.cell).values())),
         tag("p", _legend(front.cell, result, t), class_="note"),
@@ -238,9 +281,9 @@ def _plan(front: Front, place: int, t: Words) -> Markup:
         ),
         tag("h3", t("plan.steps")),
         tag("div", steps(front.cell, result.schedule, t), class_="steps"),
-        sheets(result, t("plan.title", **values), t),
+        sheets(result, f"{title} · {origin}", t),
         id=f"plan-{place + 1}",
-        class_="plan chosen" if result is front.knee else "plan",
+        class_="plan chosen" if result is front.shown(point) else "plan",
         data_plan=place + 1,
     )
 
@@ -317,11 +360,11 @@ def _made(front: Front, t: Words, command: str, date: str) -> Markup:
     )
 
 
-def _data(front: Front) -> Markup:
+def _data(front: Front, stale: bool) -> Markup:
     """The result document and the cell, so that every number of the page can be read by a
     program.
     """
-    document = {**front.to_dict(), "cell_file": front.cell.to_dict()}
+    document = {**front.to_dict(), **({"stale": True} if stale else {})}
     text = json.dumps(document, ensure_ascii=False, separators=(",", ":"))
     for sign, safe in (
         ("<", "\\u003c"),

@@ -4,16 +4,11 @@ sentence that a reader sees.
 
 from __future__ import annotations
 
-from functools import lru_cache
-
-from tandem.draw.language import Words, sentences
+from tandem.cell.language import Words, spoken
 
 __all__ = ["Words", "words"]
 
 
-@lru_cache
 def words(language: str = "en") -> Words:
     """The words of a language. Raises UsageError when there are none."""
-    return Words(
-        language, {**sentences("tandem.draw", language), **sentences("tandem.report", language)}
-    )
+    return spoken(language, "tandem.draw", "tandem.report")

@@ -6,39 +6,50 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from tandem.draw.imprint import imprint
 from tandem.draw.style import looks
 from tandem.plan.result import Front, Result
 from tandem.report.html import summary
 from tandem.report.instructions import Step, columns, origin, rules, steps
 from tandem.report.language import Words, words
+from tandem.report.risk import is_told, risk_heads, risk_note, risk_rows
 from tandem.report.sources import assumptions, made
 from tandem.report.tables import named, status
 from tandem.schedule.critical import critical_path, slack
 from tandem.schedule.measures import mode_of
 
 
-def markdown(front: Front, *, command: str = "", date: str = "", language: str = "en") -> str:
-    """The report as text. Raises UsageError when reports do not speak the language."""
+def markdown(
+    front: Front,
+    *,
+    command: str = "",
+    date: str = "",
+    language: str = "en",
+    point: int | None = None,
+    stale: bool = False,
+) -> str:
+    """The report as text; see `write`. Raises UsageError when reports do not speak the language."""
     t = words(language)
     parts = [
         f"# {_text(t('title', name=front.cell.name or t('unnamed')))}",
-        *map(_text, summary(front, t)),
+        *map(_text, summary(front, t, point, stale)),
     ]
     if len(front):
         parts += [f"## {t('front.title')}", _front(front, t)]
-        knee = front.knee
+        if is_told(front):
+            parts += [f"### {t('risk.title')}", table(risk_heads(t), risk_rows(front, t))]
+            parts.append(risk_note(front, t))
+        result = front.shown(point)
         title = t(
             "plan.title",
-            n=front.results.index(knee) + 1,
-            makespan=t.seconds(knee.makespan),
-            stress=t.number(knee.stress),
+            n=front.results.index(result) + 1,
+            makespan=t.seconds(result.makespan),
+            stress=t.number(result.stress),
         )
-        parts += [f"## {title}", _steps(knee, t)]
-        parts += [
-            part
-            for operator in front.cell.operators
-            for part in _instructions(knee, operator, title, t)
-        ]
+        says = imprint(result, t, stale=stale)
+        parts += [f"## {title}", f"*{_text(says)}*", _steps(result, t)]
+        for operator in front.cell.operators:
+            parts += _instructions(result, operator, f"{title} · {says}", t)
     parts += [
         f"## {t('assume.title')}",
         "\n".join(f"- {_text(sentence)}" for sentence in assumptions(front, t)),
@@ -58,6 +69,7 @@ def _front(front: Front, t: Words) -> str:
         t("front.makespan"),
         t("front.stress"),
         t("front.status"),
+        t("front.digest"),
         *(_text(t("front.does", who=look.label)) for look in shown.values()),
     ]
     rows = []
@@ -77,6 +89,7 @@ def _front(front: Front, t: Words) -> str:
                 t.number(result.makespan),
                 t.number(result.stress),
                 status(result, t),
+                result.schedule.digest,
                 *map(_text, does),
             ]
         )

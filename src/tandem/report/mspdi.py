@@ -11,6 +11,7 @@ from datetime import datetime, timedelta
 from xml.etree import ElementTree
 
 from tandem.cell.model import Cell
+from tandem.draw.imprint import imprint
 from tandem.draw.style import looks, task_label
 from tandem.plan.result import Result
 from tandem.report.language import Words, words
@@ -34,8 +35,9 @@ FINISH_TO_START, AS_SOON_AS_POSSIBLE, START_NO_EARLIER_THAN, FIXED_DURATION, MIN
 )
 
 
-def mspdi(result: Result, *, language: str = "en") -> bytes:
-    """The plan as the bytes of an XML file.
+def mspdi(result: Result, *, language: str = "en", stale: bool = False) -> bytes:
+    """The plan as the bytes of an XML file. Its title carries the plan's digest, and says whether
+    it is `stale`: the cell has changed since.
 
     Each task keeps its place by "start no earlier than"; links are the cell's precedence; breaks of
     operators are not in it.
@@ -48,7 +50,7 @@ def mspdi(result: Result, *, language: str = "en") -> bytes:
     name = cell.name or t("unnamed")
     _add(project, "SaveVersion", "12")
     _add(project, "Name", f"{name}.xml"[:255])
-    _add(project, "Title", name)
+    _add(project, "Title", f"{name} · {imprint(result, t, stale=stale)}"[:512])
     _add(project, "Subject", t("project.scale"))
     _add(project, "ScheduleFromStart", "1")
     _add(project, "StartDate", _date(0))

@@ -15,7 +15,7 @@
   let all = false;
   const wanted = () => {
     const asked = /^#plan-(\d+)$/.exec(location.hash);
-    return asked && Number(asked[1]) <= plans.length ? asked[1] : document.body.dataset.recommended;
+    return asked && Number(asked[1]) <= plans.length ? asked[1] : document.body.dataset.opens;
   };
   const show = () => {
     const chosen = wanted();

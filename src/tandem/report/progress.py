@@ -10,8 +10,8 @@ import time
 from types import TracebackType
 from typing import TYPE_CHECKING, Self, TextIO
 
-from tandem.cell.written import number, seconds, share
 from tandem.plan.method import Progress
+from tandem.report.language import words
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -32,12 +32,19 @@ class SolveProgress:
       stream: where to write; stderr when absent.
       quiet: write nothing, only keep what was told in `last`.
       every_s: seconds between lines when nothing happens and nobody sees a live line.
+      language: of what is written.
     """
 
     def __init__(
-        self, stream: TextIO | None = None, *, quiet: bool = False, every_s: float = EVERY_S
+        self,
+        stream: TextIO | None = None,
+        *,
+        quiet: bool = False,
+        every_s: float = EVERY_S,
+        language: str = "en",
     ):
         self.stream, self.quiet, self.every_s = stream, quiet, every_s
+        self.words = words(language)
         self.last: Progress | None = None
         self.newest: tuple[float, float] | None = None
         self._began = time.monotonic()
@@ -95,19 +102,24 @@ class SolveProgress:
         """The line: time, objective, bound, gap, points so far. The gap is that of the newest
         point, to which the bound belongs.
         """
-        time_s = f"{time.monotonic() - self._began:.1f} s"
+        t = self.words
+        tenths = f"{time.monotonic() - self._began:.1f}"
+        time_s = f"{tenths.replace('.', t('decimal'))} s"
         if self.last is None:
-            return f"{time_s}  searching"
+            return f"{time_s}  {t('progress.searching')}"
         if self.newest is None:
-            return f"{time_s}  no schedule yet, bound {seconds(self.last.bound)}"
+            return f"{time_s}  {t('progress.nothing', bound=t.seconds(self.last.bound))}"
         makespan, stress = self.newest
         gap = max(0.0, makespan - self.last.bound) / max(makespan, 1e-9)
-        count = len(self.last.found)
-        points = f"{count} point{'' if count == 1 else 's'}"
-        return (
-            f"{time_s}  makespan {seconds(makespan)}, stress {number(stress)}, bound"
-            f" {seconds(self.last.bound)}, gap {share(gap)}, {points}"
+        found = t(
+            "progress.found",
+            makespan=t.seconds(makespan),
+            stress=t.number(stress),
+            bound=t.seconds(self.last.bound),
+            gap=t.share(gap),
+            points=t.count("picture.points", len(self.last.found)),
         )
+        return f"{time_s}  {found}"
 
     @staticmethod
     def _points(progress: Progress | None) -> list[tuple[float, float]]:

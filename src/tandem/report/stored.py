@@ -1,28 +1,34 @@
 """A plan that was kept: the very front that `tandem plan` wrote, read back with the cell that it
 was made for.
 
-Nothing is planned anew. Every schedule is judged by the checker when it is read, against the cell
-that the plan is asked to keep.
+Nothing is planned anew. Every schedule is judged by the checker when it is read: against the cell
+that the plan holds, and against another one when it is asked to keep that too.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import warnings
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import inf
 from pathlib import Path
 from typing import Any
 
 from tandem.cell.model import Cell
 from tandem.cell.written import number
-from tandem.errors import CellError, Fault, UnsoundScheduleError, UsageError
+from tandem.errors import CellError, Fault, NotReadWarning, UnsoundScheduleError, UsageError
 from tandem.files.load import load
 from tandem.files.messages import shown
+from tandem.plan.choice import point_of
 from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Quantiles, Result, Risk, Status
+from tandem.report.language import words
+from tandem.report.project import stale_at_home
 from tandem.report.results import points_of, read_result, schedules_of
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import makespan, stress
+from tandem.schedule.model import Schedule
+
+__all__ = ["StoredPlan", "cell_in", "faults_in", "point_of", "read_plan", "stale_note", "stale_now"]
 
 CLOSE = 1e-6
 """Values of a document that are so close to those of its schedules are the same: seconds, stress.
@@ -34,91 +40,98 @@ class StoredPlan:
     """A front as it was stored.
 
     Attributes:
-      front: its points, each accepted by the checker for `front.cell`.
+      front: its points as they were stored, each accepted by the checker.
       made_for: digest of the cell that it was made for; None when the document does not say.
+      is_stale: the cell has changed since: it is another now, or no sound one any more.
       changed: the cell as it is now, where it is another than the one it was made for; else None.
+      path: the file.
     """
 
     front: Front
     made_for: str | None
-    changed: Cell | None = None
+    is_stale: bool
+    changed: Cell | None
+    path: Path
 
     @property
     def cell(self) -> Cell:
-        """The cell that the schedules were judged by."""
+        """The cell that the plan holds; the one beside it when it holds none."""
         return self.front.cell
 
-    @property
-    def is_stale(self) -> bool:
-        """The cell has changed since the plan was made."""
-        return self.changed is not None
+    def stale_note(self, language: str = "en") -> str:
+        """One sentence for whoever is about to use a plan whose cell has changed; empty when it has
+        not.
+        """
+        return stale_note(self.path, language) if self.is_stale else ""
+
+
+def stale_note(path: str | Path, language: str = "en") -> str:
+    """How everyone says that the plan in this file was made for another state of its cell."""
+    return words(language)("stale.note", file=path)
 
 
 def read_plan(path: Path, cell: Cell | None = None) -> StoredPlan:
-    """The plan in a result document.
+    """The plan in a result document, the very points that were stored.
 
     Args:
-      cell: what the schedules are to keep; when absent, the cell that the document holds.
+      cell: what the schedules are to keep besides the cell that the document holds. When absent,
+        the file that the document names as its cell's is looked for, beside it and here; whether it
+        has changed is said, and nothing is judged by it.
 
     Raises:
       CellError: the file is no result document, holds no point, or no cell although none was given.
-      UnsoundScheduleError: a schedule breaks the cell, or is not worth what the document says.
+      UnsoundScheduleError: a schedule breaks a cell that it is to keep, or is not worth what the
+        document says.
     """
     document = read_result(path)
-    held = _held(document, path)
-    if cell is None and held is None:
-        raise CellError(
-            [
-                Fault(
-                    "holds no cell: an earlier version of Tandem wrote it. Name the cell file"
-                    " beside it, or plan anew.",
-                    (),
-                    str(path),
-                )
-            ]
-        )
-    judged = cell or held
-    assert judged is not None
+    held = _held(document, path) if cell is not None else cell_in(document, path)
     made_for = document.get("cell_digest")
-    now = cell or _as_it_is_now(document, path)
-    changed = now if now is not None and made_for not in (None, now.digest) else None
-    return StoredPlan(_front(document, judged, path), made_for, changed)
+    if cell is not None:
+        changed = cell if made_for not in (None, cell.digest) else None
+        is_stale = changed is not None
+    else:
+        changed, is_stale = stale_now(document, path)
+    own = held or cell
+    assert own is not None
+    values = points_of(document) if held is not None or not is_stale else []
+    wrong = faults_in(document, own, values)
+    if cell is not None and cell != own:
+        wrong += faults_in(document, cell)
+    if wrong:
+        told = [f"{path}: point {place}: {fault}" for place, fault in wrong]
+        raise UnsoundScheduleError([*([stale_note(path)] if is_stale else []), *told])
+    return StoredPlan(_front(document, own), made_for, is_stale, changed, path)
 
 
-def point_of(
-    front: Front,
-    point: int | None = None,
-    makespan: float | None = None,
-    stress: float | None = None,
-) -> int:
-    """Index of the point that is meant: the one of this number, counted from 1; the one of least
-    stress within so many seconds; the quickest of at most so much stress; else the knee.
+def cell_in(document: Mapping[str, Any], path: Path) -> Cell:
+    """The cell that a result document holds. Raises CellError when it holds none that is sound."""
+    held = _held(document, path)
+    if held is None:
+        fault = (
+            "holds no cell: an earlier version of Tandem wrote it. Name the cell file beside it,"
+            " or plan anew."
+        )
+        raise CellError([Fault(fault, (), str(path))])
+    return held
 
-    Raises UsageError when more than one is given, or no point is so.
+
+def faults_in(
+    document: Mapping[str, Any], cell: Cell, values: Sequence[tuple[float, float]] = ()
+) -> list[tuple[int, str]]:
+    """What is wrong with the schedules of a result document: the number of the point, counted from
+    1, and a sentence. They are to keep the cell, to have the digest that is stated, and to be worth
+    these makespans and stresses if any are given.
     """
-    if sum(given is not None for given in (point, makespan, stress)) > 1:
-        raise UsageError("--point, --makespan and --stress exclude each other: give one of them.")
-    if point is not None and not 1 <= point <= len(front):
-        raise UsageError(f"--point {point}: {_has(front)}")
-    if point is not None:
-        return point - 1
-    if makespan is None and stress is None:
-        return front.knee_place
-    latest, hardest = (inf if given is None else given for given in (makespan, stress))
-    fit = [
-        place
-        for place, (time, load) in enumerate(front.points)
-        if time <= latest + CLOSE and load <= hardest + CLOSE
-    ]
-    if not fit:
-        given = f"--makespan {number(latest)}" if stress is None else f"--stress {number(hardest)}"
-        raise UsageError(f"{given}: no point of the front keeps this; {_has(front)}")
-    return fit[-1] if stress is None else fit[0]
-
-
-def _has(front: Front) -> str:
-    points = ", ".join(f"({number(time)} s, {number(load)})" for time, load in front.points)
-    return f"the front has {len(front)} point{'s' * (len(front) != 1)}, counted from 1: {points}."
+    wrong = []
+    for place, schedule in enumerate(schedules_of(document), 1):
+        found = faults(cell, schedule)
+        if values and not found:
+            found += _worth(cell, schedule, values[place - 1])
+        stated = document["front"][place - 1].get("digest")
+        if stated not in (None, schedule.digest):
+            found.append(f"is said to be plan {shown(stated)}, but is plan {schedule.digest}.")
+        wrong += [(place, fault) for fault in found]
+    return wrong
 
 
 def _held(document: Mapping[str, Any], path: Path) -> Cell | None:
@@ -135,37 +148,51 @@ def _held(document: Mapping[str, Any], path: Path) -> Cell | None:
         raise CellError([fault.at(f"{path}, cell_document") for fault in error.faults]) from None
 
 
-def _as_it_is_now(document: Mapping[str, Any], path: Path) -> Cell | None:
-    """The cell in the file that the document names, as seen from here or from beside the plan; None
-    when there is none, or none that is sound.
+def stale_now(document: Mapping[str, Any], path: Path) -> tuple[Cell | None, bool]:
+    """The cell of the file that the document names, where it is another now, and whether the plan
+    is stale.
+
+    The file is looked for from here, from beside the plan and from the folder above; where one of
+    them is what the plan was made for, it is not stale. A plan that names no file, or one that is
+    not found, is judged by the project in which it lies, if it lies in one.
     """
-    source = document.get("source")
-    if not isinstance(source, str):
+    source, made_for = document.get("source"), document.get("cell_digest")
+    if isinstance(source, str) and isinstance(made_for, str):
+        named = [Path(source), path.parent / source, path.parent.parent / source]
+        found = [_loaded(file) for file in dict.fromkeys(named) if file.is_file()]
+        if any(now is not None and now.digest == made_for for now in found):
+            return None, False
+        if found:
+            return found[0], True
+    return None, stale_at_home(path)
+
+
+def _loaded(file: Path) -> Cell | None:
+    """The cell in a file; None when it is no sound one."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", NotReadWarning)
+            return load(file)
+    except CellError:
         return None
-    for file in (Path(source), path.parent / source, path.parent.parent / source):
-        if file.is_file():
-            try:
-                return load(file)
-            except CellError:
-                return None
-    return None
 
 
-def _front(document: Mapping[str, Any], cell: Cell, path: Path) -> Front:
-    values = points_of(document)
-    results, wrong = [], []
-    for place, (schedule, told, row) in enumerate(
-        zip(schedules_of(document), values, document["front"], strict=True), 1
-    ):
-        found = faults(cell, schedule)
-        wrong += [f"{path}: point {place}: {fault}" for fault in found]
-        if not found and not _is_worth(cell, schedule, told):
-            wrong.append(
-                f"{path}: point {place}: is said to be worth {number(told[0])} s and a stress of"
-                f" {number(told[1])}, but takes {number(makespan(schedule))} s with"
-                f" {number(stress(cell, schedule))}."
-            )
-        results.append(
+def _worth(cell: Cell, schedule: Schedule, told: tuple[float, float]) -> list[str]:
+    """That a schedule is not worth what is told, if it is not."""
+    found = (makespan(schedule), stress(cell, schedule))
+    if all(abs(one - other) <= CLOSE for one, other in zip(found, told, strict=True)):
+        return []
+    return [
+        f"is said to be worth {number(told[0])} s and a stress of {number(told[1])}, but takes"
+        f" {number(found[0])} s with {number(found[1])}."
+    ]
+
+
+def _front(document: Mapping[str, Any], cell: Cell) -> Front:
+    source = document.get("source")
+    return Front(
+        cell,
+        tuple(
             Result(
                 cell,
                 schedule,
@@ -174,12 +201,8 @@ def _front(document: Mapping[str, Any], cell: Cell, path: Path) -> Front:
                 row.get("canonical") is True,
                 _risk(row.get("risk")),
             )
-        )
-    if wrong:
-        raise UnsoundScheduleError(wrong)
-    return Front(
-        cell,
-        tuple(results),
+            for schedule, row in zip(schedules_of(document), document["front"], strict=True)
+        ),
         document.get("complete") is True,
         str(document.get("method", "")),
         str(document.get("solver", "")),
@@ -187,14 +210,9 @@ def _front(document: Mapping[str, Any], cell: Cell, path: Path) -> Front:
         float(_number(document.get("wall_s"), 0.0)),
         document.get("interrupted") is True,
         _question(document.get("question")),
-        document.get("source"),
+        source if isinstance(source, str) else None,
         document.get("recommended_by") == "p95",
     )
-
-
-def _is_worth(cell: Cell, schedule: Any, told: tuple[float, float]) -> bool:
-    found = (makespan(schedule), stress(cell, schedule))
-    return all(abs(one - other) <= CLOSE for one, other in zip(found, told, strict=True))
 
 
 def _status(row: Mapping[str, Any]) -> Status:

@@ -104,9 +104,8 @@ def _axes(low_x: float, high_x: float, low_y: float, high_y: float, at: object, 
 
 
 def _label(result: Result, t: Words, *, knee: bool) -> str:
-    return f"{t.seconds(result.makespan)}, {t.number(result.stress)}" + (
-        f" ({t('front.knee')})" if knee else ""
-    )
+    values = t("picture.point", makespan=t.seconds(result.makespan), stress=t.number(result.stress))
+    return f"{values} ({t('front.knee')})" if knee else values
 
 
 def _labelled(front: Front, places: list[tuple[float, float]], knee: int, t: Words) -> set[int]:

@@ -51,6 +51,7 @@ def plans(front: Front, t: Words) -> Markup:
         (t("front.makespan"), "number"),
         (t("front.stress"), "number"),
         (t("front.status"), ""),
+        (t("front.digest"), ""),
     ]
     heads += [(t("front.does", who=look.label), "screen") for look in shown]
     rows = []
@@ -67,6 +68,7 @@ def plans(front: Front, t: Words) -> Markup:
             _number(result.makespan, t),
             _number(result.stress, t),
             tag("td", status(result, t)),
+            tag("td", tag("code", result.schedule.digest)),
         ]
         cells += [
             tag("td", tasks_of(result.schedule, look.operator, t), class_="screen")
@@ -212,12 +214,16 @@ def _spent(
     )
 
 
-def shown_plans(front: Front) -> list[int]:
-    """Indices of the plans that get a column: all, or the ends, the knee and some between."""
+def shown_plans(front: Front, point: int | None = None) -> list[int]:
+    """Indices of the plans that get a column: all, or the ends, the knee, the chosen `point` and
+    some between.
+    """
     if len(front) <= MOST_PLANS:
         return list(range(len(front)))
     spread = {round(i * (len(front) - 1) / (MOST_PLANS - 2)) for i in range(MOST_PLANS - 1)}
-    return sorted(spread | {front.results.index(front.knee)})
+    return sorted(
+        spread | {front.results.index(result) for result in (front.knee, front.shown(point))}
+    )
 
 
 def tasks(front: Front, t: Words) -> Markup:

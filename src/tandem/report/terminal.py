@@ -15,10 +15,12 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from tandem.cell.model import Cell
-from tandem.cell.written import number, seconds, share
+from tandem.draw.imprint import imprint
 from tandem.draw.lanes import SHADINGS, Lane, kinds_shaded, lanes
 from tandem.draw.style import looks, shorten, task_label
 from tandem.plan.result import Front, Result, Status
+from tandem.report.language import Words, words
+from tandem.report.risk import is_told, risk_heads, risk_note, risk_rows
 from tandem.schedule.critical import critical_path
 from tandem.schedule.measures import makespan
 from tandem.schedule.model import Schedule
@@ -36,56 +38,86 @@ COLOURS = {
 
 
 class FrontView:
-    """Everything the terminal says about a front: a headline, the table, the Gantt chart of the
-    knee.
+    """Everything the terminal says about a front: a headline, the table, the Gantt chart of one
+    point and its digest.
+
+    Args:
+      point: counted from 1; the knee when not given.
+      stale: the cell has changed since; the last line says so.
     """
 
-    def __init__(self, front: Front):
-        self.front = front
+    def __init__(
+        self,
+        front: Front,
+        *,
+        language: str = "en",
+        point: int | None = None,
+        stale: bool = False,
+    ):
+        self.front, self.language, self.point, self.stale = front, language, point, stale
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         from rich.text import Text
 
-        front = self.front
-        yield Text(headline(front))
+        front, t = self.front, words(self.language)
+        yield Text(headline(front, self.language))
         if not len(front):
             return
-        yield front_table(front, width=options.max_width)
-        if front[0].risk is not None:
-            yield risk_table(front)
-        knee = front.results.index(front.knee)
-        words = (
-            f"Point {knee + 1}: makespan {seconds(front[knee].makespan)}, stress"
-            f" {number(front[knee].stress)}"
+        yield front_table(front, width=options.max_width, language=self.language)
+        if is_told(front):
+            yield risk_table(front, self.language)
+        result = front.shown(self.point)
+        recommended = len(front) > 2 and result is front.knee
+        title = t(
+            "terminal.point.knee" if recommended else "terminal.point",
+            n=front.results.index(result) + 1,
+            makespan=t.seconds(result.makespan),
+            stress=t.number(result.stress),
         )
-        yield Text(words + (", the recommended compromise" if len(front) > 2 else ""), style="bold")
-        yield GanttText(front.cell, front[knee].schedule)
+        yield Text(title, style="bold")
+        yield GanttText(front.cell, result.schedule, language=self.language)
+        yield Text(imprint(result, t, stale=self.stale), style="dim")
 
 
-def headline(front: Front) -> str:
+def headline(front: Front, language: str = "en") -> str:
     """One sentence: what was found, and how far it is proven."""
-    cell, name = front.cell, front.cell.name or "Cell"
+    cell, t = front.cell, words(language)
     people = [
-        _count(len(names), noun)
-        for names, noun in ((cell.humans, "human"), (cell.robots, "robot"))
+        t.count(kind, len(names))
+        for kind, names in (("human", cell.humans), ("robot", cell.robots))
         if names
     ]
-    proof = (
-        "complete and proven"
-        if front.complete
-        else "interrupted, not complete"
-        if front.interrupted
-        else "not complete"
+    proof = "complete" if front.complete else "interrupted" if front.interrupted else "open"
+    return t(
+        "terminal.found",
+        name=cell.name or t("terminal.unnamed"),
+        counts=", ".join([t.count("task", len(cell.tasks)), *people]),
+        points=t.count("terminal.points", len(front)),
+        within=_limits(front, t),
+        proof=t(f"terminal.{proof}"),
+        seconds=t.seconds(round(front.wall_s, 2)),
+        solver=front.solver,
     )
-    within = f" within {' and '.join(front.question.limits)}" if front.question.limits else ""
-    found = (
-        f"{_count(len(front), 'point')} on the front{within}, {proof},"
-        f" {number(round(front.wall_s, 2))} s, {front.solver}"
-    )
-    return f"{name} ({', '.join([_count(len(cell.tasks), 'task'), *people])}): {found}."
 
 
-def front_table(front: Front, *, width: int = 80) -> Table:
+def _limits(front: Front, t: Words) -> str:
+    """Within what was asked for."""
+    asked = front.question
+    limits = [
+        t(f"terminal.limit.{key}", limit=words_of(limit))
+        for key, limit, words_of in (
+            ("makespan", asked.max_makespan, t.seconds),
+            ("stress", asked.max_stress, t.number),
+        )
+        if limit is not None
+    ]
+    if not limits:
+        return ""
+    both = t("and", first=limits[0], last=limits[-1]) if len(limits) > 1 else limits[0]
+    return t("terminal.within", limits=both)
+
+
+def front_table(front: Front, *, width: int = 80, language: str = "en") -> Table:
     """The points as a table that fits into `width` characters: makespan, stress, how far proven,
     and who does what in short.
 
@@ -96,18 +128,23 @@ def front_table(front: Front, *, width: int = 80) -> Table:
     from rich.table import Table
     from rich.text import Text
 
+    t = words(language)
+    heads = [t("front.makespan"), t("front.stress"), t("front.status")]
     table = Table(box=SIMPLE_HEAD, pad_edge=False, header_style="bold")
     table.add_column("", no_wrap=True)
-    table.add_column(escape("makespan [s]"), justify="right", no_wrap=True)
-    table.add_column("stress", justify="right", no_wrap=True)
-    table.add_column("status", no_wrap=True)
+    table.add_column(escape(heads[0]), justify="right", no_wrap=True)
+    table.add_column(heads[1], justify="right", no_wrap=True)
+    table.add_column(heads[2], no_wrap=True)
     rows = [
-        (_bounded(r.makespan, r.bound.makespan), _bounded(r.stress, r.bound.stress), status(r))
+        (
+            _bounded(r.makespan, r.bound.makespan, t),
+            _bounded(r.stress, r.bound.stress, t),
+            status(r, language),
+        )
         for r in front
     ]
     taken = 6 + sum(
-        2 + max([len(head), *(len(row[i]) for row in rows)])
-        for i, head in enumerate(("makespan [s]", "stress", "status"))
+        2 + max([len(head), *(len(row[i]) for row in rows)]) for i, head in enumerate(heads)
     )
     shown = list(looks(front.cell).values())
     room = (width - taken) // len(shown) - 2
@@ -123,7 +160,11 @@ def front_table(front: Front, *, width: int = 80) -> Table:
         cells = [
             Text(
                 tasks_in_short(
-                    result.schedule, look.operator, room, lines=3 if len(front) <= 10 else 1
+                    result.schedule,
+                    look.operator,
+                    room,
+                    lines=3 if len(front) <= 10 else 1,
+                    language=language,
                 )
             )
             for look in shown
@@ -135,47 +176,43 @@ def front_table(front: Front, *, width: int = 80) -> Table:
             style="bold" if result is knee else "",
         )
     if knee is not None:
-        table.caption, table.caption_justify = "* knee: the recommended compromise", "left"
+        table.caption, table.caption_justify = t("terminal.knee"), "left"
     return table
 
 
-def risk_table(front: Front) -> Table:
+def risk_table(front: Front, language: str = "en") -> Table:
     """What becomes of each point's makespan where times scatter: half of the assemblies end by P50,
     95 of 100 by P95.
     """
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
+    from rich.text import Text
 
-    table = Table(box=SIMPLE_HEAD, pad_edge=False, header_style="bold")
-    heads = ("", "planned (s)", "P50", "P95", "P50 re-planned", "P95 re-planned")
-    for head in heads:
-        table.add_column(head, justify="right" if head else "left", no_wrap=True)
-    for place, result in enumerate(front, 1):
-        if result.risk is None:
-            continue
-        is_knee = result is front.knee and len(front) > 2
-        ways = (result.risk.fixed, result.risk.replanned)
-        values = [number(round(value, 1)) for way in ways for value in (way.p50, way.p95)]
-        table.add_row(f"{place}{'*' * is_knee}", number(result.makespan), *values)
-    told = next(result.risk for result in front if result.risk is not None)
-    table.caption_justify = "left"
-    table.caption = (
-        f"carried out as it stands ({told.fixed.episodes} assemblies), and the rest planned anew at"
-        f" every event ({told.replanned.episodes})"
-    )
+    t, table = words(language), Table(box=SIMPLE_HEAD, pad_edge=False, header_style="bold")
+    for head in risk_heads(t):
+        table.add_column(Text(head), justify="right", no_wrap=True)
+    for row in risk_rows(front, t):
+        table.add_row(*row)
+    table.caption, table.caption_justify = risk_note(front, t), "left"
     return table
 
 
-def status(result: Result) -> str:
+def status(result: Result, language: str = "en") -> str:
     """Proven, or how far the makespan is from its bound."""
-    return "proven" if result.status == Status.OPTIMAL else f"gap {share(result.gap)}"
+    t = words(language)
+    if result.status == Status.OPTIMAL:
+        return t("front.proven")
+    return t("terminal.gap", gap=t.share(result.gap))
 
 
-def _bounded(value: float, bound: float) -> str:
-    return number(value) if bound >= value else f"{number(value)} (>= {number(round(bound, 2))})"
+def _bounded(value: float, bound: float, t: Words) -> str:
+    shown = t.number(value)
+    return shown if bound >= value else f"{shown} (>= {t.number(round(bound, 2))})"
 
 
-def tasks_in_short(schedule: Schedule, operator: str, room: int, *, lines: int = 1) -> str:
+def tasks_in_short(
+    schedule: Schedule, operator: str, room: int, *, lines: int = 1, language: str = "en"
+) -> str:
     """The operator's tasks in order when so many lines of `room` characters hold them, else how
     many there are. `+` marks a joint task.
     """
@@ -184,7 +221,7 @@ def tasks_in_short(schedule: Schedule, operator: str, room: int, *, lines: int =
         return "-"
     folded = textwrap.wrap(" ".join(names), room, break_long_words=False, break_on_hyphens=False)
     fits = len(folded) <= lines and max(map(len, folded)) <= room
-    return "\n".join(folded) if fits else _count(len(names), "task")
+    return "\n".join(folded) if fits else words(language).count("task", len(names))
 
 
 class GanttText:
@@ -195,14 +232,17 @@ class GanttText:
     break, `~` a tool changeover.
     """
 
-    def __init__(self, cell: Cell, schedule: Schedule, *, critical: bool = True):
+    def __init__(
+        self, cell: Cell, schedule: Schedule, *, critical: bool = True, language: str = "en"
+    ):
         self.cell, self.schedule, self.critical = cell, schedule, critical
+        self.words = words(language)
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         from rich.text import Text
 
         if not len(self.schedule):
-            yield Text("nobody does anything")
+            yield Text(self.words("terminal.nobody"))
             return
         marks = _Marks(plain=not _can_print(options.encoding, _Marks(plain=False)))
         rows = lanes(
@@ -230,7 +270,7 @@ class GanttText:
                 line.append(marks.edge)
                 yield line
             yield Text(
-                " " * left + _axis(begin, end, scale, width),
+                " " * left + _axis(begin, end, scale, width, self.words),
                 style="dim",
                 no_wrap=True,
                 overflow="crop",
@@ -257,11 +297,12 @@ class GanttText:
     def _notes(self, rows: Iterable[Lane], marks: _Marks, width: int) -> Iterator[RenderableType]:
         from rich.text import Text
 
-        rows = list(rows)
-        parts = [f"{marks.human} human", f"{marks.robot} robot"]
-        parts += ["+ joint task"] if any(bar.joint for lane in rows for bar in lane.bars) else []
+        rows, t = list(rows), self.words
+        parts = [f"{marks.human} {t('human')}", f"{marks.robot} {t('robot')}"]
+        if any(bar.joint for lane in rows for bar in lane.bars):
+            parts.append(f"+ {t('picture.joint')}")
         parts += [
-            f"{marks.shaded[SHADINGS[kind].fill]} {SHADINGS[kind].word}"
+            f"{marks.shaded[SHADINGS[kind].fill]} {t(f'picture.{kind}')}"
             for kind in kinds_shaded(rows)
         ]
         yield Text("  ".join(parts), style="dim")
@@ -270,7 +311,7 @@ class GanttText:
             arrow = f" {marks.arrow} "
             if len(arrow.join(chain)) > 3 * width:
                 chain = [*chain[:8], marks.ellipsis, *chain[-8:]]
-            yield Text(f"critical path: {arrow.join(chain)}")
+            yield Text(t("terminal.critical", chain=arrow.join(chain)))
         named = [
             bar
             for bar in {bar.task: bar for lane in rows for bar in lane.bars}.values()
@@ -278,8 +319,12 @@ class GanttText:
         ]
         if named and len(named) <= 24:
             yield Text(
-                "tasks: "
-                + ", ".join(f"{bar.task} = {task_label(self.cell, bar.task)}" for bar in named),
+                t(
+                    "terminal.tasks",
+                    names=", ".join(
+                        f"{bar.task} = {task_label(self.cell, bar.task)}" for bar in named
+                    ),
+                ),
                 style="dim",
             )
 
@@ -349,7 +394,7 @@ def _lane_text(
     return text
 
 
-def _axis(begin: float, end: float, scale: float, width: int) -> str:
+def _axis(begin: float, end: float, scale: float, width: int, t: Words) -> str:
     """Numbers under a panel; the last one has the unit."""
     span = end - begin
     step = next(
@@ -360,11 +405,11 @@ def _axis(begin: float, end: float, scale: float, width: int) -> str:
     )
     line = [" "] * (width + 8)
     for i in range(math.ceil(begin / step - 1e-9), math.floor(end / step + 1e-9) + 1):
-        label = number(i * step)
+        label = t.number(i * step)
         at = round((i * step - begin) * scale)
         if at + len(label) <= width - 7 or span < step:
             line[at : at + len(label)] = label
-    last = seconds(end)
+    last = t.seconds(end)
     at = width - len(last) + 1
     line[at : at + len(last)] = last
     return "".join(line[: width + 1])
@@ -374,7 +419,3 @@ def _colour(cell: Cell, operator: str) -> str:
     kind = cell.operators[operator].kind
     names = cell.humans if kind == "human" else cell.robots
     return COLOURS[kind][names.index(operator) % 4]
-
-
-def _count(count: int, noun: str) -> str:
-    return f"{count} {noun}{'' if count == 1 else 's'}"

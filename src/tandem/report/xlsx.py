@@ -11,11 +11,13 @@ from math import ceil
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
+from tandem.draw.imprint import imprint
 from tandem.draw.style import contrast, looks, task_label
 from tandem.files.spreadsheet.template import to_workbook, workbook_bytes
 from tandem.plan.result import Front, Result
 from tandem.report.instructions import Step, columns, origin, rules, steps
 from tandem.report.language import Words, words
+from tandem.report.risk import is_told, risk_heads, risk_note, risk_values
 from tandem.report.sources import assumptions, made
 from tandem.report.tables import named, shown_plans, status
 from tandem.schedule.critical import critical_path, slack
@@ -49,9 +51,17 @@ WIDTHS = {
 HEAD, RULE, BREAK = "1F4E5F", "C8CCD0", "BDBDBD"
 
 
-def xlsx(front: Front, *, command: str = "", date: str = "", language: str = "en") -> bytes:
-    """The workbook as bytes. Of a long front the ends, the knee and some plans between get sheets
-    of their own; all stand in the first.
+def xlsx(
+    front: Front,
+    *,
+    command: str = "",
+    date: str = "",
+    language: str = "en",
+    point: int | None = None,
+    stale: bool = False,
+) -> bytes:
+    """The workbook as bytes; see `write`. Of a long front the ends, the knee, the chosen plan and
+    some between get sheets of their own; all stand in the first.
 
     Raises:
       UsageError: reports do not speak the language.
@@ -63,14 +73,20 @@ def xlsx(front: Front, *, command: str = "", date: str = "", language: str = "en
         io.BytesIO(to_workbook(front.cell, lang="de" if language == "de" else "en"))
     )
     cell_sheets = len(book.sheetnames)
-    _front(book, front, t)
-    for place in shown_plans(front) if len(front) else []:
+    _front(book, front, t, point, stale)
+    if is_told(front):
+        _risk(book, front, t)
+    for place in shown_plans(front, point) if len(front) else []:
         _plan(book, front[place], place + 1, t)
+        _origin(book, front[place], t, stale)
         _gantt(book, front[place], place + 1, t)
+        _origin(book, front[place], t, stale)
     if len(front):
-        title = _plan_title(front.knee, front.results.index(front.knee) + 1, t)
+        result = front.shown(point)
+        title = _plan_title(result, front.results.index(result) + 1, t)
         for operator in front.cell.operators:
-            _instructions(book, front.knee, operator, title, t)
+            plan = f"{title} · {imprint(result, t, stale=stale)}"
+            _instructions(book, result, operator, plan, t)
     _made(book, front, t, command, date)
     book._sheets = [*book._sheets[cell_sheets:], *book._sheets[:cell_sheets]]
     book.active = 0
@@ -83,7 +99,20 @@ def xlsx(front: Front, *, command: str = "", date: str = "", language: str = "en
 # --- sheets ---------------------------------------------------------------------------------------
 
 
-def _front(book: Workbook, front: Front, t: Words) -> None:
+def _origin(book: Workbook, result: Result, t: Words, stale: bool) -> None:
+    """Names the plan in the newest sheet, under its title or below all else, and on each printed
+    page.
+    """
+    from openpyxl.styles import Font
+
+    sheet, says = book.worksheets[-1], imprint(result, t, stale=stale)
+    row = sheet.max_row + 2 if sheet.cell(2, 1).value else 2
+    _put(sheet, row, 1, says)
+    sheet.cell(row, 1).font = Font(name=FONT, size=9, italic=True)
+    sheet.oddFooter.right.text = says.replace("&", "&&")
+
+
+def _front(book: Workbook, front: Front, t: Words, point: int | None, stale: bool) -> None:
     sheet = book.create_sheet(t("sheet.front"))
     _title(sheet, t("title", name=front.cell.name or t("unnamed")))
     shown = looks(front.cell)
@@ -92,9 +121,10 @@ def _front(book: Workbook, front: Front, t: Words) -> None:
         t("front.makespan"),
         t("front.stress"),
         t("front.status"),
+        t("front.digest"),
         *(t("front.does", who=look.label) for look in shown.values()),
     ]
-    _header(sheet, 3, heads, [8, 14, 10, 26, *[34] * len(shown)])
+    _header(sheet, 3, heads, [8, 14, 10, 26, 16, *[34] * len(shown)])
     for row, result in enumerate(front, 4):
         does = [
             ", ".join(a.task for a in result.schedule.of(name)) or "–"
@@ -103,11 +133,32 @@ def _front(book: Workbook, front: Front, t: Words) -> None:
         _row(
             sheet,
             row,
-            [row - 3, result.makespan, result.stress, status(result, t), *does],
+            [
+                row - 3,
+                result.makespan,
+                result.stress,
+                status(result, t),
+                result.schedule.digest,
+                *does,
+            ],
             bold=len(front) > 1 and result is front.knee,
         )
-    if len(front) > 1:
-        _put(sheet, len(front) + 5, 1, f"{t('front.knee')}: {front.results.index(front.knee) + 1}")
+    below = [f"{t('front.knee')}: {front.results.index(front.knee) + 1}"] if len(front) > 1 else []
+    if len(front) and front.shown(point) is not front.knee:
+        below.append(f"{t('plan.shown')}: {point}")
+    for row, says in enumerate([*below, *([t("summary.stale")] if stale else [])], len(front) + 5):
+        _put(sheet, row, 1, says)
+    sheet.freeze_panes = "B4"
+
+
+def _risk(book: Workbook, front: Front, t: Words) -> None:
+    """What the plans risk where times scatter."""
+    sheet, rows = book.create_sheet(t("sheet.risk")), risk_values(front)
+    _title(sheet, t("risk.title"))
+    _header(sheet, 3, risk_heads(t), [8, *[16] * (len(rows[0]) - 1)])
+    for number, row in enumerate(rows, 4):
+        _row(sheet, number, row)
+    _put(sheet, len(rows) + 5, 1, risk_note(front, t))
     sheet.freeze_panes = "B4"
 
 

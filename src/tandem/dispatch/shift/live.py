@@ -96,7 +96,6 @@ class Settings:
         made = policy(self.policy, cell, self.objective, told)
         return InTime(made, policy(RULE, cell, self.objective, told), self.options.budget_ms)
 
-
     def carrying_out(self, plan: Chosen | None) -> Settings:
         """The same with the plan that its decider made for itself, so that the journal keeps it."""
         if plan is None or self.options.plan is not None:
