@@ -11,7 +11,8 @@ from tests.plan.brute_force import Plain, Row, latest, moments, schedules, worth
 import tandem
 from tandem.cell.model import Cell
 from tandem.errors import CellError, InfeasibleError
-from tandem.plan.least_change import Replan, replan
+from tandem.plan.least_change import replan
+from tandem.plan.replanned import Replan
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import changeovers
 from tandem.schedule.model import Assignment, Schedule

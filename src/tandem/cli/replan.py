@@ -21,7 +21,7 @@ from tandem.cli.options import FORMAT, point_options
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
-    from tandem.plan.least_change import Replan, Replanned
+    from tandem.plan.replanned import Replan, Replanned
     from tandem.plan.result import Result
     from tandem.report.stored import StoredPlan
 
@@ -240,7 +240,7 @@ def _show(found: Replanned, old: Result) -> None:
 def _lines(found: Replanned, old: Result) -> Iterator[str]:
     """What is said of the old plan, of the limits, and of what changes."""
     yield (
-        f"Plan {old.schedule.digest}: makespan {number(old.makespan)} s, stress"
+        f"Old plan {old.schedule.digest}: makespan {number(old.makespan)} s, stress"
         f" {number(old.stress)}."
     )
     yield _about_the_optimum(found)
@@ -257,7 +257,7 @@ def _lines(found: Replanned, old: Result) -> Iterator[str]:
     best = found[0]
     proof = "proven to change least" if found.complete else _open(found)
     yield (
-        f"Plan {best.schedule.digest}: makespan {number(best.makespan)} s, stress"
+        f"New plan {best.schedule.digest}: makespan {number(best.makespan)} s, stress"
         f" {number(best.stress)}, {proof}."
     )
     yield ""
@@ -279,7 +279,9 @@ def _about_the_optimum(found: Replanned) -> str:
     said = f"New optimum: {number(optimum.makespan)} s{least}"
     if optimum.stress is not None:
         said += f" with a stress of at most {number(optimum.stress)}"
-        if not optimum.reachable:
+        if optimum.reachable is None:
+            said += "; no plan of so little stress has been found"
+        elif not optimum.reachable:
             said += ", the least that can be reached: that of the old plan no longer can"
     if limits.limits:
         said += f". Allowed, {number(found.allow)} % above: {' and '.join(limits.limits)}"
@@ -308,7 +310,7 @@ def _front_lines(found: Replanned) -> Iterator[str]:
 
 
 def _replan(result: Result) -> Replan:
-    from tandem.plan.least_change import Replan
+    from tandem.plan.replanned import Replan
 
     assert isinstance(result, Replan)
     return result
