@@ -5,11 +5,12 @@ anew, and how many when the old plan is carried over.
     python benchmarks/least_change.py --show benchmarks/results/least_change.csv
 
 Random layered cells of 21 tasks (seeds 0, 1, ...), a robot and a human. The old plan is the
-recommended point of the front. Then the robot takes four seconds longer for one task of its plan
-(`--longer` says how many): for each of so many tasks, drawn by the cell's seed. Anew: the point of `tandem plan`'s new front
-that is quickest with at most the old plan's stress. Carried over: `tandem replan`, as it is when
-nothing is said (2 % above the new optimum, starts within 5 s are the same). A task has changed when
-others do it, its order on its operator is another, or its start has moved by more than 5 s.
+recommended point of the front. Then the robot takes four seconds longer (`--longer`) for one task
+of its plan: for each of so many tasks, drawn by the cell's seed. Anew: the point of `tandem plan`'s
+new front that is quickest with at most the old plan's stress. Carried over: `tandem replan`, as it
+is when nothing is said (2 % above the new optimum, starts within 5 s are the same). A task has
+changed when others do it, its order on its operator is another, or its start has moved by more than
+5 s.
 """
 
 from __future__ import annotations
