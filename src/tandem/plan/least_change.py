@@ -571,7 +571,7 @@ class _Search:
             self.effort.seed,
             wall,
             interrupted,
-            self._question(self.front),
+            self._question(),
             before=self.standing.before,
             optimum=self.optimum,
             allow=self.allow,
@@ -596,12 +596,13 @@ class _Search:
             self.optimum_is_proven and not self.door.refused,
         )
 
-    def _question(self, front: bool) -> Question:
+    def _question(self) -> Question:
         """The limits as a question."""
-        makespan, stress = (self.allowed.get(aim) for aim in ("makespan", "stress"))
+        makespan, stress = self.allowed.get("makespan"), self.allowed.get("stress")
+        is_free = self.front or makespan is None
         return Question(
-            "front" if front else "makespan",
-            max_makespan=None if front or makespan is None else self.instance.seconds(makespan),
+            "change",
+            max_makespan=None if is_free else self.instance.seconds(makespan or 0),
             max_stress=None if stress is None else self.instance.stress(stress),
         )
 

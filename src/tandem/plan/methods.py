@@ -112,6 +112,8 @@ def plan(
         )
     if question is None:
         question = Question(minimize, weights, max_makespan, max_stress)  # type: ignore[arg-type]
+    if question.minimize == "change":
+        raise UsageError("fewest changes are counted from an old plan: ask tandem.replan for them.")
     try:
         return METHODS[method](
             cell,
