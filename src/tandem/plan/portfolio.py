@@ -153,8 +153,8 @@ class Race:
     """The state that the workers of one question share.
 
     Several races can go on at once: they are started with a common inbox, which their caller hears,
-    and halted by it. `rules` are what the prover keeps; where they are more than the cell's own,
-    the door has to know of them too.
+    and halted by it. `rules` are what the prover keeps, the cell's own when None; where they are
+    more, the door has to know of them too.
     """
 
     def __init__(
@@ -166,7 +166,7 @@ class Race:
         incumbent: Admitted | None,
         bound: int,
         inbox: Inbox | None = None,
-        rules: Sequence[cpsat.Rule] = cpsat.RULES,
+        rules: Sequence[cpsat.Rule] | None = None,
     ) -> None:
         self.door, self.instance, self.layout, self.goal, self.effort = (
             door,
@@ -175,7 +175,7 @@ class Race:
             goal,
             effort,
         )
-        self.rules = rules
+        self.rules = cpsat.RULES if rules is None else rules
         self.lock = threading.Lock()
         self.best = incumbent
         self.value = None if incumbent is None else goal.value(*incumbent.point)
