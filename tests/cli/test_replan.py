@@ -156,6 +156,12 @@ def test_every_output_of_a_plan_can_be_written(folder: Path) -> None:
         (["--point", "2", "--at", "5", "--done", "4"], 2, ["begins at 16 s", "--done 1,2,4"]),
         (["--allow", "-1", "--tolerance", "nan"], 2, ["allow -1", "tolerance not a number"]),
         (["--time-limit", "0"], 2, ["--time-limit 0"]),
+        (
+            ["--point", "2", "--at", "10", "--set", "tasks.7.deadline=25"],
+            4,
+            ["keep all limits after task 1 (started", "Without the deadline of task 7 (25 s)"],
+        ),
+        (["--set", "tasks.7.deadline=20"], 4, ["the deadline of task 7 (20 s) cannot be kept"]),
         (["--front", "-o", "front.html"], 2, ["-o front.html", ".json or .csv"]),
         (
             ["--point", "2", "--keep", "1,2,4"],
