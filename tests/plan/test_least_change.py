@@ -7,11 +7,14 @@ from random import Random
 from typing import Any, NamedTuple
 
 import pytest
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
 from tests.plan.brute_force import Plain, Row, latest, moments, schedules, worth
+from tests.strategies import cells
 
 import tandem
 from tandem.cell.model import Cell
-from tandem.errors import CellError, InfeasibleError
+from tandem.errors import CellError, InfeasibleError, UsageError
 from tandem.files.generators import layered
 from tandem.plan import change_terms
 from tandem.plan.door import RefusedScheduleWarning
@@ -410,3 +413,24 @@ def test_a_model_that_counts_wrongly_proves_nothing(monkeypatch: pytest.MonkeyPa
     assert found[0].status == "feasible"
     assert not found.optimum.proven
     assert faults(cell, found[0].schedule) == []
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@given(cells(max_tasks=6), st.integers(0, 99))
+def test_where_nothing_has_changed_the_plan_of_any_cell_stays_as_it_is(
+    cell: Cell, place: int
+) -> None:
+    try:
+        front = tandem.plan(cell, workers=1)
+    except InfeasibleError:
+        assume(False)
+        return
+    old = front[place % len(front)]
+    found = replan(cell, old.schedule, stress=old.stress, workers=1)
+    assert found.complete
+    assert found[0].schedule == old.schedule
+
+
+def test_fewest_changes_are_no_question_to_a_cell_alone() -> None:
+    with pytest.raises(UsageError, match="counted from an old plan"):
+        tandem.plan(two_tools(), minimize="change")
