@@ -59,6 +59,11 @@ METHODS: dict[str, Entry] = {
 MOST_TASKS = 20_000
 """With more, even the first schedule takes minutes, and no time limit could be kept."""
 
+LAST_STEP = 0.1
+"""The share of the time limit of a front that its search leaves to the last step, which chooses the
+schedules behind the points that are proven by then.
+"""
+
 
 def describe(method: str) -> str:
     """What a method does, in a line."""
@@ -132,9 +137,12 @@ def plan(
     if question is None:
         question = Question(minimize, weights, max_makespan, max_stress)  # type: ignore[arg-type]
     began = monotonic()
+    kept_back = LAST_STEP if question.minimize == "front" and METHODS[method].settles else 0.0
     # a method that knows no limit on work is not told of one that nobody asked for
     limit: dict[str, float | None] = (
-        {"time_limit": time_limit} if work is None else {"time_limit": None, "work": work}
+        {"time_limit": None if time_limit is None else time_limit * (1 - kept_back)}
+        if work is None
+        else {"time_limit": None, "work": work}
     )
     try:
         front = METHODS[method](
@@ -149,6 +157,6 @@ def plan(
     except InfeasibleError as error:
         raise InfeasibleError(str(error), reasons(cell, question)) from error
     if METHODS[method].settles and not front.interrupted:
-        until = None if limit["time_limit"] is None else began + limit["time_limit"]
+        until = None if work is not None or time_limit is None else began + time_limit
         front = settled(front, until=until, workers=workers or os.cpu_count() or 1)
     return replace(front, wall_s=monotonic() - began)

@@ -142,7 +142,7 @@ asked.
 """
 EASY_WORK = STRETCH_WORK / 2
 """With less work than this a stretch was easy, and a longer one may be tried."""
-LEAST_SPENT = 0.001
+LEAST_SPENT = 0.002
 """Deterministic seconds that a question counts besides its own, for stating it."""
 RELAX_WORK = 2.0
 """Deterministic seconds for the question who does what."""
