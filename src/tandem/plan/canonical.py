@@ -91,7 +91,7 @@ def settled(front: Front, *, until: float | None, workers: int) -> Front:
                 raise
             interrupted = True
             results = [
-                one.result() if one.done() and not one.cancelled() else result
+                result if one.cancelled() or one.exception() else one.result()
                 for one, result in zip(waiting, results, strict=True)
             ]
     if last_step.door.refused:
