@@ -12,7 +12,6 @@ import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from decimal import ROUND_FLOOR
-from importlib.metadata import version
 from itertools import islice
 from math import inf
 from random import Random
@@ -22,6 +21,7 @@ from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError
 from tandem.plan.archive import Archive
 from tandem.plan.bounds import load_prices
+from tandem.plan.cpsat import SOLVER
 from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
@@ -36,7 +36,6 @@ from tandem.plan.weights import MOST_COUNTED, simplest, whole
 from tandem.schedule.measures import exact
 from tandem.schedule.model import Schedule
 
-SOLVER = f"cp-sat {version('ortools')}"
 SAMPLING = ("longest-tail", "balanced", "random", "best-of-n", "weighted")
 """Rules that are not tried once more at the beginning: two have been, the others draw many
 schedules.
