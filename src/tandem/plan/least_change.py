@@ -30,9 +30,8 @@ from tandem.cell.written import number
 from tandem.errors import InfeasibleError, NothingFoundError, UsageError
 from tandem.plan.bounds import least_makespan
 from tandem.plan.change_terms import Aim, rules, what_changes
-from tandem.plan.cpsat import Decisions, formulate
+from tandem.plan.cpsat import SOLVER, Decisions, formulate
 from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
-from tandem.plan.exact import SOLVER
 from tandem.plan.in_the_way import in_the_way
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.method import Progress
@@ -572,6 +571,7 @@ class _Search:
             wall,
             interrupted,
             self._question(),
+            out_of_time=self.effort.left() <= 0,
             before=self.standing.before,
             optimum=self.optimum,
             allow=self.allow,

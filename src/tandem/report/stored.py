@@ -181,6 +181,7 @@ def _front(document: Mapping[str, Any], cell: Cell, path: Path) -> Front:
         document.get("interrupted") is True,
         _question(document.get("question")),
         document.get("source"),
+        out_of_time=document.get("ended_by") == "time",
     )
 
 

@@ -51,6 +51,8 @@ class FrontView:
         if not len(front):
             return
         yield front_table(front, width=options.max_width)
+        for line in remarks(front):
+            yield Text(line)
         knee = front.results.index(front.knee)
         words = (
             f"Point {knee + 1}: makespan {seconds(front[knee].makespan)}, stress"
@@ -73,6 +75,8 @@ def headline(front: Front) -> str:
         if front.complete
         else "interrupted, not complete"
         if front.interrupted
+        else "not complete, time ran out"
+        if front.ended_by == "time"
         else "not complete"
     )
     within = f" within {' and '.join(front.question.limits)}" if front.question.limits else ""
@@ -81,6 +85,30 @@ def headline(front: Front) -> str:
         f" {number(round(front.wall_s, 2))} s, {front.solver}"
     )
     return f"{name} ({', '.join([_count(len(cell.tasks), 'task'), *people])}): {found}."
+
+
+def remarks(front: Front) -> list[str]:
+    """What is to be said of a front that is not all that it could be: which points time has cut
+    short, and which proven ones may have another schedule in the next run.
+    """
+    places = list(enumerate(front, 1))
+    cut = [place for place, r in places if r.status != Status.OPTIMAL]
+    loose = [place for place, r in places if r.status == Status.OPTIMAL and not r.canonical]
+    lines = []
+    if cut and front.ended_by == "time":
+        lines.append(
+            f"Not proven because time ran out: {_points(cut)}; with a longer --time-limit more is."
+        )
+    if loose:
+        lines.append(
+            f"Another run may show another schedule of the same values: {_points(loose)}; time ran"
+            " out before one was chosen."
+        )
+    return lines
+
+
+def _points(places: list[int]) -> str:
+    return f"point{'s' * (len(places) > 1)} {', '.join(map(str, places))}"
 
 
 def front_table(front: Front, *, width: int = 80) -> Table:
