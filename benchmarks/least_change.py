@@ -1,15 +1,16 @@
-"""One robot time changes by four seconds: how many of 21 tasks change when the cell is planned anew,
-and how many when the old plan is carried over.
+"""One robot time changes by so many seconds: how many of 21 tasks change when the cell is planned
+anew, and how many when the old plan is carried over.
 
-    python benchmarks/least_change.py [--cells 6] [--changes 5] [-o FILE.csv]
+    python benchmarks/least_change.py [--cells 6] [--changes 5] [--longer 4] [-o FILE.csv]
     python benchmarks/least_change.py --show benchmarks/results/least_change.csv
 
 Random layered cells of 21 tasks (seeds 0, 1, ...), a robot and a human. The old plan is the
-recommended point of the front. Then the robot takes four seconds longer for one task of its plan:
-for each of so many tasks, drawn by the cell's seed. Anew: the point of `tandem plan`'s new front
-that is quickest with at most the old plan's stress. Carried over: `tandem replan`, as it is when
-nothing is said (2 % above the new optimum, starts within 5 s are the same). A task has changed when
-others do it, its order on its operator is another, or its start has moved by more than 5 s.
+recommended point of the front. Then the robot takes four seconds longer (`--longer`) for one task
+of its plan: for each of so many tasks, drawn by the cell's seed. Anew: the point of `tandem plan`'s
+new front that is quickest with at most the old plan's stress. Carried over: `tandem replan`, as it
+is when nothing is said (2 % above the new optimum, starts within 5 s are the same). A task has
+changed when others do it, its order on its operator is another, or its start has moved by more than
+5 s.
 """
 
 from __future__ import annotations
@@ -23,14 +24,14 @@ from random import Random
 
 from tandem.cell.model import Cell
 from tandem.files.generators import layered
-from tandem.plan.least_change import Replan, replan
+from tandem.plan.least_change import replan
 from tandem.plan.methods import plan
+from tandem.plan.replanned import Replan
 from tandem.report.stored import point_of
 from tandem.schedule.changes import changes
 from tandem.schedule.model import Schedule
 
 TASKS = 21
-LONGER_S = 4
 COLUMNS = (
     "seed", "digest", "task", "old_makespan", "old_stress",
     "anew_makespan", "anew_operator", "anew_order", "anew_start", "anew_any",
@@ -39,7 +40,9 @@ COLUMNS = (
 )  # fmt: skip
 
 
-def rows_of(seed: int, count: int, workers: int | None) -> Iterator[tuple[object, ...]]:
+def rows_of(
+    seed: int, count: int, longer: float, workers: int | None
+) -> Iterator[tuple[object, ...]]:
     """One row for each of the cell's changes."""
     cell = layered(TASKS, seed=seed)
     old = plan(cell, workers=workers).knee
@@ -47,7 +50,7 @@ def rows_of(seed: int, count: int, workers: int | None) -> Iterator[tuple[object
         a.task for a in old.schedule for who in a.operators if cell.operators[who].kind == "robot"
     ]
     for task in sorted(Random(seed).sample(robots, min(count, len(robots))), key=int):
-        changed = slower(cell, task)
+        changed = slower(cell, task, longer)
         front = plan(changed, workers=workers)
         anew = front[point_of(front, stress=max(old.stress, min(r.stress for r in front)))]
         began = time.perf_counter()
@@ -70,10 +73,10 @@ def counted(old: Schedule, new: Schedule) -> tuple[int, int, int, int]:
     return *changes(old, new).counts, sum(changes(old, new, 0.0).counts)
 
 
-def slower(cell: Cell, task: str) -> Cell:
+def slower(cell: Cell, task: str, longer: float) -> Cell:
     """The cell in which robots take so much longer for the task."""
     time_ = {
-        who: seconds + LONGER_S * (cell.operators[who].kind == "robot")
+        who: seconds + longer * (cell.operators[who].kind == "robot")
         for who, seconds in cell.tasks[task].time.items()
     }
     data = cell.to_dict()
@@ -126,6 +129,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n\n")[0])
     parser.add_argument("--cells", type=int, default=6, help="how many cells")
     parser.add_argument("--changes", type=int, default=5, help="tasks that get slower, per cell")
+    parser.add_argument("--longer", type=float, default=4, help="seconds more that robots take")
     parser.add_argument("--workers", type=int, help="threads; one per core when absent")
     parser.add_argument("--show", type=Path, help="show this file and run nothing")
     parser.add_argument("-o", "--output", type=Path, help="CSV file to write")
@@ -136,7 +140,7 @@ def main() -> None:
     rows = [
         row
         for seed in range(arguments.cells)
-        for row in rows_of(seed, arguments.changes, arguments.workers)
+        for row in rows_of(seed, arguments.changes, arguments.longer, arguments.workers)
     ]
     if arguments.output:
         with arguments.output.open("w", newline="") as file:

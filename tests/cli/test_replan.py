@@ -136,10 +136,11 @@ def test_every_output_of_a_plan_can_be_written(folder: Path) -> None:
     endings = ("json", "csv", "svg", "html", "xlsx", "xml", "md")
     files = [option for ending in endings for option in ("-o", f"out.{ending}")]
     done = tandem(
-        "replan", "slower.yaml", "--from", "plan.json", "-q", "--front", *files, cwd=folder
+        "replan", "slower.yaml", "--from", "plan.json", "--point", 2, "-q", *files, cwd=folder
     )
     assert done.returncode == 0, done.stderr
     assert all((folder / f"out.{ending}").stat().st_size > 100 for ending in endings)
+    assert "no plan within these limits changes less" in (folder / "out.md").read_text()
 
 
 @pytest.mark.parametrize(
@@ -155,6 +156,13 @@ def test_every_output_of_a_plan_can_be_written(folder: Path) -> None:
         (["--point", "2", "--at", "5", "--done", "4"], 2, ["begins at 16 s", "--done 1,2,4"]),
         (["--allow", "-1", "--tolerance", "nan"], 2, ["allow -1", "tolerance not a number"]),
         (["--time-limit", "0"], 2, ["--time-limit 0"]),
+        (
+            ["--point", "2", "--at", "10", "--set", "tasks.7.deadline=25"],
+            4,
+            ["keep all limits after task 1 (started", "Without the deadline of task 7 (25 s)"],
+        ),
+        (["--set", "tasks.7.deadline=20"], 4, ["the deadline of task 7 (20 s) cannot be kept"]),
+        (["--front", "-o", "front.html"], 2, ["-o front.html", ".json or .csv"]),
         (
             ["--point", "2", "--keep", "1,2,4"],
             4,

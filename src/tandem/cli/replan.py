@@ -18,10 +18,11 @@ import click
 from tandem.cell.written import number
 from tandem.cli.answers import AS_JSON, CELL, aligned, check_time, variant_options
 from tandem.cli.options import FORMAT, point_options
+from tandem.errors import UsageError
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
-    from tandem.plan.least_change import Replan, Replanned
+    from tandem.plan.replanned import Replan, Replanned
     from tandem.plan.result import Result
     from tandem.report.stored import StoredPlan
 
@@ -153,6 +154,8 @@ def replan_command(
     check_time(time_limit, workers)
     files = list(outputs)
     ready_to_write(files)
+    if front:
+        _writes_a_table(files)
     cell = load(cell_file, form)
     is_variant = bool(sets or without or force)
     if is_variant:
@@ -196,12 +199,24 @@ def replan_command(
     if as_json:
         click.echo(json.dumps(found.to_dict(), ensure_ascii=False))
     else:
-        _show(found, old)
+        _show(found, old, front)
     for path in files:
         click.echo(f"wrote {path}", err=True)
     if found.interrupted:
         click.echo("interrupted: this is the best found so far, with its bounds.", err=True)
     return 130 if found.interrupted else 0
+
+
+def _writes_a_table(files: Iterable[Path]) -> None:
+    """Pictures and sheets show a front of time and stress, which a front of changes is not. Raises
+    UsageError for files of another kind.
+    """
+    if other := [str(path) for path in files if path.suffix.lower() not in (".json", ".csv")]:
+        raise UsageError(
+            f"--front with -o {', '.join(other)}: change against time is written as .json or .csv."
+            " Make sheets and pictures of the plan that you choose from it: tandem report"
+            " FRONT.json --point N."
+        )
 
 
 def _stored(plan_file: Path, cell: Cell) -> StoredPlan:
@@ -226,21 +241,21 @@ def _names(given: Iterable[str], known: Collection[str]) -> list[str]:
 # --- showing --------------------------------------------------------------------------------------
 
 
-def _show(found: Replanned, old: Result) -> None:
+def _show(found: Replanned, old: Result, front: bool) -> None:
     from rich.console import Console
 
     from tandem.report.terminal import GanttText
 
-    click.echo("\n".join(_lines(found, old)))
-    if len(found) == 1:
+    click.echo("\n".join(_lines(found, old, front)))
+    if not front:
         console = Console(file=sys.stdout, highlight=False)
         console.print(GanttText(found.cell, found[0].schedule))
 
 
-def _lines(found: Replanned, old: Result) -> Iterator[str]:
+def _lines(found: Replanned, old: Result, front: bool) -> Iterator[str]:
     """What is said of the old plan, of the limits, and of what changes."""
     yield (
-        f"Plan {old.schedule.digest}: makespan {number(old.makespan)} s, stress"
+        f"Old plan {old.schedule.digest}: makespan {number(old.makespan)} s, stress"
         f" {number(old.stress)}."
     )
     yield _about_the_optimum(found)
@@ -250,14 +265,14 @@ def _lines(found: Replanned, old: Result) -> Iterator[str]:
             f"{why} {', '.join(task for task, reason in found.kept if reason == why)}"
             for why in whys
         )
-    if len(found) > 1 or found.question.minimize == "front":
+    if front:
         yield ""
         yield from _front_lines(found)
         return
     best = found[0]
     proof = "proven to change least" if found.complete else _open(found)
     yield (
-        f"Plan {best.schedule.digest}: makespan {number(best.makespan)} s, stress"
+        f"New plan {best.schedule.digest}: makespan {number(best.makespan)} s, stress"
         f" {number(best.stress)}, {proof}."
     )
     yield ""
@@ -279,7 +294,9 @@ def _about_the_optimum(found: Replanned) -> str:
     said = f"New optimum: {number(optimum.makespan)} s{least}"
     if optimum.stress is not None:
         said += f" with a stress of at most {number(optimum.stress)}"
-        if not optimum.reachable:
+        if optimum.reachable is None:
+            said += "; no plan of so little stress has been found"
+        elif not optimum.reachable:
             said += ", the least that can be reached: that of the old plan no longer can"
     if limits.limits:
         said += f". Allowed, {number(found.allow)} % above: {' and '.join(limits.limits)}"
@@ -308,7 +325,7 @@ def _front_lines(found: Replanned) -> Iterator[str]:
 
 
 def _replan(result: Result) -> Replan:
-    from tandem.plan.least_change import Replan
+    from tandem.plan.replanned import Replan
 
     assert isinstance(result, Replan)
     return result

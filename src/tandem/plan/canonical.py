@@ -26,18 +26,20 @@ from __future__ import annotations
 import threading
 import warnings
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from time import monotonic
+from typing import Any
 
 from ortools.sat.python import cp_model
 
-from tandem.plan.cpsat import ALLOCATION, Decisions, Rule, formulate
+from tandem.plan.bounds import least_makespan, least_stress
+from tandem.plan.cpsat import ALLOCATION, SOLVER, Decisions, Rule, formulate
 from tandem.plan.door import Door, RefusedScheduleWarning
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
-from tandem.plan.result import Front, Result, Status
+from tandem.plan.result import Bound, Front, Result, Status
 from tandem.plan.starts import Starts, append, list_schedule, measures, moved_up
 from tandem.schedule.measures import exact
 
@@ -82,20 +84,35 @@ def settled(front: Front, *, until: float | None, workers: int) -> Front:
         try:
             results = [one.result() for one in waiting]
         except BaseException as error:
-            last_step.stop()
-            pool.shutdown(cancel_futures=True)
+            for one in waiting:
+                one.cancel()
+            while wait(waiting, 0.02).not_done:
+                last_step.stop()  # again and again: a solver that has not begun does not hear it
             if not isinstance(error, KeyboardInterrupt):
                 raise
             interrupted = True
             results = [
-                one.result() if one.done() and not one.cancelled() else result
+                result if one.cancelled() or one.exception() else one.result()
                 for one, result in zip(waiting, results, strict=True)
             ]
-    if last_step.door.refused:
-        warnings.warn(last_step.door.apology(), RefusedScheduleWarning, stacklevel=3)
     if question.minimize == "front":
         results = _undominated(results)
-    return replace(front, results=tuple(results), interrupted=interrupted)
+    front = replace(front, results=tuple(results), interrupted=interrupted)
+    if last_step.door.refused:
+        warnings.warn(last_step.door.apology(), RefusedScheduleWarning, stacklevel=3)
+        # what the same model proved is not believed any more
+        return _unproven(front, layout) if front.solver == SOLVER else front
+    return front
+
+
+def _unproven(front: Front, layout: Layout) -> Front:
+    """The front with nothing proven but what needs no search."""
+    bound = Bound(
+        layout.instance.seconds(least_makespan(layout)),
+        layout.instance.stress(least_stress(layout) or 0),
+    )
+    results = (replace(result, status=Status.FEASIBLE, bound=bound) for result in front)
+    return replace(front, results=tuple(results), complete=False)
 
 
 def _undominated(results: Sequence[Result]) -> list[Result]:
@@ -144,8 +161,9 @@ class _LastStep:
         instance = self.layout.instance
         makespan = int(exact(result.makespan) * instance.per_second)
         stress = int(exact(result.stress) * instance.per_stress)
-        starts = _Choice(self, makespan, stress).starts()
-        if starts is None or self.is_over:
+        choice = _Choice(self, makespan, stress)
+        starts = choice.starts()
+        if starts is None or choice.was_cut or self.is_over:
             return result
         admitted = self.door.vouched(starts)
         if admitted is None:
@@ -178,12 +196,14 @@ class _Choice:
 
     Attributes:
       least_spread: units; no schedule of these values has a lesser spread.
+      was_cut: a solver was ended by the clock, so that what follows depends on it.
     """
 
     last_step: _LastStep
     makespan: int
     stress: int
     least_spread: int = 0
+    was_cut: bool = False
 
     @property
     def layout(self) -> Layout:
@@ -319,9 +339,12 @@ class _Choice:
         it has refuted.
         """
         plan.model.clear_hints()  # type: ignore[no-untyped-call]
-        plan.model.clear_objective()
+        plan.model.clear_objective()  # type: ignore[no-untyped-call]
         model = plan.model
-        model.add_decision_strategy(plan.start, cp_model.CHOOSE_FIRST, cp_model.SELECT_MIN_VALUE)
+        first: Any = cp_model.CHOOSE_FIRST
+        least: Any = cp_model.SELECT_MIN_VALUE
+        most: Any = cp_model.SELECT_MAX_VALUE
+        model.add_decision_strategy(plan.start, first, least)
         literals = [
             plan.chosen[task][step.way]
             for task, steps in enumerate(self.layout.steps)
@@ -329,7 +352,7 @@ class _Choice:
             for step in sorted(steps, key=lambda step: (step.operators, step.ticks))
         ]
         if literals:
-            model.add_decision_strategy(literals, cp_model.CHOOSE_FIRST, cp_model.SELECT_MAX_VALUE)
+            model.add_decision_strategy(literals, first, most)
         solver = self._solve(
             plan,
             ORDER_WORK,
@@ -359,11 +382,14 @@ class _Choice:
         if (until := self.last_step.until) is not None:
             solver.parameters.max_time_in_seconds = max(0.01, until - monotonic())
         with self.last_step.at_work(solver):
-            if self.last_step.is_over:
+            if self.was_cut or self.last_step.is_over:
                 return None
-            status = solver.solve(plan.model)
-        found = status in (cp_model.OPTIMAL, cp_model.FEASIBLE)  # type: ignore[comparison-overlap]
-        return solver if found and not self.last_step.is_over else None
+            status = solver.status_name(solver.solve(plan.model))
+        # CP-SAT ends before its limit when it does not expect to reach another look at the clock
+        is_near = until is not None and monotonic() + 0.1 + 0.2 * solver.wall_time > until
+        if status in ("FEASIBLE", "UNKNOWN") and (is_near or self.last_step.is_over):
+            self.was_cut = True
+        return solver if status in ("OPTIMAL", "FEASIBLE") and not self.was_cut else None
 
     def _appended(self, starts: Starts) -> Starts:
         """The same order, nothing put off."""

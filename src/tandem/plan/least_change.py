@@ -14,8 +14,8 @@ from __future__ import annotations
 import math
 import os
 import threading
+import warnings
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from decimal import ROUND_FLOOR
 from fractions import Fraction
 from queue import Empty, SimpleQueue
@@ -25,20 +25,20 @@ from typing import Any, NamedTuple
 
 from ortools.sat.python import cp_model
 
-from tandem.cell.model import Cell, plain
+from tandem.cell.model import Cell
 from tandem.cell.written import number
 from tandem.errors import InfeasibleError, NothingFoundError, UsageError
 from tandem.plan.bounds import least_makespan
 from tandem.plan.change_terms import Aim, rules, what_changes
-from tandem.plan.cpsat import Decisions, formulate
-from tandem.plan.door import Admitted, Door
-from tandem.plan.exact import SOLVER
+from tandem.plan.cpsat import SOLVER, Decisions, formulate
+from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
 from tandem.plan.in_the_way import in_the_way
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.method import Progress
 from tandem.plan.portfolio import Effort, Goal, GoalStatus, Race
 from tandem.plan.question import Question
-from tandem.plan.result import Bound, Front, Result, Status
+from tandem.plan.replanned import Optimum, Replan, Replanned
+from tandem.plan.result import Bound, Status
 from tandem.plan.rules import SPECS, build
 from tandem.plan.standing import Standing, stand
 from tandem.plan.starts import Starts, append
@@ -48,100 +48,14 @@ from tandem.schedule.model import Schedule
 
 ALLOW = 2.0
 """Percent above the new optimum, if nothing else is said."""
+MOST_TASKS = 400
+"""With more tasks in both plans, the model of all pairs takes longer to write down than a user
+waits; the best plan that was found on the way is given, and nothing is proven.
+"""
 SHARE = 0.4
 """Of the time that is left, what one question may take."""
 TIDY_WORK = 5.0
 """Deterministic seconds for the last step, which only chooses among equals."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Replan(Result):
-    """A plan, and how far it is from the old one."""
-
-    changes: Changes
-
-    def to_dict(self) -> dict[str, Any]:
-        """One entry of `front` in a result document."""
-        return {
-            **super().to_dict(),
-            "changed": [changed.to_dict() for changed in self.changes.changed],
-            "new": list(self.changes.new),
-            "gone": list(self.changes.gone),
-        }
-
-
-@dataclass(frozen=True)
-class Optimum:
-    """The best plan of the changed cell, measured by what the old one was chosen for.
-
-    Attributes:
-      makespan: the least among plans of at most `stress`, seconds; `bound`, what is proven of it.
-      stress: that of the old plan, or the least there is when that can no longer be reached; None
-        when the old plan's stress is not known.
-      reachable: a plan of the old one's stress has been found.
-    """
-
-    makespan: float
-    bound: float
-    stress: float | None
-    reachable: bool
-
-    @property
-    def proven(self) -> bool:
-        """Nothing of at most this stress is quicker."""
-        return self.bound >= self.makespan
-
-    def to_dict(self) -> dict[str, Any]:
-        return {
-            "makespan": plain(self.makespan),
-            "bound": plain(self.bound),
-            "stress": plain(self.stress),
-            "reachable": self.reachable,
-        }
-
-
-@dataclass(frozen=True, kw_only=True)
-class Replanned(Front):
-    """The plan that changes least or, if asked for, one for each number of changed tasks that
-    gains time, sorted by makespan.
-
-    Attributes:
-      before: the old plan.
-      optimum: what the limits are measured by; they stand in `question`.
-      allow: percent above it.
-      tolerance: seconds by which a start may move and still be the same.
-      kept: what did not move, and why: "done", "started" or "kept".
-      at_least: proven bounds of the numbers of the one plan; each holds for plans with no more of
-        the numbers before it.
-    """
-
-    before: Schedule
-    optimum: Optimum
-    allow: float
-    tolerance: float
-    kept: tuple[tuple[str, str], ...]
-    at_least: Mapping[str, int]
-
-    @property
-    def changes(self) -> Changes:
-        """What the first plan changes."""
-        first = self.results[0]
-        assert isinstance(first, Replan)
-        return first.changes
-
-    def to_dict(self) -> dict[str, Any]:
-        """The result document of `tandem replan --json`."""
-        document = super().to_dict()
-        rest = {key: document.pop(key) for key in ("front", "source", "cell_document")}
-        replan = {
-            "from": self.before.digest,
-            "optimum": self.optimum.to_dict(),
-            "allow": plain(self.allow),
-            "tolerance": plain(self.tolerance),
-            "kept": [{"task": task, "why": why} for task, why in self.kept],
-            "at_least": dict(self.at_least),
-        }
-        return {**document, "replan": replan, **rest}
 
 
 def replan(
@@ -191,10 +105,8 @@ def replan(
     standing = stand(cell, before, done=done, at=at, keep=keep)
     told = _stress_of(standing) if stress is None else stress
     until = None if time_limit is None else monotonic() + time_limit
-    search = _Search(
-        standing, told, allow, tolerance, until, seed, workers or os.cpu_count() or 1, on_solution
-    )
-    search.front = front
+    effort = Effort(until, seed, workers or os.cpu_count() or 1)
+    search = _Search(standing, told, allow, tolerance, front, effort, on_solution)
     interrupted = False
     try:
         search.begin()
@@ -284,27 +196,27 @@ class _Search:
         stress: float | None,
         allow: float,
         tolerance: float,
-        until: float | None,
-        seed: int,
-        workers: int,
+        front: bool,
+        effort: Effort,
         on_solution: Callable[[Progress], None] | None,
     ) -> None:
         self.began = monotonic()
         self.standing, self.allow, self.tolerance = standing, allow, tolerance
-        self.until, self.seed, self.workers, self.on_solution = until, seed, workers, on_solution
+        self.front, self.effort, self.on_solution = front, effort, on_solution
         self.instance = standing.instance
         self.layout = Layout.of(self.instance)
         self.door = Door(standing.cell, self.instance, Question(), standing.promises)
         self.known: dict[Starts, Known] = {}
         self.cap = None if stress is None else _floor(stress, self.instance.per_stress)
-        self.reachable = self.cap is None
+        self.reachable: bool | None = None
         self.least = self.floor = 0 if self.layout.impossible() else least_makespan(self.layout)
         self.limits: dict[Aim, int] = {}
         self.at_least: dict[str, int] = {}
-        self.infeasible = self.front = False
+        self.infeasible = self.optimum_is_proven = False
         self.points: list[tuple[Starts, bool, bool]] = []
         self.complete = False
         self.rules = rules(standing)
+        self.is_too_large = len(standing.old) > MOST_TASKS
 
     def begin(self) -> None:
         """The first schedules: the old one as it is, the old one with its gaps closed or stretched,
@@ -322,7 +234,7 @@ class _Search:
         if appended is not None:
             self._offer(self.door.admit(appended))
         if self.instance.stress_of_set is None:
-            state = build(self.layout, SPECS["longest-tail"], Random(self.seed))
+            state = build(self.layout, SPECS["longest-tail"], Random(self.effort.seed))
             if state is not None:
                 self._offer(self.door.admit(state.starts()))
 
@@ -351,28 +263,30 @@ class _Search:
         if self.layout.impossible():
             self.infeasible = True
             return
+        proven = True
         quickest = self._race(Goal(1, 0, None, self.cap))
         if quickest.starts is None and quickest.proven and self.cap is not None:
             gentlest = self._race(Goal(0, 1))
             if gentlest.starts is None:
                 self.infeasible = gentlest.proven
                 return
+            self.reachable, proven = False, gentlest.proven
             self.cap = min(known.value("stress") for known in self.known.values())
             quickest = self._race(Goal(1, 0, None, self.cap))
-            self.reachable = False
         elif quickest.starts is None:
             self.infeasible = quickest.proven
             return
         else:
             self.reachable = True
+        self.optimum_is_proven = proven and quickest.proven
         self.floor = max(self.floor, quickest.bound)
 
     def _race(self, goal: Goal) -> GoalStatus:
-        left = self._left()
+        left = self.effort.left()
         effort = Effort(
-            None if self.until is None else monotonic() + max(SHARE * left, min(left, 0.5)),
-            self.seed,
-            self.workers,
+            None if self.effort.until is None else monotonic() + max(SHARE * left, min(left, 0.5)),
+            self.effort.seed,
+            self.effort.workers,
             lambda schedule, bound: self._offer(schedule),
         )
         fit = [known.admitted for known in self.known.values() if goal.allows(*_point(known))]
@@ -409,7 +323,7 @@ class _Search:
         self.limits = self.allowed
         if not self._fit(self.limits):
             return
-        proven = self.optimum.proven
+        proven = self.optimum_is_proven
         for aim in LEAST:
             answer = self._ask(aim, self.limits, self._least_makespan if aim == "makespan" else 0)
             assert answer.value is not None
@@ -427,7 +341,7 @@ class _Search:
         gentle = self.allowed
         gentle.pop("makespan", None)
         limits, proven = dict(gentle), True
-        while proven or self._left() > 0:
+        while True:
             fewest = self._ask("changed", limits, 0)
             if fewest.value is None:
                 self.complete = proven and fewest.bound == NOTHING and bool(self.points)
@@ -447,12 +361,11 @@ class _Search:
                 here[aim] = answer.value
             self._settle(here, is_proven)
             proven = proven and is_proven
+            if self.effort.left() <= 0 or self.door.refused or self.is_too_large:
+                return
             limits = {**gentle, "makespan": quickest.value - 1}
 
     # ------------------------------------------------------------ how it is asked
-
-    def _left(self) -> float:
-        return 1e9 if self.until is None else self.until - monotonic()
 
     def _fit(self, limits: Mapping[Aim, int]) -> list[Known]:
         return [
@@ -470,13 +383,14 @@ class _Search:
         """
         best = self._best(aim, limits)
         value = None if best is None else best.value(aim)
-        if (value is not None and value <= floor) or self._left() <= 0 or self.door.refused:
+        is_over = self.effort.left() <= 0 or bool(self.door.refused) or self.is_too_large
+        if is_over or (value is not None and value <= floor):
             return Answered(value, floor)
         plan, terms = self._model(limits)
         plan.model.minimize(terms[aim])
         if best is not None:
             plan.hint(best.admitted.starts)
-        solver = self._solver(self.workers, self.seed)
+        solver = self._solver(self.effort.workers, self.effort.seed)
         status = self._solve(solver, plan)
         if self.door.refused:
             return Answered(value, floor)
@@ -550,7 +464,7 @@ class _Search:
             return
         starts, canonical, moved = best.admitted.starts, proven, None
         for last in (False, True):
-            if self._left() <= 0 or self.door.refused:
+            if self.effort.left() <= 0 or self.door.refused or self.is_too_large:
                 canonical = False
                 break
             plan, _ = self._model(limits)
@@ -584,8 +498,8 @@ class _Search:
         solver.parameters.num_workers = workers
         solver.parameters.random_seed = seed % (1 << 31)
         solver.parameters.catch_sigint_signal = False
-        if self.until is not None:
-            solver.parameters.max_time_in_seconds = max(0.05, SHARE * self._left())
+        if self.effort.until is not None:
+            solver.parameters.max_time_in_seconds = max(0.05, SHARE * self.effort.left())
         return solver
 
     def _offer(self, admitted: Admitted | None) -> None:
@@ -641,6 +555,9 @@ class _Search:
                 f"no plan that leaves what is done, started or kept where it is was found in"
                 f" {wall:.1f} s; whether there is one is open."
             )
+        if self.door.refused:
+            self.complete = False
+            warnings.warn(self.door.apology(), RefusedScheduleWarning, stacklevel=3)
         if not self.points:
             self.points.append((self._provisional().admitted.starts, False, False))
         results = [self._result(self.known[starts], *rest) for starts, *rest in self.points]
@@ -650,10 +567,11 @@ class _Search:
             self.complete,
             "least-change",
             SOLVER,
-            self.seed,
+            self.effort.seed,
             wall,
             interrupted,
-            self._question(self.front),
+            self._question(),
+            out_of_time=self.effort.left() <= 0,
             before=self.standing.before,
             optimum=self.optimum,
             allow=self.allow,
@@ -675,14 +593,16 @@ class _Search:
             self.instance.seconds(min(self.floor, best)),
             None if self.cap is None else self.instance.stress(self.cap),
             self.reachable,
+            self.optimum_is_proven and not self.door.refused,
         )
 
-    def _question(self, front: bool) -> Question:
+    def _question(self) -> Question:
         """The limits as a question."""
-        makespan, stress = (self.allowed.get(aim) for aim in ("makespan", "stress"))
+        makespan, stress = self.allowed.get("makespan"), self.allowed.get("stress")
+        is_free = self.front or makespan is None
         return Question(
-            "front" if front else "makespan",
-            max_makespan=None if front or makespan is None else self.instance.seconds(makespan),
+            "change",
+            max_makespan=None if is_free else self.instance.seconds(makespan or 0),
             max_stress=None if stress is None else self.instance.stress(stress),
         )
 

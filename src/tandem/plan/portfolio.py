@@ -24,6 +24,7 @@ from tandem.plan import cpsat
 from tandem.plan.cpsat import Decisions, formulate
 from tandem.plan.door import Admitted, Door
 from tandem.plan.list_scheduling import Layout
+from tandem.plan.lns import WORK as STRETCH_WORK
 from tandem.plan.lns import plan_anew, take_out
 from tandem.plan.lower_bound import Proof, prove_makespan
 from tandem.plan.starts import Starts, append, keeps_deadlines, list_schedule, measures
@@ -67,6 +68,17 @@ class GoalStatus:
 
 
 @dataclass
+class Meter:
+    """A limit on work, in CP-SAT's deterministic seconds, that counts down."""
+
+    left: float
+
+    def spend(self, work: float) -> None:
+        """Takes note of work that was done."""
+        self.left = max(0.0, self.left - work)
+
+
+@dataclass
 class Effort:
     """How hard to work, and on whose behalf.
 
@@ -79,6 +91,7 @@ class Effort:
         it is proven.
       from_below: CP-SAT first tries whether the bound can be reached, which proves sooner and finds
         later than its own order of search.
+      meter: how much work is left for everything, of one worker; None for no limit.
       refutes: a lone worker may also spend processor time on `refute`, which does not repeat.
     """
 
@@ -88,7 +101,13 @@ class Effort:
     offer: Callable[[Admitted, int], None] = field(default=lambda schedule, bound: None)
     work: float | None = None
     from_below: bool = False
+    meter: Meter | None = None
     refutes: bool = False
+
+    @property
+    def is_spent(self) -> bool:
+        """Time is up, or the work is done."""
+        return self.left() <= 0 or (self.meter is not None and self.meter.left <= 0)
 
     def left(self) -> float:
         """Seconds left."""
@@ -121,6 +140,10 @@ LEAST_WORK = 1.0
 """Deterministic seconds below which CP-SAT does not come to search a large cell, so it is not
 asked.
 """
+EASY_WORK = STRETCH_WORK / 2
+"""With less work than this a stretch was easy, and a longer one may be tried."""
+LEAST_SPENT = 0.002
+"""Deterministic seconds that a question counts besides its own, for stating it."""
 RELAX_WORK = 2.0
 """Deterministic seconds for the question who does what."""
 
@@ -153,8 +176,8 @@ class Race:
     """The state that the workers of one question share.
 
     Several races can go on at once: they are started with a common inbox, which their caller hears,
-    and halted by it. `rules` are what the prover keeps; where they are more than the cell's own,
-    the door has to know of them too.
+    and halted by it. `rules` are what the prover keeps, the cell's own when None; where they are
+    more, the door has to know of them too.
     """
 
     def __init__(
@@ -166,7 +189,7 @@ class Race:
         incumbent: Admitted | None,
         bound: int,
         inbox: Inbox | None = None,
-        rules: Sequence[cpsat.Rule] = cpsat.RULES,
+        rules: Sequence[cpsat.Rule] | None = None,
     ) -> None:
         self.door, self.instance, self.layout, self.goal, self.effort = (
             door,
@@ -175,7 +198,7 @@ class Race:
             goal,
             effort,
         )
-        self.rules = rules
+        self.rules = cpsat.RULES if rules is None else rules
         self.lock = threading.Lock()
         self.best = incumbent
         self.value = None if incumbent is None else goal.value(*incumbent.point)
@@ -192,13 +215,13 @@ class Race:
         """Nothing is left to do. A model that was wrong proves nothing any more: without a limit
         the others would go on for ever.
         """
-        if self.door.refused and self.effort.until is None:
+        if self.door.refused and self.effort.until is None and self.effort.meter is None:
             return True
         return (
             self.stopped
             or self.infeasible
             or (self.value is not None and self.bound >= self.value)
-            or self.effort.left() <= 0
+            or self.effort.is_spent
         )
 
     def found(self, starts: Starts) -> bool:
@@ -371,8 +394,7 @@ class Race:
         is a good beginning.
         """
         plan = self._model(cpsat.ALLOCATION)
-        solver = self._solver(1, seed, None)
-        solver.parameters.max_deterministic_time = RELAX_WORK
+        solver = self._solver(1, seed, RELAX_WORK)
         status = self._solve(solver, plan)
         if status == cp_model.INFEASIBLE:
             return self._ruled_out()
@@ -515,9 +537,11 @@ class Race:
             hardest = sum(max(way.stress for way in ways) for ways in stretch.instance.ways)
             if (hardest + 1) * upper + hardest <= MOST_COUNTED:
                 weights = (hardest + 1, 1)
-        fresh, easy = plan_anew(
+        fresh, work = plan_anew(
             stretch, upper, most_stress=most, weights=weights, seed=random.randrange(1 << 30)
         )
+        self._spend(work)
+        easy = work < EASY_WORK
         if fresh is None:
             return None, easy
         # the stretch goes back by its order, not by its moments: list scheduling closes the gaps
@@ -591,6 +615,10 @@ class Race:
             solver.parameters.max_time_in_seconds = max(0.01, self.effort.left())
         if work is not None:
             solver.parameters.max_deterministic_time = work
+        if self.effort.meter is not None:
+            solver.parameters.max_deterministic_time = min(
+                solver.parameters.max_deterministic_time, self.effort.meter.left
+            )
         solver.parameters.use_strong_propagation_in_disjunctive = self._is_fine
         return solver
 
@@ -609,10 +637,16 @@ class Race:
                 )
             if status in (cp_model.UNKNOWN, cp_model.FEASIBLE) and watcher is not None:
                 watcher.on_bound(solver.best_objective_bound)
+            self._spend(solver.response_proto.deterministic_time)
             return status
         finally:
             with self.lock:
                 self.running.remove(solver)
+
+    def _spend(self, work: float) -> None:
+        """Takes note of work that was done; whatever is asked costs something, so that it ends."""
+        if self.effort.meter is not None:
+            self.effort.meter.spend(work + LEAST_SPENT)
 
     def _nothing_below(self, value: int) -> None:
         """The model has no solution although the incumbent's value is given; where ticks are fine

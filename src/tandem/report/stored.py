@@ -212,6 +212,7 @@ def _front(document: Mapping[str, Any], cell: Cell) -> Front:
         _question(document.get("question")),
         source if isinstance(source, str) else None,
         document.get("recommended_by") == "p95",
+        out_of_time=document.get("ended_by") == "time",
     )
 
 

@@ -64,6 +64,8 @@ class FrontView:
         if not len(front):
             return
         yield front_table(front, width=options.max_width, language=self.language)
+        for line in remarks(front, t):
+            yield Text(line)
         if is_told(front):
             yield risk_table(front, self.language)
         result = front.shown(self.point)
@@ -87,7 +89,15 @@ def headline(front: Front, language: str = "en") -> str:
         for kind, names in (("human", cell.humans), ("robot", cell.robots))
         if names
     ]
-    proof = "complete" if front.complete else "interrupted" if front.interrupted else "open"
+    proof = (
+        "complete"
+        if front.complete
+        else "interrupted"
+        if front.interrupted
+        else "late"
+        if front.ended_by == "time"
+        else "open"
+    )
     return t(
         "terminal.found",
         name=cell.name or t("terminal.unnamed"),
@@ -115,6 +125,23 @@ def _limits(front: Front, t: Words) -> str:
         return ""
     both = t("and", first=limits[0], last=limits[-1]) if len(limits) > 1 else limits[0]
     return t("terminal.within", limits=both)
+
+
+def remarks(front: Front, t: Words) -> list[str]:
+    """What is to be said of a front that is not all that it could be: which points time has cut
+    short, and which proven ones may have another schedule in the next run.
+    """
+    places = list(enumerate(front, 1))
+    cut = [place for place, r in places if r.status != Status.OPTIMAL]
+    loose = [place for place, r in places if r.status == Status.OPTIMAL and not r.canonical]
+    told = [("terminal.cut", cut)] if cut and front.ended_by == "time" else []
+    told += [("terminal.loose", loose)] if loose else []
+    return [t(key, points=_points(places, t)) for key, places in told]
+
+
+def _points(places: list[int], t: Words) -> str:
+    key = "terminal.places.one" if len(places) == 1 else "terminal.places.other"
+    return t(key, names=", ".join(map(str, places)))
 
 
 def front_table(front: Front, *, width: int = 80, language: str = "en") -> Table:
