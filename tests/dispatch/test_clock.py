@@ -121,9 +121,7 @@ def test_more_list_schedules_are_never_worse_and_repeat() -> None:
     moves = Moves.of(layered(30, 2, 2, seed=3))
     ticks = []
     for samples in (1, 4, 10, 40):
-        plans = [
-            sketch(moves, moves.root(), (1.0, 0.0), samples=samples, seed=7) for _ in range(2)
-        ]
+        plans = [sketch(moves, moves.root(), (1.0, 0.0), samples=samples, seed=7) for _ in range(2)]
         assert plans[0] == plans[1]
         assert plans[0] is not None
         ticks.append(plans[0].ticks)

@@ -1,5 +1,5 @@
-"""Decisions repeat: the same situation is decided alike in a shift, in its replay, in a process that
-was killed and began again, and whatever was asked before.
+"""Decisions repeat: the same situation is decided alike in a shift, in its replay, in a process
+that was killed and began again, and whatever was asked before.
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ import json
 import os
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import islice
@@ -22,7 +23,7 @@ import tandem
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Basis, Chosen, Decision, Options, Policy
 from tandem.dispatch.deciders.table import policy
-from tandem.dispatch.journal import Journal
+from tandem.dispatch.journal import Journal, JournalError
 from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.shift.deadline import InTime
 from tandem.dispatch.shift.live import RULE, Settings, Shift
@@ -140,8 +141,6 @@ def test_whom_the_guard_cut_is_replayed_as_that(tmp_path: Path) -> None:
                 gone.wait(0.3)
             return self.policy.decide(situation)
 
-    import threading
-
     gone = threading.Event()
     settings = Settings("replan-robust")
     made = settings.decider(GEARBOX)
@@ -170,9 +169,7 @@ def test_what_a_millisecond_buys_stands_in_the_journal_and_decides_alike(tmp_pat
             shift = Shift.open(cell, journal, settings, decider=patient)
             for line in islice(events(shift, SimulatedFloor(cell, ODD, ROUGH, 0)), 12):
                 shift.take(line)
-            shifts[steps] = [
-                entry.decision["why"] for entry in journal.entries() if entry.decision
-            ]
+            shifts[steps] = [entry.decision["why"] for entry in journal.entries() if entry.decision]
         with Journal(path, read_only=True) as journal:
             assert replay(cell, journal).differences == ()
     assert shifts[1.0] != shifts[100.0], "work matters, or this would show nothing"
@@ -216,8 +213,6 @@ def test_a_plan_that_was_made_before_the_shift_is_not_made_again(
 
 
 def test_a_plan_in_a_journal_that_breaks_the_cell_is_refused(tmp_path: Path) -> None:
-    from tandem.dispatch.journal import JournalError
-
     path = tmp_path / "fixed.db"
     with Journal(path) as journal:
         Shift.open(GEARBOX, journal, Settings("fixed"))

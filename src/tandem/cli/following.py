@@ -57,8 +57,8 @@ def steered(
     for option in ("point", "makespan", "stress"):
         if given[option] is not None:
             raise UsageError(f"--{option}: chooses a point of a plan; give it with --plan.")
-    if wanted != KNEE:
-        return Objective(*wanted, limit), None
+    if isinstance(wanted, tuple):
+        return Objective(*wanted, max_stress=limit), None
     recommended = _recommended(cell, given["seed"])
     if recommended is None:
         return Objective(max_stress=limit), None
@@ -125,7 +125,9 @@ def _recommended(cell: Cell, seed: int) -> tuple[Front, int] | None:
         front = plan(cell, time_limit=FRONT_S, seed=seed)
     except (InfeasibleError, NothingFoundError) as error:
         why = str(error).splitlines()[0].rstrip(".")
-        click.echo(f"no point of a front can be recommended ({why}): seconds alone count.", err=True)
+        click.echo(
+            f"no point of a front can be recommended ({why}): seconds alone count.", err=True
+        )
         return None
     point = knee_index(front.points)
     if not front.complete:

@@ -36,9 +36,7 @@ class WorkPrices:
     @classmethod
     def of(cls, layout: Layout) -> WorkPrices:
         """The layout's prices, by `load_prices`."""
-        return cls.at(
-            layout, [max(1, round(_SCALE * price)) for price in load_prices(layout)[1]]
-        )
+        return cls.at(layout, [max(1, round(_SCALE * price)) for price in load_prices(layout)[1]])
 
     @classmethod
     def at(cls, layout: Layout, of_operator: Sequence[int]) -> WorkPrices:

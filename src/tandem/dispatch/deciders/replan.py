@@ -26,7 +26,6 @@ from tandem.dispatch.deciders.beliefs import (
     Models,
     allowed,
     cost_so_far,
-    numbered,
     position,
 )
 from tandem.dispatch.deciders.by_rule import ByRule
@@ -78,7 +77,9 @@ MOST_SCENARIOS = 7
 def plain(cell: Cell, objective: Objective, options: Options) -> Replan:
     """Re-planning by the stated times. Raises CellError as `Moves.of` does."""
     models = _models(cell, objective)
-    return Replan(models, objective, options, ByRule("longest-tail", models, objective, options.seed))
+    return Replan(
+        models, objective, options, ByRule("longest-tail", models, objective, options.seed)
+    )
 
 
 def robust(cell: Cell, objective: Objective, options: Options) -> Robust:
@@ -163,9 +164,7 @@ def by_plan(
     )
 
 
-def _planned(
-    policy: Replan | Robust, moves: Moves, here: Position, work: Work
-) -> Plan | None:
+def _planned(policy: Replan | Robust, moves: Moves, here: Position, work: Work) -> Plan | None:
     """The best plan that the work finds; it makes one list schedule at least."""
     left = rest(moves, here)
     if left is None:

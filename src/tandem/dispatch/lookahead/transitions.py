@@ -341,7 +341,9 @@ class Moves:
         )
         return known
 
-    def _plain_sets(self, legal: Sequence[int], look: Callable[[int], None]) -> list[tuple[int, ...]]:
+    def _plain_sets(
+        self, legal: Sequence[int], look: Callable[[int], None]
+    ) -> list[tuple[int, ...]]:
         """`choices` where any ways of different tasks and operators can begin together."""
         who, task = self.who, self.task
         sets: list[tuple[tuple[int, ...], int, int]] = [((), 0, 0)]

@@ -67,5 +67,5 @@ def measured() -> float:
     return round(min(max(CAUTION / quickest, SLOWEST), QUICKEST), 1)
 
 
-CAUTION = 0.6
+CAUTION = 0.5
 """Of what was measured in peace so much is counted on: beside a floor there is other work."""

@@ -96,7 +96,6 @@ class Settings:
         made = policy(self.policy, cell, self.objective, told)
         return InTime(made, policy(RULE, cell, self.objective, told), self.options.budget_ms)
 
-
     def carrying_out(self, plan: Chosen | None) -> Settings:
         """The same with the plan that its decider made for itself, so that the journal keeps it."""
         if plan is None or self.options.plan is not None:
@@ -211,6 +210,7 @@ class Shift:
             "policy": self.settings.policy,
             "budget_ms": self.settings.options.budget_ms,
             "seed": self.settings.options.seed,
+            "weights": [self.settings.objective.time, self.settings.objective.stress],
             "plan": None if plan is None else plan.schedule.digest,
             "start": None if self.start is None else self.start.isoformat(),
             "resumed": self.is_resumed,

@@ -16,6 +16,7 @@ from tandem.dispatch.shift.deadline import Instead, InTime
 from tandem.dispatch.shift.documents import Document, digest
 from tandem.dispatch.shift.live import Shift, opened_with
 
+
 @dataclass(frozen=True)
 class Replayed:
     """What replaying a journal showed: how many entries, events taken and decisions there are, and
