@@ -31,8 +31,8 @@ from tandem.dispatch.deciders.memory import settled_memory
 from tandem.dispatch.deciders.policy import Decision, Options, Policy
 from tandem.dispatch.deciders.table import policy
 from tandem.dispatch.journal import Journal
+from tandem.dispatch.lookahead.branch_and_bound import measured
 from tandem.dispatch.lookahead.objective import SECONDS
-from tandem.dispatch.lookahead.work import measured
 from tandem.dispatch.shift.deadline import InTime
 from tandem.dispatch.shift.live import FOR_PLANNING, RULE, Settings, Shift
 from tandem.dispatch.shift.simulated import SimulatedFloor

@@ -58,7 +58,8 @@ def steered(
         if given[option] is not None:
             raise UsageError(f"--{option}: chooses a point of a plan; give it with --plan.")
     if isinstance(wanted, tuple):
-        return Objective(*wanted, max_stress=limit), None
+        time, stress = wanted
+        return Objective(time, stress, limit), None
     recommended = _recommended(cell, given["seed"])
     if recommended is None:
         return Objective(max_stress=limit), None
