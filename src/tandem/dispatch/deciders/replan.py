@@ -26,6 +26,7 @@ from tandem.dispatch.deciders.beliefs import (
     Models,
     allowed,
     cost_so_far,
+    numbered,
     position,
 )
 from tandem.dispatch.deciders.by_rule import ByRule
@@ -438,8 +439,14 @@ class Robust:
         except OutOfWorkError:
             pass
         moves = self.models.of(situation, 1.0)
-        announced = self._announced(situation, moves, position(moves, situation, {}))
-        keeps = {choice: _changes(announced, choice) for choice in ties}
+        told = self._announced(situation, moves, position(moves, situation, {}))
+        # what robots were told and have not begun is not taken back for nothing either
+        told |= set(
+            numbered(
+                moves, situation, ((task, one.operators) for task, one in situation.orders.items())
+            )
+        )
+        keeps = {choice: _changes(told, choice) for choice in ties}
         stress = {choice: sum(moves.units[way] for way in choice) for choice in ties}
         first = sorted(
             ties, key=lambda choice: (extra[choice], keeps[choice], stress[choice], -len(choice))
