@@ -146,6 +146,13 @@ def test_a_stale_plan_is_said_and_one_that_breaks_the_cell_refused(
         assert "tandem replan CELL --from PLAN.json" in err
 
 
+def test_words_name_the_plan(plan_file: Path, capfd: Capture) -> None:
+    digest = json.loads(plan_file.read_text())["front"][2]["digest"]
+    arguments = ["dispatch", str(CELL), "--plan", str(plan_file), "--point", "3", "--words"]
+    assert run([*arguments, "--simulate", "compliant"]) == 0
+    assert f"decided by auto, the plan {digest} in hand." in capfd.readouterr().out
+
+
 def test_a_shift_goes_on_with_its_own_plan_only(
     tandem_: Tandem, plan_file: Path, tmp_path: Path
 ) -> None:
