@@ -77,10 +77,23 @@ def chosen(cell: Cell) -> Chosen:
     return Chosen(best.schedule, Basis.of(best, proven=True))
 
 
-@pytest.mark.parametrize("cell", CELLS.values(), ids=CELLS)
-@pytest.mark.parametrize("name", ["auto", "replan", "replan-robust", "fixed"])
-def test_a_decision_follows_from_the_situation_alone(name: str, cell: Cell) -> None:
+@pytest.mark.parametrize(
+    ("name", "cell"),
+    [
+        *(("replan-robust", cell) for cell in CELLS),
+        ("auto", "two humans"),
+        ("replan", "alternator"),
+        ("replan", "two humans"),
+        ("fixed", "gearbox"),
+    ],
+)
+def test_a_decision_follows_from_the_situation_alone(name: str, cell: str) -> None:
     """A decider that has never been asked, and is asked in another order, decides the same."""
+    check_repetition(name, CELLS[cell])
+
+
+def check_repetition(name: str, cell: Cell) -> None:
+    """Raises AssertionError where a fresh decider decides otherwise than one in a shift."""
     options = Options(budget_ms=20.0, steps_per_ms=20.0)
     settings = Settings(name, Objective(1.0, 0.2), options)
     noting = Noting(policy(name, cell, settings.objective, options))
@@ -167,7 +180,7 @@ def test_what_a_millisecond_buys_stands_in_the_journal_and_decides_alike(tmp_pat
         with Journal(path) as journal:
             patient = InTime(made.policy, made.rule, 60_000.0)
             shift = Shift.open(cell, journal, settings, decider=patient)
-            for line in islice(events(shift, SimulatedFloor(cell, ODD, ROUGH, 0)), 12):
+            for line in islice(events(shift, SimulatedFloor(cell, ODD, ROUGH, 0)), 6):
                 shift.take(line)
             shifts[steps] = [entry.decision["why"] for entry in journal.entries() if entry.decision]
         with Journal(path, read_only=True) as journal:
