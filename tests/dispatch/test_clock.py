@@ -19,17 +19,17 @@ from tandem.dispatch.deciders.memory import settled_memory
 from tandem.dispatch.deciders.policy import Decision, Options
 from tandem.dispatch.deciders.replan import WARMING, Robust, plain
 from tandem.dispatch.deciders.table import policy
-from tandem.dispatch.lookahead.branch_and_bound import A_SET, BranchAndBound
+from tandem.dispatch.lookahead.branch_and_bound import (
+    A_SET,
+    QUICKEST,
+    SLOWEST,
+    BranchAndBound,
+    measured,
+)
 from tandem.dispatch.lookahead.objective import SECONDS
 from tandem.dispatch.lookahead.residual import rest, sketch, solve
 from tandem.dispatch.lookahead.transitions import Moves
-from tandem.dispatch.lookahead.work import (
-    QUICKEST,
-    SLOWEST,
-    OutOfWorkError,
-    Work,
-    measured,
-)
+from tandem.dispatch.lookahead.work import OutOfWorkError, Work
 from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.situation.pace import estimates
 from tandem.errors import UsageError

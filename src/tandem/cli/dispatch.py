@@ -223,7 +223,7 @@ def _settings(cell: Cell, given: dict[str, Any]) -> Settings:
     """Of a new shift."""
     from tandem.cli.following import steered
     from tandem.dispatch.deciders.policy import Options
-    from tandem.dispatch.lookahead.work import measured
+    from tandem.dispatch.lookahead.branch_and_bound import measured
     from tandem.dispatch.shift.live import Settings
 
     objective, plan = steered(cell, given, [given["policy"]], KNEE)

@@ -57,8 +57,9 @@ def steered(
     for option in ("point", "makespan", "stress"):
         if given[option] is not None:
             raise UsageError(f"--{option}: chooses a point of a plan; give it with --plan.")
-    if wanted != KNEE:
-        return Objective(*wanted, limit), None
+    if isinstance(wanted, tuple):
+        time, stress = wanted
+        return Objective(time, stress, limit), None
     recommended = _recommended(cell, given["seed"])
     if recommended is None:
         return Objective(max_stress=limit), None

@@ -86,7 +86,6 @@ class Options:
 
     Attributes:
       budget_ms: the most milliseconds that a decision may take.
-      steps_per_ms: how much work a millisecond buys, in steps as `lookahead.work` counts them.
       seed: of whatever a decider draws.
       random: how often, as a share, the model of the human picks any legal task (`expected` plans
         for it).
@@ -97,10 +96,10 @@ class Options:
         a plan that is followed is left.
       learned: a file or folder with a trained policy, for `learned` and `auto`; None for none.
       plan: the plan that is carried out (`fixed`) or followed while it is good; None for none.
+      steps_per_ms: how much work a millisecond buys, in steps as `lookahead.work` counts them.
     """
 
     budget_ms: float = 50.0
-    steps_per_ms: float = STEPS_PER_MS
     seed: int = 0
     random: float = 0.0
     prior: Mapping[float, float] = field(
@@ -110,6 +109,7 @@ class Options:
     change_penalty: float = 0.0
     learned: str | None = None
     plan: Chosen | None = None
+    steps_per_ms: float = STEPS_PER_MS
 
     def __post_init__(self) -> None:
         if not 0 < self.budget_ms <= LONGEST_BUDGET_MS:

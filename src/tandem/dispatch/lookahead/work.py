@@ -3,20 +3,17 @@ on every machine and however busy it is.
 
 A step is one position made by branch and bound; all else is counted in what it takes compared with
 that. A budget in milliseconds is turned into steps once, before anything is decided, at
-`STEPS_PER_MS` or at what `measured` found.
+`STEPS_PER_MS` or at what `branch_and_bound.measured` found.
 """
 
 from __future__ import annotations
 
 from math import inf
-from time import thread_time
 
 from tandem.errors import TandemError
 
 STEPS_PER_MS = 60.0
 """Steps that a millisecond buys where nothing was measured: a core of 2020 makes about 100."""
-SLOWEST, QUICKEST = 5.0, 200.0
-"""What is measured is kept between these: a machine that is slower than this is busy, not slow."""
 
 
 class OutOfWorkError(TandemError):
@@ -45,27 +42,3 @@ class Work:
     def left(self) -> float:
         """Steps that may still be done."""
         return self.limit - self.done
-
-
-def measured() -> float:
-    """Steps that a millisecond buys here: the best of a few runs over a cell made up for it, by
-    this thread's own time on a core. Takes about a tenth of a second.
-    """
-    from tandem.dispatch.lookahead.branch_and_bound import BranchAndBound
-    from tandem.dispatch.lookahead.transitions import Moves
-    from tandem.files.generators import layered
-
-    moves = Moves.of(layered(9, seed=0))
-    quickest = inf
-    for _ in range(8):
-        search = BranchAndBound(moves, (1.0, 0.0))
-        began = thread_time()
-        search.value(moves.root())
-        spent = 1000 * (thread_time() - began)
-        if spent > 0:
-            quickest = min(quickest, spent / search.work.done)
-    return round(min(max(CAUTION / quickest, SLOWEST), QUICKEST), 1)
-
-
-CAUTION = 0.6
-"""Of what was measured in peace so much is counted on: beside a floor there is other work."""

@@ -5,8 +5,8 @@ says something that is not allowed, a rule answers instead, and should that fail
 needs nothing but the situation. The decision says so (`Answered.instead`), and a replay asks the
 same ones again.
 
-Deciders limit their work, not their time; this is the guard for when a machine is busier, or slower,
-than was thought.
+Deciders limit their work, not their time; this is the guard for when a machine is busier, or
+slower, than was thought.
 """
 
 from __future__ import annotations

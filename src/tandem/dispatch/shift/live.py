@@ -210,6 +210,7 @@ class Shift:
             "policy": self.settings.policy,
             "budget_ms": self.settings.options.budget_ms,
             "seed": self.settings.options.seed,
+            "weights": [self.settings.objective.time, self.settings.objective.stress],
             "plan": None if plan is None else plan.schedule.digest,
             "start": None if self.start is None else self.start.isoformat(),
             "resumed": self.is_resumed,
