@@ -5,15 +5,16 @@ paces.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Start
 from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.lookahead.transitions import Moves, Position
-from tandem.dispatch.situation.legal import legal
-from tandem.dispatch.situation.model import Running, Situation
+from tandem.dispatch.situation.legal import lacks, legal
+from tandem.dispatch.situation.model import Running, Situation, exact
 from tandem.plan.instance import Instance, bits
+from tandem.plan.list_scheduling import Layout
 
 AWAY_S = 60.0
 """ASSUMPTION: who is absent or failed is planned for as being back in so many seconds from now,
@@ -22,6 +23,10 @@ whenever one asks.
 OVERDUE = 0.05
 """ASSUMPTION: what should have ended already is expected to take this share of its stated time
 still.
+"""
+BACK_S = 60.0
+"""ASSUMPTION: what is broken or missing is planned for as being there again so many seconds after
+that was reported, twice as many when these are over, and so on.
 """
 MOST_MODELS = 64
 """So many cells with different paces and refusals are kept at hand."""
@@ -48,14 +53,22 @@ class Models:
             if isinstance(factor, int | float)
             else dict(factor)
         )
+        waits = awaited(situation)
         refused = frozenset(pair for pair in situation.refused if situation.is_refused(*pair))
-        key = (tuple(sorted(pace.items())), situation.taking_apart, refused)
+        key = (
+            tuple(sorted(pace.items())),
+            situation.taking_apart,
+            refused,
+            tuple(sorted(waits.items())),
+        )
         if key not in self._kept:
             if len(self._kept) >= MOST_MODELS:
                 del self._kept[next(iter(self._kept))]
             moves = Moves.of(
                 self.cell, pace, taking_apart=situation.taking_apart, max_stress=self.max_stress
             )
+            if waits:
+                moves = _later(moves, waits)
             if refused:
                 named = ((way, *moves.named(way)) for row in moves.ways for way in row)
                 moves = moves.without(
@@ -63,6 +76,32 @@ class Models:
                 )
             self._kept[key] = moves
         return self._kept[key]
+
+
+def awaited(situation: Situation) -> dict[str, float]:
+    """Task that needs what is broken or missing -> when that is taken to be there again, s since
+    the product's beginning. It stays the same while time runs up to it, so that models can be kept.
+    """
+    found = {}
+    for task in situation.cell.tasks if situation.stock else ():
+        since = [situation.stock[name] for name in lacks(situation, task)]
+        if since:
+            ahead = BACK_S
+            while max(since) + ahead <= situation.clock:
+                ahead *= 2
+            found[task] = exact(max(since) + ahead - situation.began)
+    return found
+
+
+def _later(moves: Moves, waits: Mapping[str, float]) -> Moves:
+    """The same moves, with tasks that cannot begin before these seconds."""
+    instance = moves.layout.instance
+    release = tuple(
+        max(ticks, round(waits.get(task, 0.0) * instance.per_second))
+        for task, ticks in zip(instance.tasks, instance.release, strict=True)
+    )
+    layout = Layout.of(replace(instance, release=release))
+    return replace(moves, layout=layout, _ready={}, _rest={})
 
 
 def position(moves: Moves, situation: Situation, factor: Mapping[str, float]) -> Position:
