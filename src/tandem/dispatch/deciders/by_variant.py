@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from tandem.dispatch.deciders.policy import Basis, Decision, Policy, basis_of
+from tandem.dispatch.deciders.policy import Basis, Decision, Policy, Start, basis_of
 from tandem.dispatch.situation.model import Situation
 
 
@@ -31,5 +31,17 @@ class ByVariant:
 
     def decide(self, situation: Situation) -> Decision:
         """What that decider says."""
-        variant = None if situation.product is None else situation.product.variant
-        return self.policies[variant].decide(situation)
+        return self.of(situation).decide(situation)
+
+    def of(self, situation: Situation) -> Policy:
+        """The decider for the product under way."""
+        return self.policies[None if situation.product is None else situation.product.variant]
+
+
+def order_of(policy: Policy, situation: Situation) -> Sequence[Start]:
+    """The order of the plan that the decider carries out for the product under way; empty for those
+    who carry out none.
+    """
+    one = policy.of(situation) if isinstance(policy, ByVariant) else policy
+    order: Sequence[Start] = getattr(one, "order", ())
+    return order

@@ -11,13 +11,13 @@ first. All draws are fixed, so that the same situation has the same forecast.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 
 import numpy as np
 
 from tandem.dispatch.deciders.beliefs import AWAY_S, OVERDUE
-from tandem.dispatch.deciders.policy import Decision
+from tandem.dispatch.deciders.policy import Decision, Start
 from tandem.dispatch.shift.plays import Array, Rest, Sheet, played, sheet_of, sigma_of
 from tandem.dispatch.situation.model import Running, Situation
 from tandem.dispatch.situation.pace import outlook
@@ -28,6 +28,8 @@ DRAWN = 64
 """So many orders are tried before."""
 SHAKEN = 0.5
 """Standard deviation (of the logarithm) of the factors on times by which orders are drawn."""
+GROUPS, WIDE = 4, 0.1
+"""Plays are put into so many groups of like paces where these differ by more (of the logarithm)."""
 LARGE = 100
 """Cells with more tasks keep the order of the longest tail."""
 SEED = 14
@@ -35,7 +37,12 @@ SEED = 14
 
 
 def forecast(
-    situation: Situation, decision: Decision, prior: Mapping[float, float], *, plans: bool = True
+    situation: Situation,
+    decision: Decision,
+    prior: Mapping[float, float],
+    *,
+    plans: bool = True,
+    order: Sequence[Start] = (),
 ) -> dict[str, float] | None:
     """When the product under way is expected to be done, s of the shift's clock: `p50` and `p90`
     are not exceeded with these probabilities; `plan`: by the stated times. None where nothing is
@@ -49,28 +56,25 @@ def forecast(
       decision: what has just been decided.
       prior: of people's paces.
       plans: the decider looks ahead; a rule does not.
+      order: of the plan that the decider carries out whatever happens; empty where it carries out
+        none.
     """
     if situation.is_over:
         return None
     sheet = sheet_of(situation.cell)
-    rest = Rest.of(sheet, situation, [*decision.asks, *decision.starts])
-    paces, going = _drawn_paces(sheet, situation, prior)
-    running = _left(sheet, situation, paces, going)
-    order, liking = _order(sheet, rest, paces.mean(axis=0), running, plans)
+    begins = [*decision.asks, *decision.starts]
+    rest = Rest.of(sheet, situation, begins, order)
+    drawn, going = _drawn_paces(sheet, situation, prior)
     # the last play is by the stated times
-    stretch = _stretch(sheet, paces)
-    steady = np.vstack([stretch, np.ones(stretch.shape[1])]) * sheet.seconds
-    scatter = np.vstack([_scatter(sheet), np.ones(stretch.shape[1])])
-    rows = PLAYS + 1
-    ends = played(
-        sheet,
-        rest,
-        np.broadcast_to(order, (rows, len(order))),
-        np.broadcast_to(liking, (rows, len(liking))),
-        steady,
-        steady * scatter,
-        running,
-    )
+    paces = np.vstack([drawn, np.ones(len(sheet.operators))])
+    running = _left(sheet, situation, drawn, going)
+    expected = _stretch(sheet, paces) * sheet.seconds
+    scatter = np.vstack([_scatter(sheet), np.ones(len(sheet.ways))])
+    looks_ahead = plans and not order
+    orders, liking = _lines(sheet, rest, paces, running, looks_ahead)
+    # a rule goes by the stated times, whoever works there
+    believed = expected if looks_ahead else np.tile(sheet.seconds, (len(paces), 1))
+    ends = played(sheet, rest, orders, liking, believed, expected * scatter, running)
     p50, p90 = np.quantile(ends[:-1], (0.5, 0.9), method="median_unbiased")
     return {
         "p50": _rounded(situation, p50),
@@ -153,34 +157,63 @@ def _worked(situation: Situation, at: Running) -> float:
     return until - at.start - at.rested
 
 
-def _order(
+def _lines(
     sheet: Sheet, rest: Rest, paces: Array, running: Mapping[str, Array], plans: bool
 ) -> tuple[Array, Array]:
-    """The order in which the open tasks are looked at, and `[W]`, how many seconds each way counts
-    as longer than it is: the best that was drawn, by the expected times.
+    """For each play, `[rows, n]`, the order in which the open tasks are looked at, and `[rows, W]`,
+    how many seconds each way counts as longer than it is.
+
+    Plays of like paces have the same, the best that was drawn for these paces: who looks ahead
+    learns them, and goes by them.
     """
-    rows = DRAWN if plans and len(sheet.tasks) <= LARGE else 1
-    tasks, ways = len(sheet.tasks), len(sheet.ways)
-    shake = SHAKEN * _normal(rows, tasks, 2)
-    liking = SHAKEN * _normal(rows, ways, 3)
+    count = DRAWN if plans and len(sheet.tasks) <= LARGE else 1
+    orders, liking = _drawn_orders(sheet, rest, count)
+    if count == 1:
+        return np.tile(orders, (len(paces), 1)), np.tile(liking, (len(paces), 1))
+    alike = _alike(sheet, paces)
+    centres = np.array([paces[group].mean(axis=0) for group in alike])
+    expected = np.repeat(_stretch(sheet, centres) * sheet.seconds, count, axis=0)
+    going = {
+        task: np.repeat([ends[group].mean() for group in alike], count)
+        for task, ends in running.items()
+    }
+    liked = np.tile(liking, (len(alike), 1)) * expected
+    drawn = np.tile(orders, (len(alike), 1))
+    ends = played(sheet, rest, drawn, liked, expected, expected, going)
+    best = np.argmin(ends.reshape(len(alike), count), axis=1) + count * np.arange(len(alike))
+    of_play = np.empty(len(paces), int)
+    for number, group in enumerate(alike):
+        of_play[group] = best[number]
+    return drawn[of_play], liked[of_play]
+
+
+def _alike(sheet: Sheet, paces: Array) -> list[Array]:
+    """The plays in groups of like paces; the last play, which is by the stated times, alone."""
+    humans = [
+        o for o, who in enumerate(sheet.operators) if sheet.cell.operators[who].kind == "human"
+    ]
+    mean = np.log(paces[:-1, humans]).mean(axis=1) if humans else np.zeros(PLAYS)
+    by_pace = np.argsort(mean, kind="stable")
+    is_wide = mean[by_pace[-1]] - mean[by_pace[0]] > WIDE
+    groups = np.array_split(by_pace, GROUPS) if is_wide else [by_pace]
+    return [*groups, np.array([PLAYS])]
+
+
+def _drawn_orders(sheet: Sheet, rest: Rest, count: int) -> tuple[Array, Array]:
+    """`[count, n]` orders of the open tasks, each behind its predecessors, and `[count, W]`, the
+    share of its time by which each way counts as longer. The first is that of the longest tail.
+    """
+    tasks = len(sheet.tasks)
+    shake = SHAKEN * _normal(count, tasks, 2)
+    liking = SHAKEN * _normal(count, len(sheet.ways), 3)
     shake[0], liking[0] = 0.0, 0.0
-    rank = np.zeros((rows, tasks + 1))
+    rank, tail = np.zeros((count, tasks)), np.zeros((count, tasks))
     weight = sheet.quickest * np.exp(shake)
-    tail = np.zeros((rows, tasks))
     for t in sheet.chain:
         rank[:, t] = tail[:, t] + weight[:, t]
         for first in sheet.before[t]:
             if first < tasks:
                 tail[:, first] = np.maximum(tail[:, first], rank[:, t])
-    rank[:, :tasks] += 1e9 * (rest.begins >= 0)
     left = np.array(rest.tasks, dtype=int)
-    orders = left[np.argsort(-rank[:, left], axis=1, kind="stable")]
-    steady = _stretch(sheet, paces[None]) * sheet.seconds
-    liking = liking * steady
-    if rows == 1:
-        return orders[0], liking[0]
-    steady = np.broadcast_to(steady, liking.shape)
-    expected = {task: np.full(rows, ends[:-1].mean()) for task, ends in running.items()}
-    ends = played(sheet, rest, orders, liking, steady, steady, expected)
-    best = int(np.argmin(ends))
-    return orders[best], liking[best]
+    order = np.argsort(-(rank + rest.first)[:, left], axis=1, kind="stable")
+    return left[order], liking

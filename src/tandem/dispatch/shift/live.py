@@ -16,7 +16,7 @@ from datetime import UTC, datetime
 from typing import Any, Self
 
 from tandem.cell.model import Cell
-from tandem.dispatch.deciders.by_variant import ByVariant
+from tandem.dispatch.deciders.by_variant import ByVariant, order_of
 from tandem.dispatch.deciders.policy import Basis, Options, Policy, basis_of
 from tandem.dispatch.deciders.table import POLICIES, policy
 from tandem.dispatch.journal import Entry, Journal, JournalError
@@ -49,6 +49,7 @@ from tandem.dispatch.situation.objections import objections, remarks
 from tandem.dispatch.situation.transitions import after, ordered
 from tandem.errors import TandemError, UsageError
 from tandem.files.load import load
+from tandem.plan.rules import SPECS
 
 RULE = "longest-tail"
 """The rule that answers when the decider cannot."""
@@ -145,7 +146,8 @@ class Shift:
       is_resumed: the journal held it already.
       decision: the document of the last decision.
       event: the last one that was taken; None before any.
-      ask: what decides. `basis`: the plan that it carries out; None when it carries out none.
+      decider: who decides; `ask`: how it is asked.
+      basis: the plan that it carries out; None when it carries out none.
     """
 
     def __init__(
@@ -154,17 +156,13 @@ class Shift:
         cell: Cell,
         settings: Settings,
         start: datetime | None,
-        ask: Callable[[Situation], Answered],
+        decider: InTime,
         variants: Mapping[str, Cell] | None = None,
     ) -> None:
         """Use `Shift.open`."""
-        self.journal, self.cell, self.settings, self.start, self.ask = (
-            journal,
-            cell,
-            settings,
-            start,
-            ask,
-        )
+        self.journal, self.cell, self.settings, self.start = journal, cell, settings, start
+        self.decider = decider
+        self.ask: Callable[[Situation], Answered] = decider.decide
         self.variants = dict(variants or {})
         self.situation = settings.beginning(cell, self.variants)
         self.number, self.is_resumed, self.decision = -1, False, Document()
@@ -204,7 +202,7 @@ class Shift:
             variants = kept_variants(journal, variants)
         fits(cell, variants or {})
         decider = decider or settings.decider(cell, variants=variants)
-        shift = cls(journal, cell, settings, start, decider.decide, variants)
+        shift = cls(journal, cell, settings, start, decider, variants)
         shift.basis = basis_of(decider.policy)
         shift.is_resumed = not journal.is_new
         if shift.is_resumed:
@@ -381,7 +379,13 @@ class Shift:
 
     def _decided(self, situation: Situation) -> Document:
         answered = over(situation) if situation.is_over else self.ask(situation)
-        ahead = forecast(situation, answered.decision, self.settings.options.prior)
+        ahead = forecast(
+            situation,
+            answered.decision,
+            self.settings.options.prior,
+            plans=self.settings.policy not in SPECS,
+            order=order_of(self.decider.policy, situation),
+        )
         return document(situation, answered, self.number + 1, ahead)
 
 

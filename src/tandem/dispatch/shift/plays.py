@@ -29,7 +29,9 @@ class Sheet:
     Attributes:
       tasks, operators: names. `ways`: (task, operators) of each way.
       task: `[W]`, of each way. `slots`: `[T, S]`, the ways of each task, -1 where it has fewer.
-      uses: `[W, O]` bool. `seconds`: `[W]`, stated; `sigma`: `[W]`, of the logarithm of the time.
+      uses: `[W, O]` bool. `crew`: `[W, C]`, its operators, O for nobody; `size`: `[W]`, how many;
+        `group`: `[W]`, a number for each set of operators.
+      seconds: `[W]`, stated. `sigma`: `[W]`, of the logarithm of the time.
       before: `[T, P]`, predecessors, T where it has fewer. `chain`: tasks, each before its
         predecessors. `quickest`: `[T]` s. `release`: `[T]` s.
       room: `[T, 2]`, its tool and zone as numbers, -1 for none; `places`: how many each has.
@@ -45,6 +47,9 @@ class Sheet:
     task: Array
     slots: Array
     uses: Array
+    crew: Array
+    size: Array
+    group: Array
     seconds: Array
     sigma: Array
     before: Array
@@ -101,6 +106,10 @@ def _made(cell: Cell) -> Sheet:
         else -1
         for task in tasks
     ]
+    crew = np.full((len(ways), max(len(way.operators) for _, way in ways)), len(operators))
+    for w, (_, way) in enumerate(ways):
+        crew[w, : len(way.operators)] = [operators.index(who) for who in way.operators]
+    groups: dict[tuple[str, ...], int] = {}
     return Sheet(
         cell,
         tasks,
@@ -109,6 +118,9 @@ def _made(cell: Cell) -> Sheet:
         np.array([number[task] for task, _ in ways]),
         slots,
         np.array([[who in way.operators for who in operators] for _, way in ways]),
+        crew,
+        np.array([len(way.operators) for _, way in ways]),
+        np.array([groups.setdefault(way.operators, len(groups)) for _, way in ways]),
         np.array([float(way.time) for _, way in ways]),
         np.array([sigma_of(cell, task, way.operators) for task, way in ways]),
         before,
@@ -162,32 +174,40 @@ class Rest:
 
     Attributes:
       tasks: numbers of the tasks that have to begin still. `begins`: `[T]`, the way in which each
-        begins now, -1 where it does not.
-      busy: task under way -> `[O]` bool, who is at it.
+        begins now or is planned, -1 where neither is so; `first`: `[T]`, how far it comes first.
+      busy: task under way -> who is at it.
       open: `[W]` bool, ways that are open. `share`: `[T]`, the share of its time that it takes,
         more than 1 where it comes apart before.
       release: `[T]`. `free`: `[O]`, when those who are away are back.
       hand: `[O]`, the timed tool in hand, -1 for none. `since`: `[O]`, when they have been able to
         take up another one.
-      team: team -> the operators who do it, as `[O]` bool.
+      team: `[teams]`, the crew that does it, -1 before it has begun.
       off: operator and their breaks, where there are any.
     """
 
     tasks: tuple[int, ...]
     begins: Array
-    busy: Mapping[str, Array]
+    first: Array
+    busy: Mapping[str, tuple[str, ...]]
     open: Array
     share: Array
     release: Array
     free: Array
     hand: Array
     since: Array
-    team: Mapping[int, Array]
+    team: Array
     off: tuple[tuple[int, tuple[tuple[float, float], ...]], ...]
 
     @classmethod
-    def of(cls, sheet: Sheet, situation: Situation, begins: Sequence[Start]) -> Rest:
-        """Reads the situation; `begins`: what was just decided to begin."""
+    def of(
+        cls, sheet: Sheet, situation: Situation, begins: Sequence[Start], order: Sequence[Start]
+    ) -> Rest:
+        """Reads the situation.
+
+        Args:
+          begins: what was just decided to begin.
+          order: of the plan that is carried out; empty where there is none.
+        """
         number = {task: t for t, task in enumerate(sheet.tasks)}
         left = [t for t, task in enumerate(sheet.tasks) if task not in situation.done]
         left = [
@@ -210,39 +230,40 @@ class Rest:
         release = np.maximum(0.0, sheet.release - situation.now)
         for task, back in awaited(situation).items():
             release[number[task]] = max(release[number[task]], back - situation.now)
-        now = np.full(len(sheet.tasks), -1)
-        for task, group in begins:
-            now[number[task]] = sheet.ways.index((task, group))
+        now, first = np.full(len(sheet.tasks), -1), np.zeros(len(sheet.tasks))
+        for place, start in enumerate(order):
+            now[number[start[0]]] = sheet.ways.index(start)
+            first[number[start[0]]] = 1e8 * (len(order) - place)
+        for start in begins:
+            now[number[start[0]]] = sheet.ways.index(start)
+            first[number[start[0]]] = 1e8 * (len(sheet.tasks) + 1)
         gone = situation.absent | situation.failed
         timed = [name for name, tool in sheet.cell.tools.items() if any(tool.changeover.values())]
         held = [situation.in_hand.get(who) for who in sheet.operators]
         begun = {task: one.operators for task, one in situation.done.items()}
         begun |= {task: one.operators for task, one in situation.running.items()}
+        team = np.full(int(sheet.team.max()) + 1, -1)
+        for task, group in begun.items():
+            if sheet.team[number[task]] >= 0:
+                team[sheet.team[number[task]]] = sheet.group[sheet.ways.index((task, group))]
         return cls(
             tuple(left),
             now,
-            {task: _bits(sheet, at.operators) for task, at in situation.running.items()},
+            first,
+            {task: at.operators for task, at in situation.running.items()},
             open_,
             share,
             release,
             np.array([AWAY_S if who in gone else 0.0 for who in sheet.operators]),
             np.array([timed.index(tool) if tool in timed else -1 for tool in held]),
             np.array([situation.since.get(who, 0.0) - situation.now for who in sheet.operators]),
-            {
-                int(sheet.team[number[task]]): _bits(sheet, group)
-                for task, group in begun.items()
-                if sheet.team[number[task]] >= 0
-            },
+            team,
             tuple(
                 (number, tuple((a - situation.now, b - situation.now) for a, b in row))
                 for number, row in enumerate(sheet.off)
                 if row
             ),
         )
-
-
-def _bits(sheet: Sheet, operators: Sequence[str]) -> Array:
-    return np.array([who in operators for who in sheet.operators])
 
 
 def played(
@@ -268,57 +289,55 @@ def played(
     for task in orders.T:
         way, start = play.chosen(task, liking, steady)
         play.put(task, way, start + rest.share[task] * real[play.line, way])
-    return play.end.max(axis=1)
+    return np.asarray(play.end.max(axis=0))
 
 
 class _Play:
-    """Plays under way.
+    """Plays under way; the last axis is the play. One operator more than there are stands for
+    nobody.
 
     Attributes:
-      end: `[rows, T + 1]`, when each task ends. `ready`: `[rows, T]`, before which it cannot begin.
-      free: `[rows, O]`, when each operator is free. `taken`: per tool or zone, `[rows, places]`,
-        until when each place is taken, sorted.
-      hand, since: `[rows, O]`. `team`: `[rows, teams, O]` bool.
+      end: `[T + 1, rows]`, when each task ends. `ready`: `[T, rows]`, before which it cannot begin.
+      free: `[O + 1, rows]`, when each operator is free.
+      taken: per tool or zone, `[places, rows]`, until when each place is taken, sorted.
+      hand: `[O + 1, rows]`, the timed tool in hand; `since`: when they could take up another one.
+      team: `[teams, rows]`, the crew of each, -1 before it has begun.
     """
 
     def __init__(self, sheet: Sheet, rest: Rest, rows: int) -> None:
         self.sheet, self.rest, self.line = sheet, rest, np.arange(rows)
-        self.end = np.zeros((rows, len(sheet.tasks) + 1))
-        self.ready = np.tile(rest.release, (rows, 1))
-        self.free = np.tile(rest.free, (rows, 1))
-        self.taken = [np.zeros((rows, places)) for places in sheet.places]
-        self.hand, self.since = np.tile(rest.hand, (rows, 1)), np.tile(rest.since, (rows, 1))
-        teams = np.zeros((int(sheet.team.max()) + 1, len(sheet.operators)), bool)
-        for number, who in rest.team.items():
-            teams[number] = who
-        self.team = np.tile(teams, (rows, 1, 1))
+        self.end = np.zeros((len(sheet.tasks) + 1, rows))
+        self.ready = np.repeat(rest.release[:, None], rows, axis=1)
+        self.free = _with_nobody(rest.free, rows)
+        self.taken = [np.zeros((places, rows)) for places in sheet.places]
+        self.hand, self.since = _with_nobody(rest.hand, rows), _with_nobody(rest.since, rows)
+        self.has_teams, self.has_swaps = bool((sheet.team >= 0).any()), sheet.change.shape[1] > 0
+        self.team = np.repeat(rest.team[:, None], rows, axis=1)
 
     def going(self, name: str, ends: Array) -> None:
         """The task is under way and ends then; where it is being taken apart, it is open then."""
-        task, uses = self.sheet.tasks.index(name), self.rest.busy[name]
+        task = self.sheet.tasks.index(name)
         if task in self.rest.tasks:
-            self.ready[:, task] = np.maximum(self.ready[:, task], ends)
+            self.ready[task] = np.maximum(self.ready[task], ends)
         else:
-            self.end[:, task] = ends
-        self._occupy(np.full(len(ends), task), np.tile(uses, (len(ends), 1)), ends)
+            self.end[task] = ends
+        way = self.sheet.ways.index((name, self.rest.busy[name]))
+        self._occupy(np.full(len(ends), task), np.full(len(ends), way), ends)
 
     def chosen(self, task: Array, liking: Array, steady: Array) -> tuple[Array, Array]:
         """`[rows]` each: the way in which the task (`[rows]`) is done, and when it starts."""
-        sheet, rest, line = self.sheet, self.rest, self.line
-        ready = np.maximum(
-            self.ready[line, task], self.end[line[:, None], sheet.before[task]].max(axis=1)
-        )
-        hands = self._hands_free(task)
-        way, begin = np.full(len(line), -1), np.zeros(len(line))
-        best = np.full(len(line), np.inf)
+        sheet, line = self.sheet, self.line
+        ready = np.maximum(self.ready[task, line], self.end[sheet.before[task].T, line].max(axis=0))
+        share, hands = self.rest.share[task], self._hands_free(task)
+        way, begin, best = self.line, ready, np.full(len(line), np.inf)
         for slot in range(sheet.slots.shape[1]):
             one = sheet.slots[task, slot]
-            uses, takes = sheet.uses[one], rest.share[task] * steady[line, one]
-            start = np.maximum(ready, np.where(uses, hands, 0.0).max(axis=1))
-            start = self._behind_breaks(self._with_room(task, uses, start), uses, takes)
+            takes, start = share * steady[line, one], ready
+            for crew in sheet.crew[one].T:
+                start = np.maximum(start, hands[crew, line])
+            start = self._behind_breaks(self._with_room(task, one, start), one, takes)
             # whoever is not in the team, or refuses, is taken only where nobody else is left
-            score = start + takes + liking[line, one]
-            score = np.where(self._fits(task, one, uses), score, score + 1e9)
+            score = start + takes + liking[line, one] + np.where(self._fits(task, one), 0.0, 1e9)
             better = (one >= 0) & (score < best)
             way, begin = np.where(better, one, way), np.where(better, start, begin)
             best = np.where(better, score, best)
@@ -326,57 +345,61 @@ class _Play:
 
     def put(self, task: Array, way: Array, end: Array) -> None:
         """The task is done in this way, until then."""
-        sheet, uses = self.sheet, self.sheet.uses[way]
-        self.end[self.line, task] = end
-        self._occupy(task, uses, end)
-        team = sheet.team[task]
-        mine = team >= 0
-        if mine.any():
-            self.team[self.line[mine], team[mine]] = uses[mine]
+        self.end[task, self.line] = end
+        self._occupy(task, way, end)
+        if self.has_teams:
+            team = self.sheet.team[task]
+            mine = team >= 0
+            self.team[team[mine], self.line[mine]] = self.sheet.group[way[mine]]
 
-    def _occupy(self, task: Array, uses: Array, end: Array) -> None:
-        self.free = np.where(uses, end[:, None], self.free)
-        self.since = np.where(uses, end[:, None], self.since)
-        tool = self.sheet.tool[task]
-        if (tool >= 0).any():
-            self.hand = np.where(uses & (tool >= 0)[:, None], tool[:, None], self.hand)
-        count = uses.sum(axis=1)
+    def _occupy(self, task: Array, way: Array, end: Array) -> None:
+        sheet, line = self.sheet, self.line
+        for crew in sheet.crew[way].T:
+            self.free[crew, line] = end
+            if self.has_swaps:
+                self.since[crew, line] = end
+                tool = sheet.tool[task]
+                self.hand[crew, line] = np.where(tool >= 0, tool, self.hand[crew, line])
+        self.free[-1] = -np.inf
         for number, places in enumerate(self.taken):
-            wants = (self.sheet.room[task] == number).any(axis=1)
-            if wants.any():
-                takes = wants[:, None] & (np.arange(places.shape[1]) < count[:, None])
-                self.taken[number] = np.sort(np.where(takes, end[:, None], places), axis=1)
+            wants = (sheet.room[task] == number).any(axis=1)
+            takes = wants & (np.arange(len(places))[:, None] < sheet.size[way])
+            self.taken[number] = np.sort(np.where(takes, end, places), axis=0)
 
     def _hands_free(self, task: Array) -> Array:
-        """`[rows, O]`, when each could begin the task, its tool in hand."""
-        tool = self.sheet.tool[task][:, None]
-        if (tool < 0).all():
+        """`[O + 1, rows]`, when each could begin the task, its tool in hand."""
+        if not self.has_swaps:
             return self.free
+        tool = self.sheet.tool[task]
         swaps = (tool >= 0) & (self.hand >= 0) & (self.hand != tool)
-        change = self.sheet.change.T[np.maximum(tool[:, 0], 0)]
-        return np.maximum(self.free, np.where(swaps, self.since + change, 0.0))
+        change = np.zeros(self.free.shape)
+        change[:-1] = self.sheet.change[:, np.maximum(tool, 0)]
+        return np.maximum(self.free, np.where(swaps, self.since + change, -np.inf))
 
-    def _with_room(self, task: Array, uses: Array, start: Array) -> Array:
-        count = uses.sum(axis=1)
+    def _with_room(self, task: Array, way: Array, start: Array) -> Array:
         for number, places in enumerate(self.taken):
             wants = (self.sheet.room[task] == number).any(axis=1)
-            if wants.any():
-                last = np.clip(count, 1, places.shape[1]) - 1
-                start = np.where(wants, np.maximum(start, places[self.line, last]), start)
+            last = np.minimum(self.sheet.size[way], len(places)) - 1
+            start = np.where(wants, np.maximum(start, places[last, self.line]), start)
         return start
 
-    def _behind_breaks(self, start: Array, uses: Array, takes: Array) -> Array:
+    def _behind_breaks(self, start: Array, way: Array, takes: Array) -> Array:
         for operator, off in self.rest.off:
             for begin, end in off:
-                runs_in = uses[:, operator] & (start < end) & (start + takes > begin)
-                start = np.where(runs_in, end, start)
+                mine = self.sheet.uses[way, operator]
+                start = np.where(mine & (start < end) & (start + takes > begin), end, start)
         return start
 
-    def _fits(self, task: Array, way: Array, uses: Array) -> Array:
-        first, team = self.rest.begins[task], self.sheet.team[task]
+    def _fits(self, task: Array, way: Array) -> Array:
+        first = self.rest.begins[task]
         fits = np.where(first >= 0, way == first, self.rest.open[way])
-        if (team >= 0).any():
-            who = self.team[self.line, np.maximum(team, 0)]
-            bound = (team >= 0) & who.any(axis=1)
-            fits &= ~bound | (who == uses).all(axis=1)
+        if self.has_teams:
+            number = self.sheet.team[task]
+            crew = self.team[np.maximum(number, 0), self.line]
+            fits &= (number < 0) | (crew < 0) | (crew == self.sheet.group[way])
         return np.asarray(fits)
+
+
+def _with_nobody(values: Array, rows: int) -> Array:
+    """`[O + 1, rows]`: the value of each operator, and of nobody, who never stands in the way."""
+    return np.repeat(np.append(values.astype(float), -np.inf)[:, None], rows, axis=1)

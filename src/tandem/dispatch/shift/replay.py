@@ -52,7 +52,7 @@ def replay(cell: Cell, journal: Journal, *, decider: InTime | None = None) -> Re
     differences: list[str] = []
     events = decisions = entries = 0
     with Journal() as fresh:
-        shift = Shift(fresh, cell, settings, start, made.decide, variants)
+        shift = Shift(fresh, cell, settings, start, made, variants)
         for entry in journal.entries():
             instead: Instead = "" if entry.decision is None else entry.decision["instead"]
             shift.ask = partial(made.again, instead=instead)
