@@ -16,22 +16,27 @@ from functools import lru_cache
 
 import numpy as np
 
-from tandem.dispatch.deciders.beliefs import AWAY_S, OVERDUE
+from tandem.dispatch.deciders.beliefs import AWAY_S, OVERDUE, cost_so_far
 from tandem.dispatch.deciders.policy import Decision, Start
+from tandem.dispatch.lookahead.objective import SECONDS, Objective
 from tandem.dispatch.shift.plays import Array, Rest, Sheet, played, sheet_of, sigma_of
 from tandem.dispatch.situation.model import Running, Situation
 from tandem.dispatch.situation.pace import outlook
 
 PLAYS = 128
 """So many times the rest is played."""
-DRAWN = 64
-"""So many orders are tried before."""
-SHAKEN = 0.5
-"""Standard deviation (of the logarithm) of the factors on times by which orders are drawn."""
-GROUPS, WIDE = 4, 0.1
+DRAWN, FEWEST, TASKS = 64, 8, 1_000
+"""So many orders are tried before: fewer, down to the second number, where they would be of more
+tasks together than the third.
+"""
+SHAKEN = (0.6, 0.3)
+"""Standard deviations (of the logarithm) of the factors on times by which orders are drawn: far and
+wide, then around the best.
+"""
+GROUPS, WIDE = 5, 0.1
 """Plays are put into so many groups of like paces where these differ by more (of the logarithm)."""
-LARGE = 100
-"""Cells with more tasks keep the order of the longest tail."""
+LENIENT = 1e6
+"""Seconds that a unit of stress weighs where time counts nothing."""
 SEED = 14
 """Of all draws."""
 
@@ -40,6 +45,7 @@ def forecast(
     situation: Situation,
     decision: Decision,
     prior: Mapping[float, float],
+    objective: Objective = SECONDS,
     *,
     plans: bool = True,
     order: Sequence[Start] = (),
@@ -55,6 +61,7 @@ def forecast(
     Args:
       decision: what has just been decided.
       prior: of people's paces.
+      objective: what the decider makes small.
       plans: the decider looks ahead; a rule does not.
       order: of the plan that the decider carries out whatever happens; empty where it carries out
         none.
@@ -71,16 +78,32 @@ def forecast(
     expected = _stretch(sheet, paces) * sheet.seconds
     scatter = np.vstack([_scatter(sheet), np.ones(len(sheet.ways))])
     looks_ahead = plans and not order
-    orders, liking = _lines(sheet, rest, paces, running, looks_ahead)
-    # a rule goes by the stated times, whoever works there
-    believed = expected if looks_ahead else np.tile(sheet.seconds, (len(paces), 1))
-    ends = played(sheet, rest, orders, liking, believed, expected * scatter, running)
+    if looks_ahead:
+        orders, liking, cost = _lines(sheet, rest, paces, running, objective)
+        believed, gain = expected, _gain(situation, decision, objective, cost)
+    else:
+        # a rule goes by the stated times, whoever works there
+        one = _orders(sheet, rest, np.zeros((1, len(sheet.tasks))))
+        orders, liking, gain = np.tile(one, (len(paces), 1)), np.zeros(expected.shape), 0.0
+        believed = np.tile(sheet.seconds, (len(paces), 1))
+    ends, _ = played(sheet, rest, orders, liking, believed, expected * scatter, running)
+    ends[:-1] *= 1 - gain / max(gain, ends[:-1].mean())
     p50, p90 = np.quantile(ends[:-1], (0.5, 0.9), method="median_unbiased")
     return {
         "p50": _rounded(situation, p50),
         "p90": _rounded(situation, p90),
         "plan": _rounded(situation, ends[-1]),
     }
+
+
+def _gain(situation: Situation, decision: Decision, objective: Objective, cost: float) -> float:
+    """Seconds by which the decider knows the rest to be shorter than the plays have it, which are
+    expected to cost `cost`; 0 where it does not say so.
+    """
+    if decision.expected_cost is None or not objective.time:
+        return 0.0
+    ahead = decision.expected_cost - cost_so_far(objective, situation)
+    return max(0.0, cost - ahead) / objective.time
 
 
 def _rounded(situation: Situation, seconds: float) -> float:
@@ -158,33 +181,42 @@ def _worked(situation: Situation, at: Running) -> float:
 
 
 def _lines(
-    sheet: Sheet, rest: Rest, paces: Array, running: Mapping[str, Array], plans: bool
-) -> tuple[Array, Array]:
+    sheet: Sheet, rest: Rest, paces: Array, running: Mapping[str, Array], objective: Objective
+) -> tuple[Array, Array, float]:
     """For each play, `[rows, n]`, the order in which the open tasks are looked at, and `[rows, W]`,
-    how many seconds each way counts as longer than it is.
+    how many seconds each way counts as longer than it is; and what they are expected to cost.
 
-    Plays of like paces have the same, the best that was drawn for these paces: who looks ahead
-    learns them, and goes by them.
+    Plays of like paces have the same, the best that was drawn for these paces, far and wide and
+    then around the best: who looks ahead learns the paces, and goes by them.
     """
-    count = DRAWN if plans and len(sheet.tasks) <= LARGE else 1
-    orders, liking = _drawn_orders(sheet, rest, count)
-    if count == 1:
-        return np.tile(orders, (len(paces), 1)), np.tile(liking, (len(paces), 1))
+    tasks, ways = len(sheet.tasks), len(sheet.ways)
     alike = _alike(sheet, paces)
+    count = max(FEWEST, min(DRAWN, TASKS // max(1, len(rest.tasks))))
     centres = np.array([paces[group].mean(axis=0) for group in alike])
     expected = np.repeat(_stretch(sheet, centres) * sheet.seconds, count, axis=0)
     going = {
         task: np.repeat([ends[group].mean() for group in alike], count)
         for task, ends in running.items()
     }
-    liked = np.tile(liking, (len(alike), 1)) * expected
-    drawn = np.tile(orders, (len(alike), 1))
-    ends = played(sheet, rest, drawn, liked, expected, expected, going)
-    best = np.argmin(ends.reshape(len(alike), count), axis=1) + count * np.arange(len(alike))
+    dear = sheet.stress * (objective.stress / objective.time if objective.time else LENIENT)
+    best, least = np.zeros((len(alike), tasks + ways)), np.zeros(len(alike))
+    for number, far in enumerate(SHAKEN):
+        shake = far * _normal(count, tasks + ways, 2 + number)
+        shake[0] = 0.0
+        tried = (best[:, None] + shake).reshape(len(alike) * count, -1)
+        orders = _orders(sheet, rest, tried[:, :tasks])
+        liked = tried[:, tasks:] * expected + dear
+        ends, stress = played(sheet, rest, orders, liked, expected, expected, going)
+        cost = (objective.time * ends + objective.stress * stress).reshape(len(alike), count)
+        best = tried[np.argmin(cost, axis=1) + count * np.arange(len(alike))]
+        least = cost.min(axis=1)
     of_play = np.empty(len(paces), int)
     for number, group in enumerate(alike):
-        of_play[group] = best[number]
-    return drawn[of_play], liked[of_play]
+        of_play[group] = number
+    orders = _orders(sheet, rest, best[:, :tasks])
+    liked = best[:, tasks:] * expected[::count] + dear
+    shares = [len(group) / PLAYS for group in alike[:-1]]
+    return orders[of_play], liked[of_play], float(np.dot(shares, least[:-1]))
 
 
 def _alike(sheet: Sheet, paces: Array) -> list[Array]:
@@ -199,21 +231,16 @@ def _alike(sheet: Sheet, paces: Array) -> list[Array]:
     return [*groups, np.array([PLAYS])]
 
 
-def _drawn_orders(sheet: Sheet, rest: Rest, count: int) -> tuple[Array, Array]:
-    """`[count, n]` orders of the open tasks, each behind its predecessors, and `[count, W]`, the
-    share of its time by which each way counts as longer. The first is that of the longest tail.
+def _orders(sheet: Sheet, rest: Rest, shake: Array) -> Array:
+    """`[rows, n]`: the open tasks, each behind its predecessors, those with the longest chain
+    behind them first when the times of tasks are multiplied by `exp(shake)`, `[rows, T]`.
     """
-    tasks = len(sheet.tasks)
-    shake = SHAKEN * _normal(count, tasks, 2)
-    liking = SHAKEN * _normal(count, len(sheet.ways), 3)
-    shake[0], liking[0] = 0.0, 0.0
-    rank, tail = np.zeros((count, tasks)), np.zeros((count, tasks))
+    rank, tail = np.zeros(shake.shape), np.zeros(shake.shape)
     weight = sheet.quickest * np.exp(shake)
     for t in sheet.chain:
         rank[:, t] = tail[:, t] + weight[:, t]
         for first in sheet.before[t]:
-            if first < tasks:
+            if first < len(sheet.tasks):
                 tail[:, first] = np.maximum(tail[:, first], rank[:, t])
     left = np.array(rest.tasks, dtype=int)
-    order = np.argsort(-(rank + rest.first)[:, left], axis=1, kind="stable")
-    return left[order], liking
+    return left[np.argsort(-(rank + rest.first)[:, left], axis=1, kind="stable")]

@@ -383,6 +383,7 @@ class Shift:
             situation,
             answered.decision,
             self.settings.options.prior,
+            self.settings.objective,
             plans=self.settings.policy not in SPECS,
             order=order_of(self.decider.policy, situation),
         )

@@ -31,10 +31,11 @@ class Sheet:
       task: `[W]`, of each way. `slots`: `[T, S]`, the ways of each task, -1 where it has fewer.
       uses: `[W, O]` bool. `crew`: `[W, C]`, its operators, O for nobody; `size`: `[W]`, how many;
         `group`: `[W]`, a number for each set of operators.
-      seconds: `[W]`, stated. `sigma`: `[W]`, of the logarithm of the time.
+      seconds, stress: `[W]`, stated. `sigma`: `[W]`, of the logarithm of the time.
       before: `[T, P]`, predecessors, T where it has fewer. `chain`: tasks, each before its
         predecessors. `quickest`: `[T]` s. `release`: `[T]` s.
-      room: `[T, 2]`, its tool and zone as numbers, -1 for none; `places`: how many each has.
+      room: `[T, 2]`, its tool and zone as numbers, -1 for none; `columns`: of these the ones that
+        say something. `places`: how many each has; `capacity`: the same, 1 for none.
       tool: `[T]`, number of the tool that changeovers look at, -1 for none; `change`: `[O, tools]`.
       team: `[T]`, tasks of one number are done by the same operators; -1 for none.
       off: per operator, its breaks.
@@ -51,13 +52,16 @@ class Sheet:
     size: Array
     group: Array
     seconds: Array
+    stress: Array
     sigma: Array
     before: Array
     chain: tuple[int, ...]
     quickest: Array
     release: Array
     room: Array
+    columns: tuple[int, ...]
     places: tuple[int, ...]
+    capacity: Array
     tool: Array
     change: Array
     team: Array
@@ -122,13 +126,16 @@ def _made(cell: Cell) -> Sheet:
         np.array([len(way.operators) for _, way in ways]),
         np.array([groups.setdefault(way.operators, len(groups)) for _, way in ways]),
         np.array([float(way.time) for _, way in ways]),
+        np.array([float(sum(way.stress.values())) for _, way in ways]),
         np.array([sigma_of(cell, task, way.operators) for task, way in ways]),
         before,
         _chain(needs),
         np.array([min(float(way.time) for way in facts.ways[task]) for task in tasks]),
         np.array([float(task.release) for task in cell.tasks.values()]),
         room,
+        tuple(column for column in (0, 1) if (room[:, column] >= 0).any()),
         tuple(places),
+        np.array([*places, 1]),
         np.array(
             [timed.index(task.tool) if task.tool in timed else -1 for task in cell.tasks.values()]
         ),
@@ -274,8 +281,9 @@ def played(
     steady: Array,
     real: Array,
     running: Mapping[str, Array],
-) -> Array:
-    """`[rows]` s from now until everything has ended, in each play.
+) -> tuple[Array, Array]:
+    """`[rows]` s from now until everything has ended, and the stress of what is still to begin, in
+    each play.
 
     Args:
       orders: `[rows, n]`, the tasks in the order in which they are looked at.
@@ -283,13 +291,14 @@ def played(
         really.
       running: task under way -> `[rows]`, when it ends.
     """
-    play = _Play(sheet, rest, len(real))
+    play, stress = _Play(sheet, rest, len(real)), np.zeros(len(real))
     for name, ends in running.items():
         play.going(name, ends)
     for task in orders.T:
         way, start = play.chosen(task, liking, steady)
         play.put(task, way, start + rest.share[task] * real[play.line, way])
-    return np.asarray(play.end.max(axis=0))
+        stress += sheet.stress[way]
+    return np.asarray(play.end.max(axis=0)), stress
 
 
 class _Play:
@@ -299,7 +308,8 @@ class _Play:
     Attributes:
       end: `[T + 1, rows]`, when each task ends. `ready`: `[T, rows]`, before which it cannot begin.
       free: `[O + 1, rows]`, when each operator is free.
-      taken: per tool or zone, `[places, rows]`, until when each place is taken, sorted.
+      taken: `[R + 1, places, rows]`, until when each place of a tool or zone is taken, sorted, for
+        ever where it has fewer places; the last row stands for neither and is always free.
       hand: `[O + 1, rows]`, the timed tool in hand; `since`: when they could take up another one.
       team: `[teams, rows]`, the crew of each, -1 before it has begun.
     """
@@ -309,7 +319,10 @@ class _Play:
         self.end = np.zeros((len(sheet.tasks) + 1, rows))
         self.ready = np.repeat(rest.release[:, None], rows, axis=1)
         self.free = _with_nobody(rest.free, rows)
-        self.taken = [np.zeros((places, rows)) for places in sheet.places]
+        most = max(sheet.places, default=1)
+        self.taken = np.full((len(sheet.places) + 1, most, rows), -np.inf)
+        for number, places in enumerate(sheet.places):
+            self.taken[number, :places], self.taken[number, places:] = 0.0, np.inf
         self.hand, self.since = _with_nobody(rest.hand, rows), _with_nobody(rest.since, rows)
         self.has_teams, self.has_swaps = bool((sheet.team >= 0).any()), sheet.change.shape[1] > 0
         self.team = np.repeat(rest.team[:, None], rows, axis=1)
@@ -361,10 +374,12 @@ class _Play:
                 tool = sheet.tool[task]
                 self.hand[crew, line] = np.where(tool >= 0, tool, self.hand[crew, line])
         self.free[-1] = -np.inf
-        for number, places in enumerate(self.taken):
-            wants = (sheet.room[task] == number).any(axis=1)
-            takes = wants & (np.arange(len(places))[:, None] < sheet.size[way])
-            self.taken[number] = np.sort(np.where(takes, end, places), axis=0)
+        for column in sheet.columns:
+            room = sheet.room[task, column]
+            places = self.taken[room, :, line]
+            fills = np.arange(places.shape[1]) < sheet.size[way][:, None]
+            self.taken[room, :, line] = np.sort(np.where(fills, end[:, None], places), axis=1)
+            self.taken[-1] = -np.inf
 
     def _hands_free(self, task: Array) -> Array:
         """`[O + 1, rows]`, when each could begin the task, its tool in hand."""
@@ -377,10 +392,10 @@ class _Play:
         return np.maximum(self.free, np.where(swaps, self.since + change, -np.inf))
 
     def _with_room(self, task: Array, way: Array, start: Array) -> Array:
-        for number, places in enumerate(self.taken):
-            wants = (self.sheet.room[task] == number).any(axis=1)
-            last = np.minimum(self.sheet.size[way], len(places)) - 1
-            start = np.where(wants, np.maximum(start, places[last, self.line]), start)
+        for column in self.sheet.columns:
+            room = self.sheet.room[task, column]
+            last = np.minimum(self.sheet.size[way], self.sheet.capacity[room]) - 1
+            start = np.maximum(start, self.taken[room, last, self.line])
         return start
 
     def _behind_breaks(self, start: Array, way: Array, takes: Array) -> Array:
