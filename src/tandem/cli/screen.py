@@ -26,7 +26,8 @@ class Screen:
 
         self.console = Console(highlight=False, markup=False, emoji=False)
         self.paces: list[str] = []
-        self.number = 1
+        self.number = 0
+        self.ahead: dict[str, float] | None = None
 
     def __call__(self, shift: Shift, document: dict[str, Any]) -> None:
         """Shows the document, read against where the shift stands."""
@@ -86,13 +87,15 @@ class Screen:
         product, ahead = document["product"], document["forecast"]
         if product is not None and product["number"] != self.number:
             self.number = product["number"]
-            words = Product(product["number"], product["order"], product["variant"]).words
-            self._say(f"{words}, begun at {product['began']:g} s", "bold")
-        if ahead is not None:
+            named = Product(product["number"], product["order"], product["variant"])
+            if named != Product(1):
+                self._say(f"{named.words}, begun at {product['began']:g} s", "bold")
+        if ahead is not None and ahead != self.ahead:
             self._say(
                 f"  {'done by':<8} {ahead['p50']:.4g} s as likely as not, {ahead['p90']:.4g} s in 9"
                 f" of 10 cases; by the stated times {ahead['plan']:.4g} s"
             )
+        self.ahead = ahead
 
     def _say(self, text: str, style: str | None = None) -> None:
         self.console.print(text, style=style, soft_wrap=True)
@@ -105,7 +108,11 @@ def happened(event: Event) -> str:
     words = [
         event.kind,
         *([f"{event.task!r}"] if event.task is not None else []),
-        *(f"{key} {name!r}" for key in NAMES if (name := getattr(event, key)) is not None),
+        *(
+            f"{name!r}" if key == event.kind else f"{key} {name!r}"
+            for key in NAMES
+            if (name := getattr(event, key)) is not None
+        ),
         *([f"({who})"] if who else []),
     ]
     return f"{event.at:>8g} s  {' '.join(words)}{until}"
