@@ -21,9 +21,9 @@ from tandem.dispatch.deciders.policy import Decision, Start
 from tandem.dispatch.lookahead.objective import SECONDS, Objective
 from tandem.dispatch.shift.plays import Array, Rest, Sheet, played, sheet_of, sigma_of
 from tandem.dispatch.situation.model import Running, Situation
-from tandem.dispatch.situation.pace import outlook
+from tandem.dispatch.situation.pace import NORMAL, outlook
 
-PLAYS = 128
+PLAYS = 192
 """So many times the rest is played."""
 DRAWN, FEWEST, TASKS = 64, 8, 1_000
 """So many orders are tried before: fewer, down to the second number, where they would be of more
@@ -135,13 +135,14 @@ def _draws(number: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
     return tuple(rng.permutation(even).tolist()), tuple(rng.permutation(even).tolist())
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=256)
 def _normal(rows: int, columns: int, which: int) -> Array:
-    """Fixed normal numbers, rows in pairs of opposite signs."""
-    half = np.random.default_rng((SEED, rows, columns, which)).standard_normal(
-        ((rows + 1) // 2, columns)
-    )
-    return np.concatenate([half, -half])[:rows]
+    """Fixed normal numbers: a Latin hypercube (McKay, Beckman and Conover 1979), so that few rows
+    tell the quantiles of what is nearly a sum.
+    """
+    rng = np.random.default_rng((SEED, rows, columns, which))
+    even = np.array([NORMAL.inv_cdf((row + 0.5) / rows) for row in range(rows)])
+    return rng.permuted(np.tile(even, (columns, 1)), axis=1).T
 
 
 def _scatter(sheet: Sheet) -> Array:
