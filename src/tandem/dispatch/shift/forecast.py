@@ -19,11 +19,19 @@ import numpy as np
 from tandem.dispatch.deciders.beliefs import AWAY_S, OVERDUE, cost_so_far
 from tandem.dispatch.deciders.policy import Decision, Start
 from tandem.dispatch.lookahead.objective import SECONDS, Objective
-from tandem.dispatch.shift.plays import Array, Rest, Sheet, played, sheet_of, sigma_of
+from tandem.dispatch.shift.plays import (
+    Array,
+    Rest,
+    Sheet,
+    along_the_clock,
+    played,
+    sheet_of,
+    sigma_of,
+)
 from tandem.dispatch.situation.model import Running, Situation
 from tandem.dispatch.situation.pace import NORMAL, outlook
 
-PLAYS = 192
+PLAYS = 320
 """So many times the rest is played."""
 DRAWN, FEWEST, TASKS = 64, 8, 1_000
 """So many orders are tried before: fewer, down to the second number, where they would be of more
@@ -82,10 +90,9 @@ def forecast(
         orders, liking, cost = _lines(sheet, rest, paces, running, objective)
         believed, gain = expected, _gain(situation, decision, objective, cost)
     else:
+        orders, gain = _ruled(sheet, rest, paces, running), 0.0
         # a rule goes by the stated times, whoever works there
-        one = _orders(sheet, rest, np.zeros((1, len(sheet.tasks))))
-        orders, liking, gain = np.tile(one, (len(paces), 1)), np.zeros(expected.shape), 0.0
-        believed = np.tile(sheet.seconds, (len(paces), 1))
+        liking, believed = np.zeros(expected.shape), np.tile(sheet.seconds, (len(paces), 1))
     ends, _ = played(sheet, rest, orders, liking, believed, expected * scatter, running)
     ends[:-1] *= 1 - gain / max(gain, ends[:-1].mean())
     p50, p90 = np.quantile(ends[:-1], (0.5, 0.9), method="median_unbiased")
@@ -181,6 +188,25 @@ def _worked(situation: Situation, at: Running) -> float:
     return until - at.start - at.rested
 
 
+def _ruled(sheet: Sheet, rest: Rest, paces: Array, running: Mapping[str, Array]) -> Array:
+    """For each play, `[rows, n]`, the order in which a rule looks at the open tasks; plays of like
+    paces have the same.
+    """
+    alike = _alike(sheet, paces)
+    centres = np.array([paces[group].mean(axis=0) for group in alike])
+    going = {
+        task: np.array([ends[group].mean() for group in alike]) for task, ends in running.items()
+    }
+    stated = np.tile(sheet.seconds, (len(alike), 1))
+    expected = _stretch(sheet, centres) * sheet.seconds
+    rank = _ranks(sheet, np.zeros((1, len(sheet.tasks))))[0]
+    orders = along_the_clock(sheet, rest, rank, stated, expected, going)
+    of_play = np.empty(len(paces), int)
+    for number, group in enumerate(alike):
+        of_play[group] = number
+    return orders[of_play]
+
+
 def _lines(
     sheet: Sheet, rest: Rest, paces: Array, running: Mapping[str, Array], objective: Objective
 ) -> tuple[Array, Array, float]:
@@ -236,6 +262,13 @@ def _orders(sheet: Sheet, rest: Rest, shake: Array) -> Array:
     """`[rows, n]`: the open tasks, each behind its predecessors, those with the longest chain
     behind them first when the times of tasks are multiplied by `exp(shake)`, `[rows, T]`.
     """
+    left = np.array(rest.tasks, dtype=int)
+    rank = _ranks(sheet, shake) + rest.first
+    return left[np.argsort(-rank[:, left], axis=1, kind="stable")]
+
+
+def _ranks(sheet: Sheet, shake: Array) -> Array:
+    """`[rows, T]`: the longest chain of quickest times from each task on, itself included."""
     rank, tail = np.zeros(shake.shape), np.zeros(shake.shape)
     weight = sheet.quickest * np.exp(shake)
     for t in sheet.chain:
@@ -243,5 +276,4 @@ def _orders(sheet: Sheet, rest: Rest, shake: Array) -> Array:
         for first in sheet.before[t]:
             if first < len(sheet.tasks):
                 tail[:, first] = np.maximum(tail[:, first], rank[:, t])
-    left = np.array(rest.tasks, dtype=int)
-    return left[np.argsort(-(rank + rest.first)[:, left], axis=1, kind="stable")]
+    return rank

@@ -301,6 +301,35 @@ def played(
     return np.asarray(play.end.max(axis=0)), stress
 
 
+def along_the_clock(
+    sheet: Sheet,
+    rest: Rest,
+    rank: Array,
+    steady: Array,
+    real: Array,
+    running: Mapping[str, Array],
+) -> Array:
+    """`[rows, n]`: the tasks in the order in which a rule looks at them as time goes on (Kolisch's
+    parallel scheme): whatever can start first, of these the one of the highest `rank`, `[T]`. The
+    rest as in `played`.
+    """
+    play, line = _Play(sheet, rest, len(real)), np.arange(len(real))
+    for name, ends in running.items():
+        play.going(name, ends)
+    left = np.zeros((len(sheet.tasks) + 1, len(real)), bool)
+    left[list(rest.tasks)] = True
+    never, found = np.zeros(real.shape), []
+    for _ in rest.tasks:
+        waits = left[sheet.before].any(axis=1) | ~left[:-1]
+        key = play.earliest(steady) - 1e-6 * rank[:, None] - rest.first[:, None]
+        task = np.where(waits, np.inf, key).argmin(axis=0)
+        way, start = play.chosen(task, never, steady)
+        play.put(task, way, start + rest.share[task] * real[line, way])
+        left[task, line] = False
+        found.append(task)
+    return np.array(found, dtype=int).reshape(len(rest.tasks), len(real)).T
+
+
 class _Play:
     """Plays under way; the last axis is the play. One operator more than there are stands for
     nobody.
@@ -355,6 +384,22 @@ class _Play:
             way, begin = np.where(better, one, way), np.where(better, start, begin)
             best = np.where(better, score, best)
         return way, begin
+
+    def earliest(self, steady: Array) -> Array:
+        """`[T, rows]`, when each task could start by whoever is expected to end it first, were its
+        predecessors done; tools, zones and breaks left aside.
+        """
+        sheet = self.sheet
+        ready = np.maximum(self.ready, self.end[sheet.before].max(axis=1))
+        begin, best = ready, np.full(ready.shape, np.inf)
+        for column in sheet.slots.T:
+            start = ready
+            for crew in sheet.crew[column].T:
+                start = np.maximum(start, self.free[crew])
+            end = start + self.rest.share[:, None] * steady[:, column].T
+            better = ((column >= 0) & self.rest.open[column])[:, None] & (end < best)
+            begin, best = np.where(better, start, begin), np.where(better, end, best)
+        return begin
 
     def put(self, task: Array, way: Array, end: Array) -> None:
         """The task is done in this way, until then."""
