@@ -191,8 +191,8 @@ def table(documents: Sequence[dict[str, Any]]) -> str:
         for row in one["rows"]
     ]
     lines += [
-        f"\n`{one['policy']}`, {one['tasks']} tasks: a forecast takes {one['forecast_ms']['p50']} ms"
-        f" of a processor (median), {one['forecast_ms']['p99']} ms in 99 of 100 cases."
+        f"\n`{one['policy']}`, {one['tasks']} tasks: a forecast takes {one['forecast_ms']['p50']}"
+        f" ms of a processor (median), {one['forecast_ms']['p99']} ms in 99 of 100 cases."
         for one in documents
     ]
     return "\n".join(lines)
