@@ -1,5 +1,5 @@
-"""Deciders and the clock: whatever they are at, they stop when the time is over. The clocks here
-count looks, not seconds.
+"""Deciders and their time: they limit their work, which is counted, and whoever waits for them
+does not wait for ever.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ import threading
 import weakref
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from math import inf
 
 import pytest
 from tests.dispatch.cells import GEARBOX, Plain, in_time
@@ -18,128 +17,131 @@ from tests.dispatch.stations import THESIS
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.memory import settled_memory
 from tandem.dispatch.deciders.policy import Decision, Options
-from tandem.dispatch.deciders.replan import Robust, plain, robust
+from tandem.dispatch.deciders.replan import WARMING, Robust, plain
+from tandem.dispatch.deciders.table import policy
 from tandem.dispatch.lookahead.branch_and_bound import (
-    EVERY,
-    MOST_KNOWN,
+    A_SET,
+    QUICKEST,
+    SLOWEST,
     BranchAndBound,
-    OutOfTimeError,
+    measured,
 )
 from tandem.dispatch.lookahead.objective import SECONDS
-from tandem.dispatch.lookahead.residual import rest, solve
+from tandem.dispatch.lookahead.residual import rest, sketch, solve
 from tandem.dispatch.lookahead.transitions import Moves
+from tandem.dispatch.lookahead.work import OutOfWorkError, Work
 from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.situation.pace import estimates
+from tandem.errors import UsageError
 from tandem.files.generators import layered
 
 WIDE = layered(30, 2, 2, seed=3)
 """At its beginning 3,507 sets of ways can be begun, each of which is a step of the search."""
 
 
-@dataclass
-class Looks:
-    """A clock that goes on by one whenever somebody looks at it."""
-
-    at: int = 0
-
-    def __call__(self) -> float:
-        self.at += 1
-        return float(self.at)
+@pytest.mark.parametrize("limit", [0, 1, 17, 200, 2000])
+def test_a_search_does_no_more_work_than_it_may(limit: int) -> None:
+    moves, work = Moves.of(WIDE), Work(limit)
+    with pytest.raises(OutOfWorkError):
+        BranchAndBound(moves, (1.0, 0.0), work).value(moves.root())
+    assert limit - A_SET * 4000 <= work.done <= limit, "it stops before the step that is too much"
 
 
-def wide_search(clock: Looks, until: float) -> BranchAndBound:
-    return BranchAndBound(Moves.of(WIDE), (1.0, 0.0), clock=clock).by(until)
-
-
-@pytest.mark.parametrize("until", [0, 1, 17, 200])
-def test_a_search_makes_no_more_than_a_few_positions_after_its_time(until: int) -> None:
-    clock = Looks()
-    search = wide_search(clock, until)
-    with pytest.raises(OutOfTimeError):
-        search.value(search.moves.root())
-    assert clock.at == until + 1, "the first look that is too late ends it"
-    assert search._made <= EVERY * (until + 1), "so few positions lie between two looks"
-
-
-def test_putting_the_choices_together_looks_at_the_clock_too() -> None:
+def test_putting_the_choices_together_is_counted_too() -> None:
     """Before the first of thousands of choices is there."""
-    clock = Looks()
-    search = wide_search(clock, 5)
-    with pytest.raises(OutOfTimeError):
-        next(search.moves.choices(search.moves.root(), look=search.look))
-    assert clock.at == 6
+    moves = Moves.of(WIDE)
+    search = BranchAndBound(moves, (1.0, 0.0), Work(5))
+    with pytest.raises(OutOfWorkError):
+        next(moves.choices(moves.root(), look=search.look))
 
 
-def test_a_search_that_has_time_is_not_changed_by_its_looks() -> None:
-    def value(search: BranchAndBound) -> float:
-        return search.value(search.moves.root())
-
-    assert (
-        value(BranchAndBound(Moves.of(THESIS), (0.001, 0.0)))
-        == value(BranchAndBound(Moves.of(THESIS), (0.001, 0.0), clock=Looks()).by(inf))
-        == 23
-    )
+def test_a_search_that_may_do_enough_is_not_changed_by_counting() -> None:
+    moves = Moves.of(THESIS)
+    free, counted = (BranchAndBound(moves, (0.001, 0.0), Work(*limit)) for limit in ((), (500,)))
+    assert free.value(moves.root()) == counted.value(moves.root()) == 23
+    assert 0 < free.work.done == counted.work.done < 500
 
 
-@pytest.mark.parametrize("until", [0, 3, 40])
-def test_valuing_choices_under_many_beliefs_stops_in_time(until: int) -> None:
-    """Numbers for each belief, bounds for each choice, values: a look at the clock everywhere
-    between.
-    """
-    clock = Looks()
-    decider = robust_without_warming_up(WIDE, clock)
+def test_what_is_known_before_is_read_and_never_changed() -> None:
+    moves = Moves.of(THESIS)
+    first = BranchAndBound(moves, (0.001, 0.0))
+    first.value(moves.root())
+    known = first.learned()
+    sizes = [len(part) for part in known]
+    again = BranchAndBound(moves, (0.001, 0.0), Work(0), known)
+    assert again.value(moves.root()) == 23
+    assert again.work.done == 0
+    assert [len(part) for part in known] == sizes
+
+
+@pytest.mark.parametrize("limit", [0, 3, 400, 1000])
+def test_valuing_choices_under_many_beliefs_stops_at_its_limit(limit: int) -> None:
+    """Numbers for each belief, bounds for each choice, values: all of it is counted."""
+    work = Work(limit)
     situation = Situation.of(WIDE)
-    with pytest.raises(OutOfTimeError):
-        decider.ranked(situation, estimates(situation, Options().prior), until)
-    assert clock.at == until + 1
+    with pytest.raises(OutOfWorkError):
+        cold(WIDE).ranked(situation, estimates(situation, Options().prior), work)
+    assert work.done <= limit
 
 
-def robust_without_warming_up(cell: Cell, clock: Looks, **known: float) -> Robust:
-    made = plain(cell, SECONDS, Options(budget_ms=1000.0 * 10))
-    return Robust(made.models, SECONDS, made.options, made.rule, clock=clock, **known)
+def cold(cell: Cell, **options: float) -> Robust:
+    """A decider that valued nothing before the shift."""
+    made = plain(cell, SECONDS, Options(**options))
+    return Robust(made.models, SECONDS, made.options, made.rule)
 
 
-def test_a_decision_without_time_is_a_rule_s() -> None:
-    """Ten looks are the whole budget: no belief is valued to its end, no plan is made, the rule
-    answers.
-    """
-    decision = robust_without_warming_up(WIDE, Looks()).decide(Situation.of(WIDE))
-    assert "by a rule" in decision.why
+def test_a_decision_with_hardly_any_work_is_the_plan_of_a_rule() -> None:
+    """No belief is valued to its end; one list schedule there always is."""
+    decision = cold(WIDE, budget_ms=1.0, steps_per_ms=1.0).decide(Situation.of(WIDE))
+    assert "the best plan found" in decision.why
     assert decision.asks or decision.starts
 
 
-@pytest.mark.parametrize("known", [{"building_s": 1e6}, {"building_s": 1e6, "moves_s": 1e6}])
-def test_what_cannot_be_cut_short_is_not_begun_without_the_time_for_it(
-    known: dict[str, float],
-) -> None:
-    clock = Looks()
-    decision = robust_without_warming_up(WIDE, clock, **known).decide(Situation.of(WIDE))
-    assert "by a rule" in decision.why
-    if "moves_s" in known:
-        assert clock.at == 2, "when it began, and whether there is time to plan: nothing was valued"
+def test_a_plan_with_hardly_any_work_is_the_one_it_began_with() -> None:
+    moves = Moves.of(layered(20, seed=5))
+    left = rest(moves, moves.root())
+    assert left is not None
+    hint = sketch(moves, moves.root(), (1.0, 0.0), samples=1)
+    assert hint is not None
+    assert solve(left, (1.0, 0.0), work_s=1e-9, hint=hint) == hint
+    assert solve(left, (1.0, 0.0), work_s=1e-9) is None
 
 
-def test_a_plan_without_time_is_none() -> None:
+def test_a_plan_of_the_thesis_s_cell_is_the_optimum_and_repeats() -> None:
     moves = Moves.of(THESIS)
     left = rest(moves, moves.root())
     assert left is not None
-    assert solve(left, (1.0, 0.0), seconds=0.0) is None
-    found = solve(left, (1.0, 0.0), seconds=20.0)
-    assert found is not None
-    assert found.ticks == 23 * moves.instance.per_second
+    plans = [solve(left, (1.0, 0.0), work_s=0.01) for _ in range(2)]
+    assert plans[0] == plans[1]
+    assert plans[0] is not None
+    assert (plans[0].ticks, plans[0].proven) == (23 * moves.instance.per_second, True)
 
 
-def test_the_memory_of_searches_is_forgotten_bit_by_bit() -> None:
-    """Forgetting all at once takes longer than a decision may."""
-    decider = robust(GEARBOX, SECONDS, Options(budget_ms=1000.0))
-    situation = Situation.of(GEARBOX)
-    before = 0
-    for factor in range(100):
-        decider._under(situation, (("anna", 1.0 + factor / 100),), inf)
-        assert len(decider._searches) >= before, "one goes when one comes"
-        before = len(decider._searches)
-    assert before <= 40
-    assert MOST_KNOWN <= 50_000
+def test_more_list_schedules_are_never_worse_and_repeat() -> None:
+    moves = Moves.of(layered(30, 2, 2, seed=3))
+    ticks = []
+    for samples in (1, 4, 10, 40):
+        plans = [sketch(moves, moves.root(), (1.0, 0.0), samples=samples, seed=7) for _ in range(2)]
+        assert plans[0] == plans[1]
+        assert plans[0] is not None
+        ticks.append(plans[0].ticks)
+    assert ticks == sorted(ticks, reverse=True)
+    assert ticks[-1] < ticks[0]
+
+
+def test_what_a_millisecond_buys_is_measured_within_reason() -> None:
+    assert SLOWEST <= measured() <= QUICKEST
+    with pytest.raises(UsageError, match="0 steps in a millisecond"):
+        Options(steps_per_ms=0.0)
+
+
+def test_values_from_before_the_shift_are_those_of_that_work_alone() -> None:
+    """They are the same in every process, and so are the decisions that read them."""
+    made = [policy("replan-robust", GEARBOX) for _ in range(2)]
+    first, second = (one for one in made if isinstance(one, Robust))
+    assert first.before == second.before
+    assert first.before
+    assert sum(len(known.values) for known in first.before.values()) < WARMING
 
 
 def test_what_exists_before_a_shift_is_left_out_of_collections_within_it() -> None:

@@ -16,15 +16,17 @@ from tests.strategies import cells
 import tandem
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.fixed import Fixed, fixed
-from tandem.dispatch.deciders.policy import Options, basis_of
+from tandem.dispatch.deciders.policy import Basis, Chosen, Options, basis_of
 from tandem.dispatch.deciders.table import policy
 from tandem.dispatch.evaluation.batch import EpisodeBatch, Outcome
 from tandem.dispatch.lookahead.objective import SECONDS, Objective
 from tandem.dispatch.situation.model import Situation
-from tandem.errors import InfeasibleError
+from tandem.errors import CellError, InfeasibleError, UnsoundScheduleError
 from tandem.files.generators import layered
 from tandem.files.load import load
 from tandem.files.validate import cell_of
+from tandem.plan.result import Result
+from tandem.schedule.model import Schedule
 from tandem.world.arrays import Names
 from tandem.world.population import crowd
 from tandem.world.randomness import OFF, Draw
@@ -62,6 +64,55 @@ def test_a_plan_carried_out_beside_compliant_people_takes_what_was_planned(
     assert decider.basis.proven
     assert found.makespan.tolist() == [decider.basis.makespan] * 2
     assert found.stress.tolist() == [decider.basis.stress] * 2
+
+
+def given_plan(result: Result) -> Fixed:
+    """The very schedule of a point, carried out."""
+    chosen = Chosen(result.schedule, Basis.of(result, proven=True))
+    return fixed(result.cell, SECONDS, Options(plan=chosen))
+
+
+@settings(max_examples=40)
+@given(cells(max_tasks=6))
+def test_every_point_of_a_front_carried_out_takes_what_it_says(cell: Cell) -> None:
+    assume(cell.stress_of_set is None)
+    try:
+        front = tandem.plan(cell, workers=1, time_limit=10)
+    except InfeasibleError:
+        return
+    for result in front:
+        found = played(cell, given_plan(result))
+        assert found.makespan.tolist() == [result.makespan] * 2
+        assert found.stress.tolist() == [result.stress] * 2
+
+
+@pytest.mark.parametrize(
+    "file", sorted(path.name for path in (ROOT / "examples").glob("*.yaml")), ids=str
+)
+def test_the_recommended_point_of_every_example_carried_out_takes_what_it_says(file: str) -> None:
+    try:
+        cell = load(ROOT / "examples" / file)
+    except CellError:
+        pytest.skip("no cell")
+    if cell.stress_of_set is not None:
+        with pytest.raises(CellError, match="stress that adds up"):
+            planned(cell)
+        return
+    best = tandem.plan(cell, workers=1, time_limit=20).knee
+    found = played(cell, given_plan(best))
+    assert found.makespan.tolist() == [best.makespan] * 2
+    assert found.stress.tolist() == [best.stress] * 2
+
+
+def test_a_given_plan_that_breaks_the_cell_is_refused() -> None:
+    best = tandem.plan(THESIS, minimize="makespan", workers=1)[0]
+    moved = [
+        replace(one, start=one.start + 1, end=one.end + 1) if one.task == "4" else one
+        for one in best.schedule
+    ]
+    broken = Chosen(Schedule(tuple(moved)), Basis.of(best, proven=True))
+    with pytest.raises(UnsoundScheduleError, match="'4'"):
+        fixed(THESIS, SECONDS, Options(plan=broken))
 
 
 @pytest.mark.parametrize(

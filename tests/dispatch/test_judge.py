@@ -13,7 +13,7 @@ from tests.dispatch.stations import THESIS
 
 from tandem.cell.model import Cell
 from tandem.cli.root import run
-from tandem.dispatch.deciders.table import POLICIES
+from tandem.dispatch.deciders.table import POLICIES, policy
 from tandem.dispatch.evaluation.trial import Trial, judge, split_people
 from tandem.draw.judged import judged_figure, plot_regret
 from tandem.errors import UsageError
@@ -305,6 +305,7 @@ def test_the_document_says_what_plan_was_carried_out(
 ) -> None:
     (document,) = judge(THESIS, Trial(("fixed", "spt"), ("compliant",), 2, 0))
     assert row(document, "fixed")["plan"] == {
+        "digest": policy("fixed", THESIS).chosen.schedule.digest,  # type: ignore[attr-defined]
         "makespan": 23,
         "stress": 7,
         "status": "optimal",

@@ -22,6 +22,7 @@ from tandem.dispatch.deciders.policy import Options
 from tandem.dispatch.journal import Journal
 from tandem.dispatch.lookahead.objective import SECONDS
 from tandem.dispatch.shift.live import Settings, Shift
+from tandem.dispatch.shift.replay import replay
 from tandem.dispatch.shift.simulated import SimulatedFloor
 from tandem.dispatch.situation.model import Situation
 from tandem.errors import CellError, UsageError
@@ -121,6 +122,7 @@ def shift_of(
     assert all(document["accepted"] for document in said if document["type"] == "answer")
     situation = shift.situation
     assert situation.is_over
+    assert replay(cell, shift.journal).differences == (), "a replay decides the same"
     work = [
         Assignment(task=one.task, operators=one.operators, start=one.start, end=one.end)
         for one in situation.done.values()

@@ -16,7 +16,7 @@ from typing import IO, TYPE_CHECKING, Any
 import click
 
 from tandem.cell.names import clean
-from tandem.cli.options import FORMAT, decider_options
+from tandem.cli.options import FORMAT, KNEE, decider_options
 from tandem.cli.seeds import say_which_seed
 from tandem.errors import UsageError
 
@@ -139,6 +139,7 @@ def dispatch_command(ctx: click.Context, /, **given: Any) -> int:
       tandem dispatch cell.yaml --journal shift.db
       tandem dispatch cell.yaml --products 0 --variant long=long.yaml --journal shift.db
       tandem dispatch cell.yaml --simulate pace:1.5 --cv 0.2 --products 50
+      tandem dispatch cell.yaml --plan plan.json --point 2 --change-penalty 3
       tandem dispatch cell.yaml --journal shift.db --replay
 
     An event is {"event": "done", "at": 12.5, "task": "4"}; the manual has them all. Advice, not a
@@ -185,10 +186,11 @@ def _run(
 
     # a decider that is late and still computes leaves the processor to the rule sooner
     sys.setswitchinterval(0.001)
-    _same_as_kept(ctx, journal, given)
+    kept = _kept(ctx, journal, cell, given)
     variants = _variants(given["variants"])
     say_which_seed(given["learned"])
-    shift = Shift.open(cell, journal, _settings(given), given["start"], variants=variants)
+    settings = _settings(cell, given) if kept is None else kept
+    shift = Shift.open(cell, journal, settings, given["start"], variants=variants)
     floor = None if given["people"] is None else _floor(shift, given)
     if shift.basis is not None and shift.basis.doubt:
         click.echo(f"{shift.settings.policy}: {shift.basis.doubt}", err=True)
@@ -232,27 +234,25 @@ def _live(
             between()
 
 
-def _settings(given: dict[str, Any]) -> Settings:
+def _settings(cell: Cell, given: dict[str, Any]) -> Settings:
+    """Of a new shift."""
+    from tandem.cli.following import steered
     from tandem.dispatch.deciders.policy import Options
-    from tandem.dispatch.lookahead.objective import Objective
+    from tandem.dispatch.lookahead.branch_and_bound import measured
     from tandem.dispatch.shift.live import Settings
 
-    time_weight, stress_weight = given["weights"]
+    objective, plan = steered(cell, given, [given["policy"]], KNEE)
     options = Options(
         budget_ms=given["budget"],
+        steps_per_ms=measured(),
         seed=given["seed"],
         frozen_s=given["frozen"],
         change_penalty=given["change_penalty"],
         learned=given["learned"],
+        plan=plan,
         **({} if given["prior"] is None else {"prior": given["prior"]}),
     )
-    return Settings(
-        given["policy"],
-        Objective(time_weight, stress_weight, given["max_stress"]),
-        options,
-        given["taking_apart"],
-        given["products"],
-    )
+    return Settings(given["policy"], objective, options, given["taking_apart"], given["products"])
 
 
 def _variants(given: tuple[str, ...]) -> dict[str, Cell]:
@@ -270,14 +270,16 @@ def _variants(given: tuple[str, ...]) -> dict[str, Cell]:
     return found
 
 
-def _same_as_kept(ctx: click.Context, journal: Journal, given: dict[str, Any]) -> None:
-    """Takes what is not stated from the journal; what is stated must be what the shift was begun
-    with.
+def _kept(
+    ctx: click.Context, journal: Journal, cell: Cell, given: dict[str, Any]
+) -> Settings | None:
+    """The settings in the journal, None in a new one. What is stated must be what the shift was
+    begun with.
     """
     from tandem.dispatch.shift.live import kept_settings
 
     if journal.is_new:
-        return
+        return None
     kept = kept_settings(journal)
     there = {
         "policy": kept.policy,
@@ -296,6 +298,7 @@ def _same_as_kept(ctx: click.Context, journal: Journal, given: dict[str, Any]) -
         key
         for key in there
         if ctx.get_parameter_source(key) is click.core.ParameterSource.COMMANDLINE
+        and given[key] != KNEE
     ]
     wrong = [
         f"--{key.replace('_', '-')} is {_stated(given[key])}, the shift was begun with"
@@ -303,13 +306,31 @@ def _same_as_kept(ctx: click.Context, journal: Journal, given: dict[str, Any]) -
         for key in stated
         if given[key] != there[key]
     ]
+    wrong += _other_plan(kept, cell, given)
     if wrong:
         raise UsageError(
             "\n".join(
                 [*wrong, f"{journal.path}: go on without these options, or name another journal."]
             )
         )
+    # the simulated floor reads these too
     given |= there
+    return kept
+
+
+def _other_plan(kept: Settings, cell: Cell, given: dict[str, Any]) -> Iterator[str]:
+    """What there is to say when another plan is named than the shift was begun with."""
+    from tandem.cli.following import stored
+
+    if given["plan"] is None:
+        return
+    front, point = stored(given["plan"], cell, given)
+    digest, began = front[point].schedule.digest, kept.options.plan
+    if began is None or began.schedule.digest != digest:
+        yield (
+            f"--plan is the plan {digest}, the shift was begun with"
+            f" {'none' if began is None else f'the plan {began.schedule.digest}'}."
+        )
 
 
 def _stated(value: Any) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar
 
 import click
@@ -19,20 +20,32 @@ FORMAT = click.option(
 )
 
 
+KNEE = "knee"
+"""Instead of weights: those of the recommended point."""
+
+
 class Weights(click.ParamType):  # type: ignore[type-arg]  # older releases of click take no parameter
-    """Two numbers joined by a comma."""
+    """Two numbers joined by a comma; with `knee`, that word too."""
 
     name = "TIME,STRESS"
 
+    def __init__(self, *, knee: bool = False) -> None:
+        self.knee = knee
+
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[float, float]:
+    ) -> tuple[float, float] | str:
         if isinstance(value, tuple):
             return value
+        if self.knee and value == KNEE:
+            return KNEE
         try:
             time, stress = (float(part) for part in str(value).split(","))
         except ValueError:
-            self.fail(f"{value!r} is not two numbers joined by a comma, such as 1,0.5.", param, ctx)
+            word = f", nor {KNEE}" * self.knee
+            self.fail(
+                f"{value!r} is not two numbers joined by a comma, such as 1,0.5{word}.", param, ctx
+            )
         return time, stress
 
 
@@ -58,9 +71,11 @@ class Prior(click.ParamType):  # type: ignore[type-arg]  # older releases of cli
 _OF_DECIDERS = (
     click.option(
         "--weights",
-        type=Weights(),
-        default=(1.0, 0.0),
-        help="Keep TIME * makespan + STRESS * stress small; 1,0 when absent.",
+        type=Weights(knee=True),
+        help=(
+            "Keep TIME * makespan + STRESS * stress small, or `knee`: as the recommended point of"
+            " the front does, or the point of --plan."
+        ),
     ),
     click.option(
         "--max-stress",
@@ -94,7 +109,7 @@ _OF_DECIDERS = (
         type=click.FloatRange(0.0),
         default=0.0,
         show_default=True,
-        help="Seconds to gain before an announced task is changed.",
+        help="Seconds to gain before an announced task is changed, or the plan is left.",
     ),
     click.option(
         "--taking-apart",
@@ -102,6 +117,14 @@ _OF_DECIDERS = (
         default=1.0,
         show_default=True,
         help="Share of a task's time that taking it apart takes.",
+    ),
+    click.option(
+        "--plan",
+        type=click.Path(exists=True, dir_okay=False, path_type=Path),
+        help=(
+            "A plan of CELL as `tandem plan CELL --json` prints it: `fixed` carries it out, `auto`"
+            " and `replan-robust` follow it while it is good."
+        ),
     ),
     click.option(
         "--learned",
@@ -113,8 +136,30 @@ _OF_DECIDERS = (
 )
 
 
+_OF_A_POINT = (
+    click.option(
+        "--point",
+        type=int,
+        help="A point of the front, counted from 1; the recommended compromise when absent.",
+    ),
+    click.option(
+        "--makespan", type=float, help="Instead: the point of least stress within so many seconds."
+    ),
+    click.option(
+        "--stress", type=float, help="Instead: the quickest point of at most this stress."
+    ),
+)
+
+
+def point_options(command: F) -> F:
+    """The options by which one point of a front is chosen; `report.stored.point_of` reads them."""
+    for option in reversed(_OF_A_POINT):
+        command = option(command)
+    return command
+
+
 def decider_options(command: F) -> F:
-    """The options of whoever decides: what for, in which time, believing what."""
-    for option in reversed(_OF_DECIDERS):
+    """The options of whoever decides: what for, by which plan, in which time, believing what."""
+    for option in reversed((*_OF_DECIDERS, *_OF_A_POINT)):
         command = option(command)
     return command

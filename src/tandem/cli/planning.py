@@ -9,6 +9,7 @@ import json
 import shlex
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -163,6 +164,8 @@ def plan_command(
             hint=begin,
             on_solution=progress,
         )
+    # a variant stands in no file, so that none can have changed since
+    front = replace(front, source=cell_file if base is None and cell_file != "-" else None)
     if front.interrupted and not any(path.suffix == ".json" for path in files):
         name = "stdin" if cell_file == "-" else Path(cell_file).stem
         files.append(Path(f"{name}.interrupted.json"))

@@ -46,8 +46,9 @@ class Screen:
                 )
 
     def _begun(self, document: dict[str, Any]) -> None:
+        plan = f", the plan {document['plan']} in hand" if document["plan"] else ""
         self._say(
-            f"{document['cell'] or 'shift'}, decided by {document['policy']}. Advice, not a"
+            f"{document['cell'] or 'shift'}, decided by {document['policy']}{plan}. Advice, not a"
             " safety function."
         )
         if document["resumed"]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,6 +14,10 @@ from tandem.cli.compiled import needs_jax
 from tandem.cli.options import FORMAT, decider_options
 from tandem.cli.seeds import say_which_seed
 from tandem.errors import UsageError
+
+if TYPE_CHECKING:
+    from tandem.cell.model import Cell
+    from tandem.dispatch.evaluation.trial import Trial
 
 PICTURE = click.Path(dir_okay=False, path_type=Path)
 
@@ -100,6 +104,7 @@ def simulate_command(
     Examples:
       tandem simulate cell.yaml --policy fixed,replan-robust --people pace:1.5
       tandem simulate cell.yaml --policy expected,fixed --people random:0.5 --chart regret.svg
+      tandem simulate cell.yaml --plan plan.json --point 2 --policy fixed,auto --people pace:1.3
     """
     from tandem.files.load import load
 
@@ -109,7 +114,7 @@ def simulate_command(
     cell = load(cell_file, form)
     if chart is not None and chart.suffix.lower() not in (".svg", ".png", ".pdf"):
         raise UsageError(f"--chart {chart}: a picture's name ends in .svg, .png or .pdf.")
-    trial = _trial(_split(policies), split_people(people), given)
+    trial = _trial(cell, _split(policies), split_people(people), given)
     say_which_seed(given["learned"])
     documents = judge(cell, trial, (lambda _: None) if quiet else _tell)
     for remark in dict.fromkeys(remark for one in documents for remark in _remarks(one)):
@@ -151,19 +156,22 @@ def _remarks(document: dict[str, Any]) -> Iterator[str]:
             yield f"{row['policy']}: {basis.doubt}"
 
 
-def _trial(policies: tuple[str, ...], people: tuple[str, ...], given: dict[str, Any]) -> Any:
+def _trial(
+    cell: Cell, policies: tuple[str, ...], people: tuple[str, ...], given: dict[str, Any]
+) -> Trial:
+    from tandem.cli.following import steered
     from tandem.dispatch.deciders.policy import Options
     from tandem.dispatch.evaluation.trial import Trial
-    from tandem.dispatch.lookahead.objective import Objective
     from tandem.world.randomness import Chance
 
+    objective, plan = steered(cell, given, policies, (1.0, 0.0))
     prior = {} if given["prior"] is None else {"prior": given["prior"]}
     return Trial(
         policies,
         people,
         given["episodes"],
         given["seed"],
-        Objective(given["weights"][0], given["weights"][1], given["max_stress"]),
+        objective,
         Chance(
             spread=given["spread"],
             cv=given["cv"],
@@ -177,6 +185,7 @@ def _trial(policies: tuple[str, ...], people: tuple[str, ...], given: dict[str, 
             frozen_s=given["frozen"],
             change_penalty=given["change_penalty"],
             learned=given["learned"],
+            plan=plan,
             **prior,
         ),
     )

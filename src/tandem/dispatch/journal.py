@@ -67,16 +67,44 @@ class _Objective(Form):
     max_stress: float | None
 
 
+class _Assignment(Form):
+    """A task of a plan that was kept."""
+
+    task: str
+    operators: tuple[str, ...]
+    start: float
+    end: float
+
+
+class _Basis(Form):
+    """What is known of it; see `Basis`."""
+
+    makespan: float
+    stress: float
+    proven: bool
+    least_makespan: float
+    least_stress: float
+
+
+class _Plan(Form):
+    """A plan that was kept; see `Chosen`."""
+
+    assignments: tuple[_Assignment, ...]
+    basis: _Basis
+
+
 class _Options(Form):
     """What was set of its decider; see `Options`."""
 
     budget_ms: float
+    steps_per_ms: float
     seed: int
     random: float
     prior: tuple[tuple[float, float], ...]
     frozen_s: float
     change_penalty: float
     learned: str | None
+    plan: _Plan | None
 
 
 class _Settings(Form):

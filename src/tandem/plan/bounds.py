@@ -36,7 +36,14 @@ class WorkPrices:
     @classmethod
     def of(cls, layout: Layout) -> WorkPrices:
         """The layout's prices, by `load_prices`."""
-        prices = tuple(max(1, round(_SCALE * price)) for price in load_prices(layout)[1])
+        return cls.at(layout, [max(1, round(_SCALE * price)) for price in load_prices(layout)[1]])
+
+    @classmethod
+    def at(cls, layout: Layout, of_operator: Sequence[int]) -> WorkPrices:
+        """The layout at given prices above 0. All of them bound its makespan; those of a layout
+        that is much alike do so nearly as well as its own.
+        """
+        prices = tuple(of_operator)
         work = tuple(
             min((step.ticks * sum(prices[o] for o in step.operators) for step in row), default=0)
             for row in layout.steps

@@ -43,12 +43,17 @@ class Bound:
 
 @dataclass(frozen=True)
 class Result:
-    """One schedule and how good it is proven to be."""
+    """One schedule and how good it is proven to be.
+
+    Attributes:
+      canonical: the schedule is the one that stands behind these values in every run.
+    """
 
     cell: Cell
     schedule: Schedule
     status: Status
     bound: Bound
+    canonical: bool = False
 
     @cached_property
     def makespan(self) -> float:
@@ -74,6 +79,8 @@ class Result:
             "stress": plain(self.stress),
             "status": str(self.status),
             "bound": {"makespan": plain(self.bound.makespan), "stress": plain(self.bound.stress)},
+            "canonical": self.canonical,
+            "digest": self.schedule.digest,
             "assignments": self.schedule.to_list(),
         }
 
@@ -87,6 +94,7 @@ class Front:
       solver: name and version of what proved or found it.
       interrupted: the search was stopped from outside; what it had is here.
       question: what was asked: all compromises or one, and within which limits.
+      source: the file of the cell as it was named; None when the cell came from elsewhere.
     """
 
     cell: Cell
@@ -98,6 +106,7 @@ class Front:
     wall_s: float
     interrupted: bool = False
     question: Question = Question()
+    source: str | None = None
 
     def __iter__(self) -> Iterator[Result]:
         return iter(self.results)
@@ -136,6 +145,8 @@ class Front:
             "interrupted": self.interrupted,
             "question": self.question.to_dict(),
             "front": [result.to_dict() for result in self.results],
+            "source": self.source,
+            "cell_document": self.cell.to_dict(),
         }
 
     def to_frame(self) -> pandas.DataFrame:

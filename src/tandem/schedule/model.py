@@ -4,8 +4,11 @@ stored.
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from tandem.cell.names import clean
@@ -47,6 +50,14 @@ class Schedule:
     def of(self, operator: str) -> tuple[Assignment, ...]:
         """What one operator does, in order."""
         return tuple(a for a in self.assignments if operator in a.operators)
+
+    @cached_property
+    def digest(self) -> str:
+        """Twelve hexadecimal digits that change when anything in the schedule does: what sheets,
+        pictures and explanations are told apart by.
+        """
+        rows = sorted(self.to_list(), key=lambda row: row["task"])
+        return hashlib.sha256(json.dumps(rows, sort_keys=True).encode()).hexdigest()[:12]
 
     def to_list(self) -> list[dict[str, Any]]:
         """As the `assignments` of a result document."""

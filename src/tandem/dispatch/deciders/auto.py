@@ -1,4 +1,4 @@
-"""`auto`: whoever is best of those who can answer in time, and a rule when nobody can. It always
+"""`auto`: the best of those who can decide on this cell, and a rule when nobody can. It always
 answers.
 """
 
@@ -10,41 +10,46 @@ from time import perf_counter
 
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.by_rule import by_rule
-from tandem.dispatch.deciders.policy import Decision, Options, Policy
+from tandem.dispatch.deciders.policy import Chosen, Decision, Options, Policy, plan_of
 from tandem.dispatch.deciders.replan import robust
 from tandem.dispatch.deciders.table import POLICIES
 from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.situation.model import Situation
-from tandem.errors import TandemError
+from tandem.errors import TandemError, UsageError
 
 RULE = "longest-tail"
 
 
 def auto(cell: Cell, objective: Objective, options: Options) -> Auto:
-    """The chain: the learned policy where one is given and fits the cell, re-planning, a rule.
+    """The chain: the learned policy where one is given and fits the cell, re-planning (which
+    follows `options.plan`), a rule.
 
-    Raises CellError when not even the rule can hold the cell.
+    Raises:
+      CellError: not even the rule can hold the cell.
+      UsageError: both a plan and a learned policy are given.
     """
+    if options.learned is not None and options.plan is not None:
+        raise UsageError("auto: a plan and a trained policy are given. Give one, or name a policy.")
     rule = by_rule(RULE, cell, objective, options)
     chain: list[Policy] = []
     if options.learned is not None:
         chain.append(POLICIES["learned"](cell, objective, options))
-    chain.append(robust(cell, objective, replace(options, budget_ms=options.budget_ms * SHARE)))
-    return Auto(tuple(chain), rule, options.budget_ms)
-
-
-SHARE = 0.8
-"""Of the budget, what the planner gets; the rule answers in the rest."""
+    chain.append(robust(cell, objective, options))
+    return Auto(tuple(chain), rule)
 
 
 @dataclass(frozen=True)
 class Auto:
-    """Asks the deciders of the chain in turn while there is time for them, and the rule last."""
+    """Asks the deciders of the chain in turn, and the rule last."""
 
     chain: Sequence[Policy]
     rule: Policy
-    budget_ms: float
     name: str = "auto"
+
+    @property
+    def chosen(self) -> Chosen | None:
+        """The plan that is followed; None for none."""
+        return next((plan for policy in self.chain if (plan := plan_of(policy))), None)
 
     def decide(self, situation: Situation) -> Decision:
         """The answer of the first who has one. A decider that fails is passed over; the sentence
@@ -53,8 +58,6 @@ class Auto:
         began = perf_counter()
         failed: list[str] = []
         for policy in self.chain:
-            if 1000 * (perf_counter() - began) > self.budget_ms * SHARE:
-                break
             try:
                 return self._signed(policy.decide(situation), began, failed)
             except (TandemError, ArithmeticError, LookupError, ValueError) as error:

@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import exp, log
 
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Start
@@ -30,11 +32,19 @@ that was reported, twice as many when these are over, and so on.
 """
 MOST_MODELS = 64
 """So many cells with different paces and refusals are kept at hand."""
+PRICED = (0.6, 0.8, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
+"""Prices of the operators' time are reckoned when humans need so many times the stated times; at
+other paces those of the nearest of these do.
+"""
+
+Factors = tuple[tuple[str, float], ...]
+"""Human -> factor on the stated times, sorted by name."""
 
 
 @dataclass
 class Models:
     """The moves of one cell by pace and by what is refused, made when they are first asked for.
+    What was made before changes nothing but how long that takes.
 
     Attributes:
       max_stress: the objective's limit.
@@ -43,30 +53,20 @@ class Models:
     cell: Cell
     max_stress: float | None = None
     _kept: dict[tuple[object, ...], Moves] = field(default_factory=dict)
+    _prices: dict[float, tuple[int, ...]] = field(default_factory=dict)
 
     def of(self, situation: Situation, factor: float | Mapping[str, float]) -> Moves:
         """The moves when every human needs `factor` times the stated time, or each its own; ways
         that somebody refuses now are left out.
         """
-        pace = (
-            dict.fromkeys(self.cell.humans, factor)
-            if isinstance(factor, int | float)
-            else dict(factor)
-        )
-        waits = awaited(situation)
+        pace, waits = self.factors(factor), awaited(situation)
         refused = frozenset(pair for pair in situation.refused if situation.is_refused(*pair))
-        key = (
-            tuple(sorted(pace.items())),
-            situation.taking_apart,
-            refused,
-            tuple(sorted(waits.items())),
-        )
-        if key not in self._kept:
+        key = (pace, situation.taking_apart, refused, tuple(sorted(waits.items())))
+        moves = self._kept.pop(key, None)
+        if moves is None:
             if len(self._kept) >= MOST_MODELS:
                 del self._kept[next(iter(self._kept))]
-            moves = Moves.of(
-                self.cell, pace, taking_apart=situation.taking_apart, max_stress=self.max_stress
-            )
+            moves = self._made(dict(pace), situation.taking_apart)
             if waits:
                 moves = _later(moves, waits)
             if refused:
@@ -74,8 +74,44 @@ class Models:
                 moves = moves.without(
                     way for way, task, who in named if any((one, task) in refused for one in who)
                 )
-            self._kept[key] = moves
-        return self._kept[key]
+        # what was not asked for longest goes first
+        self._kept[key] = moves
+        return moves
+
+    @property
+    def count(self) -> int:
+        """How many ways of doing there are in the cell."""
+        return sum(map(len, self._stated.ways))
+
+    def factors(self, factor: float | Mapping[str, float]) -> Factors:
+        """Every human's factor; 1 for who is not named."""
+        if isinstance(factor, int | float):
+            return tuple((human, float(factor)) for human in sorted(self.cell.humans))
+        return tuple((human, factor.get(human, 1.0)) for human in sorted(self.cell.humans))
+
+    def _made(self, pace: Mapping[str, float], taking_apart: float) -> Moves:
+        mean = exp(sum(map(log, pace.values())) / max(1, len(pace)))
+        near = min(PRICED, key=lambda priced: abs(log(mean / priced)))
+        if near not in self._prices:
+            alike = Moves.of(self.cell, dict.fromkeys(pace, near), stated=self._stated)
+            self._prices[near] = alike.prices.of_operator
+        return Moves.of(
+            self.cell,
+            pace,
+            taking_apart=taking_apart,
+            max_stress=self.max_stress,
+            prices=self._prices[near],
+            stated=self._stated,
+        )
+
+    def prepare(self) -> None:
+        """Reckons the prices at all paces, which is for before a shift."""
+        for pace in PRICED:
+            self._made(dict.fromkeys(self.cell.humans, pace), 1.0)
+
+    @cached_property
+    def _stated(self) -> Instance:
+        return Instance.of(self.cell)
 
 
 def awaited(situation: Situation) -> dict[str, float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from tandem.dispatch.deciders.policy import Basis, Decision, Policy, Start, basis_of
+from tandem.dispatch.deciders.policy import Chosen, Decision, Policy, Start, plan_of
 from tandem.dispatch.situation.model import Situation
 
 
@@ -25,9 +25,9 @@ class ByVariant:
         return self.policies[None].name
 
     @property
-    def basis(self) -> Basis | None:
-        """The plan that is carried out for the shift's own cell, if any is."""
-        return basis_of(self.policies[None])
+    def chosen(self) -> Chosen | None:
+        """The plan that is carried out or followed for the shift's own cell, if any is."""
+        return plan_of(self.policies[None])
 
     def decide(self, situation: Situation) -> Decision:
         """What that decider says."""

@@ -6,19 +6,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import isfinite
 from time import perf_counter
 
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.beliefs import Models, numbered, position
-from tandem.dispatch.deciders.policy import Basis, Decision, Options, Start
-from tandem.dispatch.deciders.reply import reply
+from tandem.dispatch.deciders.policy import Basis, Chosen, Decision, Options, Start
+from tandem.dispatch.deciders.reply import Ranked, reply
+from tandem.dispatch.deciders.words import phrase
 from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.lookahead.transitions import Moves
 from tandem.dispatch.situation.legal import legal, next_change
 from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.situation.transitions import beginning
+from tandem.errors import UnsoundScheduleError
 from tandem.plan.methods import plan
-from tandem.plan.result import Result
+from tandem.schedule.checker import faults
 
 PLANNING_S = 20.0
 """The plan is made once, before the shift, and takes until it is proven; so many seconds at the
@@ -27,8 +30,7 @@ most.
 
 
 def fixed(cell: Cell, objective: Objective, options: Options) -> Fixed:
-    """Plans the cell as `tandem plan` does, once. One thread: a plan that is proven in time
-    repeats.
+    """Carries out `options.plan`; where that is None, plans the cell as `tandem plan` does, once.
 
     Raises:
       CellError: as `Moves.of` does.
@@ -37,19 +39,20 @@ def fixed(cell: Cell, objective: Objective, options: Options) -> Fixed:
     """
     models = Models(cell, objective.max_stress)
     models.of(Situation.of(cell), 1.0)
+    if options.plan is not None:
+        return carried_out(models, options.plan)
     best = plan(cell, objective.question(), time_limit=PLANNING_S, seed=options.seed, workers=1)[0]
-    order = tuple((one.task, one.operators) for one in best.schedule)
-    return Fixed(models, order, _basis(best, objective))
+    basis = Basis.of(best, proven=objective.is_proven(best))
+    return carried_out(models, Chosen(best.schedule, basis))
 
 
-def _basis(best: Result, objective: Objective) -> Basis:
-    return Basis(
-        best.makespan,
-        best.stress,
-        objective.is_proven(best),
-        best.bound.makespan,
-        best.bound.stress,
-    )
+def carried_out(models: Models, chosen: Chosen) -> Fixed:
+    """The chosen plan, to be carried out or followed. Raises UnsoundScheduleError when it breaks
+    the cell.
+    """
+    if wrong := faults(models.cell, chosen.schedule):
+        raise UnsoundScheduleError(wrong)
+    return Fixed(models, chosen, tuple((one.task, one.operators) for one in chosen.schedule))
 
 
 @dataclass(frozen=True)
@@ -61,28 +64,91 @@ class Fixed:
     begins no later than planned: by induction over the plan, what it needs is free by then.
 
     Attributes:
-      order: the tasks with their operators, in order of their planned starts.
-      basis: what the plan comes to.
+      chosen: the plan.
+      order: its tasks with their operators, in order of their planned starts.
     """
 
     models: Models
+    chosen: Chosen
     order: tuple[Start, ...]
-    basis: Basis
     name: str = "fixed"
+
+    @property
+    def basis(self) -> Basis:
+        """What the plan comes to."""
+        return self.chosen.basis
+
+    @property
+    def title(self) -> str:
+        """What the plan is called in a sentence."""
+        return f"the plan {self.chosen.schedule.digest}"
 
     def decide(self, situation: Situation) -> Decision:
         """Each operator's next task of the plan, as soon as it may begin."""
         began = perf_counter()
         moves = self.models.of(situation, 1.0)
-        begins, because = self._due(moves, situation), "the next in the fixed plan"
+        due = self.due(moves, situation)
+        if due is not None:
+            return self.unquestioned(self.name, moves, situation, due, began)
+        choice = numbered(moves, situation, self._anything(situation))
+        because = f"what {self.title} leads to cannot begin, and nothing else would"
+        return self._replied(self.name, moves, situation, choice, began, because)
+
+    def due(self, moves: Moves, situation: Situation) -> tuple[int, ...] | None:
+        """The ways that the plan begins now, perhaps none; None where it leads nowhere any more."""
+        begins = self._due(moves, situation)
         if not begins and _stands_still(situation):
-            begins, because = (
-                self._anything(situation),
-                "what the fixed plan leads to cannot begin, and nothing else would",
-            )
-        choice = numbered(moves, situation, begins)
+            return None
+        return tuple(sorted(numbered(moves, situation, begins)))
+
+    def unquestioned(
+        self, by: str, moves: Moves, situation: Situation, due: tuple[int, ...], began: float
+    ) -> Decision:
+        """The decision to do as the plan has it, nothing else having been valued."""
+        return self._replied(by, moves, situation, due, began, f"as {self.title} has it")
+
+    def stands(
+        self,
+        moves: Moves,
+        situation: Situation,
+        ranked: Ranked,
+        due: tuple[int, ...],
+        objective: Objective,
+    ) -> str:
+        """What is said of the plan before the reasons of a choice, the first of `ranked`: that it
+        follows the plan, or what of the plan it leaves and for how much.
+        """
+        (choice, cost), *others = ranked
+        if choice == due:
+            return f"as {self.title} has it, "
+        planned = phrase(situation, beginning(situation, [moves.named(way) for way in due]))
+        left = f"it leaves {self.title}, by which {planned}"
+        by_plan = dict(others).get(due)
+        if by_plan is None or cost is None or not isfinite(by_plan):
+            return f"{left}, for that leads nowhere now, "
+        return f"{left}, and gains {objective.words(by_plan - cost, 3)}, "
+
+    def later(self, situation: Situation) -> dict[str, str]:
+        """Busy human -> the first open task that the plan holds for them."""
+        busy = {who for at in situation.running.values() for who in at.operators}
+        here = busy.intersection(situation.cell.humans) - situation.absent
+        found: dict[str, str] = {}
+        for task, operators in self.order:
+            if task in situation.open:
+                found |= {who: task for who in operators if who in here and who not in found}
+        return found
+
+    def _replied(
+        self,
+        by: str,
+        moves: Moves,
+        situation: Situation,
+        choice: tuple[int, ...],
+        began: float,
+        because: str,
+    ) -> Decision:
         return reply(
-            self.name,
+            by,
             moves,
             situation,
             position(moves, situation, {}),
@@ -90,6 +156,7 @@ class Fixed:
             [(choice, None)],
             began=began,
             because=because,
+            later=self.later(situation),
         )
 
     def _due(self, moves: Moves, situation: Situation) -> list[Start]:

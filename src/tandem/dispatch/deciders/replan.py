@@ -6,26 +6,38 @@ Ties are many and matter: plans that are equally short for the stated times diff
 the human is slower than stated. So the robust decider does not take a plan but values every choice
 that is open now: under each pace that is still believed, the least cost of the rest after that
 choice (a hindsight optimum: Littman et al. 1995 call it QMDP), weighed by belief.
+
+Both count their work and look at no clock: what they decide follows from the situation and what was
+set, now as in a replay, in a new process as in an old one.
 """
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from itertools import product
 from math import inf
 from time import perf_counter
 
 from tandem.cell.model import Cell
-from tandem.dispatch.deciders.beliefs import Models, allowed, cost_so_far, position
+from tandem.dispatch.deciders.beliefs import (
+    Factors,
+    Models,
+    allowed,
+    cost_so_far,
+    numbered,
+    position,
+)
 from tandem.dispatch.deciders.by_rule import ByRule
-from tandem.dispatch.deciders.policy import Decision, Options
+from tandem.dispatch.deciders.fixed import Fixed, carried_out
+from tandem.dispatch.deciders.policy import Chosen, Decision, Options
 from tandem.dispatch.deciders.reply import reply
-from tandem.dispatch.lookahead.branch_and_bound import BranchAndBound, OutOfTimeError
+from tandem.dispatch.lookahead.branch_and_bound import NOTHING, BranchAndBound, Known
 from tandem.dispatch.lookahead.objective import Objective
-from tandem.dispatch.lookahead.residual import Plan, build, rest, solve
+from tandem.dispatch.lookahead.residual import FIRST, Plan, rest, sketch, solve
 from tandem.dispatch.lookahead.transitions import Moves, Position
+from tandem.dispatch.lookahead.work import OutOfWorkError, Work
 from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.situation.pace import Pace, estimates
 
@@ -35,16 +47,26 @@ STRETCHED = (0.85, 1.2)
 """Equally good choices are compared under these further factors on the humans' times.
 ASSUMPTION.
 """
-ALL_PACES, ONE_PACE, PLANNED = 0.5, 0.65, 0.85
-"""Shares of the budget by which the choices must be valued under every belief, or else under the
-mean pace alone, or else CP-SAT must have planned; what is left is for a rule.
+ALL_PACES, ONE_PACE = 0.5, 0.65
+"""Shares of the work by which the choices must be valued under every belief, or else under the mean
+pace alone; what is left is for a plan.
 """
 DEAR = 0.2
-"""Where the numbers of the cell under one pace take a larger share of the budget, stated times have
+"""Where the numbers of the cell under one pace take a larger share of the work, stated times have
 to do.
 """
-MOST_SEARCHES = 40
-"""So many beliefs' values are kept at hand."""
+MOVES, SKETCH, MODEL = 2.0, 2.0, 12.0
+"""Steps that are counted: for the numbers of the cell under one pace, for each way; for each list
+schedule, for each task; for putting CP-SAT's model together and taking it up, for each way.
+"""
+CPSAT_S = 2e-6
+"""CP-SAT's deterministic seconds for a step."""
+LEAST_S = 0.001
+"""With less than so many of them CP-SAT finds nothing, and is not asked."""
+MOST_SKETCHES = 60
+"""So many list schedules are made at the most."""
+WARMING = 150_000
+"""Steps before the shift, for valuing its first choices; a second or two."""
 OVERDUE_TICKS = 2
 """A robot looks again so many ticks after a human could have finished: who finishes just then is
 heard of first.
@@ -57,86 +79,62 @@ def plain(cell: Cell, objective: Objective, options: Options) -> Replan:
     """Re-planning by the stated times. Raises CellError as `Moves.of` does."""
     models = _models(cell, objective)
     return Replan(
-        models,
-        objective,
-        options,
-        ByRule("longest-tail", models, objective, options.seed),
-        _building_s(models),
+        models, objective, options, ByRule("longest-tail", models, objective, options.seed)
     )
 
 
 def robust(cell: Cell, objective: Objective, options: Options) -> Robust:
-    """Re-planning with estimated paces and ties broken. Raises CellError as `Moves.of` does. Values
-    the first choices before the shift begins.
+    """Re-planning with estimated paces and ties broken; with `options.plan` it follows that while
+    it is good. Raises CellError as `Moves.of` does. Values the first choices before the shift
+    begins.
     """
     models = _models(cell, objective)
-    moves_s = _least_s(lambda: Models(cell, objective.max_stress).of(Situation.of(cell), 1.0))
-    made = Robust(
-        models,
-        objective,
-        options,
-        ByRule("longest-tail", models, objective, options.seed),
-        _building_s(models),
-        moves_s,
-    )
-    made.warm_up()
-    return made
+    models.prepare()
+    rule = ByRule("longest-tail", models, objective, options.seed)
+    follows = None if options.plan is None else carried_out(models, options.plan)
+    made = Robust(models, objective, options, rule, follows)
+    return replace(made, before=made.first_values())
 
 
 @dataclass(frozen=True)
 class Replan:
     """Plans the rest anew at each event, with the stated times; the first plan found is carried
     out.
-
-    Attributes:
-      building_s: what the model of the whole cell takes to be put together, which nothing can cut
-        short.
-      clock: seconds, what the budget is counted by.
     """
 
     models: Models
     objective: Objective
     options: Options
     rule: ByRule
-    building_s: float = 0.0
     name: str = "replan"
-    clock: Callable[[], float] = perf_counter
 
     def decide(self, situation: Situation) -> Decision:
         """What begins now in the plan."""
-        began = self.clock()
+        began = perf_counter()
         moves = self.models.of(situation, 1.0)
         here = position(moves, situation, {})
-        return by_plan(self, moves, situation, here, began)
+        return by_plan(self, moves, situation, here, Work(self.options.work), began)
 
 
 def by_plan(
-    policy: Replan | Robust, moves: Moves, situation: Situation, here: Position, began: float
+    policy: Replan | Robust,
+    moves: Moves,
+    situation: Situation,
+    here: Position,
+    work: Work,
+    began: float,
 ) -> Decision:
-    """The decision of the first plan that CP-SAT finds in the time; the rule's where it finds none.
+    """The decision of the best plan that the work which is left finds: list schedules, and CP-SAT
+    from the best of them on where there is work enough for it. The rule's where they find none.
 
-    `began`: the moment by the policy's clock at which the decision's budget began.
+    `began`: the `perf_counter` moment at which deciding began.
     """
-    until = began + PLANNED * policy.options.budget_ms / 1000
-    # a model that would be built after the time is up is not begun: building cannot be stopped
-    left = rest(moves, here)
-    is_time_to_build = (
-        left is not None
-        and policy.clock() + policy.building_s * len(left.tasks) / len(moves.ways) < until
-    )
-    plan = None
-    if left is not None and is_time_to_build:
-        plan = solve(
-            left,
-            _weights(policy.objective, moves),
-            seconds=until - policy.clock(),
-            seed=policy.options.seed,
-        )
+    plan = _planned(policy, moves, here, work)
     choice = None if plan is None else starting(moves, here, plan, allowed(moves, situation))
-    # there is always an answer: the rule's, when the solver's comes too late or begins nothing
+    # there is always an answer: the rule's, when no plan is found or it begins nothing
     if plan is None or choice is None:
         choice = policy.rule.choose(moves, here, situation)
-        because = f"by a rule, because no plan was found in {policy.options.budget_ms:g} ms"
+        because = "by a rule, because no plan was found"
         return reply(
             policy.name,
             moves,
@@ -165,6 +163,22 @@ def by_plan(
         because=because,
         later=next_tasks(moves, here, plan),
     )
+
+
+def _planned(policy: Replan | Robust, moves: Moves, here: Position, work: Work) -> Plan | None:
+    """The best plan that the work finds; it makes one list schedule at least."""
+    left = rest(moves, here)
+    if left is None:
+        return None
+    weights, seed = _weights(policy.objective, moves), policy.options.seed
+    each = SKETCH * len(left.tasks)
+    searching_s = CPSAT_S * (work.left - MODEL * sum(map(len, left.ways)) - len(FIRST) * each)
+    searches = searching_s > LEAST_S
+    samples = len(FIRST) if searches else round(min(max(work.left / each, 1), MOST_SKETCHES))
+    drafted = sketch(moves, here, weights, samples=samples, seed=seed)
+    if not searches:
+        return drafted
+    return solve(left, weights, work_s=searching_s, hint=drafted, seed=seed)
 
 
 def starting(moves: Moves, here: Position, plan: Plan, legal: Set[int]) -> tuple[int, ...] | None:
@@ -203,34 +217,40 @@ class Robust:
     one that is best on average.
 
     Attributes:
-      building_s, clock: as of `Replan`.
-      moves_s: what the numbers of the cell under one pace take, which nothing can cut short either.
+      follows: the plan that is followed while it is good; None for none.
+      before: what was valued before the shift, by the humans' paces.
     """
 
     models: Models
     objective: Objective
     options: Options
     rule: ByRule
-    building_s: float = 0.0
-    moves_s: float = 0.0
+    follows: Fixed | None = None
+    before: Mapping[Factors, Known] = field(default_factory=dict)
     name: str = "replan-robust"
-    clock: Callable[[], float] = perf_counter
-    _searches: dict[int, BranchAndBound] = field(default_factory=dict)
 
-    def warm_up(self) -> None:
-        """Values the first choices, so that the shift's first decision is as quick as the others; a
-        few seconds at the most.
+    @property
+    def chosen(self) -> Chosen | None:
+        """The plan that is followed; None for none."""
+        return None if self.follows is None else self.follows.chosen
+
+    def first_values(self) -> dict[Factors, Known]:
+        """Values of the first choices and of what may follow them, by the humans' paces, so that
+        the shift's first decisions are as good as the others.
         """
-        until = self.clock() + 3.0
         situation = Situation.of(self.models.cell)
-        with contextlib.suppress(OutOfTimeError):
-            self.ranked(situation, estimates(situation, self.options.prior), until)
+        searches: dict[Factors, BranchAndBound] = {}
+        with contextlib.suppress(OutOfWorkError):
+            self.ranked(
+                situation, estimates(situation, self.options.prior), Work(WARMING), None, searches
+            )
+        return {factors: search.learned() for factors, search in searches.items()}
 
     def decide(self, situation: Situation) -> Decision:
         """What begins now."""
-        began, budget = self.clock(), self.options.budget_ms / 1000
+        began, work = perf_counter(), Work(self.options.work)
         paces = estimates(situation, self.options.prior)
-        is_dear = self.moves_s > DEAR * budget
+        is_dear = self._price() > DEAR * work.limit
         likely = {name: 1.0 if is_dear else pace.mean for name, pace in paces.items()}
         moves = self.models.of(situation, likely)
         here = position(moves, situation, likely)
@@ -239,78 +259,120 @@ class Robust:
             return reply(
                 self.name, moves, situation, here, (), [((), None)], began=began, because=because
             )
-        if is_dear:
-            return by_plan(self, moves, situation, here, began)
+        due = None if self.follows is None else self.follows.due(moves, situation)
+        total, ranked = work.limit, None
         for beliefs, share in (
             (paces, ALL_PACES),
             ({name: _as_one(pace) for name, pace in paces.items()}, ONE_PACE),
         ):
-            try:
-                ranked, look = self.ranked(situation, beliefs, began + budget * share)
+            work.limit = share * total
+            with contextlib.suppress(OutOfWorkError):
+                ranked = None if is_dear else self.ranked(situation, beliefs, work, due)
+            if ranked is not None:
                 break
-            except OutOfTimeError:
-                continue
-        else:
-            return by_plan(self, moves, situation, here, began)
-        choice = ranked[0][0]
+        work.limit = total
+        if ranked is None:
+            if self.follows is not None and due:
+                return self.follows.unquestioned(self.name, moves, situation, due, began)
+            return by_plan(self, moves, situation, here, work, began)
+        choices, look = ranked
         look_again = None if look is None else situation.now + look / moves.instance.per_second
         return reply(
             self.name,
             moves,
             situation,
             here,
-            choice,
-            ranked,
+            choices[0][0],
+            choices,
             began=began,
-            because=self._because(ranked, paces),
+            because=self._because(moves, situation, choices, paces, due),
+            later=self._later(situation, choices[0][0], due),
             look_again=look_again,
         )
 
     def ranked(
-        self, situation: Situation, paces: Mapping[str, Pace], until: float
+        self,
+        situation: Situation,
+        paces: Mapping[str, Pace],
+        work: Work,
+        due: tuple[int, ...] | None = None,
+        searches: dict[Factors, BranchAndBound] | None = None,
     ) -> tuple[list[tuple[tuple[int, ...], float]], int | None]:
         """The choices that matter, best first, each with the expected cost of the whole assembly;
         and the ticks after which a robot that waits in the best one should look again although
         nothing has happened (None: it need not).
 
-        Raises OutOfTimeError when it is later than `until` by the clock.
+        Args:
+          due: the choice of a plan that is followed. It stands first unless another one's cost is
+            lower by more than the change penalty.
+          searches: by paces, filled with those that were made.
+
+        Raises OutOfWorkError when it takes more work than is allowed.
         """
+        searches = {} if searches is None else searches
         beliefs = [
-            (share, *self._under(situation, factor, until))
+            (share, *self._under(situation, factor, work, searches))
             for factor, share in pace_scenarios(paces)
         ]
-        found = self._values(situation, beliefs, None)
+        found = self._values(situation, beliefs, None, due)
         if len(found) > 1 and found[1][1] <= found[0][1] + TIE:
             ties = [choice for choice, cost in found if cost <= found[0][1] + TIE]
-            found = self._untied(situation, paces, found, ties, until)
+            found = self._untied(situation, paces, found, ties, work, searches)
+        if due is not None:
+            found = self._following(found, due)
         base = cost_so_far(self.objective, situation)
         return [(choice, base + cost) for choice, cost in found], (
             _look(beliefs, found[0][0]) if found else None
         )
 
     def _under(
-        self, situation: Situation, factor: tuple[tuple[str, float], ...], until: float
+        self,
+        situation: Situation,
+        factor: Factors,
+        work: Work,
+        searches: dict[Factors, BranchAndBound],
     ) -> tuple[BranchAndBound, Position]:
-        if self.clock() > until:
-            raise OutOfTimeError("the beliefs were not looked at in time.")
-        moves = self.models.of(situation, dict(factor))
-        search = self._searches.pop(id(moves), None)
-        if search is None or search.moves is not moves:
-            search = BranchAndBound(moves, _weights(self.objective, moves), clock=self.clock)
-        if len(self._searches) >= MOST_SEARCHES:
-            # the one not used for longest; all at once would take too long
-            del self._searches[next(iter(self._searches))]
-        self._searches[id(moves)] = search
-        return search.by(until), position(moves, situation, dict(factor))
+        """The search under one belief, and where the assembly stands under it."""
+        factors = self.models.factors(dict(factor))
+        search = searches.get(factors)
+        if search is None:
+            free = not situation.refused and situation.taking_apart == 1.0
+            before = self.before.get(factors, NOTHING) if free else NOTHING
+            if before is NOTHING:
+                work.spend(self._price())
+            moves = self.models.of(situation, dict(factors))
+            search = BranchAndBound(moves, _weights(self.objective, moves), work, before)
+            searches[factors] = search
+        return search, position(search.moves, situation, dict(factors))
+
+    def _price(self) -> float:
+        """Steps that are counted for the numbers of the cell under one pace."""
+        return MOVES * self.models.count
+
+    def _following(
+        self, found: list[tuple[tuple[int, ...], float]], due: tuple[int, ...]
+    ) -> list[tuple[tuple[int, ...], float]]:
+        """The same list, the plan's choice first unless the best one gains more than the penalty of
+        a change.
+        """
+        cost = dict(found).get(due, inf)
+        if cost == inf or cost > found[0][1] + self.options.change_penalty * self._second() + TIE:
+            return found
+        return [(due, cost), *(row for row in found if row[0] != due)]
+
+    def _second(self) -> float:
+        """What a second is worth in the objective; where time weighs nothing, a unit of stress."""
+        return self.objective.time or self.objective.stress
 
     def _values(
         self,
         situation: Situation,
         beliefs: Sequence[Belief],
         among: Iterable[tuple[int, ...]] | None,
+        due: tuple[int, ...] | None = None,
     ) -> list[tuple[tuple[int, ...], float]]:
         """(choice, expected cost still to come), best first; a choice that is surely worse than the
-        best may be missing or stand with a bound.
+        best may be missing or stand with a bound, but `due` has its own cost.
         """
         _, leading, here = beliefs[0]
         first = leading.moves
@@ -326,13 +388,14 @@ class Robust:
         # bounds cost little and values much, so every choice gets its bound before any gets a value
         bounds = []
         for choice in self._kept(announced, list(among)):
-            leading.look()
+            leading.work.spend(len(beliefs))
             steps = _steps(beliefs, choice)
             if steps is not None:
                 floor = sum(share * bound for share, _, bound, _, _ in steps)
                 bounds.append((floor + self._penalty(announced, choice), choice, steps))
-        # the most promising first: a good value early rules out all that comes behind it
-        bounds.sort(key=lambda row: (row[0], [-way for way in row[1]]))
+        # the most promising first: a good value early rules out all that comes behind it; before
+        # it the plan's, against which the others have to gain
+        bounds.sort(key=lambda row: (row[1] != due, row[0], [-way for way in row[1]]))
         best, found = inf, []
         for bound, choice, steps in bounds:
             if bound > best + TIE:
@@ -358,7 +421,8 @@ class Robust:
         paces: Mapping[str, Pace],
         found: list[tuple[tuple[int, ...], float]],
         ties: list[tuple[int, ...]],
-        until: float,
+        work: Work,
+        searches: dict[Factors, BranchAndBound],
     ) -> list[tuple[tuple[int, ...], float]]:
         """The same list, equally good choices in the order of what they come to when people are
         somewhat quicker or slower than believed.
@@ -369,14 +433,20 @@ class Robust:
                 factor = tuple(
                     (name, round(pace.mean * stretch, 3)) for name, pace in paces.items()
                 )
-                search, there = self._under(situation, factor, until)
+                search, there = self._under(situation, factor, work, searches)
                 costs = dict(self._values(situation, [(1.0, search, there)], ties))
                 extra = {choice: cost + costs.get(choice, 1e9) for choice, cost in extra.items()}
-        except OutOfTimeError:
+        except OutOfWorkError:
             pass
         moves = self.models.of(situation, 1.0)
-        announced = self._announced(situation, moves, position(moves, situation, {}))
-        keeps = {choice: _changes(announced, choice) for choice in ties}
+        told = self._announced(situation, moves, position(moves, situation, {}))
+        # what robots were told and have not begun is not taken back for nothing either
+        told |= set(
+            numbered(
+                moves, situation, ((task, one.operators) for task, one in situation.orders.items())
+            )
+        )
+        keeps = {choice: _changes(told, choice) for choice in ties}
         stress = {choice: sum(moves.units[way] for way in choice) for choice in ties}
         first = sorted(
             ties, key=lambda choice: (extra[choice], keeps[choice], stress[choice], -len(choice))
@@ -407,7 +477,12 @@ class Robust:
         return self.options.change_penalty * self.objective.time * changes
 
     def _because(
-        self, ranked: Sequence[tuple[tuple[int, ...], float]], paces: Mapping[str, Pace]
+        self,
+        moves: Moves,
+        situation: Situation,
+        ranked: Sequence[tuple[tuple[int, ...], float]],
+        paces: Mapping[str, Pace],
+        due: tuple[int, ...] | None,
     ) -> str:
         _, cost = ranked[0]
         known = ", ".join(f"{name} takes {pace.words}" for name, pace in paces.items() if pace.seen)
@@ -418,7 +493,16 @@ class Robust:
             if others
             else ", as good as any other choice"
         )
-        return f"expected cost {self.objective.words(cost)} {ground}{gain}"
+        reckoned = f"expected cost {self.objective.words(cost)} {ground}"
+        if self.follows is None or due is None:
+            return reckoned + gain
+        return f"{self.follows.stands(moves, situation, ranked, due, self.objective)}{reckoned}"
+
+    def _later(
+        self, situation: Situation, choice: tuple[int, ...], due: tuple[int, ...] | None
+    ) -> dict[str, str]:
+        """What busy humans are told comes next, while the plan is followed."""
+        return {} if self.follows is None or choice != due else self.follows.later(situation)
 
 
 def _changes(announced: frozenset[int], choice: tuple[int, ...]) -> int:
@@ -433,7 +517,7 @@ def _as_one(pace: Pace) -> Pace:
     return replace(pace, shares=((round(pace.mean, 3), 1.0),))
 
 
-def pace_scenarios(paces: Mapping[str, Pace]) -> list[tuple[tuple[tuple[str, float], ...], float]]:
+def pace_scenarios(paces: Mapping[str, Pace]) -> list[tuple[Factors, float]]:
     """Beliefs about all humans together: (human and factor for each, probability); the most likely
     ones where there are many.
     """
@@ -517,23 +601,6 @@ def _product(shares: Iterable[float]) -> float:
     for share in shares:
         result *= share
     return result
-
-
-def _building_s(models: Models) -> float:
-    moves = models.of(Situation.of(models.cell), 1.0)
-    return _least_s(lambda: build(moves))
-
-
-def _least_s(work: Callable[[], object]) -> float:
-    """Seconds that the work takes here, the least of a few times: what else the machine does is not
-    counted.
-    """
-    spent = []
-    for _ in range(3):
-        began = perf_counter()
-        work()
-        spent.append(perf_counter() - began)
-    return min(spent)
 
 
 def _models(cell: Cell, objective: Objective) -> Models:

@@ -20,12 +20,14 @@ class Entry:
 
     A maker takes a cell, an `Objective` and `Options`, may take seconds, which are spent before the
     shift begins, and raises CellError for a cell that the decider cannot hold. `argument` is handed
-    to it first when it is given: one maker then makes several deciders.
+    to it first when it is given: one maker then makes several deciders. `follows`: it heeds
+    `Options.plan`.
     """
 
     what: str
     where: str
     argument: str | None = None
+    follows: bool = False
 
     def __call__(self, cell: Cell, objective: Objective, options: Options) -> Policy:
         module, name = self.where.split(":")
@@ -42,6 +44,7 @@ POLICIES: dict[str, Entry] = {
     "fixed": Entry(
         "the exact plan for the stated times, its order kept whatever happens",
         "tandem.dispatch.deciders.fixed:fixed",
+        follows=True,
     ),
     **{
         name: Entry(rule.what, "tandem.dispatch.deciders.by_rule:by_rule", name)
@@ -56,6 +59,7 @@ POLICIES: dict[str, Entry] = {
         "as replan, with each person's estimated pace; of good plans the one that is best on"
         " average",
         "tandem.dispatch.deciders.replan:robust",
+        follows=True,
     ),
     "expected": Entry(
         "exact: the least expected cost beside the human as modelled; small cells",
@@ -70,9 +74,9 @@ POLICIES: dict[str, Entry] = {
         "tandem.dispatch.deciders.learned:learned",
     ),
     "auto": Entry(
-        "learned, else planned anew if there is time, else a rule; always answers within the"
-        " budget",
+        "learned, else planned anew, else a rule; always answers within the budget",
         "tandem.dispatch.deciders.auto:auto",
+        follows=True,
     ),
 }
 """Name -> decider. A new one is a file and a line here; every rule of `plan.rules.SPECS` is one by

@@ -22,6 +22,8 @@ PLANNING_S = 20.0
 """Seconds for proving the optimum of a cell that is too large for dynamic programming, beside
 somebody who does all that is asked.
 """
+PLANNING_WORK_S = 6.0
+"""The same where humans need other times than stated, in CP-SAT's deterministic seconds."""
 
 
 def optimum(cell: Cell, objective: Objective, person: Person) -> float | None:
@@ -85,7 +87,7 @@ def _planned(cell: Cell, objective: Objective, pace: dict[str, float]) -> float 
     found = solve(
         left,
         (objective.time / moves.instance.per_second, objective.stress / moves.instance.per_stress),
-        seconds=PLANNING_S,
+        work_s=PLANNING_WORK_S,
     )
     if found is None or not found.proven:
         return None

@@ -15,7 +15,7 @@ import numpy as np
 from tandem.cell.model import Cell, plain
 from tandem.cell.names import Known
 from tandem.dispatch.deciders.memory import settled_memory
-from tandem.dispatch.deciders.policy import Basis, Options, Policy, basis_of
+from tandem.dispatch.deciders.policy import Chosen, Options, Policy, plan_of
 from tandem.dispatch.deciders.table import POLICIES, policy
 from tandem.dispatch.evaluation.batch import EpisodeBatch, Outcome
 from tandem.dispatch.evaluation.best_response import optimum
@@ -139,7 +139,7 @@ def _document(
         # kept by episode, because deciders are compared pair by pair
         costs[name] = trial.objective.time * found.makespan + trial.objective.stress * found.stress
         row = _row(name, found, costs, None if best is None else best[:count])
-        rows.append(row | _planned(basis_of(made[key])))
+        rows.append(row | _planned(plan_of(made[key])))
     if not rows:
         raise next(iter(left_out.values())) if len(left_out) == 1 else NobodyLeftError(left_out)
     return {
@@ -170,14 +170,16 @@ def _reason(name: str, error: TandemError) -> str:
     return said.removeprefix(f"{name}: ")
 
 
-def _planned(basis: Basis | None) -> dict[str, Any]:
-    """What is said of the plan that a decider carries out, as in a plan's own document; nothing of
-    who has none.
+def _planned(chosen: Chosen | None) -> dict[str, Any]:
+    """What is said of the plan that a decider carries out or follows, as in a plan's own document;
+    nothing of who has none.
     """
-    if basis is None:
+    if chosen is None:
         return {}
+    basis = chosen.basis
     return {
         "plan": {
+            "digest": chosen.schedule.digest,
             "makespan": plain(basis.makespan),
             "stress": plain(basis.stress),
             "status": "optimal" if basis.proven else "feasible",

@@ -1,31 +1,44 @@
 """The least cost of what is left, when everybody does what is planned and times are as believed:
 branch and bound over positions.
 
-Depth first, the most promising continuation first. What has been valued stays known, so that a
-shift's later decisions, and the next shift's, find most of it. Shares nothing with the constraint
-solver.
+Depth first, the most promising continuation first, for so many steps of work and no more. What was
+found before the shift can be given to it to read; beyond that it remembers within one search alone,
+so that nothing depends on what was asked before. Shares nothing with the constraint solver.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf
-from time import perf_counter
+from time import thread_time
+from types import MappingProxyType
+from typing import NamedTuple
 
 from tandem.dispatch.lookahead.transitions import Moves, Position
-from tandem.errors import TandemError
+from tandem.dispatch.lookahead.work import Work
+from tandem.files.generators import layered
 
-MOST_KNOWN = 50_000
-"""So many positions are remembered; beyond, the memory begins anew. Forgetting more at once takes
-longer than a decision may.
+A_SET = 0.1
+"""Steps that putting together one set of ways takes, before it is made a position."""
+SLOWEST, QUICKEST = 5.0, 200.0
+"""Steps that a millisecond buys: what is measured is kept between these, for a machine that is
+slower is busy, not slow.
 """
-EVERY = 8
-"""The clock is looked at whenever so many positions were made: about a third of a millisecond."""
+CAUTION = 0.5
+"""Of what is measured in peace so much is counted on: beside a floor there is other work."""
 
 
-class OutOfTimeError(TandemError):
-    """The search has not ended in time; what it knows stays known."""
+class Known(NamedTuple):
+    """What is known of positions: `values` is the least cost still to come, `bounds` lie below
+    it.
+    """
+
+    values: Mapping[Position, float] = MappingProxyType({})
+    bounds: Mapping[Position, float] = MappingProxyType({})
+
+
+NOTHING = Known()
 
 
 @dataclass
@@ -35,31 +48,35 @@ class BranchAndBound:
     Attributes:
       moves: the cell's moves, with the paces in them.
       weights: cost per tick and per unit of stress.
+      work: what may be done, and is counted.
+      before: what was known before; never changed.
       known: position -> least cost still to come. `low`: position -> a bound below it.
-      until: the moment by `clock` at which the search gives up.
     """
 
     moves: Moves
     weights: tuple[float, float]
+    work: Work = field(default_factory=Work)
+    before: Known = NOTHING
     known: dict[Position, float] = field(default_factory=dict)
     low: dict[Position, float] = field(default_factory=dict)
-    until: float = inf
-    clock: Callable[[], float] = perf_counter
-    _made: int = 0
 
     def value(self, position: Position, cutoff: float = inf) -> float:
         """The least cost from here; when that is not below the cutoff, a bound below it that is not
         below the cutoff either.
 
-        Infinite when limits leave no way to get it done. Raises OutOfTimeError.
+        Infinite when limits leave no way to get it done. Raises OutOfWorkError.
         """
         moves = self.moves
         if moves.is_over(position):
             return 0.0
         known = self.known.get(position)
+        if known is None:
+            known = self.before.values.get(position)
         if known is not None:
             return known
         low = self.low.get(position)
+        if low is None:
+            low = self.before.bounds.get(position)
         if low is None:
             low = self.floor(position)
         if low >= cutoff:
@@ -80,8 +97,9 @@ class BranchAndBound:
         be begun together now.
         """
         legal = self.moves.legal(position) if self.moves.plain and not self.weights[1] else []
+        spend = self.work.spend
         for chosen in self.moves.choices(position, look=self.look):
-            self._look_at_times()
+            spend()
             found = self.step(position, chosen)
             if found is not None and not (legal and self._wastes(legal, chosen, found[1])):
                 yield found
@@ -123,7 +141,7 @@ class BranchAndBound:
         return self.weights[0] * ticks + self.weights[1] * units
 
     def best(self, position: Position) -> tuple[tuple[int, ...], float]:
-        """What to begin now, and the least cost. Raises OutOfTimeError."""
+        """What to begin now, and the least cost. Raises OutOfWorkError."""
         least = inf
         choice: tuple[int, ...] = ()
         for bound, paid, chosen, after in sorted(self.steps(position), key=lambda step: step[0]):
@@ -134,20 +152,26 @@ class BranchAndBound:
                 least, choice = value, chosen
         return choice, least
 
-    def by(self, until: float) -> BranchAndBound:
-        """The same search, which gives up at this moment of its clock."""
-        self.until = until
-        if len(self.known) + len(self.low) > MOST_KNOWN:
-            self.known.clear()
-            self.low.clear()
-        return self
+    def look(self, sets: int) -> None:
+        """Counts so many sets of ways that were put together. Raises OutOfWorkError."""
+        self.work.spend(A_SET * sets)
 
-    def look(self) -> None:
-        """Raises OutOfTimeError when the time is over."""
-        if self.clock() > self.until:
-            raise OutOfTimeError("the search has not ended in time.")
+    def learned(self) -> Known:
+        """What this search has found out, for others to begin with."""
+        return Known(self.known, self.low)
 
-    def _look_at_times(self) -> None:
-        self._made += 1
-        if self._made % EVERY == 0:
-            self.look()
+
+def measured() -> float:
+    """Steps that a millisecond buys here: the best of a few runs over a cell made up for it, by
+    this thread's own time on a core. Takes about a tenth of a second.
+    """
+    moves = Moves.of(layered(9, seed=0))
+    quickest = inf
+    for _ in range(8):
+        search = BranchAndBound(moves, (1.0, 0.0))
+        began = thread_time()
+        search.value(moves.root())
+        spent = 1000 * (thread_time() - began)
+        if spent > 0:
+            quickest = min(quickest, spent / search.work.done)
+    return round(min(max(CAUTION / quickest, SLOWEST), QUICKEST), 1)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from tandem.errors import UsageError
 from tandem.plan.question import Question
-from tandem.plan.result import Result, Status
+from tandem.plan.result import Front, Result, Status
 
 
 @dataclass(frozen=True)
@@ -36,6 +36,44 @@ class Objective:
             math.isfinite(self.max_stress) and self.max_stress >= 0
         ):
             raise UsageError(f"max_stress {self.max_stress:g}: must be a number, 0 or more.")
+
+    @classmethod
+    def of_point(cls, front: Front, index: int) -> Objective:
+        """Weights by which this point of the front is the best of it: a second weighs 1, and a unit
+        of stress the geometric mean of the least and the most that it may weigh for that.
+
+        To be so quick costs seconds per unit of stress on one side, and to be so easy on the other:
+        with points `(m, s)` the weight lies between the most of `(m - m') / (s' - s)` over the
+        quicker ones and the least of `(m' - m) / (s - s')` over the slower ones. Where the front is
+        not convex at the point no weights make it the best; then they make it nearly so.
+        """
+        time, load = front.points[index]
+        quicker, slower = front.points[:index], front.points[index + 1 :]
+        least = max(((time - m) / (s - load) for m, s in quicker), default=None)
+        most = min(((m - time) / (load - s) for m, s in slower), default=None)
+        if least is None and most is None:
+            return cls._of_one(front, time, load)
+        if least is None:
+            weight = (most or 0.0) / 2
+        elif most is None:
+            weight = least * 2
+        else:
+            weight = math.sqrt(least * most)
+        return cls(1.0, _short(weight, least or 0.0, math.inf if most is None else most))
+
+    @classmethod
+    def _of_one(cls, front: Front, time: float, load: float) -> Objective:
+        """Of a front of one point: what was asked of it; where all compromises were, a share of
+        the stress weighs as much as the same share of the seconds.
+        """
+        match front.question.minimize:
+            case "makespan":
+                return cls()
+            case "weighted":
+                return cls(*front.question.weights)
+            case "stress":
+                return cls(1.0, max(_short(time), 1.0))  # a unit of it weighs as the whole plan
+        return cls(1.0, _short(time / load)) if load else cls()
 
     @property
     def unit(self) -> str:
@@ -70,6 +108,12 @@ class Objective:
     def cost(self, makespan: float, stress: float) -> float:
         """Seconds and stress as one number."""
         return self.time * makespan + self.stress * stress
+
+
+def _short(weight: float, least: float = 0.0, most: float = math.inf) -> float:
+    """The weight in three digits, where these lie within its bounds."""
+    rounded = float(f"{weight:.3g}")
+    return rounded if least <= rounded <= most else weight
 
 
 SECONDS = Objective()

@@ -6,20 +6,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from time import perf_counter
+from math import inf
+from random import Random
 
 from ortools.sat.python import cp_model
 
 from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.plan.cpsat import formulate
 from tandem.plan.instance import Instance, Way
-from tandem.plan.list_scheduling import Layout, append_in_order
-from tandem.plan.starts import Starts, list_schedule, measures
+from tandem.plan.list_scheduling import Layout, PartialSchedule, Step, append_in_order
+from tandem.plan.rules import SPECS, build
+from tandem.plan.starts import Starts, keeps_deadlines
 
 SCALE = 1 << 20
 """Weights become whole numbers in units of the larger one divided by this."""
-SHORTEST_S = 0.002
-"""CP-SAT finds nothing in less."""
 
 
 @dataclass(frozen=True)
@@ -177,51 +177,123 @@ class _Left:
         )
 
 
+def sketch(
+    moves: Moves,
+    position: Position,
+    weights: tuple[float, float],
+    *,
+    samples: int,
+    seed: int = 0,
+) -> Plan | None:
+    """The best of a few list schedules of what is left: one by each rule of `FIRST`, then drawn
+    ones. None when nothing is left, or limits leave none of them.
+
+    Args:
+      weights: per tick and per unit of stress, what is made small.
+      samples: so many schedules are made.
+    """
+    left = rest(moves, position, with_running=False)
+    if left is None:
+        return None
+    layout, random = Layout.of(left.instance), Random(seed)
+    easy = weights[1] / weights[0] if weights[0] else STRESS_ALONE
+    # prices of the whole cell are as good a guide to what is left of it
+    prices = [
+        len(moves.prices.of_operator) * price / moves.prices.total
+        for price in moves.prices.of_operator
+    ]
+    best, least = None, inf
+    for number in range(samples):
+        drawn = number >= len(FIRST)
+        state = build(
+            layout,
+            SPECS[DRAWN[number % len(DRAWN)] if drawn else FIRST[number]],
+            random,
+            stress=easy,
+            temperature=SHAKEN if drawn else 0.0,
+            prices=prices,
+        )
+        if state is None:
+            continue
+        cost = weights[0] * state.makespan + weights[1] * state.stress
+        if cost < least - 1e-12:
+            best, least = state, cost
+    if best is None:
+        return None
+    going = [ticks for _, ticks in position.running]
+    return _as_plan(left, best, max([best.makespan, *going]), 0.0, False)
+
+
+FIRST = ("longest-tail", "balanced", "earliest-completion", "heft")
+"""The rules whose schedules a sketch begins with, as they are."""
+DRAWN = ("balanced", "longest-tail")
+"""Those whose priorities are then shaken."""
+SHAKEN = 0.3
+"""How far: the standard deviation of the logarithm of the factor on each priority."""
+STRESS_ALONE = 1e6
+"""What a unit of stress weighs against a tick where time weighs nothing."""
+
+
 def solve(
-    left: Rest, weights: tuple[float, float], *, seconds: float, seed: int = 0
+    left: Rest,
+    weights: tuple[float, float],
+    *,
+    work_s: float,
+    hint: Plan | None = None,
+    seed: int = 0,
 ) -> Plan | None:
     """The plan of least `weights[0] * ticks + weights[1] * units` that CP-SAT finds, one thread;
-    None when it finds none.
+    the hint when it finds none. The same again for the same arguments.
 
     Of equally good ones it is whichever comes first.
 
     Args:
-      seconds: for all of it, building the model included; which goes on to its end, but no search
-        begins behind it then.
+      work_s: CP-SAT's deterministic seconds; one takes about three on a core.
+      hint: a plan of the same rest, from which the search begins.
     """
-    until = perf_counter() + seconds
     instance = left.instance
     layout = Layout.of(instance)
-    quick = list_schedule(layout, [0] * len(instance.tasks))
-    upper = instance.horizon if quick is None else max(measures(instance, quick)[0], 1)
+    quick = None if hint is None else _appended(left, layout, hint)
+    upper = instance.horizon if quick is None else max(quick.makespan, 1)
     decisions = formulate(instance, max(upper, instance.horizon if weights[1] else upper))
     top = max(weights)
     time, stress = (round(weight / top * SCALE) for weight in weights)
     decisions.model.minimize(time * decisions.makespan + stress * decisions.stress)
     if quick is not None:
-        decisions.hint(quick)
-    if until - perf_counter() < SHORTEST_S:
-        return None
+        decisions.hint(tuple(quick.starts()))
     solver = cp_model.CpSolver()
     solver.parameters.num_workers = 1
     solver.parameters.random_seed = seed
-    solver.parameters.max_time_in_seconds = until - perf_counter()
+    solver.parameters.max_deterministic_time = work_s
     solver.parameters.cp_model_probing_level = 0
+    solver.parameters.cp_model_presolve = work_s > PRESOLVED_S
     status = solver.status_name(solver.solve(decisions.model))
     if status not in ("OPTIMAL", "FEASIBLE"):
-        return None
+        return hint
     found = decisions.read(solver.value)
     bound = solver.best_objective_bound / SCALE
     return _plan(left, layout, found, bound * top, status == "OPTIMAL")
 
 
-def build(moves: Moves) -> None:
-    """Puts the model of the whole cell together, as every plan begins, and searches nothing: to
-    learn how long that takes.
+def _appended(left: Rest, layout: Layout, plan: Plan) -> PartialSchedule | None:
+    """The plan's tasks in its order, what goes on first of all; None where the rest's limits or
+    deadlines do not let it be.
     """
-    left = rest(moves, moves.root())
-    if left is not None:
-        solve(left, (1.0, 0.0), seconds=0.0)
+    place = {way: (t, w) for t, row in enumerate(left.ways) for w, way in enumerate(row)}
+    order = [place[way] for _, way in plan.begins if way in place]
+    planned = {t for t, _ in order}
+    order = [*((t, 0) for t in range(len(left.ways)) if t not in planned), *order]
+    steps: list[Step | None] = [None] * len(left.ways)
+    for t, way in order:
+        steps[t] = next((step for step in layout.steps[t] if step.way == way), None)
+    if any(step is None for step in steps):
+        return None
+    state = append_in_order(layout, [t for t, _ in order], [one for one in steps if one])
+    return state if keeps_deadlines(left.instance, tuple(state.starts())) else None
+
+
+PRESOLVED_S = 0.05
+"""Presolving, which is hardly counted as work, is left out of less."""
 
 
 def _plan(left: Rest, layout: Layout, found: Starts, bound: float, proven: bool) -> Plan:
@@ -232,9 +304,13 @@ def _plan(left: Rest, layout: Layout, found: Starts, bound: float, proven: bool)
         for t, (way, _) in enumerate(found)
     ]
     state = append_in_order(layout, order, steps)
+    return _as_plan(left, state, state.makespan, bound, proven)
+
+
+def _as_plan(left: Rest, state: PartialSchedule, ticks: int, bound: float, proven: bool) -> Plan:
     starts = state.starts()
     begins = [
         (start, left.ways[t][way]) for t, (way, start) in enumerate(starts) if left.ways[t][0] >= 0
     ]
     units = sum(left.instance.ways[t][way].stress for t, (way, _) in enumerate(starts))
-    return Plan(tuple(sorted(begins)), state.makespan, units, bound, proven)
+    return Plan(tuple(sorted(begins)), ticks, units, bound, proven)

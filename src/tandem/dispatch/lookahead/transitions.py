@@ -48,8 +48,8 @@ class Position(NamedTuple):
     teams: tuple[tuple[int, int], ...] = ()
 
 
-def _go_on() -> None:
-    """Whoever has all the time needs no look at the clock."""
+def _go_on(sets: int) -> None:
+    """Whoever may do all the work counts none of it."""
 
 
 @dataclass(frozen=True)
@@ -100,12 +100,17 @@ class Moves:
         *,
         taking_apart: float = 1.0,
         max_stress: float | None = None,
+        prices: Sequence[int] | None = None,
+        stated: Instance | None = None,
     ) -> Moves:
         """The cell's moves when every operator needs `pace` times the stated time.
 
         Args:
           pace: by name, 1 for who is not named; a group goes at its slowest.
           max_stress: limits the stress of the one human.
+          prices: of the operators' time, above 0, to bound makespans with; the best for these paces
+            when None.
+          stated: `Instance.of(cell)`, where it is at hand.
 
         Raises:
           CellError: stress comes from a table of sets: it is then no sum, and what is still to
@@ -118,7 +123,7 @@ class Moves:
                 " `tandem plan`."
             )
             raise CellError([Fault(what, ("stress_of_set",))])
-        stated = Instance.of(cell)
+        stated = stated or Instance.of(cell)
         finer = max(PER_SECOND, stated.per_second) // stated.per_second
         instance = stated.scaled(finer, [(pace or {}).get(name, 1.0) for name in stated.operators])
         layout = Layout.of(replace(instance, stress_limit=_limits(instance, max_stress)))
@@ -127,7 +132,8 @@ class Moves:
             tuple(sorted(first + step.way for step in row))
             for first, row in zip(firsts, layout.steps, strict=False)
         )
-        return cls(layout, WorkPrices.of(layout), taking_apart, ways)
+        work = WorkPrices.of(layout) if prices is None else WorkPrices.at(layout, prices)
+        return cls(layout, work, taking_apart, ways)
 
     def __post_init__(self) -> None:
         # Fields, not views: a search looks at them a million times, and fields are the quickest.
@@ -264,12 +270,12 @@ class Moves:
         return replace(self, ways=kept, _ready={}, _rest={})
 
     def choices(
-        self, position: Position, among: int | None = None, look: Callable[[], None] = _go_on
+        self, position: Position, among: int | None = None, look: Callable[[int], None] = _go_on
     ) -> Iterator[tuple[int, ...]]:
         """Every set of ways that may begin together now, the empty one last; with `among`, only
         ways within these operators.
 
-        There may be very many. `look` is called again and again while they are put together, and
+        There may be very many. `look` is told of so many more while they are put together, and
         may raise.
         """
         legal = self.legal(position)
@@ -335,18 +341,21 @@ class Moves:
         )
         return known
 
-    def _plain_sets(self, legal: Sequence[int], look: Callable[[], None]) -> list[tuple[int, ...]]:
+    def _plain_sets(
+        self, legal: Sequence[int], look: Callable[[int], None]
+    ) -> list[tuple[int, ...]]:
         """`choices` where any ways of different tasks and operators can begin together."""
         who, task = self.who, self.task
         sets: list[tuple[tuple[int, ...], int, int]] = [((), 0, 0)]
         for way in legal:
-            look()
             mine, bit = who[way], 1 << task[way]
-            sets += [
+            more = [
                 ((*chosen, way), busy | mine, begun | bit)
                 for chosen, busy, begun in sets
                 if not busy & mine and not begun & bit
             ]
+            look(len(more))
+            sets += more
         return [chosen for chosen, _, _ in sets[::-1]]
 
     def _sets(

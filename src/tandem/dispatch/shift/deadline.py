@@ -4,6 +4,9 @@ The decider works in a thread that ends with its answer. When it is not ready in
 says something that is not allowed, a rule answers instead, and should that fail, a plain one which
 needs nothing but the situation. The decision says so (`Answered.instead`), and a replay asks the
 same ones again.
+
+Deciders limit their work, not their time; this is the guard for when a machine is busier, or
+slower, than was thought.
 """
 
 from __future__ import annotations
@@ -72,10 +75,12 @@ class InTime:
             decision=replace(answered.decision, latency_ms=(perf_counter() - began) * 1000),
         )
 
-    def again(self, situation: Situation, instead: Instead) -> Answered:
-        """The same once more, without a budget: by the rule when the decider was late then."""
-        if instead == "late":
-            return Answered(self._stand_in(situation), instead)
+    def again(self, situation: Situation, instead: Instead, fault: str = "") -> Answered:
+        """The same once more, without a budget: by the rule where it stood in then, because the
+        decider was late or failed (`fault` says how).
+        """
+        if instead:
+            return Answered(self._stand_in(situation), instead, fault)
         return self._judged(situation, self._heard(partial(self.policy.decide, situation)))
 
     def _judged(self, situation: Situation, said: Decision | Exception) -> Answered:

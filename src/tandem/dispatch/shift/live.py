@@ -17,7 +17,7 @@ from typing import Any, Self
 
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.by_variant import ByVariant, order_of
-from tandem.dispatch.deciders.policy import Basis, Options, Policy, basis_of
+from tandem.dispatch.deciders.policy import Basis, Chosen, Options, Policy, basis_of, plan_of
 from tandem.dispatch.deciders.table import POLICIES, policy
 from tandem.dispatch.journal import Entry, Journal, JournalError
 from tandem.dispatch.lookahead.objective import Objective
@@ -50,6 +50,7 @@ from tandem.dispatch.situation.transitions import after, ordered
 from tandem.errors import TandemError, UsageError
 from tandem.files.load import load
 from tandem.plan.rules import SPECS
+from tandem.schedule.checker import faults
 
 RULE = "longest-tail"
 """The rule that answers when the decider cannot."""
@@ -58,7 +59,9 @@ MOST_PRODUCTS = 1_000
 """So many can be ordered when a shift begins; more by events."""
 
 FOR_PLANNING = 0.6
-"""Share of the budget that deciders who plan against the clock are told."""
+"""Share of the budget that becomes work of the decider; the rest is for what takes longer than it
+should.
+"""
 
 
 @dataclass(frozen=True)
@@ -92,12 +95,16 @@ class Settings:
         """As plain values."""
         made = asdict(self)
         made["options"]["prior"] = [[factor, share] for factor, share in self.options.prior.items()]
+        chosen = self.options.plan
+        made["options"]["plan"] = None if chosen is None else chosen.to_dict()
         return made
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
         """The inverse of `to_dict`."""
-        options = Options(**{**data["options"], "prior": dict(data["options"]["prior"])})
+        kept = data["options"]
+        plan = None if kept.get("plan") is None else Chosen.from_dict(kept["plan"])
+        options = Options(**{**kept, "prior": dict(kept["prior"]), "plan": plan})
         return cls(
             data["policy"],
             Objective(**data["objective"]),
@@ -106,25 +113,21 @@ class Settings:
             data["products"],
         )
 
-    def decider(
-        self, cell: Cell, *, patience: float = 1.0, variants: Mapping[str, Cell] | None = None
-    ) -> InTime:
-        """The decider, with the rule that stands in for it. May take seconds. With `patience` it is
-        told so many times the budget. `variants`: further cells that it decides for.
+    def decider(self, cell: Cell, variants: Mapping[str, Cell] | None = None) -> InTime:
+        """The decider, with the rule that stands in for it. May take seconds. `variants`: further
+        cells that it decides for; `options.plan` is of `cell` alone.
         """
-        told = replace(self.options, budget_ms=self.options.budget_ms * FOR_PLANNING * patience)
+        told = replace(self.options, budget_ms=self.options.budget_ms * FOR_PLANNING)
 
         def made(name: str) -> Policy:
             own = policy(name, cell, self.objective, told)
             if not variants:
                 return own
-            return ByVariant(
-                {None: own}
-                | {
-                    key: policy(name, other, self.objective, told)
-                    for key, other in variants.items()
-                }
-            )
+            others: dict[str | None, Policy] = {None: own} | {
+                variant: policy(name, other, self.objective, replace(told, plan=None))
+                for variant, other in variants.items()
+            }
+            return ByVariant(others)
 
         return InTime(made(self.policy), made(RULE), self.options.budget_ms)
 
@@ -133,6 +136,12 @@ class Settings:
         return Situation.of(
             cell, taking_apart=self.taking_apart, variants=variants, products=self.products
         )
+
+    def carrying_out(self, plan: Chosen | None) -> Settings:
+        """The same with the plan that its decider made for itself, so that the journal keeps it."""
+        if plan is None or self.options.plan is not None:
+            return self
+        return replace(self, options=replace(self.options, plan=plan))
 
 
 class Shift:
@@ -201,7 +210,8 @@ class Shift:
             settings, start = opened_with(journal, cell)
             variants = kept_variants(journal, variants)
         fits(cell, variants or {})
-        decider = decider or settings.decider(cell, variants=variants)
+        decider = decider or settings.decider(cell, variants)
+        settings = settings.carrying_out(plan_of(decider.policy))
         shift = cls(journal, cell, settings, start, decider, variants)
         shift.basis = basis_of(decider.policy)
         shift.is_resumed = not journal.is_new
@@ -239,6 +249,7 @@ class Shift:
 
     def hello(self) -> Document:
         """What the shift is and where it stands: the first thing that the floor hears."""
+        plan = self.settings.options.plan
         return {
             "type": "shift",
             "schema_version": SCHEMA_VERSION,
@@ -247,6 +258,8 @@ class Shift:
             "policy": self.settings.policy,
             "budget_ms": self.settings.options.budget_ms,
             "seed": self.settings.options.seed,
+            "weights": [self.settings.objective.time, self.settings.objective.stress],
+            "plan": None if plan is None else plan.schedule.digest,
             "start": None if self.start is None else self.start.isoformat(),
             "resumed": self.is_resumed,
             "number": self.number,
@@ -403,6 +416,12 @@ def opened_with(journal: Journal, cell: Cell) -> tuple[Settings, datetime | None
             " began, or name another journal."
         )
     settings = kept_settings(journal)
+    plan = settings.options.plan
+    if wrong := [] if plan is None else faults(cell, plan.schedule):
+        raise JournalError(
+            f"{journal.path}: shift, settings, plan: {' '.join(wrong)} It was changed, or is"
+            " damaged. Name another journal."
+        )
     return settings, None if about["start"] is None else datetime.fromisoformat(about["start"])
 
 

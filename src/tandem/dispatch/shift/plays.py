@@ -238,12 +238,13 @@ class Rest:
         for task, back in awaited(situation).items():
             release[number[task]] = max(release[number[task]], back - situation.now)
         now, first = np.full(len(sheet.tasks), -1), np.zeros(len(sheet.tasks))
-        for place, start in enumerate(order):
-            now[number[start[0]]] = sheet.ways.index(start)
-            first[number[start[0]]] = 1e8 * (len(order) - place)
-        for start in begins:
-            now[number[start[0]]] = sheet.ways.index(start)
-            first[number[start[0]]] = 1e8 * (len(sheet.tasks) + 1)
+        way_of = {(task, frozenset(group)): way for way, (task, group) in enumerate(sheet.ways)}
+        for place, (task, group) in enumerate(order):
+            now[number[task]] = way_of[task, frozenset(group)]
+            first[number[task]] = 1e8 * (len(order) - place)
+        for task, group in begins:
+            now[number[task]] = way_of[task, frozenset(group)]
+            first[number[task]] = 1e8 * (len(sheet.tasks) + 1)
         gone = situation.absent | situation.failed
         timed = [name for name, tool in sheet.cell.tools.items() if any(tool.changeover.values())]
         held = [situation.in_hand.get(who) for who in sheet.operators]

@@ -16,11 +16,6 @@ from tandem.dispatch.shift.deadline import Instead, InTime
 from tandem.dispatch.shift.documents import Document, digest
 from tandem.dispatch.shift.live import Shift, kept_variants, opened_with
 
-PATIENCE = 20.0
-"""Deciders that stop at the clock are given so many times the budget in a replay: what they had
-time for in the shift they have time for now, however busy the machine is.
-"""
-
 
 @dataclass(frozen=True)
 class Replayed:
@@ -38,9 +33,9 @@ def replay(cell: Cell, journal: Journal, *, decider: InTime | None = None) -> Re
     """Takes every line of the journal anew and compares answers, decisions and situations with what
     is written there, latencies aside.
 
-    A decision that the rule gave, because the decider was late or failed, is asked of the rule
-    again. What a decider itself left off because its time was over (re-planning falls back on
-    simpler plans) comes out as a difference.
+    Deciders limit their work, not their time, so they decide now as they did then, on whatever
+    machine. A decision that the rule gave, because the decider was late or failed, is asked of the
+    rule again: that it stood in is in the journal.
 
     Raises JournalError, UsageError and CellError as `Shift.open` does.
     """
@@ -48,14 +43,15 @@ def replay(cell: Cell, journal: Journal, *, decider: InTime | None = None) -> Re
         raise JournalError(f"{journal.path}: nothing was written to this journal yet.")
     settings, start = opened_with(journal, cell)
     variants = kept_variants(journal, None)
-    made = decider or settings.decider(cell, patience=PATIENCE, variants=variants)
+    made = decider or settings.decider(cell, variants)
     differences: list[str] = []
     events = decisions = entries = 0
     with Journal() as fresh:
         shift = Shift(fresh, cell, settings, start, made, variants)
         for entry in journal.entries():
-            instead: Instead = "" if entry.decision is None else entry.decision["instead"]
-            shift.ask = partial(made.again, instead=instead)
+            then = entry.decision or {"instead": ""}
+            instead: Instead = then["instead"]
+            shift.ask = partial(made.again, instead=instead, fault=then.get("fault", ""))
             if entry.number == 0:
                 shift.begin()
                 again = [shift.decision]

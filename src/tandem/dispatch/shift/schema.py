@@ -260,6 +260,11 @@ def _hello() -> dict[str, Any]:
             "policy": {"type": "string"},
             "budget_ms": {"type": "number"},
             "seed": {"type": "integer"},
+            "weights": _list({"type": "number"}, "What a second and a unit of stress weigh."),
+            "plan": {
+                "type": ["string", "null"],
+                "description": "Digest of the plan that is carried out or followed.",
+            },
             "start": {
                 "type": ["string", "null"],
                 "description": "The moment that is 0 s, ISO 8601; null while none was told.",
