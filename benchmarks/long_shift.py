@@ -2,13 +2,13 @@
 and again: is anything lost or doubled, is the pace known, does the journal replay?
 
     python benchmarks/long_shift.py [--policies longest-tail,replan-robust] [--products 50]
-        [--kills 20] [--pace 1.6] [--cv 0.1] [--tasks 7] [--seed 0] [-o FILE]
+        [--kills 20] [--pace 1.6] [--cv 0.1] [--tasks 7] [--seed 0] [--learned FILE] [-o FILE]
 
 For each policy: the shift once undisturbed and once killed, by real processes and real SIGKILL at
 random moments, on the same simulated floor; events, decisions and situations held against each
 other; `--replay` by the program; and the pace that is believed after each product. Exit code 1 when
 anything differs, or the pace is off by more than 5 % after five products. `--tasks 7` is the
-thesis's cell, any other number a random one.
+thesis's cell, any other number a random one. `learned` needs what `tandem train` left.
 """
 
 from __future__ import annotations
@@ -50,12 +50,14 @@ def command(cell: Path, journal: Path, *more: str) -> list[str]:
 
 
 def shift_of(
-    cell: Path, journal: Path, policy: str, products: int, pace: float, seed: int, *more: str
+    cell: Path, journal: Path, policy: str, products: int, pace: float, seed: int, learned: str
 ) -> list[str]:
     """The program on a shift of so many products with its simulated floor."""
-    settings = ("--policy", policy, "--products", str(products), "--budget", "60000")
+    settings = ["--policy", policy, "--products", str(products), "--budget", "5000"]
+    if policy == "learned":
+        settings += ["--learned", learned]
     floor = ("--simulate", f"pace:{pace:g}", "--seed", str(seed))
-    return command(cell, journal, *settings, *floor, *more)
+    return command(cell, journal, *settings, *floor)
 
 
 def killed(
@@ -103,6 +105,7 @@ def run(
     folder: Path,
     *,
     cv: float = 0.1,
+    learned: str = "",
     seconds: float = 0.5,
 ) -> dict[str, Any]:
     """Every policy's shift, undisturbed and killed; the document that is printed. `seconds`: that a
@@ -118,11 +121,11 @@ def run(
     rows = []
     for policy in policies:
         whole, cut = (folder / f"{policy}-{name}.db" for name in ("whole", "cut"))
-        program = shift_of(file, whole, policy, products, pace, seed)
+        program = shift_of(file, whole, policy, products, pace, seed, learned)
         subprocess.run(program, check=True, stdout=subprocess.DEVNULL)
         reference = _entries(whole)
         makespan = reference[-1].decision["at"] if reference[-1].decision else 0.0
-        program = shift_of(file, cut, policy, products, pace, seed)
+        program = shift_of(file, cut, policy, products, pace, seed, learned)
         lives = killed(program, kills, seconds, makespan, chance)
         lives.entries = _entries(cut)
         believed = paces(cell, lives.entries, products)
@@ -193,6 +196,7 @@ def main() -> None:
     parser.add_argument("--cv", type=float, default=0.1, help="how far times scatter")
     parser.add_argument("--tasks", type=int, default=7)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--learned", default="", help="policy of `learned`, a file or a folder")
     parser.add_argument("-o", "--output", type=Path, help="file of results")
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
@@ -205,6 +209,7 @@ def main() -> None:
             asked.seed,
             Path(folder),
             cv=asked.cv,
+            learned=asked.learned,
         )
     text = json.dumps(document, indent=1)
     print(text)
