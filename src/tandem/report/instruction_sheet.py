@@ -49,8 +49,10 @@ def _sheet(result: Result, operator: str, title: str, t: Words) -> Markup:
 
 def _size(found: tuple[Step, ...]) -> str:
     """Large letters, where the page has room for them; small ones, where the sheet would need a
-    second page.
+    second page; nothing on paper for who has nothing to do.
     """
+    if not found:
+        return "idle"
     height = _height(found)
     return "small" if height > PAGE else "large" if height * 1.8 < PAGE else "middle"
 
