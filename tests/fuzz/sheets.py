@@ -44,6 +44,23 @@ FEATURES = (
 FOUND = Path("tandem-out", "fuzz")
 
 
+@dataclass(frozen=True)
+class Finding:
+    """A cell and a plan whose sheets do not hold."""
+
+    seed: int
+    said: str
+    cell: Mapping[str, Any]
+    assignments: list[dict[str, Any]]
+
+    def store(self, folder: Path) -> Path:
+        """Writes it to a file of its own."""
+        folder.mkdir(parents=True, exist_ok=True)
+        place = folder / f"sheets-{self.seed}.json"
+        place.write_text(json.dumps(vars(self), indent=1, default=dict) + "\n", encoding="utf-8")
+        return place
+
+
 @dataclass
 class Tally:
     """What was tried, and what was found.
@@ -51,7 +68,7 @@ class Tally:
     Attributes:
       cells: planned and printed. `left_out` more had no plan, or were no sound cells.
       steps: of all sheets; conditions: sentences of each kind under "begin when".
-      findings: (seed, what is wrong).
+      findings: (seed, what is wrong, the cell and the plan).
     """
 
     cells: int = 0
@@ -60,7 +77,7 @@ class Tally:
     steps: int = 0
     features: Counter[str] = field(default_factory=Counter)
     conditions: Counter[str] = field(default_factory=Counter)
-    findings: list[tuple[int, str]] = field(default_factory=list)
+    findings: list[Finding] = field(default_factory=list)
 
 
 def planned(random: Random) -> tuple[Cell, Schedule] | None:
@@ -109,7 +126,10 @@ def judge(seed: int) -> Tally:
             tally.conditions.update({kind: len(row.conditions[kind]) for kind in row.conditions})
     for _ in range(SHIFTS):
         tally.shifts += 1
-        tally.findings += [(seed, said) for said in wrong(cell, schedule, sheets, random)]
+        tally.findings += [
+            Finding(seed, said, cell.to_dict(), schedule.to_list())
+            for said in wrong(cell, schedule, sheets, random)
+        ]
     return tally
 
 
@@ -214,6 +234,7 @@ def run(cells: int, seed: int) -> Tally:
 def summary(total: Tally, seed: int, took: float) -> dict[str, Any]:
     return {
         **vars(total),
+        "findings": [f"seed {finding.seed}: {finding.said}" for finding in total.findings],
         "seeds": [seed, seed + total.cells - 1],
         "features": dict(total.features.most_common()),
         "conditions": dict(total.conditions.most_common()),
@@ -233,6 +254,11 @@ def main() -> int:
     began = time.time()
     total = run(asked.cells, asked.seed)
     print(json.dumps(summary(total, asked.seed, time.time() - began), indent=1))
+    for finding in total.findings:
+        print(
+            f"{finding.store(FOUND)}: python3 dev.py fuzz sheets --cells 1 --seed {finding.seed}",
+            file=sys.stderr,
+        )
     return 1 if total.findings else 0
 
 

@@ -250,7 +250,7 @@ def test_small_pieces() -> None:
 def test_each_plan_has_an_instruction_sheet_for_each_operator(language: str, heading: str) -> None:
     front = thesis_front()
     page = html(front, language=language)
-    sheets = re.findall(r'<details class="sheet" open="">.*?</details>', page, re.DOTALL)
+    sheets = re.findall(r'<details class="sheet \w+" open="">.*?</details>', page, re.DOTALL)
     assert len(sheets) == len(front) * 2
     t = words(language)
     rows = re.findall(

@@ -32,6 +32,9 @@ from tandem.schedule.critical import critical_path
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
 """What a browser may load for this page: nothing that is not in it."""
 
+ON_A_PAGE = 40
+"""So many steps of a plan fit on a page of paper, and so are not torn apart."""
+
 
 def write_html(
     front: Front,
@@ -279,8 +282,12 @@ def _plan(front: Front, place: int, t: Words, point: int | None, stale: bool) ->
             balance(front.cell, result.schedule, t),
             class_="keep page",
         ),
-        tag("h3", t("plan.steps")),
-        tag("div", steps(front.cell, result.schedule, t), class_="steps"),
+        tag(
+            "div",
+            tag("h3", t("plan.steps")),
+            tag("div", steps(front.cell, result.schedule, t), class_="steps"),
+            class_="keep" if len(result.schedule) <= ON_A_PAGE else None,
+        ),
         sheets(result, f"{title} · {origin}", t),
         id=f"plan-{place + 1}",
         class_="plan chosen" if result is front.shown(point) else "plan",

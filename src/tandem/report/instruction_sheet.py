@@ -14,9 +14,9 @@ from tandem.report.language import Words
 from tandem.report.markup import Markup, join, tag
 from tandem.report.tables import table
 
-PAGE, LINE, GAP = 138.0, 4.5, 2.0
+PAGE, LINE, GAP = 142.0, 4.5, 1.8
 """Height of a printed page for rows, of a line and between rows, millimetres."""
-ACROSS = {"does": 19, "what": 19, "means": 25, "begin": 43, "then": 29}
+ACROSS = {"does": 16, "what": 16, "means": 20, "begin": 36, "then": 22}
 """Characters across a column on paper."""
 NUMBERS = ("number", "start", "end", "deadline")
 
@@ -42,24 +42,33 @@ def _sheet(result: Result, operator: str, title: str, t: Words) -> Markup:
         tag("summary", tag("h3", heading)),
         *above,
         inside,
-        class_="sheet long" if _height(found) > PAGE else "sheet",
+        class_=f"sheet {_size(found)}",
         open=True,
     )
 
 
-def _height(found: tuple[Step, ...]) -> float:
-    """What the rows take on paper, millimetres: a sheet that would not go onto one page is printed
-    in smaller letters.
+def _size(found: tuple[Step, ...]) -> str:
+    """Large letters, where the page has room for them; small ones, where the sheet would need a
+    second page; nothing on paper for who has nothing to do.
     """
+    if not found:
+        return "idle"
+    height = _height(found)
+    return "small" if height > PAGE else "large" if height * 1.8 < PAGE else "middle"
+
+
+def _height(found: tuple[Step, ...]) -> float:
+    """What the rows take on paper in letters of middle size, millimetres."""
     return sum(max(_lines_of(step, key) for key in ACROSS) * LINE + GAP for step in found)
 
 
 def _lines_of(step: Step, key: str) -> int:
+    """Lines of one column."""
     value = getattr(step, key)
-    said = (
-        [one.says for one in value] if key == "begin" else [value] if value == str(value) else value
-    )
-    return sum(ceil(len(sentence) / ACROSS[key]) for sentence in said)
+    if key == "begin":
+        value = tuple(condition.says for condition in value)
+    sentences = value if isinstance(value, tuple) else (value,)
+    return sum(ceil(len(sentence) / ACROSS[key]) for sentence in sentences)
 
 
 def _table(found: tuple[Step, ...], heading: str, on_paper: str, t: Words) -> Markup:

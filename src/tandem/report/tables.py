@@ -109,7 +109,7 @@ def steps(cell: Cell, schedule: Schedule, t: Words) -> Markup:
         ("who", ""),
         ("start", "number"),
         ("end", "number"),
-        ("time", "number"),
+        ("time", "number screen"),
         ("stress", "number"),
         ("slack", "number"),
     )
@@ -121,7 +121,8 @@ def steps(cell: Cell, schedule: Schedule, t: Words) -> Markup:
         cells = [
             tag("th", named(cell, a.task), scope="row"),
             tag("td", " + ".join(shown[o].label for o in a.operators)),
-            *(_number(value, t) for value in (a.start, a.end, a.end - a.start)),
+            *(_number(value, t) for value in (a.start, a.end)),
+            tag("td", t.number(a.end - a.start), class_="number screen"),
             tag("td", t.number(load) if mode and mode.stress else "–", class_="number"),
             tag("td", late, class_="number"),
         ]

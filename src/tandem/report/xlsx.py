@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
 from tandem.draw.imprint import imprint
-from tandem.draw.style import contrast, looks, task_label
+from tandem.draw.style import contrast, looks
 from tandem.files.spreadsheet.template import to_workbook, workbook_bytes
 from tandem.plan.result import Front, Result
 from tandem.report.instructions import Step, columns, origin, rules, steps
@@ -47,7 +47,9 @@ WIDTHS = {
     "number": 7, "task": 10, "does": 30, "what": 30, "means": 28, "begin": 46, "then": 36,
     "start": 10, "end": 10, "deadline": 12,
 }  # fmt: skip
-"""Characters across the columns of an instruction sheet"""
+"""Characters across the columns of an instruction sheet."""
+ON_A_PAGE = 24
+"""So many steps of an operator are printed on one page."""
 HEAD, RULE, BREAK = "1F4E5F", "C8CCD0", "BDBDBD"
 
 
@@ -262,7 +264,6 @@ def _gantt(book: Workbook, result: Result, place: int, t: Words) -> None:
         for start, end in cell.operators[name].breaks:
             _bar(sheet, row, start, min(end, result.makespan), slot, count, BREAK, "", "mediumGray")
         for a in schedule.of(name):
-            label = task_label(cell, a.task)
             _bar(
                 sheet,
                 row,
@@ -271,7 +272,7 @@ def _gantt(book: Workbook, result: Result, place: int, t: Words) -> None:
                 slot,
                 count,
                 look.colour.lstrip("#"),
-                label if label == a.task else f"{a.task} {label}",
+                named(cell, a.task),
                 "",
             )
     _put(sheet, len(cell.operators) + 5, 1, t("sheet.slot", seconds=t.number(slot)))
@@ -332,6 +333,7 @@ def _instructions(book: Workbook, result: Result, operator: str, plan: str, t: W
         _row(sheet, row, [_said(step, key) for key in shown])
     _spread(sheet, 2, " ".join(rules(result.cell, operator, t)), len(shown))
     _put(sheet, len(found) + 5, 1, origin(result, operator, plan, t))
+    sheet.page_setup.fitToHeight = 1 if len(found) <= ON_A_PAGE else 0
 
 
 def _said(step: Step, key: str) -> Any:
@@ -468,7 +470,8 @@ def _sheet_name(book: Workbook, wanted: str) -> str:
 
 
 def _fit_to_page(sheet: Worksheet) -> None:
-    """A4 landscape, as wide as the page."""
+    """A4 landscape, as wide as the page, and as long as need be unless the sheet says otherwise."""
     sheet.page_setup.orientation, sheet.page_setup.paperSize = "landscape", 9
-    sheet.page_setup.fitToWidth, sheet.page_setup.fitToHeight = 1, 0
+    sheet.page_setup.fitToWidth = 1
+    sheet.page_setup.fitToHeight = sheet.page_setup.fitToHeight or 0
     sheet.sheet_properties.pageSetUpPr.fitToPage = True
