@@ -23,7 +23,7 @@ from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Result, Status
 from tandem.report.language import words
 from tandem.report.project import stale_at_home
-from tandem.report.results import points_of, read_result, schedules_of
+from tandem.report.results import is_number, points_of, read_result, schedules_of
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import makespan, stress
 from tandem.schedule.model import Schedule
@@ -222,22 +222,20 @@ def _question(told: Any) -> Question:
     """What was asked; the whole front where the document does not say."""
     if not isinstance(told, Mapping):
         return Question()
+    limits = [told.get("max_makespan"), told.get("max_stress")]
+    weights = told.get("weights", [1.0, 1.0])
+    pair: list[Any] = weights if isinstance(weights, list) and len(weights) == 2 else [None]
+    if not all(map(is_number, [*pair, *(limit for limit in limits if limit is not None)])):
+        return Question()
     try:
-        weights = told.get("weights", (1.0, 1.0))
-        return Question(
-            told.get("minimize", "front"),
-            (float(weights[0]), float(weights[1])),
-            told.get("max_makespan"),
-            told.get("max_stress"),
-        )
-    except (UsageError, TypeError, ValueError, LookupError):
+        return Question(told.get("minimize", "front"), (pair[0], pair[1]), limits[0], limits[1])
+    except (UsageError, TypeError):
         return Question()
 
 
 def _number(value: Any, otherwise: float) -> float:
-    is_one = isinstance(value, int | float) and not isinstance(value, bool)
-    return value if is_one else otherwise
+    return value if is_number(value) else otherwise
 
 
 def _whole(value: Any) -> int:
-    return value if isinstance(value, int) else 0
+    return value if is_number(value) and isinstance(value, int) else 0
