@@ -49,8 +49,8 @@ def is_result(document: Any) -> bool:
     return isinstance(document, Mapping) and "front" in document
 
 
-def points_of(document: Mapping[str, Any]) -> list[tuple[float, float]]:
-    """Makespan and stress of each point of the front.
+def points_of(document: Mapping[str, Any], source: str = "") -> list[tuple[float, float]]:
+    """Makespan and stress of each point of the front; `source` is what messages call the document.
 
     Raises CellError with every point that does not tell them, and when there is no point.
     """
@@ -63,7 +63,7 @@ def points_of(document: Mapping[str, Any]) -> list[tuple[float, float]]:
     if not document["front"]:
         wrong.append(Fault("holds no schedule."))
     if wrong:
-        raise CellError(wrong)
+        raise CellError(fault.at(source) for fault in wrong)
     return [(point["makespan"], point["stress"]) for point in document["front"]]
 
 

@@ -93,7 +93,7 @@ def read_plan(path: Path, cell: Cell | None = None) -> StoredPlan:
         changed, is_stale = stale_now(document, path)
     own = held or cell
     assert own is not None
-    values = points_of(document) if held is not None or not is_stale else []
+    values = points_of(document, str(path)) if held is not None or not is_stale else []
     wrong = faults_in(document, own, values)
     if cell is not None and cell != own:
         wrong += faults_in(document, cell)
@@ -146,6 +146,9 @@ def _held(document: Mapping[str, Any], path: Path) -> Cell | None:
         return load(held)
     except CellError as error:
         raise CellError([fault.at(f"{path}, cell_document") for fault in error.faults]) from None
+    except RecursionError:
+        fault = "is nested too deeply for a cell. Plan anew."
+        raise CellError([Fault(fault, (), f"{path}, cell_document")]) from None
 
 
 def stale_now(document: Mapping[str, Any], path: Path) -> tuple[Cell | None, bool]:
