@@ -283,7 +283,7 @@ def words_of(room: str, language: str) -> dict[str, str]:
     return sentences(f"tandem.{room}", language)
 
 
-@pytest.mark.parametrize("room", ["cell", "draw", "explain", "report"])
+@pytest.mark.parametrize("room", ["cell", "draw", "explain", "files.spreadsheet", "report"])
 def test_both_languages_say_the_same_things(room: str) -> None:
     english, german = words_of(room, "en"), words_of(room, "de")
     assert english.keys() == german.keys()
