@@ -7,6 +7,7 @@ that the plan holds, and against another one when it is asked to keep that too.
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -70,7 +71,7 @@ def stale_note(path: str | Path, language: str = "en") -> str:
     return words(language)("stale.note", file=path)
 
 
-def read_plan(path: Path, cell: Cell | None = None) -> StoredPlan:
+def read_plan(path: str | os.PathLike[str], cell: Cell | None = None) -> StoredPlan:
     """The plan in a result document, the very points that were stored.
 
     Args:
@@ -83,6 +84,7 @@ def read_plan(path: Path, cell: Cell | None = None) -> StoredPlan:
       UnsoundScheduleError: a schedule breaks a cell that it is to keep, or is not worth what the
         document says.
     """
+    path = Path(path)
     document = read_result(path)
     held = _held(document, path) if cell is not None else cell_in(document, path)
     made_for = document.get("cell_digest")
