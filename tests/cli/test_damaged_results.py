@@ -57,7 +57,12 @@ def test_a_result_with_one_value_changed(result: str, tmp_path: Path, capfd, see
         for command in (
             ["check", str(CELL), str(file)],
             ["check", str(CELL), str(file), "--json"],
+            ["check", str(file)],
+            ["check", str(file), "--json"],
             ["check", str(project)],
+            ["report", str(file), "--json"],
+            ["report", str(file), "--point", "2", "-o", str(tmp_path / "shown.csv")],
+            ["explain", str(file), "--task", "3", "--time-limit", "0.5", "--json"],
             ["compare", str(file), str(whole)],
             ["compare", str(whole), str(file), "--point", "2"],
             ["compare", str(whole), str(file), "--json"],

@@ -253,6 +253,29 @@ def test_a_file_of_no_known_kind_is_refused_before_anything_is_written(
     assert not (here / "a.md").exists()
 
 
+def test_files_may_follow_one_another_but_only_after_o(here: Path, typed: Typed) -> None:
+    code, _, err = typed("report", "plan.json", "-o", "a.md", "b.csv", "--point", "1")
+    assert (code, err.split()) == (0, ["wrote", "a.md", "wrote", "b.csv"])
+    kept = (here / "plan.json").read_bytes()
+    code, _, err = typed("report", "a.json", "plan.json")
+    assert code == 2
+    assert "-o plan.json" in err
+    assert (here / "plan.json").read_bytes() == kept
+
+
+def test_the_floor_of_a_front_of_one_is_that_of_what_was_asked(here: Path, typed: Typed) -> None:
+    for asked, floor in (
+        (("--minimize", "stress"), "34 s is the floor with a stress of at most 2"),
+        (("--minimize", "makespan"), "23 s is the floor: "),
+        (("--max-stress", "5"), "24 s is the floor with a stress of at most 3"),
+    ):
+        plan = ("plan", "cell.yaml", "--workers", "1", "-q", *asked, "-o", "one.json")
+        assert typed(*plan)[0] == 0
+        code, out, _ = typed("explain", "one.json", "--point", "1", "--time-limit", "8")
+        assert code == 0
+        assert floor in out, asked
+
+
 # --- German ---------------------------------------------------------------------------------------
 
 
@@ -283,7 +306,7 @@ def words_of(room: str, language: str) -> dict[str, str]:
     return sentences(f"tandem.{room}", language)
 
 
-@pytest.mark.parametrize("room", ["cell", "draw", "explain", "report"])
+@pytest.mark.parametrize("room", ["cell", "draw", "explain", "files.spreadsheet", "report"])
 def test_both_languages_say_the_same_things(room: str) -> None:
     english, german = words_of(room, "en"), words_of(room, "de")
     assert english.keys() == german.keys()

@@ -67,3 +67,12 @@ def test_joint_tasks_count_once() -> None:
         patch.get_gid() for patch in ax.patches if (patch.get_gid() or "").startswith("move ")
     ) == sorted(f"move {task}" for task in moved)
     assert moved
+
+
+def test_it_speaks_german_and_names_both_plans() -> None:
+    ax = plot_compare(thesis(), QUICK, KNEE, language="de")
+    said = [ax.get_title(loc="left"), *(text.get_text() for text in ax.texts)]
+    assert said[0].startswith("Dauer 23 → 24 s (+1), Belastung 7 → 3 (−4)")
+    for schedule in (QUICK, KNEE):
+        assert any(f"Plan {schedule.digest}" in text for text in said)
+    assert ax.get_xlabel() == "Zeit [s]"

@@ -13,7 +13,7 @@ import click
 from tandem.cli.options import AS_JSON, LANGUAGE, check_time, point_options
 from tandem.cli.stored import is_plan, stored_plan
 from tandem.cli.what_if import difference_lines
-from tandem.errors import CellError, UsageError
+from tandem.errors import UsageError
 
 if TYPE_CHECKING:
     from tandem.schedule.model import Schedule
@@ -194,10 +194,7 @@ def _bare_side(
     from tandem.report.results import points_of, schedules_of
     from tandem.report.stored import stale_note
 
-    try:
-        values = points_of(document)
-    except CellError as error:
-        raise CellError([fault.at(str(path)) for fault in error.faults]) from None
+    values = points_of(document, str(path))
     try:
         place = chosen(values, *which)
     except UsageError as error:

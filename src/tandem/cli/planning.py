@@ -363,7 +363,7 @@ def check_command(
     if result_file is None and is_plan(cell_file):
         result_file = Path(cell_file)
         document = read_result(result_file)
-        cell, values = cell_in(document, result_file), points_of(document)
+        cell, values = cell_in(document, result_file), points_of(document, cell_file)
         is_stale: bool | None = stale_now(document, result_file)[1]
     else:
         cell, values = load(cell_file, form), []

@@ -9,10 +9,12 @@ import click
 
 from tandem.cli.options import AS_JSON, FORMAT, LANGUAGE, OUTPUTS, point_options
 from tandem.cli.stored import stored_plan
+from tandem.errors import UsageError
 
 
 @click.command("report")
 @click.argument("plan_file", metavar="PLAN", type=click.Path(dir_okay=False, path_type=Path))
+@click.argument("more", metavar="", nargs=-1, type=click.Path(dir_okay=False, path_type=Path))
 @point_options
 @click.option(
     "--cell",
@@ -28,6 +30,7 @@ from tandem.cli.stored import stored_plan
 @AS_JSON
 def report_command(
     plan_file: Path,
+    more: tuple[Path, ...],
     point: int | None,
     makespan: float | None,
     stress: float | None,
@@ -42,7 +45,7 @@ def report_command(
     \b
     Examples:
       tandem report plan.json
-      tandem report plan.json --point 2 -o sheets.xlsx -o slide.svg --lang de
+      tandem report plan.json --point 2 -o sheets.xlsx slide.svg --lang de
       tandem report plan.json --makespan 30 --cell cell.yaml -o wiki.md
 
     PLAN is what `tandem plan CELL -o plan.json` wrote. Without -o the plan is shown in the
@@ -54,6 +57,10 @@ def report_command(
     from tandem.plan.choice import point_of
     from tandem.report.files import ready_to_write
 
+    if more and not outputs:
+        files = " ".join(map(str, more))
+        raise UsageError(f"{files}: one PLAN is read; name files to write with -o {files}.")
+    outputs = (*outputs, *more)
     ready_to_write(outputs)
     plan = stored_plan(plan_file, load(cell_file, form) if cell_file else None, lang)
     place = point_of(plan.front, point, makespan, stress) + 1

@@ -8,19 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tandem.cell.language import spoken
 from tandem.cli.columns import indented
+from tandem.cli.options import LANGUAGE
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
     from tandem.files.spreadsheet.draft import Draft
 
-TITLES = {
-    "column": "Columns not read",
-    "row": "Rows not read",
-    "sheet": "Sheets not read",
-    "cannot": "Who cannot do what",
-    "assumed": "Assumed",
-}
+KINDS = ("column", "row", "sheet", "cannot", "assumed")
+"""Kinds of notes, in the order in which they are told."""
+ROOM = "tandem.files.spreadsheet"
 
 
 @click.command(
@@ -50,6 +48,7 @@ TITLES = {
     "--robot", "robots", multiple=True, metavar="NAME", help="An operator that is a robot."
 )
 @click.option("--force", is_flag=True, help="Replace the output file when it exists.")
+@LANGUAGE
 def import_command(
     workbook: Path,
     output: Path | None,
@@ -59,6 +58,7 @@ def import_command(
     humans: tuple[str, ...],
     robots: tuple[str, ...],
     force: bool,
+    lang: str,
 ) -> None:
     """Turn a planner's workbook (xlsx, xls, xlsb, ods, csv) into a cell file.
 
@@ -66,6 +66,7 @@ def import_command(
     Examples:
       tandem import tasks.xlsx --preview
       tandem import tasks.xlsx -o cell.yaml --human Anna --robot "Station 2"
+      tandem import arbeitsplan.xlsx -o zelle.yaml --lang de
     """
     from tandem.files.load import dump, dumps
     from tandem.files.spreadsheet.draft import read_workbook
@@ -76,8 +77,8 @@ def import_command(
         workbook, sheet=sheet, columns=dict(map(_pair, columns)), humans=humans, robots=robots
     )
     if preview:
-        click.echo(preview_text(draft))
-    tell_notes(draft)
+        click.echo(preview_text(draft, lang))
+    tell_notes(draft, lang)
     cell = draft.cell()
     if preview:
         return
@@ -85,11 +86,12 @@ def import_command(
         click.echo(dumps(cell), nl=False)
         return
     dump(cell, output)
-    click.echo(
-        f"{output}: {_count(cell.tasks, 'task')}, {_count(cell.operators, 'operator')}"
-        f" ({', '.join(cell.operators)}).",
-        err=True,
-    )
+    t = spoken(lang, ROOM)
+    counts = {
+        "tasks": t.count("task", len(cell.tasks)),
+        "operators": t.count("operator", len(cell.operators)),
+    }
+    click.echo(t("imported", file=output, **counts, who=", ".join(cell.operators)), err=True)
 
 
 @click.command("template")
@@ -141,10 +143,13 @@ def template_command(cell_file: Path | None, output: Path, lang: Any, force: boo
     )
 
 
-def preview_text(draft: Draft) -> str:
+def preview_text(draft: Draft, language: str = "en") -> str:
     """The mapping of columns, the first rows, and what cell would come out, as plain text."""
-    lines = [f"{draft.path.name}: tasks are in sheet {draft.sheet!r}, header at {draft.header}", ""]
-    table: list[tuple[str, ...]] = [("column", "header", "is read as")]
+    t = spoken(language, ROOM)
+    where = t("preview.where", file=draft.path.name, sheet=repr(draft.sheet), header=draft.header)
+    lines = [where, ""]
+    heads = tuple(t(f"preview.{head}") for head in ("column", "header", "read"))
+    table: list[tuple[str, ...]] = [heads]
     for column in draft.columns:
         letter = column.place.rpartition("!")[2].rstrip("0123456789")
         table.append(
@@ -154,14 +159,14 @@ def preview_text(draft: Draft) -> str:
                 (
                     str(column.meaning)
                     if column.meaning and column.meaning.what != "ignore"
-                    else "(not read)"
+                    else t("preview.unread")
                 ),
             )
         )
     lines += indented(table)
     if draft.rows:
         letters = [column.place.rpartition("!")[2].rstrip("0123456789") for column in draft.columns]
-        lines += ["", "first rows:"]
+        lines += ["", t("preview.rows")]
         lines += indented(
             [
                 tuple(letters),
@@ -172,28 +177,31 @@ def preview_text(draft: Draft) -> str:
             ]
         )
     tasks, operators = draft.document["tasks"], draft.document["operators"]
-    who = ", ".join(f"{name} ({data.get('kind')})" for name, data in operators.items())
-    lines += ["", f"{_count(tasks, 'task')}, {_count(operators, 'operator')}: {who}"]
+    who = ", ".join(
+        t(f"preview.kind.{data['kind']}", name=name) for name, data in operators.items()
+    )
+    counts = {
+        "tasks": t.count("task", len(tasks)),
+        "operators": t.count("operator", len(operators)),
+    }
+    lines += ["", t("preview.cell", **counts, who=who)]
     return "\n".join(lines)
 
 
-def tell_notes(draft: Draft) -> None:
+def tell_notes(draft: Draft, language: str = "en") -> None:
     """What was not read, and what was assumed, on stderr."""
-    for kind, title in TITLES.items():
+    t = spoken(language, ROOM)
+    for kind in KINDS:
         notes = [note for note in draft.notes if note.kind == kind]
         if notes:
-            click.echo(f"{title}:", err=True)
+            click.echo(f"{t(f'title.{kind}')}:", err=True)
         for note in notes:
-            click.echo(f"  {note}", err=True)
+            click.echo(f"  {note.sentence(language)}", err=True)
     sys.stderr.flush()
 
 
 def _short(text: str) -> str:
     return text if len(text) <= 24 else text[:23] + "…"
-
-
-def _count(things: Any, name: str) -> str:
-    return f"{len(things)} {name}{'' if len(things) == 1 else 's'}"
 
 
 def _pair(text: str) -> tuple[str, str]:

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from tandem.cell.model import Cell
-from tandem.cell.written import number, seconds
-from tandem.draw.figure import axes_or_new, compare_size
+from tandem.draw.figure import axes_or_new, compare_size, numbers_in
 from tandem.draw.gantt import HALF, axis_end, draw_lanes, lane_name
 from tandem.draw.lanes import Lane, lanes
-from tandem.draw.language import words
+from tandem.draw.language import Words, words
 from tandem.draw.style import ACCENT, FAINT_INK, INK, RULE, looks
 from tandem.schedule.measures import makespan, stress
 from tandem.schedule.model import Assignment, Schedule
@@ -63,17 +62,19 @@ def changes(before: Schedule, after: Schedule) -> tuple[Change, ...]:
     return (*found, *(Change(task, "dropped", then, None) for task, then in old.items()))
 
 
-def summary(cell: Cell, before: Schedule, after: Schedule) -> str:
+def summary(cell: Cell, before: Schedule, after: Schedule, language: str = "en") -> str:
     """One line: makespan and stress from one to the other, and how many tasks moved and shifted."""
+    t = words(language)
     kinds = [change.kind for change in changes(before, after)]
-    time = _from_to(makespan(before), makespan(after), " s")
-    load = _from_to(stress(cell, before), stress(cell, after), "")
+    time = _from_to(makespan(before), makespan(after), " s", t)
+    load = _from_to(stress(cell, before), stress(cell, after), "", t)
     counts = [
-        f"{kinds.count(kind)} {kind}"
+        t(f"compare.{kind}", n=kinds.count(kind))
         for kind in ("moved", "shifted", "added", "dropped")
         if kind in kinds
     ]
-    return f"makespan {time}, stress {load}; tasks: {', '.join(counts) or 'none changed'}"
+    tasks = ", ".join(counts) or t("compare.none")
+    return t("compare.summary", makespan=time, stress=load, tasks=tasks)
 
 
 def plot_compare(
@@ -82,14 +83,18 @@ def plot_compare(
     after: Schedule,
     ax: Axes | None = None,
     *,
-    names: tuple[str, str] = ("before", "after"),
+    names: tuple[str, str] | None = None,
+    language: str = "en",
 ) -> Axes:
-    """Draws both schedules over each other on one time axis and returns the axes.
+    """Draws both schedules over each other on one time axis and returns the axes. `names` are what
+    they are called; before and after when not given.
 
     Tasks that moved to another operator have a bold red outline and an arrow from the one to the
     other; tasks that stayed as they were are pale.
     """
+    t = words(language)
     ax = axes_or_new(ax, compare_size(cell, max(before, after, key=len)))
+    names = names or (t("compare.before"), t("compare.after"))
     end = max(axis_end(before), axis_end(after))
     upper, lower = (
         lanes(cell, schedule, until=end, critical=False) for schedule in (before, after)
@@ -97,21 +102,26 @@ def plot_compare(
     below = len(upper) + GAP
     ax.set_xlim(0, end)
     ax.set_ylim(below + len(lower) - 0.45, -0.95)
-    draw_lanes(ax, upper, words(), deadlines=False)
-    draw_lanes(ax, lower, words(), at=below, deadlines=False)
+    draw_lanes(ax, upper, t, deadlines=False)
+    draw_lanes(ax, lower, t, at=below, deadlines=False)
     found = changes(before, after)
     _mark(ax, found, cell, below)
     for schedule, top, name in ((before, 0.0, names[0]), (after, below, names[1])):
-        _heading(ax, cell, schedule, top, name)
+        _heading(ax, cell, schedule, top, name, t)
     _moves(
         ax,
         [change for change in found if change.kind == "moved"],
         cell,
         len(upper) - 0.5 + GAP / 2 - 0.2,
+        t,
     )
-    _dress(ax, upper, lower, below)
+    _dress(ax, upper, lower, below, t)
     ax.set_title(
-        summary(cell, before, after), loc="left", fontsize=11, fontweight="bold", parse_math=False
+        summary(cell, before, after, language),
+        loc="left",
+        fontsize=11,
+        fontweight="bold",
+        parse_math=False,
     )
     return ax
 
@@ -169,12 +179,18 @@ def _mark(ax: Axes, found: Iterable[Change], cell: Cell, below: float) -> None:
             ax.add_patch(arrow)
 
 
-def _heading(ax: Axes, cell: Cell, schedule: Schedule, top: float, name: str) -> None:
-    words = f"{name}: {seconds(makespan(schedule))}, stress {number(stress(cell, schedule))}"
+def _heading(ax: Axes, cell: Cell, schedule: Schedule, top: float, name: str, t: Words) -> None:
+    said = t(
+        "compare.heading",
+        name=name,
+        makespan=t.seconds(makespan(schedule)),
+        stress=t.number(stress(cell, schedule)),
+        plan=t("imprint.plan", digest=schedule.digest),
+    )
     ax.text(
         0,
         top - 0.5,
-        words,
+        said,
         ha="left",
         va="bottom",
         fontsize=10,
@@ -191,19 +207,19 @@ def _heading(ax: Axes, cell: Cell, schedule: Schedule, top: float, name: str) ->
     )
 
 
-def _moves(ax: Axes, moved: list[Change], cell: Cell, y: float) -> None:
+def _moves(ax: Axes, moved: list[Change], cell: Cell, y: float, t: Words) -> None:
     """Between the blocks, in words, who gives what to whom; as much as fits."""
     from tandem.draw.fitted import fitted_text
 
     shown = looks(cell)
 
     def who(a: Assignment | None) -> str:
-        return "+".join(shown[o].label for o in a.operators) if a else "nobody"
+        return "+".join(shown[o].label for o in a.operators) if a else t("compare.nobody")
 
     sentences = [f"{change.task}: {who(change.before)} → {who(change.after)}" for change in moved]
     fuller = [
         ";  ".join(sentences[:count])
-        + (f";  and {len(sentences) - count} more" if count < len(sentences) else "")
+        + (t("compare.more", n=len(sentences) - count) if count < len(sentences) else "")
         for count in range(len(sentences), 0, -1)
     ]
     if fuller:
@@ -212,14 +228,17 @@ def _moves(ax: Axes, moved: list[Change], cell: Cell, y: float) -> None:
         fitted_text(ax, box, fuller, size=9, turn=False, color=ACCENT, bbox=backing, zorder=5)
 
 
-def _dress(ax: Axes, upper: tuple[Lane, ...], lower: tuple[Lane, ...], below: float) -> None:
+def _dress(
+    ax: Axes, upper: tuple[Lane, ...], lower: tuple[Lane, ...], below: float, t: Words
+) -> None:
     from matplotlib.ticker import MaxNLocator
 
     ticks = [*range(len(upper)), *(below + y for y in range(len(lower)))]
-    ax.set_yticks(ticks, [lane_name(lane, words()) for lane in (*upper, *lower)], fontsize=10)
+    ax.set_yticks(ticks, [lane_name(lane, t) for lane in (*upper, *lower)], fontsize=10)
     ax.tick_params(axis="y", length=0)
     ax.xaxis.set_major_locator(MaxNLocator(nbins=12, steps=[1, 2, 5, 10]))
-    ax.set_xlabel("time [s]")
+    ax.set_xlabel(t("gantt.axis"))
+    numbers_in(ax.xaxis, t)
     ax.grid(axis="x", color=RULE, lw=0.6)
     ax.set_axisbelow(True)
     for side in ("top", "right", "left"):
@@ -232,15 +251,12 @@ def _dress(ax: Axes, upper: tuple[Lane, ...], lower: tuple[Lane, ...], below: fl
         "fontsize": 9,
         "color": FAINT_INK,
     }
-    ax.annotate(
-        "red outline and arrow: done by somebody else; pale: as before", (0, 0), (0, -36), **hint
-    )
+    ax.annotate(t("compare.legend"), (0, 0), (0, -36), **hint)
 
 
-def _from_to(before: float, after: float, unit: str) -> str:
+def _from_to(before: float, after: float, unit: str, t: Words) -> str:
+    now = f"{t.number(after)}{unit}"
     if before == after:
-        return f"{number(after)}{unit} as before"
-    return (
-        f"{number(before)} → {number(after)}{unit}"
-        f" ({'+' if after > before else '−'}{number(abs(after - before))})"
-    )
+        return t("compare.as_before", now=now)
+    more = f"{'+' if after > before else '−'}{t.number(abs(after - before))}"
+    return t("compare.change", before=t.number(before), now=now, more=more)

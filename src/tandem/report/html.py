@@ -100,7 +100,10 @@ def html(
         tag(
             "header",
             tag("h1", t("title", name=name)),
-            *(tag("p", sentence, class_="lead") for sentence in summary(front, t, point, stale)),
+            *(
+                tag("p", tag("strong", said) if stale and not place else said, class_="lead")
+                for place, said in enumerate(summary(front, t, point, stale))
+            ),
             _printing(front, t),
         ),
         tag("main", *sections, _assumptions(front, t), _made(front, t, command, date)),
@@ -172,7 +175,7 @@ def summary(front: Front, t: Words, point: int | None = None, stale: bool = Fals
     if chosen is not front.knee:
         values = {"makespan": t.seconds(chosen.makespan), "stress": t.number(chosen.stress)}
         sentences.append(t("summary.shown", n=point, **values))
-    return [*sentences, *([t("summary.stale")] if stale else [])]
+    return [*([t("summary.stale")] if stale else []), *sentences]
 
 
 def _advice(front: Front, t: Words) -> str:

@@ -49,8 +49,8 @@ def is_result(document: Any) -> bool:
     return isinstance(document, Mapping) and "front" in document
 
 
-def points_of(document: Mapping[str, Any]) -> list[tuple[float, float]]:
-    """Makespan and stress of each point of the front.
+def points_of(document: Mapping[str, Any], source: str = "") -> list[tuple[float, float]]:
+    """Makespan and stress of each point of the front; `source` is what messages call the document.
 
     Raises CellError with every point that does not tell them, and when there is no point.
     """
@@ -58,12 +58,12 @@ def points_of(document: Mapping[str, Any]) -> list[tuple[float, float]]:
         Fault(f"point {place} of the front: {key} is {_given(point, key)}, but must be a number.")
         for place, point in enumerate(document["front"], 1)
         for key in ("makespan", "stress")
-        if not _is_number(point.get(key))
+        if not is_number(point.get(key))
     ]
     if not document["front"]:
         wrong.append(Fault("holds no schedule."))
     if wrong:
-        raise CellError(wrong)
+        raise CellError(fault.at(source) for fault in wrong)
     return [(point["makespan"], point["stress"]) for point in document["front"]]
 
 
@@ -71,7 +71,7 @@ def _given(point: Mapping[str, Any], key: str) -> str:
     return shown(point[key]) if key in point else "missing"
 
 
-def _is_number(value: Any) -> bool:
+def is_number(value: Any) -> bool:
     """A number that a moment or a stress can be."""
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < LATEST
 
@@ -121,7 +121,7 @@ def _misshapen_row(row: Any) -> str:
             " missing"
         )
     for key in ("start", "end"):
-        if not _is_number(row[key]):
+        if not is_number(row[key]):
             return f"{key} is {shown(row[key])}, but must be a number of seconds"
     if not isinstance(row["operators"], list) or not all(
         isinstance(who, str | int) for who in row["operators"]

@@ -7,6 +7,7 @@ that the plan holds, and against another one when it is asked to keep that too.
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -23,7 +24,7 @@ from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Quantiles, Result, Risk, Status
 from tandem.report.language import words
 from tandem.report.project import stale_at_home
-from tandem.report.results import points_of, read_result, schedules_of
+from tandem.report.results import is_number, points_of, read_result, schedules_of
 from tandem.schedule.checker import faults
 from tandem.schedule.measures import makespan, stress
 from tandem.schedule.model import Schedule
@@ -70,7 +71,7 @@ def stale_note(path: str | Path, language: str = "en") -> str:
     return words(language)("stale.note", file=path)
 
 
-def read_plan(path: Path, cell: Cell | None = None) -> StoredPlan:
+def read_plan(path: str | os.PathLike[str], cell: Cell | None = None) -> StoredPlan:
     """The plan in a result document, the very points that were stored.
 
     Args:
@@ -83,6 +84,7 @@ def read_plan(path: Path, cell: Cell | None = None) -> StoredPlan:
       UnsoundScheduleError: a schedule breaks a cell that it is to keep, or is not worth what the
         document says.
     """
+    path = Path(path)
     document = read_result(path)
     held = _held(document, path) if cell is not None else cell_in(document, path)
     made_for = document.get("cell_digest")
@@ -93,7 +95,7 @@ def read_plan(path: Path, cell: Cell | None = None) -> StoredPlan:
         changed, is_stale = stale_now(document, path)
     own = held or cell
     assert own is not None
-    values = points_of(document) if held is not None or not is_stale else []
+    values = points_of(document, str(path)) if held is not None or not is_stale else []
     wrong = faults_in(document, own, values)
     if cell is not None and cell != own:
         wrong += faults_in(document, cell)
@@ -146,6 +148,9 @@ def _held(document: Mapping[str, Any], path: Path) -> Cell | None:
         return load(held)
     except CellError as error:
         raise CellError([fault.at(f"{path}, cell_document") for fault in error.faults]) from None
+    except RecursionError:
+        fault = "is nested too deeply for a cell. Plan anew."
+        raise CellError([Fault(fault, (), f"{path}, cell_document")]) from None
 
 
 def stale_now(document: Mapping[str, Any], path: Path) -> tuple[Cell | None, bool]:
@@ -243,22 +248,20 @@ def _question(told: Any) -> Question:
     """What was asked; the whole front where the document does not say."""
     if not isinstance(told, Mapping):
         return Question()
+    limits = [told.get("max_makespan"), told.get("max_stress")]
+    weights = told.get("weights", [1.0, 1.0])
+    pair: list[Any] = weights if isinstance(weights, list) and len(weights) == 2 else [None]
+    if not all(map(is_number, [*pair, *(limit for limit in limits if limit is not None)])):
+        return Question()
     try:
-        weights = told.get("weights", (1.0, 1.0))
-        return Question(
-            told.get("minimize", "front"),
-            (float(weights[0]), float(weights[1])),
-            told.get("max_makespan"),
-            told.get("max_stress"),
-        )
-    except (UsageError, TypeError, ValueError, LookupError):
+        return Question(told.get("minimize", "front"), (pair[0], pair[1]), limits[0], limits[1])
+    except (UsageError, TypeError):
         return Question()
 
 
 def _number(value: Any, otherwise: float) -> float:
-    is_one = isinstance(value, int | float) and not isinstance(value, bool)
-    return value if is_one else otherwise
+    return value if is_number(value) else otherwise
 
 
 def _whole(value: Any) -> int:
-    return value if isinstance(value, int) else 0
+    return value if is_number(value) and isinstance(value, int) else 0

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner, Result
 from tests.files.spreadsheet import books
 
+from tandem.cell.language import LANGUAGES, sentences
 from tandem.cli.sheets import import_command, template_command
 from tandem.errors import CellError, UsageError
 from tandem.files.load import load
+from tandem.files.spreadsheet import said
 
 
 def run(command: object, *arguments: object) -> Result:
@@ -78,3 +81,41 @@ def test_without_output_the_cell_goes_to_stdout(tmp_path: Path) -> None:
     path = books.sheet(tmp_path / "t.xlsx", [books.PLAIN_HEADER, *books.PLAIN_ROWS])
     (tmp_path / "out.yaml").write_text(run(import_command, path).stdout)
     assert load(tmp_path / "out.yaml").tasks == books.THESIS.tasks
+
+
+def test_remarks_and_the_preview_speak_german_when_asked(tmp_path: Path) -> None:
+    (tmp_path / "plan.csv").write_text(
+        "Vorgang;Zeit Mensch [min];Zeit Roboter [min];Notiz\n"
+        "Greifen;0,5;0,25;\nFügen;1;0;Vorsicht\nSumme;1,5;0,25;\n",
+        encoding="utf-8",
+    )
+    german = run(import_command, tmp_path / "plan.csv", "--preview", "--lang", "de")
+    assert german.exit_code == 0, german.exception
+    for words in (
+        "Die Vorgänge stehen im Blatt 'plan'",
+        "wird gelesen als",
+        "2 Vorgänge, 2 Bediener",
+    ):
+        assert words in german.stdout
+    for words in (
+        "Nicht gelesene Zeilen:",
+        "Zeile 4 wurde nicht gelesen: 'Summe' ist eine Summe, kein Vorgang.",
+        "Wer was nicht kann:",
+        "Roboter kann nicht: Fügen",
+        "Angenommen:",
+        "Keine Spalte nennt die ergonomische Belastung",
+        "Zeiten wurden in Sekunden umgerechnet aus min.",
+    ):
+        assert words in german.stderr
+    assert not re.search(r"\b(were|is|are|not read)\b", german.stderr)
+    english = run(import_command, tmp_path / "plan.csv", "--preview")
+    assert "row 4 was not read: 'Summe' is a total, not a task." in english.stderr
+
+
+def test_every_remark_is_said_in_every_language() -> None:
+    folder = Path(said.__file__).parent
+    code = "\n".join(path.read_text() for path in folder.glob("*.py"))
+    used = set(re.findall(r'\bsay\(\s*"([^"]+)"', code))
+    assert len(used) > 40
+    for language in LANGUAGES:
+        assert used <= sentences("tandem.files.spreadsheet", language).keys()

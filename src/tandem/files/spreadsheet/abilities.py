@@ -7,6 +7,7 @@ from __future__ import annotations
 from tandem.files.spreadsheet.findings import Findings, listed
 from tandem.files.spreadsheet.grid import Grid, blank
 from tandem.files.spreadsheet.header import Column, Table
+from tandem.files.spreadsheet.said import say
 from tandem.files.spreadsheet.values import says_able
 from tandem.files.spreadsheet.vocabulary import Meaning, key
 
@@ -31,7 +32,7 @@ def settled_abilities(
     if one_time and not by_row:
         findings.note(
             "assumed",
-            f"{names} say who can do a task; each of them takes the time in {times[0].header!r}.",
+            say("able", columns=names, time=repr(times[0].header)),
             able[0].place,
         )
     else:

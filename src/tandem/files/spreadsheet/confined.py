@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from tandem.files.spreadsheet.grid import Book, Grid
+from tandem.files.spreadsheet.said import Said
 
 WORKER = Path(__file__).with_name("worker.py")
 """The child, started as a script."""
@@ -45,7 +46,7 @@ def open_apart(path: Path, content: bytes) -> Book:
     except subprocess.TimeoutExpired as error:
         raise RefusedError(f"takes longer than {MOST_WALL_S} s to open. {REMEDY}") from error
     lines = child.stdout.splitlines()
-    last = json.loads(lines[-1]) if lines and child.returncode == 0 else {}
+    last = json.loads(lines[-1], object_hook=_marked) if lines and child.returncode == 0 else {}
     if "refused" in last:
         raise RefusedError(last["refused"])
     if "book" not in last:
@@ -64,6 +65,7 @@ REMEDY = (
 KINDS: Mapping[str, Callable[[Any], Any]] = {
     "map": lambda pairs: {_frozen(key): _frozen(item) for key, item in pairs},
     "set": frozenset,
+    "said": lambda parts: Said(parts[0], _frozen(parts[1])),
     "seconds": lambda seconds: datetime.timedelta(seconds=seconds),
     "datetime": datetime.datetime.fromisoformat,
     "date": datetime.date.fromisoformat,

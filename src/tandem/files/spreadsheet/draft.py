@@ -37,6 +37,7 @@ from tandem.files.spreadsheet.precedence import (
     with_precedence,
 )
 from tandem.files.spreadsheet.repeats import once_a_column
+from tandem.files.spreadsheet.said import enumerated, say
 from tandem.files.spreadsheet.scores import without_scores
 from tandem.files.spreadsheet.tasks import Tasks, read_tasks, unit_of
 from tandem.files.spreadsheet.values import marks_of
@@ -234,28 +235,25 @@ def _other_sheets(book: Book, read: Sequence[str], table: Table, findings: Findi
         if grid.name in read or _is_beside(grid) or not grid.rows:
             continue
         if grid.hidden and ABOUT_PRECEDENCE.search(key(grid.name)):
-            message = (
-                f"sheet {grid.name!r} is hidden and was not read, though by its name it says what"
-                " comes before what. Show it to have it read."
-            )
+            said = say("sheet.hidden", sheet=repr(grid.name))
             if table.having("after", "after rows", "before"):
-                findings.note("sheet", message, f"{grid.name}!A1")
+                findings.note("sheet", said, f"{grid.name}!A1")
             else:
-                findings.fault(message, f"{grid.name}!A1")
+                findings.fault(str(said), f"{grid.name}!A1")
         elif not grid.hidden and is_about_precedence(grid):
             found.append(grid)
         else:
             findings.note(
                 "sheet",
-                f"sheet {grid.name!r} {'is hidden and ' if grid.hidden else ''}was not read.",
+                say(f"sheet.unread{'.hidden' if grid.hidden else ''}", sheet=repr(grid.name)),
                 f"{grid.name}!A1",
             )
     for name, why in book.passed_over.items():
-        message = f"sheet {name!r} was not read: {why}."
+        passed = say("sheet.passed", sheet=repr(name), why=why)
         if ABOUT_PRECEDENCE.search(key(name)):
-            findings.fault(f"{message} By its name it says what comes before what.", book.path.name)
+            findings.fault(f"{passed} By its name it says what comes before what.", book.path.name)
         else:
-            findings.note("sheet", message)
+            findings.note("sheet", passed)
     return found
 
 
@@ -365,7 +363,7 @@ def _name(book: Book, table: Table, beside: Beside, findings: Findings) -> str:
     if table.title:
         findings.note(
             "assumed",
-            f"the cell is called {table.title!r}, after the line above the header.",
+            say("title", title=repr(table.title)),
             f"{table.grid.name}!A1",
         )
         return table.title
@@ -389,7 +387,7 @@ def _kinds(
             continue
         if guess := kind_of(name):
             data["kind"] = guess
-            guessed.append(f"{name} is a {guess}")
+            guessed.append(say(f"kind.{guess}", name=name))
         else:
             data["kind"] = "human"
             unclear.append(name)
@@ -410,10 +408,7 @@ def _kinds(
             findings.places.get(("operators", name), ""),
         )
     if guessed:
-        findings.note(
-            "assumed",
-            f"by their names: {listed(guessed)}. --human NAME and --robot NAME say otherwise.",
-        )
+        findings.note("assumed", say("kinds", who=enumerated(guessed)))
 
 
 def _quoted(name: str) -> str:
@@ -437,17 +432,9 @@ def _stress(table: Table, document: Mapping[str, Any], findings: Findings) -> No
         )
     ]
     if not columns and by_humans and "stress_of_set" not in document:
-        findings.note(
-            "assumed",
-            "no column states the ergonomic stress: it is 0 for every task. A column 'Stress' or"
-            " 'EAWS points' makes it count.",
-        )
+        findings.note("assumed", say("stress.none"))
     elif columns and bare:
-        findings.note(
-            "assumed",
-            f"no stress is stated for tasks that a human can do, so it is 0: {listed(bare)}.",
-            columns[0].place,
-        )
+        findings.note("assumed", say("stress.bare", tasks=enumerated(bare)), columns[0].place)
 
 
 def _precedence(table: Table, tasks: Tasks, findings: Findings) -> None:
@@ -456,18 +443,11 @@ def _precedence(table: Table, tasks: Tasks, findings: Findings) -> None:
         return
     columns = table.having("after", "after rows", "before")
     if columns:
-        hold = "holds" if len(columns) == 1 else "hold"
-        message = (
-            f"{listed_headers(columns)} {hold} no task: nothing comes before anything, every task"
-            " may begin at once."
-        )
-        findings.note("assumed", message, columns[0].place)
+        number = "one" if len(columns) == 1 else "other"
+        said = say(f"order.empty.{number}", columns=listed_headers(columns))
+        findings.note("assumed", said, columns[0].place)
     else:
-        findings.note(
-            "assumed",
-            "no column states what comes before what: every task may begin at once. A column"
-            " 'Predecessors' or 'Vorgänger' makes it count.",
-        )
+        findings.note("assumed", say("order.none"))
 
 
 def _who_can(task: Mapping[str, Any]) -> set[str]:
@@ -479,7 +459,7 @@ def _who_can(task: Mapping[str, Any]) -> set[str]:
 
 def _more_notes(book: Book, table: Table, findings: Findings) -> None:
     if findings.rounded:
-        findings.note("assumed", f"rounded, times to 0.001 s: {listed(findings.rounded, 20)}.")
+        findings.note("assumed", say("rounded", cells=enumerated(findings.rounded, 20)))
     hidden = [
         column.header
         for column in table.columns
@@ -488,7 +468,7 @@ def _more_notes(book: Book, table: Table, findings: Findings) -> None:
     if hidden:
         findings.note(
             "assumed",
-            f"hidden columns were read all the same: {listed(map(repr, hidden))}.",
+            say("columns.hidden", columns=enumerated(map(repr, hidden))),
             table.grid.place(table.header_row, 0),
         )
     if (
@@ -496,11 +476,7 @@ def _more_notes(book: Book, table: Table, findings: Findings) -> None:
         and book.path.suffix.lower() in (".xls", ".xlsb")
         and any(note.kind == "cannot" for note in findings.notes)
     ):
-        findings.note(
-            "assumed",
-            f"in {book.path.suffix} files an error such as #REF! cannot be told from an empty cell;"
-            " save as .xlsx to be sure.",
-        )
+        findings.note("assumed", say("errors.unseen", ending=book.path.suffix))
     if not book.sees_errors and (
         silent := [
             c for c in table.having(*TIMED) if c.meaning and not c.meaning.unit and not table.unit
@@ -513,16 +489,10 @@ def _more_notes(book: Book, table: Table, findings: Findings) -> None:
             silent[0].place,
         )
     if book.path.suffix.lower() == ".xlsb":
-        findings.note(
-            "assumed",
-            "in .xlsb files merged cells and number formats are not seen; save as .xlsx to be"
-            " sure.",
-        )
+        findings.note("assumed", say("xlsb"))
     units = {unit_of(table, column) for column in table.having("time")}
     if units - {"s"}:
-        findings.note(
-            "assumed", f"times were converted to seconds from {listed(sorted(units - {'s'}))}."
-        )
+        findings.note("assumed", say("converted", units=enumerated(sorted(units - {"s"}))))
 
 
 def _all_faults(table: Table, document: Mapping[str, Any], findings: Findings) -> tuple[Fault, ...]:

@@ -12,6 +12,7 @@ from typing import Any
 from tandem.cell.model import plain
 from tandem.errors import Fault
 from tandem.files.spreadsheet.grid import Grid, Value, shown, tidy
+from tandem.files.spreadsheet.said import Said, say
 from tandem.files.spreadsheet.values import (
     FINEST_AMOUNT,
     FINEST_TIME,
@@ -36,15 +37,26 @@ class Note:
     Attributes:
       kind: "column" or "row" for what was not read, "cannot" for a 0 or an empty time, "assumed"
         for what the sheet does not say, "sheet" for other sheets.
+      said: what there is to say.
       place: where in the workbook; empty for the whole.
     """
 
     kind: str
-    message: str
+    said: Said
     place: str = ""
 
+    @property
+    def message(self) -> str:
+        """In English."""
+        return self.said.sentence()
+
     def __str__(self) -> str:
-        return f"{self.place}: {self.message}" if self.place else self.message
+        return self.sentence()
+
+    def sentence(self, language: str = "en") -> str:
+        """Where, and what."""
+        what = self.said.sentence(language)
+        return f"{self.place}: {what}" if self.place else what
 
 
 @dataclass(frozen=True)
@@ -76,10 +88,10 @@ class Findings:
     faults: list[Fault] = field(default_factory=list)
     places: dict[Path, str] = field(default_factory=dict)
     marks: Marks = NO_MARKS
-    rounded: list[str] = field(default_factory=list)
+    rounded: list[Said] = field(default_factory=list)
 
-    def note(self, kind: str, message: str, place: str = "") -> None:
-        self.notes.append(Note(kind, message, place))
+    def note(self, kind: str, said: Said, place: str = "") -> None:
+        self.notes.append(Note(kind, said, place))
 
     def fault(self, message: str, place: str, path: Path = ()) -> None:
         self.faults.append(Fault(message, path, place))
@@ -199,7 +211,8 @@ class Findings:
             )
             return None
         if changed:
-            self.rounded.append(f"{place} {shown(value)} to {plain(float(size))}")
+            size_now = str(plain(float(size)))
+            self.rounded.append(say("rounded.cell", cell=place, value=shown(value), size=size_now))
         return float(size)
 
     def value(self, grid: Grid, row: int, column: int) -> Value | None:

@@ -12,6 +12,7 @@ from functools import cached_property
 from pathlib import Path
 
 from tandem.cell.names import clean
+from tandem.files.spreadsheet.said import Said
 
 Value = str | float | bool | datetime.date | datetime.time | datetime.timedelta
 """What one sheet cell holds; the empty text when it holds nothing."""
@@ -121,8 +122,8 @@ class Book:
 
     path: Path
     grids: tuple[Grid, ...]
-    passed_over: Mapping[str, str] = field(default_factory=dict)
-    remarks: tuple[str, ...] = ()
+    passed_over: Mapping[str, Said] = field(default_factory=dict)
+    remarks: tuple[Said, ...] = ()
     sees_errors: bool = True
 
 

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from tandem.files.spreadsheet.grid import Grid, Value, blank, letters, shown, tidy
+from tandem.files.spreadsheet.said import Said, say
 from tandem.files.spreadsheet.units import unit_said
 from tandem.files.spreadsheet.values import cannot, is_number, says_able, unit_named
 from tandem.files.spreadsheet.vocabulary import SCALE, Meaning, key, meaning, split_unit
@@ -61,7 +62,7 @@ class Column:
     header: str
     place: str
     meaning: Meaning | None
-    why: str = ""
+    why: Said | None = None
 
     @property
     def letter(self) -> str:
@@ -331,5 +332,5 @@ def _reconsidered(grid: Grid, table: Table, column: Column) -> Column:
         return column
     words = sum(1 for value in values if not cannot(value) and not is_number(value))
     if words * 2 > sum(1 for value in values if not blank(value)):
-        return replace(column, meaning=None, why="it holds texts, not times")
+        return replace(column, meaning=None, why=say("why.texts"))
     return column

@@ -14,6 +14,7 @@ from dataclasses import replace
 from tandem.files.spreadsheet.findings import Findings
 from tandem.files.spreadsheet.grid import shown, tidy
 from tandem.files.spreadsheet.header import Column, Table
+from tandem.files.spreadsheet.said import say
 from tandem.files.spreadsheet.vocabulary import JOINT, key, kind_of
 
 EVERYBODY = {"alle", "all", "everybody", "everyone"}
@@ -144,7 +145,7 @@ def _with_group(column: Column, people: Sequence[str], findings: Findings) -> Co
             " into the header when they do it together, or give each a column of its own.",
             column.place,
         )
-        return replace(column, meaning=None, why="it may be a time of either or of both")
+        return replace(column, meaning=None, why=say("why.either"))
     if (
         all(key(one) in named for one in what.who)
         or key(name) in named
@@ -155,4 +156,4 @@ def _with_group(column: Column, people: Sequence[str], findings: Findings) -> Co
         return replace(column, meaning=replace(what, who=ways(name, people)[0]))
     except WhoError as error:
         findings.fault(f"{column.header!r} {error}.", column.place)
-        return replace(column, meaning=None, why="it does not say who takes part")
+        return replace(column, meaning=None, why=say("why.who"))

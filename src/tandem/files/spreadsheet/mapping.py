@@ -17,6 +17,7 @@ from tandem.files.spreadsheet.grid import Grid, blank, shown, tidy
 from tandem.files.spreadsheet.header import TASK_WORDS, Column, Table
 from tandem.files.spreadsheet.precedence import MATRIX, listed_headers
 from tandem.files.spreadsheet.rows import task_rows
+from tandem.files.spreadsheet.said import Said, say
 from tandem.files.spreadsheet.shape import refuse_values_beyond_the_header
 from tandem.files.spreadsheet.stated_units import say_units
 from tandem.files.spreadsheet.vocabulary import (
@@ -62,7 +63,7 @@ def settled(table: Table, known: tuple[str, ...], findings: Findings) -> Table:
         elif column.meaning and column.meaning.what == "ignore":
             findings.note(
                 "column",
-                f"column {column.header!r} was not read: remarks and ignored columns are left out.",
+                say("column.ignored", column=repr(column.header)),
                 column.place,
             )
     refuse_values_beyond_the_header(table, columns, rows, findings)
@@ -179,8 +180,7 @@ def _with_scale(column: Column, spelled: Mapping[str, str], findings: Findings) 
     if strangers:
         findings.note(
             "assumed",
-            f"{scale!r} in {column.header!r} is taken for its scale; it names no operator of the"
-            " sheet.",
+            say("scale", scale=repr(scale), column=repr(column.header)),
             column.place,
         )
     percent = bool(re.search(r"%|percent|prozent|pct", scale, re.IGNORECASE))
@@ -198,7 +198,7 @@ def _one_name_for_each_task(columns: list[Column]) -> list[Column]:
                 column = replace(
                     column,
                     meaning=None,
-                    why=f"{taken[role].header!r} already says it; choose with --map",
+                    why=say("why.already", header=repr(taken[role].header)),
                 )
             else:
                 taken[role] = column
@@ -208,7 +208,7 @@ def _one_name_for_each_task(columns: list[Column]) -> list[Column]:
         unread = replace(
             spare,
             meaning=None,
-            why=f"the label is taken from {taken['task'].header!r}; choose with --map",
+            why=say("why.label", header=repr(taken["task"].header)),
         )
         found = [unread if column is spare else column for column in found]
     return found
@@ -221,12 +221,10 @@ def _who_takes_the_time(columns: list[Column], findings: Findings) -> list[Colum
     operators = [
         column for column in columns if column.meaning and column.meaning.what == "operator"
     ]
-    dropped: dict[int, str] = {}
+    dropped: dict[int, Said] = {}
     if wide:
         for column in operators:
-            dropped[column.index] = (
-                "the times have a column for each operator; who does a task is for the plan to say"
-            )
+            dropped[column.index] = say("why.plan")
     if (
         nobody
         and (wide or not operators)
@@ -239,7 +237,7 @@ def _who_takes_the_time(columns: list[Column], findings: Findings) -> list[Colum
                 f' "{column.header}=time robot [s]" (=ignore leaves it out).',
                 column.place,
             )
-            dropped[column.index] = "it does not say whose time it is"
+            dropped[column.index] = say("why.whose")
     return [
         (
             replace(column, meaning=None, why=dropped[column.index])
@@ -267,7 +265,7 @@ def _each_meaning_once(columns: list[Column], findings: Findings) -> list[Column
                     f'Rename one, or leave it out with --map "{column.header}=ignore".',
                     column.place,
                 )
-                column = replace(column, meaning=None, why="it means the same as another column")
+                column = replace(column, meaning=None, why=say("why.same"))
             else:
                 first[same] = column
         found.append(column)
@@ -280,7 +278,7 @@ def _each_meaning_once(columns: list[Column], findings: Findings) -> list[Column
         if len({column.header for column in several}) > 1:
             findings.note(
                 "assumed",
-                f"the columns {listed_headers(several)} are read together, as one list of tasks.",
+                say("columns.together", columns=listed_headers(several)),
                 several[0].place,
             )
     return found
@@ -294,18 +292,11 @@ def _nothing_in(grid: Grid, table: Table, column: Column) -> bool:
 
 def _note_unread(column: Column, findings: Findings) -> None:
     letter = column.place.rpartition("!")[2].rstrip("0123456789")
-    name = (
-        f"column {letter} {column.header!r}"
-        if column.header
-        else f"column {letter}, which has no header,"
+    said = say(
+        f"column.{'unread' if column.header else 'bare'}{'.why' if column.why else ''}",
+        letter=letter,
+        column=repr(column.header),
+        header=column.header,
+        why=column.why,
     )
-    hint = (
-        ""
-        if column.why or not column.header
-        else f' If it matters, say what it means: --map "{column.header}=..."'
-    )
-    findings.note(
-        "column",
-        f"{name} was not read{': ' + column.why if column.why else ''}.{hint}",
-        column.place,
-    )
+    findings.note("column", said, column.place)

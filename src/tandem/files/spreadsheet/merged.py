@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from tandem.files.spreadsheet.findings import Findings, listed
 from tandem.files.spreadsheet.grid import blank, letters
 from tandem.files.spreadsheet.header import Column, Table
+from tandem.files.spreadsheet.said import enumerated, say
 
 NAMES = ("number", "task", "label")
 """A name may reach over its neighbours; nothing is lost by it."""
@@ -63,7 +64,7 @@ def say_what_is_merged(table: Table, tasks: Mapping[int, str], findings: Finding
     if downwards:
         findings.note(
             "assumed",
-            f"what stands in merged cells counts for each of their rows: {listed(downwards)}.",
+            say("merged", cells=enumerated(downwards)),
             f"{table.grid.name}!{downwards[0]}",
         )
 

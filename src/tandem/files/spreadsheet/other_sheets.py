@@ -14,6 +14,7 @@ from tandem.files.spreadsheet.form import OPERATOR_COLUMNS, OperatorColumn
 from tandem.files.spreadsheet.grid import Grid, blank, shown, tidy
 from tandem.files.spreadsheet.header import Column, Table, best_table
 from tandem.files.spreadsheet.references import References, UnknownTaskError
+from tandem.files.spreadsheet.said import say
 from tandem.files.spreadsheet.values import UnreadableError, number, seconds
 from tandem.files.spreadsheet.vocabulary import Meaning, key, kind_of, meaning
 
@@ -152,7 +153,7 @@ def _operators(grid: Grid, found: Beside, findings: Findings) -> None:
     if table is None or name is None:
         findings.note(
             "sheet",
-            f"sheet {grid.name!r} was not read: it has no column 'operator'.",
+            say("sheet.no_column", sheet=repr(grid.name), column="'operator'"),
             f"{grid.name}!A1",
         )
         return
@@ -242,7 +243,7 @@ def _things(
     if table is None or name is None:
         findings.note(
             "sheet",
-            f"sheet {grid.name!r} was not read: it has no column {names[0]!r}.",
+            say("sheet.no_column", sheet=repr(grid.name), column=repr(names[0])),
             f"{grid.name}!A1",
         )
         return
@@ -278,7 +279,7 @@ def _note_columns(table: Table, findings: Findings) -> None:
         if column.meaning is None and column.header:
             findings.note(
                 "column",
-                f"column {column.header!r} of sheet {table.grid.name!r} was not read.",
+                say("column.of_sheet", column=repr(column.header), sheet=repr(table.grid.name)),
                 column.place,
             )
 
@@ -290,7 +291,7 @@ def read_sets(grid: Grid, names: list[str], findings: Findings) -> dict[str, flo
     if table is None or tasks is None or amounts is None:
         findings.note(
             "sheet",
-            f"sheet {grid.name!r} was not read: it has no columns 'tasks' and 'stress'.",
+            say("sheet.no_columns", sheet=repr(grid.name)),
             f"{grid.name}!A1",
         )
         return None

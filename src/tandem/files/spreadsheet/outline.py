@@ -15,6 +15,7 @@ from tandem.files.spreadsheet.findings import Findings, listed
 from tandem.files.spreadsheet.grid import Grid, blank, shown
 from tandem.files.spreadsheet.header import Column, Table
 from tandem.files.spreadsheet.precedence import Link, is_mark
+from tandem.files.spreadsheet.said import say
 from tandem.files.spreadsheet.vocabulary import key
 
 CODE = re.compile(r"[^\W_]+(\.[^\W_]+)*\.?")
@@ -79,7 +80,7 @@ def with_outline(table: Table) -> Table:
             replace(column, meaning=replace(column.meaning, what="number"))
             if column is codes[0] and column.meaning
             else (
-                replace(column, meaning=None, why=f"the lists of tasks use {codes[0].header!r}")
+                replace(column, meaning=None, why=say("why.codes", header=repr(codes[0].header)))
                 if column in numbers
                 else column
             )
@@ -218,11 +219,8 @@ def read_outline(table: Table, rows: Sequence[Row], findings: Findings) -> Outli
         _note_summary(table, by_name[name], [by_name[end] for end in ends], certain, findings)
     for row in rows:
         if row.name in points:
-            message = (
-                f"row {row.row + 1} ({row.name!r}) is a milestone and takes no time: what comes"
-                " after it comes after its predecessors."
-            )
-            findings.note("row", message, table.grid.place(row.row, 0))
+            said = say("milestone", row=row.row + 1, name=repr(row.name))
+            findings.note("row", said, table.grid.place(row.row, 0))
     return Outline(parts, points)
 
 
@@ -255,21 +253,22 @@ def _note_summary(
             table.grid.place(row.row, index),
         )
         return
-    sums = "its time is the sum of those below it" if row.times else "it stands for those below it"
     unread = [
         c.header
         for c in table.having("tool", "zone", "part", "stress")
         if not blank(table.grid.value(row.row, c.index))
     ]
-    left_out = (
-        f" Its {listed(map(repr, unread))} {'was' if len(unread) == 1 else 'were'} not read."
-        if unread
-        else ""
+    number = "one" if len(unread) == 1 else "other"
+    left_out = say(f"summary.unread.{number}", columns=listed(map(repr, unread)))
+    said = say(
+        "summary",
+        row=row.row + 1,
+        name=repr(row.name),
+        sums=say("summary.sum" if row.times else "summary.stands"),
+        names=names,
+        left_out=left_out if unread else "",
     )
-    message = f"row {row.row + 1} ({row.name!r}) is a summary and no task: {sums} ({names})."
-    findings.note(
-        "row", f"{message} What comes before or after it does so for each of them.{left_out}", place
-    )
+    findings.note("row", said, place)
     for column in table.having("release", "deadline", "same operator"):
         if not blank(table.grid.value(row.row, column.index)):
             at = table.grid.place(row.row, column.index)

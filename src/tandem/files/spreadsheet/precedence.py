@@ -18,6 +18,7 @@ from tandem.files.spreadsheet.findings import Findings, listed
 from tandem.files.spreadsheet.grid import Grid, Value, blank, shown
 from tandem.files.spreadsheet.header import Column, Table
 from tandem.files.spreadsheet.references import References, UnknownTaskError, unquoted
+from tandem.files.spreadsheet.said import say
 from tandem.files.spreadsheet.values import is_number
 from tandem.files.spreadsheet.vocabulary import MEANS, Meaning, key, meaning
 
@@ -56,10 +57,6 @@ NEUTRAL = re.compile(
     r"|network"
 )
 """Names of sheets that say nothing against it."""
-NOT_READ = (
-    "sheet {name!r} was not read, though its columns could be pairs of tasks; call it 'precedence'"
-    " if it says what comes before what."
-)
 
 MARKS = {"1", "x", "✓", "✔", "●", "•", "*", "true", "wahr", "yes", "ja", "y", "j"}
 NO_MARKS = {"", "0", "-", "–", "—", "−", ".", "/", "false", "falsch", "no", "nein", "n"}
@@ -167,7 +164,7 @@ def _with_matrix(
     ends = [column.place.rpartition("!")[2] for column in columns if column.index in headed]
     findings.note(
         "assumed",
-        f"columns {ends[0]} to {ends[-1]} are read as a matrix of what comes before what.",
+        say("matrix", first=ends[0], last=ends[-1]),
         columns[min(headed)].place,
     )
     return replace(table, columns=tuple(columns))
@@ -208,11 +205,8 @@ def _with_unnamed(
             continue
         if not strange:
             columns[place] = replace(column, meaning=left.meaning)
-            message = (
-                f"column {column.letter}, which has no header, holds tasks and is read together"
-                f" with {left.header!r} left of it."
-            )
-            findings.note("assumed", message, column.place)
+            said = say("no_header", letter=column.letter, header=repr(left.header))
+            findings.note("assumed", said, column.place)
         else:
             left = None
         if 0 < len(strange) * 2 < len(filled):
@@ -413,7 +407,7 @@ def _pairs_below_a_header(
     if numbers.said:
         findings.note(
             "assumed",
-            f"the numbers in sheet {grid.name!r} are {numbers.said}.",
+            say("numbers.sheet", sheet=repr(grid.name), reading=numbers.said),
             grid.place(header, 0),
         )
     if not ABOUT_PRECEDENCE.search(key(grid.name)):
@@ -427,7 +421,7 @@ def _pairs_below_a_header(
             ABOUT_PRECEDENCE.search(key(shown(grid.value(header, column))))
             for column in (*early, *late)
         ):
-            findings.note("sheet", NOT_READ.format(name=grid.name), grid.place(header, 0))
+            findings.note("sheet", say("sheet.pairs", sheet=repr(grid.name)), grid.place(header, 0))
             return []
     links = []
     for row in rows:
@@ -634,9 +628,7 @@ def _bare_pairs(grid: Grid, references: References, findings: Findings) -> list[
 
 
 def _empty(grid: Grid, findings: Findings) -> list[Link]:
-    findings.note(
-        "sheet", f"sheet {grid.name!r} holds nothing below its header.", f"{grid.name}!A1"
-    )
+    findings.note("sheet", say("sheet.empty", sheet=repr(grid.name)), f"{grid.name}!A1")
     return []
 
 
@@ -657,8 +649,11 @@ def _pair(values: Sequence[Value], references: References) -> tuple[str, str] | 
 def _note_read(grid: Grid, links: Sequence[Link], findings: Findings) -> None:
     findings.note(
         "assumed",
-        f"sheet {grid.name!r} is read as what comes before what: {len(links)}"
-        f" {'pair' if len(links) == 1 else 'pairs'}.",
+        say(
+            f"sheet.links.{'one' if len(links) == 1 else 'other'}",
+            sheet=repr(grid.name),
+            n=len(links),
+        ),
         f"{grid.name}!A1",
     )
 
@@ -692,11 +687,9 @@ def _directed(
             return []
         if ways:
             first_leads = ways.pop()
-            before = f"{one} comes before {other}" if first_leads else f"{one} comes after {other}"
             findings.note(
                 "assumed",
-                f"nothing says which of two linked tasks comes first: {before}, as then all links"
-                " follow the list.",
+                say(f"links.{'before' if first_leads else 'after'}", one=one, other=other),
                 place,
             )
     return [Link(a, b, where) if first_leads else Link(b, a, where) for a, b, where in found]

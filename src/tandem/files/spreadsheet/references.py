@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 from tandem.cell.names import Known
 from tandem.files.spreadsheet.grid import Value, blank, shown, tidy
+from tandem.files.spreadsheet.said import Said, say
 
 NO_TASK = {
     "-",
@@ -61,7 +62,7 @@ class References:
         `agree_on_numbers`.
       counted: the names are counts that the sheet does not show, so that numbers may as well be
         rows.
-      said: how numbers were understood, for the notes; "" when they simply are names.
+      said: how numbers were understood, for the notes; None when they simply are names.
     """
 
     names: Sequence[str]
@@ -69,7 +70,7 @@ class References:
     rows: Mapping[str, int] = field(default_factory=dict)
     counted: bool = False
     by_row: dict[str, str] = field(default_factory=dict)
-    said: str = ""
+    said: Said | None = None
 
     def __post_init__(self) -> None:
         self._exact = set(self.names)
@@ -111,9 +112,9 @@ class References:
         places = {str(place): name for place, name in enumerate(self.names, 1)}
         in_sheet = {str(row): name for name, row in self.rows.items()}
         readings = [
-            (tails, "the number at the end of the task's name"),
-            (places, "places in the list, the first task being 1"),
-            (in_sheet, "row numbers of the sheet"),
+            (tails, say("numbers.tails")),
+            (places, say("numbers.places")),
+            (in_sheet, say("numbers.rows")),
         ]
         for reading, said in (
             readings[2:] if sheet_rows else readings[1:] if self.counted else readings

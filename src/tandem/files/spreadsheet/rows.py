@@ -7,9 +7,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from tandem.files.spreadsheet.findings import Findings, listed
+from tandem.files.spreadsheet.findings import Findings
 from tandem.files.spreadsheet.grid import Grid, blank, shown, tidy
 from tandem.files.spreadsheet.header import Table
+from tandem.files.spreadsheet.said import Said, enumerated, say
 from tandem.files.spreadsheet.values import Marks, UnreadableError, cannot, number
 from tandem.files.spreadsheet.vocabulary import TOTALS, key
 
@@ -42,42 +43,40 @@ def task_rows(table: Table, findings: Findings) -> list[int]:
         if why:
             findings.note(
                 "row",
-                f"row {row + 1} was not read: {why}.",
+                say("row.unread", row=row + 1, why=why),
                 grid.place(row, next((c for c, _ in grid.filled(row)), 0)),
             )
             continue
         if row in grid.hidden_rows:
             findings.note(
                 "assumed",
-                f"row {row + 1} is hidden in the workbook and was read all the same.",
+                say("row.hidden", row=row + 1),
                 grid.place(row, 0),
             )
         rows.append(row)
     if inner := [row + 1 for row in blanks if rows and row < rows[-1]]:
-        findings.note(
-            "row", f"blank rows were passed over: {listed(inner)}.", grid.place(inner[0] - 1, 0)
-        )
+        findings.note("row", say("row.blank", rows=enumerated(inner)), grid.place(inner[0] - 1, 0))
     return rows
 
 
-def _no_task(table: Table, row: int, before: list[int], below_all: bool) -> str | None:
+def _no_task(table: Table, row: int, before: list[int], below_all: bool) -> Said | None:
     """Why the row is no task, or None."""
     grid = table.grid
     filled = list(grid.filled(row))
     texts = [tidy(value) for _, value in filled if isinstance(value, str)]
     if _is_called_a_total(table, row, before):
-        return f"{texts[0]!r} is a total, not a task"
+        return say("why.total", text=repr(texts[0]))
     if _repeats_header(table, row):
-        return "it repeats the header"
+        return say("why.repeats")
     if _sums_up(table, row, before):
-        return "it has no name, and its numbers are the sums of those above"
+        return say("why.sums")
     if len(filled) != 1 or not texts or any(r == row for r, _ in grid.odd):
         return None
     _, left, _, right = grid.spread_of(row, filled[0][0])
     if right > left:
-        return f"{texts[0]!r} is a heading across several columns"
+        return say("why.heading", text=repr(texts[0]))
     if below_all:
-        return f"{texts[0]!r} stands alone below the table, without times"
+        return say("why.alone", text=repr(texts[0]))
     return None
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from tandem.files.spreadsheet.findings import Findings
 from tandem.files.spreadsheet.header import Column, Table
+from tandem.files.spreadsheet.said import say
 from tandem.files.spreadsheet.vocabulary import key
 
 ORDINAL = re.compile(
@@ -36,15 +37,14 @@ def without_scores(table: Table, told: Collection[str], findings: Findings) -> T
         if _is_told(column, told):
             findings.note(
                 "assumed",
-                f"{column.header!r} is added up as stress because --map says so, though it is a"
-                " score that only ranks.",
+                say("score.told", column=repr(column.header)),
                 column.place,
             )
             continue
         columns[columns.index(column)] = replace(
             column,
             meaning=None,
-            why="it is a score that only ranks, and cannot be added up as stress",
+            why=say("why.score"),
         )
         if not others:
             findings.fault(

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from tandem.errors import CellError, Fault
 from tandem.files.spreadsheet.grid import MOST_ROWS, MOST_TEXT, Book, Grid, flood, letters, trimmed
+from tandem.files.spreadsheet.said import say
 
 MOST_COLUMNS, MOST_SIGNS = 16_384, 32_767
 """What a sheet and a cell of Excel hold."""
@@ -46,9 +47,11 @@ def read(path: Path, content: bytes) -> Book:
     _refuse_stray_quotes(path, text, separator, records)
     width = max(map(len, rows), default=0)
     full = tuple((*row, *[""] * (width - len(row))) for row in rows)
-    remark = (
-        f"read as {encoding} text with columns separated by"
-        f" {SEPARATORS.get(separator, repr(separator))}."
+    named = SEPARATORS.get(separator)
+    remark = say(
+        "text",
+        encoding=encoding,
+        separator=say(f"separator.{named}") if named else repr(separator),
     )
     return Book(path, (Grid(path.stem, full, lengths=tuple(map(len, rows))),), remarks=(remark,))
 

@@ -9,6 +9,7 @@ import re
 from tandem.files.spreadsheet.findings import Findings, listed
 from tandem.files.spreadsheet.grid import blank, letters
 from tandem.files.spreadsheet.header import TIMED, Column, Table
+from tandem.files.spreadsheet.said import say
 from tandem.files.spreadsheet.units import unclear_unit
 from tandem.files.spreadsheet.values import cannot, is_number, unit_named, written
 from tandem.files.spreadsheet.vocabulary import PER_PIECE, QUOTES, key, split_unit
@@ -38,9 +39,7 @@ def say_units(table: Table, columns: list[Column], rows: list[int], findings: Fi
     ]
     names = listed(repr(column.header) for column in silent)
     if silent and table.unit:
-        findings.note(
-            "assumed", f"times are in {table.unit}, as a line of the sheet says.", silent[0].place
-        )
+        findings.note("assumed", say("unit.line", unit=table.unit), silent[0].place)
     elif silent and table.doubt:
         message = (
             f"no unit is stated for {names}, and none can be assumed beside {table.doubt}. Write"
@@ -48,10 +47,9 @@ def say_units(table: Table, columns: list[Column], rows: list[int], findings: Fi
         )
         findings.fault(message, silent[0].place)
     elif silent:
-        hint = "Write [s], [min], [1/100 min] or [TMU] into the header."
         findings.note(
             "assumed",
-            f"no unit is stated for {names}: seconds are assumed. {hint}",
+            say("unit.none", columns=names),
             silent[0].place,
         )
 
@@ -111,7 +109,7 @@ def _note_units_of_cells(table: Table, column: Column, rows: list[int], findings
         cells = listed(f"{letters(column.index)}{row + 1} {name}" for row, name in others.items())
         findings.note(
             "assumed",
-            f"the unit that a cell of {column.header!r} shows is the one that counts: {cells}.",
+            say("unit.cells", column=repr(column.header), cells=cells),
             column.place,
         )
 

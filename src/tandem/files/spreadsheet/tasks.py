@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from tandem.files.spreadsheet.findings import AS_FRACTION, AS_SHOWN, Findings, Percent, listed
+from tandem.files.spreadsheet.findings import AS_FRACTION, AS_SHOWN, Findings, Percent
 from tandem.files.spreadsheet.grid import Grid, Value, shown
 from tandem.files.spreadsheet.header import Column, Table
 from tandem.files.spreadsheet.joint import WhoError, people_in, ways
@@ -30,6 +30,7 @@ from tandem.files.spreadsheet.precedence import (
 )
 from tandem.files.spreadsheet.references import References, UnknownTaskError, task_name, unquoted
 from tandem.files.spreadsheet.rows import task_rows
+from tandem.files.spreadsheet.said import Said, enumerated, say
 from tandem.files.spreadsheet.values import cannot, says_able
 
 TEXTS = ("part", "tool", "zone")
@@ -270,22 +271,15 @@ def _pieces(table: Table, findings: Findings) -> None:
     if each and quantities:
         findings.note(
             "assumed",
-            f"the times per piece in {listed_headers(each)} are multiplied by"
-            f" {quantities[0].header!r}.",
+            say("piece.times", columns=listed_headers(each), quantity=repr(quantities[0].header)),
             each[0].place,
         )
     elif each:
-        message = (
-            f"{listed_headers(each)}: a time per piece, and no column such as 'Quantity' says how"
-            " many pieces: one for each task."
-        )
-        findings.note("assumed", message, each[0].place)
+        findings.note("assumed", say("piece.one", columns=listed_headers(each)), each[0].place)
     elif quantities:
-        name = quantities[0].header
         findings.note(
             "column",
-            f"column {name!r} was not read: the times are those of the whole task, as no header"
-            " says 'per piece'.",
+            say("piece.whole", column=repr(quantities[0].header)),
             quantities[0].place,
         )
 
@@ -374,12 +368,8 @@ def _cannot(table: Table, entries: list[Entry], findings: Findings) -> None:
             who = " + ".join(column.meaning.who) or (
                 "nobody" if table.having("able") else "the operator of the row"
             )
-            cells = [
-                f"{name} ({table.grid.place(row, column.index).rpartition('!')[2]}"
-                f" {_as_seen(table, row, column)})"
-                for name, row in missing
-            ]
-            findings.note("cannot", f"{who} cannot do: {listed(cells)}.", column.place)
+            cells = [_as_seen(table, name, row, column) for name, row in missing]
+            findings.note("cannot", say("cannot", who=who, tasks=enumerated(cells)), column.place)
 
 
 def _says_cannot(value: Value, column: Column) -> bool:
@@ -390,9 +380,12 @@ def _says_cannot(value: Value, column: Column) -> bool:
     )
 
 
-def _as_seen(table: Table, row: int, column: Column) -> str:
-    text = shown(table.grid.value(row, column.index))
-    return f"is {text}" if text else "is empty"
+def _as_seen(table: Table, task: str, row: int, column: Column) -> Said:
+    """The task, and what stands in its row."""
+    cell = table.grid.place(row, column.index).rpartition("!")[2]
+    if text := shown(table.grid.value(row, column.index)):
+        return say("cannot.cell", task=task, cell=cell, value=text)
+    return say("cannot.empty", task=task, cell=cell)
 
 
 # --- one row for each operator --------------------------------------------------------------------
@@ -585,7 +578,12 @@ def _percentages(table: Table, entries: list[Entry], findings: Findings) -> None
         if isinstance(value, int | float) and size is not None:
             findings.note(
                 "assumed",
-                f"percentages in {column.header!r} count so: {value * 100:.15g} % is {size:.15g}.",
+                say(
+                    "percent",
+                    column=repr(column.header),
+                    percent=f"{value * 100:.15g}",
+                    size=f"{size:.15g}",
+                ),
                 column.place,
             )
 
@@ -623,7 +621,9 @@ def _lists(
         )
         if references.said:
             findings.note(
-                "assumed", f"the numbers in {column.header!r} are {references.said}.", column.place
+                "assumed",
+                say("numbers.column", column=repr(column.header), reading=references.said),
+                column.place,
             )
         for entry in entries:
             for row in entry.rows:
@@ -641,7 +641,8 @@ def _lists(
     )
     for grid in beside:
         if (more := sheet_links(grid, references, findings)) is None:
-            findings.note("sheet", f"sheet {grid.name!r} was not read.", f"{grid.name}!A1")
+            said = say("sheet.unread", sheet=repr(grid.name))
+            findings.note("sheet", said, f"{grid.name}!A1")
         else:
             links += more
     found.linked = bool(links) or len(findings.faults) > already

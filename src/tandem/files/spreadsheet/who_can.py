@@ -13,6 +13,7 @@ from tandem.files.spreadsheet.findings import Findings, listed
 from tandem.files.spreadsheet.grid import shown
 from tandem.files.spreadsheet.header import Column, Table
 from tandem.files.spreadsheet.references import References, unquoted
+from tandem.files.spreadsheet.said import enumerated, say
 from tandem.files.spreadsheet.vocabulary import Meaning, key
 
 
@@ -100,7 +101,7 @@ def restrict(tasks: dict[str, dict[str, Any]], table: Table, findings: Findings)
     for who, cells in taken.items():
         findings.note(
             "cannot",
-            f"{who} cannot do, as sheet {table.grid.name!r} says: {listed(cells)}.",
+            say("who.cannot", who=who, sheet=repr(table.grid.name), tasks=enumerated(cells)),
             table.grid.place(table.header_row, 0),
         )
     if missing:
@@ -112,7 +113,7 @@ def restrict(tasks: dict[str, dict[str, Any]], table: Table, findings: Findings)
     if not findings.faults:
         findings.note(
             "assumed",
-            f"sheet {table.grid.name!r} is read as who can do what: 1 can, 0 cannot.",
+            say("who.sheet", sheet=repr(table.grid.name)),
             table.grid.place(table.header_row, 0),
         )
 

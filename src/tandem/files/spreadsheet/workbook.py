@@ -12,6 +12,7 @@ from tandem.errors import CellError, Fault
 from tandem.files.spreadsheet import hidden_content, separated
 from tandem.files.spreadsheet.confined import REMEDY, RefusedError, open_apart
 from tandem.files.spreadsheet.grid import Book, Grid, flood, trimmed
+from tandem.files.spreadsheet.said import say
 
 MOST_BYTES = 50_000_000
 MOST_BYTES_UNPACKED = 600_000_000
@@ -129,7 +130,7 @@ def _calamine(path: Path, content: bytes) -> Book:
     grids, passed_over = [], {}
     for sheet in workbook.sheets_metadata:
         if sheet.typ != calamine.SheetTypeEnum.WorkSheet:
-            passed_over[sheet.name] = "it is no worksheet but a chart, a dialogue or a macro"
+            passed_over[sheet.name] = say("why.no_sheet")
             continue
         try:
             data = workbook.get_sheet_by_name(sheet.name)
@@ -143,7 +144,7 @@ def _calamine(path: Path, content: bytes) -> Book:
                 f"sheet {sheet.name!r} cannot be read ({error}). Open and save the workbook anew.",
             ) from error
         if too_much := flood(trimmed(rows)):
-            passed_over[sheet.name] = f"it {too_much}"
+            passed_over[sheet.name] = say("why.flood", text=too_much)
             continue
         sight = sights.get(sheet.name, hidden_content.Sight())
         visible = sheet.visible == calamine.SheetVisibleEnum.Visible

@@ -69,7 +69,7 @@ def _answer(name: str, content: bytes) -> None:
     for grid in book.grids:
         _say({field.name: _plain(getattr(grid, field.name)) for field in fields(grid)})
     rest = {
-        field.name: getattr(book, field.name)
+        field.name: _plain(getattr(book, field.name))
         for field in fields(book)
         if field.name not in ("path", "grids")
     }
@@ -77,11 +77,15 @@ def _answer(name: str, content: bytes) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """A value of a grid as JSON can hold it: what JSON does not know is a mapping of one key that
+    """A value of a book as JSON can hold it: what JSON does not know is a mapping of one key that
     says what it is (`confined.KINDS`).
     """
+    from tandem.files.spreadsheet.said import Said
+
     if isinstance(value, Mapping):
         return {"map": [[_plain(key), _plain(item)] for key, item in value.items()]}
+    if isinstance(value, Said):
+        return {"said": [value.key, _plain(value.values)]}
     if isinstance(value, tuple | list):
         return [_plain(item) for item in value]
     if isinstance(value, frozenset):
