@@ -100,10 +100,7 @@ def remarks(front: Front) -> list[str]:
             f"Not proven because time ran out: {_points(cut)}; with a longer --time-limit more is."
         )
     if loose:
-        lines.append(
-            f"Another run may show another schedule of the same values: {_points(loose)}; time ran"
-            " out before one was chosen."
-        )
+        lines.append(f"Another run may show another schedule of the same values: {_points(loose)}.")
     return lines
 
 
