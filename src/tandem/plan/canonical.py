@@ -40,7 +40,7 @@ from tandem.plan.door import Door, RefusedScheduleWarning
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.result import Bound, Front, Result, Status
-from tandem.plan.starts import Starts, append, list_schedule, measures, moved_up
+from tandem.plan.starts import Starts, appended, list_schedule, measures, moved_up
 from tandem.schedule.measures import exact
 
 SMALL = 16
@@ -302,7 +302,7 @@ class _Choice:
         for work, parameters in START_WORK:
             solver = self._solve(plan := self._model(), work, **parameters)
             if solver is not None:
-                return self._appended(plan.read(solver.value))
+                return appended(self.layout, plan.read(solver.value))
         return None
 
     def _least(
@@ -327,7 +327,7 @@ class _Choice:
             solver = self._solve(plan, work, **parameters)
         if solver is None:
             return start, None
-        found = self._appended(plan.read(solver.value))
+        found = appended(self.layout, plan.read(solver.value))
         least = round(solver.objective_value)
         return found, least if solver.status_name() == "OPTIMAL" else None
 
@@ -390,11 +390,6 @@ class _Choice:
         if status in ("FEASIBLE", "UNKNOWN") and (is_near or self.last_step.is_over):
             self.was_cut = True
         return solver if status in ("OPTIMAL", "FEASIBLE") and not self.was_cut else None
-
-    def _appended(self, starts: Starts) -> Starts:
-        """The same order, nothing put off."""
-        order = sorted(range(len(starts)), key=lambda task: (starts[task][1], task))
-        return append(self.layout, order, [way for way, _ in starts]) or starts
 
     def _people(self) -> list[int]:
         """The humans among whom stress is spread; none where there is nothing to compare."""

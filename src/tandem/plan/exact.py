@@ -30,7 +30,7 @@ from tandem.plan.portfolio import SMALL, Effort, Goal, GoalStatus, Meter, Race
 from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Result, Status
 from tandem.plan.rules import SPECS, attempts, build
-from tandem.plan.starts import Starts, measures
+from tandem.plan.starts import Starts, appended, measures
 from tandem.plan.sweep import Sweep
 from tandem.plan.weights import MOST_COUNTED, simplest, whole
 from tandem.schedule.measures import exact
@@ -115,8 +115,9 @@ class _Search:
         if self.layout.impossible():
             return
         # what the user has is first: whatever is found later has to be better
-        if hint is not None:
-            self._offer(self.door.hinted(hint))
+        if hint is not None and (hinted := self.door.hinted(hint)) is not None:
+            self._offer(self.door.admit(appended(self.layout, hinted.starts)))
+            self._offer(hinted)
         random = Random(self.seed)
         # these rules know nothing of listed sets; the attempts below do
         if self.instance.stress_of_set is None:

@@ -27,7 +27,7 @@ from tandem.plan.list_scheduling import Layout
 from tandem.plan.lns import WORK as STRETCH_WORK
 from tandem.plan.lns import plan_anew, take_out
 from tandem.plan.lower_bound import Proof, prove_makespan
-from tandem.plan.starts import Starts, append, keeps_deadlines, list_schedule, measures
+from tandem.plan.starts import Starts, append, appended, keeps_deadlines, list_schedule, measures
 from tandem.plan.weights import MOST_COUNTED
 
 
@@ -248,8 +248,10 @@ class Race:
         if value > at_most or not self.goal.allows(*schedule.point):
             self.door.refuse([f"it is worth {value} instead of {at_most}, or over a limit."])
             return None
-        self.take_in(schedule)
-        return value
+        # CP-SAT puts tasks off where that costs nothing; nobody shall wait for nothing
+        taken = self.door.admit(appended(self.layout, schedule.starts)) or schedule
+        self.take_in(taken)
+        return min(value, self.goal.value(*taken.point))
 
     def take_in(self, schedule: Admitted) -> bool:
         """Takes a schedule that was let in; says whether it is the best so far."""

@@ -48,6 +48,14 @@ def append(layout: Layout, order: Sequence[int], ways: Sequence[int]) -> Starts 
     return tuple(append_in_order(layout, order, steps).starts())  # type: ignore[arg-type]
 
 
+def appended(layout: Layout, starts: Starts) -> Starts:
+    """The schedule with its tasks appended in the order of their starts, in the same ways: none
+    comes later, and none waits for nothing but its turn.
+    """
+    order = sorted(range(len(starts)), key=lambda task: (starts[task][1], task))
+    return append(layout, order, [way for way, _ in starts]) or starts
+
+
 def list_schedule(layout: Layout, ways: Sequence[int]) -> Starts | None:
     """The list schedule by longest tail in which every task is done in the way given; None when
     limits or deadlines are broken.
@@ -80,10 +88,8 @@ def moved_up(layout: Layout, starts: Starts) -> Starts:
     Tasks are appended in the order of their starts, and put into gaps that have room for them, over
     and over. Of more than `MOST_GAPS_SOUGHT` tasks only the first. Assumes a sound schedule.
     """
-    ways = [way for way, _ in starts]
     while True:
-        order = sorted(range(len(starts)), key=lambda task: (starts[task][1], task))
-        starts = append(layout, order, ways) or starts
+        starts = appended(layout, starts)
         if len(starts) > MOST_GAPS_SOUGHT or (earlier := _into_a_gap(layout, starts)) is None:
             return starts
         starts = earlier
