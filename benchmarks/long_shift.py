@@ -151,6 +151,11 @@ def run(
                 "wrong": judged(reference, lives)[:20],
             }
         )
+    return {**_empty(products, pace, cv, tasks, seed), "rows": rows}
+
+
+def _empty(products: int, pace: float, cv: float, tasks: int, seed: int) -> dict[str, Any]:
+    """The document before any policy."""
     return {
         "benchmark": "long_shift",
         "tandem": __version__,
@@ -160,7 +165,7 @@ def run(
         "cv": cv,
         "tasks": tasks,
         "seed": seed,
-        "rows": rows,
+        "rows": [],
     }
 
 
@@ -199,22 +204,24 @@ def main() -> None:
     parser.add_argument("--learned", default="", help="policy of `learned`, a file or a folder")
     parser.add_argument("-o", "--output", type=Path, help="file of results")
     asked = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        document = run(
-            asked.policies.split(","),
-            asked.products,
-            asked.kills,
-            asked.pace,
-            asked.tasks,
-            asked.seed,
-            Path(folder),
-            cv=asked.cv,
-            learned=asked.learned,
-        )
-    text = json.dumps(document, indent=1)
-    print(text)
-    if asked.output:
-        asked.output.write_text(text + "\n")
+    document = _empty(asked.products, asked.pace, asked.cv, asked.tasks, asked.seed)
+    for policy in asked.policies.split(","):
+        with tempfile.TemporaryDirectory() as folder:
+            made = run(
+                [policy],
+                asked.products,
+                asked.kills,
+                asked.pace,
+                asked.tasks,
+                asked.seed,
+                Path(folder),
+                cv=asked.cv,
+                learned=asked.learned,
+            )
+        document["rows"] += made["rows"]
+        if asked.output:
+            asked.output.write_text(json.dumps(document, indent=1) + "\n")
+    print(json.dumps(document, indent=1))
     for fault in (wrong := faults(document)):
         print(fault, file=sys.stderr)
     sys.exit(bool(wrong))
