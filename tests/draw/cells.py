@@ -5,9 +5,11 @@ from __future__ import annotations
 import random
 from decimal import Decimal
 from functools import cache
+from pathlib import Path
 
 from tandem.cell.model import Cell
 from tandem.cell.parts import Mode
+from tandem.files.load import load
 from tandem.plan.result import Bound, Front, Result, Status
 from tandem.schedule.measures import changeover_times, exact, stress
 from tandem.schedule.model import Assignment, Schedule
@@ -216,6 +218,11 @@ def desk() -> Cell:
             "tasks": tasks,
         }
     )
+
+
+def eighteen() -> Cell:
+    """Eighteen tasks with labels for two people and a robot; `eighteen.yaml` beside this file."""
+    return load(Path(__file__).with_name("eighteen.yaml"))
 
 
 def layered(tasks: int, *, seed: int = 0, operators: int = 4) -> Cell:

@@ -132,7 +132,7 @@ def test_labels_fit_after_the_figure_became_smaller() -> None:
     before = [text.get_text() for text in drawn(ax)]
     figure.set_size_inches(5, 3)
     after = [text.get_text() for text in drawn(ax)]
-    assert "Insert shaft" in before
+    assert "shaft: Insert shaft" in before
     assert sum(map(len, after)) < sum(map(len, before))
 
 

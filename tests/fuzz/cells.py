@@ -5,25 +5,32 @@ Deadlines and releases stand in half of them each, since they are what methods g
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import combinations
 from random import Random
 from typing import Any
 
 STEPS = (1.0, 1.0, 0.5, 0.25, 0.1, 0.05)
 """Seconds that all times of one cell are multiples of."""
+SMALL = {1: 1, 2: 3, 3: 5, 4: 4, 5: 1}
+FEW = {1: 2, 2: 6, 3: 2}
 Data = dict[str, Any]
 
 
-def cell(random: Random) -> Data:
-    """One cell of one to five tasks and one to three operators. It may have no schedule; it may
-    even be refused as a cell.
+def cell(random: Random, sizes: Mapping[int, int] = SMALL, crews: Mapping[int, int] = FEW) -> Data:
+    """One cell of one to five tasks and one to three operators, or of other sizes. It may have no
+    schedule; it may even be refused as a cell.
+
+    Args:
+      sizes, crews: number of tasks, of operators -> how often it is drawn, as a weight.
     """
     fine = random.random() < 0.1
     step = 0.000001 if fine else random.choice(STEPS)
     clock = _Clock(random, step, 8_000_000 if fine else 8)
-    operators = _operators(random, clock)
+    operators = _operators(random, clock, crews)
     tools, zones = _tools(random, clock, list(operators)), _zones(random)
-    names = [f"t{place}" for place in range(random.choices((1, 2, 3, 4, 5), (1, 3, 5, 4, 1))[0])]
+    count = random.choices(list(sizes), list(sizes.values()))[0]
+    names = [f"t{place}" for place in range(count)]
     tasks: Data = {}
     for place, name in enumerate(names):
         tasks[name] = _task(random, clock, operators, names[:place], fine)
@@ -63,9 +70,9 @@ class _Clock:
         return round(steps * self.step, 6)
 
 
-def _operators(random: Random, clock: _Clock) -> Data:
+def _operators(random: Random, clock: _Clock, crews: Mapping[int, int]) -> Data:
     operators: Data = {}
-    for place in range(random.choices((1, 2, 3), (2, 6, 2))[0]):
+    for place in range(random.choices(list(crews), list(crews.values()))[0]):
         kind = random.choice(("human", "human", "robot"))
         operator: Data = {"kind": kind}
         if random.random() < 0.3:

@@ -8,13 +8,23 @@ import re
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.draw.cells import desk, front_by_rule, gearbox_front, layered_front, thesis, thesis_front
+from tests.draw.cells import (
+    desk,
+    eighteen,
+    front_by_rule,
+    gearbox_front,
+    layered_front,
+    thesis,
+    thesis_front,
+)
 
 from tandem.draw.style import looks
+from tandem.plan.methods import plan
 from tandem.plan.result import Front
 from tandem.report.html import write_html
 
@@ -39,7 +49,7 @@ def opened(browser: Any, tmp_path: Path) -> Iterator[Callable[..., Any]]:
     errors: list[str] = []
     context = browser.new_context(offline=True)
 
-    def load(front: Front, *, width: int = 1400, scripts: bool = True) -> Any:
+    def load(front: Front, *, width: int = 1400, scripts: bool = True, language: str = "en") -> Any:
         nonlocal context
         if not scripts:
             context = browser.new_context(java_script_enabled=False)
@@ -49,7 +59,9 @@ def opened(browser: Any, tmp_path: Path) -> Iterator[Callable[..., Any]]:
         page.on("pageerror", lambda error: errors.append(str(error)))
         page.on("console", lambda message: errors.append(message.text))
         page.goto(
-            write_html(front, tmp_path / "report.html", command="tandem plan cell.yaml").as_uri()
+            write_html(
+                front, tmp_path / "report.html", command="tandem plan cell.yaml", language=language
+            ).as_uri()
         )
         return page
 
@@ -164,15 +176,25 @@ def test_on_paper_no_chart_and_no_table_is_cut(opened: Callable[..., Any], name:
     assert [box for box in boxes if box[0] == "svg" and box[4] > PAPER[1]] == []
 
 
-@pytest.mark.parametrize("name", ["thesis", "gearbox", "desk"])
-def test_the_printed_pages_are_a4_landscape_and_hold_every_plan(
-    opened: Callable[..., Any], tmp_path: Path, name: str
-) -> None:
+def printed(page: Any, file: Path) -> list[str]:
+    """The text of each page of paper."""
     if not shutil.which("pdftotext"):
         pytest.skip("no pdftotext: apt-get install poppler-utils")
+    page.pdf(path=file, prefer_css_page_size=True, print_background=True)
+    told = subprocess.run(
+        ["pdftotext", "-layout", file, "-"], check=True, capture_output=True, text=True
+    )
+    return told.stdout.split("\f")[:-1]
+
+
+@pytest.mark.parametrize("name", ["thesis", "gearbox", "desk"])
+def test_the_printed_pages_are_a4_landscape_and_nothing_leaves_them(
+    opened: Callable[..., Any], tmp_path: Path, name: str
+) -> None:
     front = FRONTS[name]()
     page = opened(front)
-    page.pdf(path=tmp_path / "report.pdf", prefer_css_page_size=True, print_background=True)
+    page.locator("#print-more").check()
+    printed(page, tmp_path / "report.pdf")
     subprocess.run(
         ["pdftotext", "-bbox", tmp_path / "report.pdf", tmp_path / "words.html"], check=True
     )
@@ -191,30 +213,76 @@ def test_the_printed_pages_are_a4_landscape_and_hold_every_plan(
     assert max(edge[2] for edge in edges) < 842 - 20
     assert max(edge[3] for edge in edges) < 595 - 20
     text = " ".join(re.findall(r">([^<]+)</word>", found))
-    for place in range(1, len(front) + 1):
-        assert f"Plan {place}:" in text
     for task in front.cell.tasks:
         assert task in text
+
+
+@pytest.mark.parametrize("scripts", [True, False])
+def test_paper_has_one_plan_and_more_where_a_box_is_ticked(
+    opened: Callable[..., Any], tmp_path: Path, scripts: bool
+) -> None:
+    page = opened(thesis_front(), scripts=scripts)
+
+    def on_paper() -> tuple[list[str], list[str], bool]:
+        pages = printed(page, tmp_path / "report.pdf")
+        plans = [place for place in "123" if any(f"Plan {place}: " in p[:200] for p in pages)]
+        sheets = [
+            line for p in pages for line in re.findall(r"Plan (\d): .* · plan [0-9a-f]{12}", p)
+        ]
+        return plans, sheets, any("What must come before what" in p for p in pages)
+
+    assert on_paper() == (["2"], ["2", "2"], False)
+    page.locator("#print-more").check()
+    assert on_paper() == (["2"], ["2", "2"], True)
+    page.locator("#print-plans").check()
+    assert on_paper() == (["1", "2", "3"], ["2", "2"], True)
+
+
+def test_the_plan_that_is_open_is_the_one_that_is_printed(
+    opened: Callable[..., Any], tmp_path: Path
+) -> None:
+    page = opened(thesis_front())
+    page.locator("svg a.point .target").nth(2).click()
+    page.locator("#plan-3").wait_for(state="visible")
+    text = "".join(printed(page, tmp_path / "report.pdf"))
+    assert f"Plan 3: 34 s, stress 2 · plan {thesis_front()[2].schedule.digest}" in text
+    assert "Plan 2: " not in text
+    page.get_by_role("button", name="Show all plans").click()
+    assert page.locator("#print-plans").is_checked()
+
+
+@cache
+def eighteen_planned() -> Front:
+    return plan(eighteen(), workers=1, time_limit=120)
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_a_cell_of_eighteen_tasks_is_printed_on_six_pages(
+    opened: Callable[..., Any], tmp_path: Path, language: str
+) -> None:
+    """A page for the trade-off, one for the plan, one for each of three operators, one for what was
+    assumed.
+    """
+    pages = printed(opened(eighteen_planned(), language=language), tmp_path / "report.pdf")
+    heads = {
+        "en": ("Plan: ", "Plan 10: ", *["Instructions for "] * 3, "What was assumed"),
+        "de": ("Plan: ", "Plan 10: ", *["Anweisung für "] * 3, "Was angenommen wurde"),
+    }[language]
+    assert [page.lstrip()[: len(head)] for page, head in zip(pages, heads, strict=True)] == list(
+        heads
+    )
 
 
 def test_instruction_sheets_are_folded_on_the_screen_and_a_page_each_on_paper(
     opened: Callable[..., Any], tmp_path: Path
 ) -> None:
-    if not shutil.which("pdftotext"):
-        pytest.skip("no pdftotext: apt-get install poppler-utils")
     page = opened(thesis_front())
     shown = page.locator(".sheet table")
     assert [table.is_visible() for table in shown.all()] == [False] * 6
     page.get_by_text("Instructions for human").locator("visible=true").click()
     assert [table.is_visible() for table in shown.all()].count(True) == 1
-    page.pdf(path=tmp_path / "report.pdf", prefer_css_page_size=True, print_background=True)
-    text = subprocess.run(
-        ["pdftotext", "-layout", tmp_path / "report.pdf", "-"],
-        check=True,
-        capture_output=True,
-        text=True,
-    ).stdout
-    sheets = [sheet for sheet in text.split("\f") if "Instructions for" in sheet]
+    pages = printed(page, tmp_path / "report.pdf")
+    sheets = [sheet for sheet in pages if "Instructions for" in sheet]
     assert [("human" in sheet.splitlines()[0], "Plan 2: 24 s" in sheet,
     "begin when" in sheet) for sheet in sheets] == [
         (False, True, True), (True, True, True),

@@ -27,7 +27,7 @@ from tandem.draw.style import contrast
 from tandem.errors import UsageError
 from tandem.plan.result import Front
 from tandem.report.html import html, summary
-from tandem.report.instructions import turns
+from tandem.report.instructions import steps
 from tandem.report.language import words
 from tandem.report.markup import fitting, tag, ticks, width_of
 from tandem.report.svg_gantt import panel_times
@@ -250,15 +250,16 @@ def test_small_pieces() -> None:
 def test_each_plan_has_an_instruction_sheet_for_each_operator(language: str, heading: str) -> None:
     front = thesis_front()
     page = html(front, language=language)
-    sheets = re.findall(r'<details class="sheet" open="">.*?</details>', page, re.DOTALL)
+    sheets = re.findall(r'<details class="sheet \w+" open="">.*?</details>', page, re.DOTALL)
     assert len(sheets) == len(front) * 2
     t = words(language)
     rows = re.findall(
         r"<tr><td.*?</tr>", next(sheet for sheet in sheets if heading in sheet), re.DOTALL
     )
     assert [len(rows), "4" in rows[-1]] == [len(front[0].schedule.of("human")), True]
-    for turn, row in zip(turns(front.cell, front[0].schedule, "human", t), rows, strict=True):
-        assert all(escape(sentence) in row for sentence in (*turn.wait, *turn.hands_to))
+    for step, row in zip(steps(front.cell, front[0].schedule, "human", t), rows, strict=True):
+        said = (*(condition.says for condition in step.begin), *step.then)
+        assert all(escape(sentence) in row for sentence in said)
 
 
 @pytest.mark.parametrize(

@@ -1,20 +1,20 @@
-"""What stands on paper is enough: whoever knows nothing but the sheets cannot work against the
-cell, however late the others are.
+"""What stands on an instruction sheet: every condition of a step, and all that can begin then; the
+same in the page, in the workbook and in Markdown. `test_sheets_hold.py` works by it.
 """
 
 from __future__ import annotations
 
 import io
-import random
+import re
 from functools import cache
-from itertools import pairwise
 
 import openpyxl
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from openpyxl.cell.rich_text import CellRichText, TextBlock
 from tests.draw.cells import front_of, gearbox_front, rows, thesis_front
-from tests.report.paper import Row, sheets_of, work_by
+from tests.report.paper import Sheet, number, sheets_of
 from tests.strategies import cells
 
 from tandem.cell.model import Cell
@@ -25,7 +25,7 @@ from tandem.plan.result import Front
 from tandem.report.html import html
 from tandem.report.markdown import markdown
 from tandem.report.xlsx import xlsx
-from tandem.schedule.measures import changeover_times
+from tandem.schedule.measures import changeover_times, exact
 from tandem.schedule.model import Schedule
 
 OPTIONS = {
@@ -46,7 +46,7 @@ def knee(cell: Cell) -> Schedule | None:
         return None
 
 
-def on_paper(cell: Cell, schedule: Schedule, language: str) -> dict[str, list[Row]]:
+def on_paper(cell: Cell, schedule: Schedule, language: str) -> dict[str, Sheet]:
     return sheets_of(html(front_of(cell, [schedule]), language=language), language)
 
 
@@ -62,80 +62,77 @@ def test_every_step_names_all_that_it_waits_for(cell: Cell, language: str) -> No
         return
     sheets, who = on_paper(cell, schedule, language), {a.task: a.operators for a in schedule}
     assert set(sheets) == set(cell.operators)
-    for one, turns in sheets.items():
-        assert [turn.task for turn in turns] == [a.task for a in schedule.of(one)]
-        for turn in turns:
-            task = cell.tasks[turn.task]
-            others = {(name, joined(who[name])) for name in task.after if one not in who[name]}
-            partners = [name for name in who[turn.task] if name != one]
-            assert turn.told("done") == others
-            assert turn.told("partner") == {(name,) for name in partners}
-            assert (turn.cells.get("with", "–") or "–") == (", ".join(partners) or "–")
-            assert turn.cells.get("tool", "–").split(" (")[0] == (task.tool or "–")
-            assert turn.cells.get("zone", "–") == (task.zone or "–")
-            assert turn.told("release") == (
-                {(f"{task.release:g}".replace(".", "," if language == "de" else "."),)}
-                if task.release
-                else set()
+    for one, sheet in sheets.items():
+        assert [row.task for row in sheet.rows if row.task] == [a.task for a in schedule.of(one)]
+        off = [tuple(map(exact, span)) for span in cell.operators[one].breaks]
+        assert sheet.breaks == (off if sheet.rows else [])
+        for row in sheet.rows:
+            assert row.conditions
+            assert len(row.bold) == ("start" not in row.conditions)
+            if not row.task:
+                continue
+            task = cell.tasks[row.task]
+            others = {(joined(who[name]), name) for name in task.after if one not in who[name]}
+            partners = [name for name in who[row.task] if name != one]
+            assert others <= row.waits_for()
+            assert row.own_before() == {name for name in task.after if one in who[name]}
+            assert row.told("partner") == {(name,) for name in partners}
+            assert {number(said) for (said,) in row.told("release")} == (
+                {exact(task.release)} if task.release else set()
             )
-            assert turn.conditions
+            said = " ".join(row.cells.get("means", []))
+            assert all(name in said for name in (task.tool, task.zone, *partners) if name)
 
 
 @settings(max_examples=60, **OPTIONS)
-@given(cells(max_tasks=7), st.sampled_from(("en", "de")), st.integers(0, 2**32))
-def test_work_by_the_sheets_alone_keeps_to_the_cell_however_late_others_are(
-    cell: Cell, language: str, seed: int
-) -> None:
+@given(cells(max_tasks=7), st.sampled_from(("en", "de")))
+def test_what_can_begin_then_is_all_that_waits_for_it(cell: Cell, language: str) -> None:
+    """Both columns say the same, seen from both ends."""
     schedule = knee(cell)
     if schedule is None:
         return
-    worked = {w.task: w for w in work_by(on_paper(cell, schedule, language), random.Random(seed))}
-    assert set(worked) == set(cell.tasks)
-    for name, task in cell.tasks.items():
-        assert all(worked[first].end <= worked[name].start for first in task.after)
-        assert worked[name].start >= task.release
-    for who, operator in cell.operators.items():
-        assert all(
-            w.start >= (operator.setting_up or (0, 0))[1] for w in worked.values() if who in w.who
-        )
-    for kind, table in (("tool", cell.tools), ("zone", cell.zones)):
-        for place in {getattr(task, kind) for task in cell.tasks.values()} - {None}:
-            users = [w for w in worked.values() if getattr(cell.tasks[w.task], kind) == place]
-            capacity = table[place].capacity if place in table else 1
-            for now in users:
-                assert sum(len(w.who) for w in users if w.start <= now.start < w.end) <= capacity
+    who = {a.task: a.operators for a in schedule}
+    rows = [row for sheet in on_paper(cell, schedule, language).values() for row in sheet.rows]
+    waits: dict[str, set[str]] = {name: set() for name in who}
+    for row in rows:
+        named = {task for _, task in row.waits_for()} | row.own_before()
+        for task in named | {task for *_, those in row.rooms() for _, task in those}:
+            waits[task].add(row.task)
+    for row in rows:
+        if row.task:
+            told = {task for _, task, _ in row.others} | set(row.own)
+            assert told == waits[row.task]
+            assert told >= {name for name in who if row.task in cell.tasks[name].after}
+            assert all(said == joined(who[task]) for said, task, _ in row.others)
 
 
 @settings(max_examples=40, **OPTIONS)
 @given(cells(max_tasks=7), st.sampled_from(("en", "de")))
-def test_every_break_between_two_turns_and_every_changeover_is_said(
+def test_every_break_between_two_steps_and_every_changeover_is_said(
     cell: Cell, language: str
 ) -> None:
     schedule = knee(cell)
     if schedule is None:
         return
-    for one, turns in on_paper(cell, schedule, language).items():
-        own = schedule.of(one)
-        ends = [0.0, *(a.end for a in own)]
-        for turn, a, free, seconds in zip(
-            turns, own, ends, changeover_times(cell, one, [a.task for a in own]), strict=False
-        ):
-            between = [
-                (off, back)
-                for off, back in cell.operators[one].breaks
-                if free <= off and back <= a.start
-            ]
-            said = {
-                tuple(float(number.replace(",", ".")) for number in pair)
-                for pair in turn.told("break")
-            }
-            assert said == set(between)
-            assert ("(" in turn.cells.get("tool", "")) == (seconds > 0)
-            assert (
-                not seconds
-                or f"{seconds:g}".replace(".", "," if language == "de" else ".")
-                in turn.cells["tool"]
-            )
+    for one, sheet in on_paper(cell, schedule, language).items():
+        own, operator = schedule.of(one), cell.operators[one]
+        changes = changeover_times(cell, one, [a.task for a in own])
+        wanted = [("", exact(operator.setup))] if own and operator.setup else []
+        wanted += [
+            (str(cell.tasks[a.task].tool), exact(seconds))
+            for a, seconds in zip(own, changes, strict=True)
+            if seconds
+        ]
+        assert [row.change for row in sheet.rows if row.change] == wanted
+        said = [tuple(map(number, span)) for row in sheet.rows for span in row.told("break")]
+        begun = [tuple(number(row.cells[key][0]) for key in ("start", "end")) for row in sheet.rows]
+        ends = [0, *(end for _, end in begun)]
+        assert sorted(said) == [
+            (exact(off), exact(back))
+            for free, (start, _) in zip(ends, begun, strict=False)
+            for off, back in operator.breaks
+            if free <= exact(off) and exact(back) <= start
+        ]
 
 
 def shop() -> Cell:
@@ -191,74 +188,99 @@ def test_the_drill_waits_for_the_clamp_although_only_the_tool_comes_last() -> No
         }
     )
     late = rows(("clamp part", "a", 0, 2), ("fetch tool", "b", 4, 5), ("drill", "c", 5, 8))
-    (drill,) = on_paper(cell, late, "en")["Cobot"]
-    assert drill.told("done") == {("clamp part", "Anna"), ("fetch tool", "Bert")}
+    (drill,) = on_paper(cell, late, "en")["Cobot"].rows
+    assert drill.waits_for() == {("Anna", "clamp part"), ("Bert", "fetch tool")}
+    assert drill.bold == [("done", "Bert done with fetch tool")]
 
 
 def test_a_sheet_says_all_that_there_is_to_a_step_in_english() -> None:
     sheets = sheets_of(html(shop_front()), "en")
-    (drill,) = sheets["Cobot"]
-    assert drill.told("done") == {("clamp part", "Anna"), ("fetch tool", "Bert")}
-    assert drill.told("zone") == {("jig", "Anna", "clamp part")}
-    assert drill.tell == ["Anna + Bert, for turn over", "Anna, that tool driver is free for screw"]
-    clamp, deburr, screw, turn = sheets["Anna"]
-    assert clamp.told("start") == {()}
-    assert clamp.tell == ["Cobot, for drill", "Cobot, that zone jig is free for drill"]
-    assert deburr.told("previous") == {()}
-    assert screw.conditions == {
-        "tool": [{"name": "driver", "who": "Cobot", "task": "drill"}],
-        "break": [{"off": "6", "back": "9.5"}],
-        "release": [{"release": "7.5"}],
-    }
-    assert screw.cells["tool"] == "driver (take it up first: 1.5 s)"
-    assert screw.cells["at the latest [s]"] == "20"
-    assert turn.conditions == {
-        "done": [{"task": "drill", "who": "Cobot"}],
-        "partner": [{"who": "Bert"}],
-    }
+    (drill,) = sheets["Cobot"].rows
+    assert drill.cells["begin"] == [
+        "Anna done with clamp part (out of zone jig)",
+        "Bert done with fetch tool",
+    ]
+    assert drill.bold == [("freed", "Anna done with clamp part (out of zone jig)")]
+    assert drill.cells["means"] == ["tool driver (only one)", "zone jig (one at a time)"]
+    assert drill.cells["then"] == ["Anna with screw (tool driver)", "Anna + Bert with turn over"]
+    clamp, deburr, change, screw, turn = sheets["Anna"].rows
+    assert clamp.cells["begin"] == ["at once"]
+    assert clamp.cells["then"] == ["own tasks: deburr", "Cobot with drill (zone jig)"]
+    assert deburr.cells["begin"] == ["own tasks done: clamp part"]
+    assert change.cells["what"] == ["change over to driver: 1.5 s"]
+    assert change.cells["begin"] == ["previous step done", "own break over (6 to 9.5 s)"]
+    assert change.bold == [("break", "own break over (6 to 9.5 s)")]
+    assert screw.cells["begin"] == [
+        "previous step done",
+        "7.5 s passed since the start",
+        "Cobot done with drill (tool driver free)",
+    ]
+    assert screw.bold == [("previous", "previous step done")]
+    assert screw.cells["deadline"] == ["20"]
+    assert turn.cells["means"] == ["together with Bert"]
+    assert turn.cells["begin"] == ["previous step done", "Cobot done with drill", "Bert ready too"]
 
 
 def test_a_sheet_says_all_that_there_is_to_a_step_in_german() -> None:
-    screw = sheets_of(html(shop_front(), language="de"), "de")["Anna"][2]
-    assert screw.conditions == {
-        "tool": [{"name": "driver", "who": "Cobot", "task": "drill"}],
-        "break": [{"off": "6", "back": "9,5"}],
-        "release": [{"release": "7,5"}],
-    }
-    assert screw.cells["tool"] == "driver (vorher aufnehmen: 1,5 s)"
-    assert screw.cells["spätestens [s]"] == "20"
+    change, screw = sheets_of(html(shop_front(), language="de"), "de")["Anna"].rows[2:4]
+    assert change.cells["what"] == ["wechseln auf driver: 1,5 s"]
+    assert change.cells["begin"] == ["voriger Schritt fertig", "eigene Pause vorbei (6 bis 9,5 s)"]
+    assert screw.cells["means"] == ["Werkzeug driver (nur eines da)"]
+    assert screw.cells["begin"] == [
+        "voriger Schritt fertig",
+        "7,5 s seit Beginn vergangen",
+        "Cobot fertig mit drill (Werkzeug driver frei)",
+    ]
+    assert screw.cells["deadline"] == ["20"]
 
 
-def test_the_last_task_of_the_thesis_names_all_that_others_do_before_it() -> None:
+def test_the_last_task_of_the_thesis_names_all_six_before_it() -> None:
     for result in thesis_front():
         (seventh,) = [
-            turn
-            for turns in on_paper(result.cell, result.schedule, "en").values()
-            for turn in turns
-            if turn.task == "7"
+            row
+            for sheet in on_paper(result.cell, result.schedule, "en").values()
+            for row in sheet.rows
+            if row.task == "7"
         ]
-        doer = next(a.operators[0] for a in result.schedule if a.task == "7")
-        others = {
-            (a.task, a.operators[0])
-            for a in result.schedule
-            if a.task != "7" and a.operators[0] != doer
-        }
-        assert seventh.told("done") == others
+        who = {a.task: a.operators[0] for a in result.schedule}
+        theirs = {(who[name], name) for name in "123456" if who[name] != who["7"]}
+        assert seventh.waits_for() == theirs
+        assert seventh.own_before() == set("123456") - {name for _, name in theirs}
 
 
-def test_one_of_two_tools_stays_with_whoever_has_it() -> None:
-    """Two drivers for two people who work side by side: nobody fetches the other's."""
-    tasks = {f"{who}{n}": {"time": {who: 2}, "tool": "driver"} for who in "ab" for n in (1, 2)}
-    cell = cell_of(
+def drivers(people: str) -> Cell:
+    """Two drivers for so many people, each of whom has two screws to drive."""
+    tasks = {f"{who}{n}": {"time": {who: 2}, "tool": "driver"} for who in people for n in (1, 2)}
+    return cell_of(
         {
-            "operators": {w: {"kind": "human"} for w in "ab"},
+            "operators": {w: {"kind": "human"} for w in people},
             "tools": {"driver": {"capacity": 2}},
             "tasks": tasks,
         }
     )
+
+
+def test_one_of_two_tools_stays_with_whoever_has_it() -> None:
+    """Two drivers for two people who work side by side: nobody waits for the other's."""
     schedule = rows(("a1", "a", 0, 2), ("b1", "b", 1, 3), ("b2", "b", 5, 7), ("a2", "a", 6, 8))
-    for turns in on_paper(cell, schedule, "en").values():
-        assert not any(turn.told("tool") for turn in turns)
+    for sheet in on_paper(drivers("ab"), schedule, "en").values():
+        for row in sheet.rows:
+            assert not row.rooms()
+            assert not row.waits_for()
+
+
+def test_the_third_of_two_drivers_waits_for_whoever_is_done_first() -> None:
+    """It does not matter which of the others that is; for who has not come yet a driver is kept."""
+    schedule = rows(
+        ("a1", "a", 0, 2), ("b1", "b", 0, 2), ("c1", "c", 2, 4), ("a2", "a", 2, 4),
+        ("b2", "b", 4, 6), ("c2", "c", 4, 6),
+    )  # fmt: skip
+    first, second = on_paper(drivers("abc"), schedule, "en")["c"].rows
+    assert first.rooms() == [("tool", "driver", 1, [("b", "b1"), ("a", "a2")])]
+    assert first.cells["begin"] == [
+        "one of 2 driver free: at most 1 not done of b with b1; a with a2"
+    ]
+    assert second.rooms() == [("tool", "driver", 1, [("a", "a2"), ("b", "b2")])]
 
 
 @pytest.mark.parametrize("language", ["en", "de"])
@@ -268,22 +290,62 @@ def test_workbook_and_markdown_say_what_the_page_says(language: str) -> None:
         openpyxl.load_workbook(io.BytesIO(xlsx(front, language=language))),
         markdown(front, language=language),
     )
-    for who, turns in sheets_of(html(front, language=language), language).items():
-        rows = [row for row in book[who].iter_rows(min_row=4, values_only=True) if row[0]]
-        heads = [
-            head for (head,) in book[who].iter_cols(min_row=3, max_row=3, values_only=True) if head
-        ]
-        for turn, row in zip(turns, rows, strict=True):
-            wait = str(row[heads.index("begin when" if language == "en" else "anfangen")]).split(
-                "\n"
-            )
-            assert " ".join(wait) == turn.cells["wait"]
-            assert f"| {'; '.join(wait)} |" in text
+    heads = {"en": ("step", "begin when"), "de": ("Schritt", "anfangen, wenn")}[language]
+    for who, sheet in sheets_of(html(front, language=language), language).items():
+        printed = [row for row in book[who].iter_rows(min_row=3, values_only=True) if row[0]]
+        head = [name for name in printed[0] if name]
+        assert head[0] == heads[0]
+        column = head.index(heads[1])
+        steps = [row for row in printed[1:] if isinstance(row[0], int)]
+        for row, step in zip(sheet.rows, steps, strict=True):
+            begin, bold = row.cells["begin"], {sentence for _, sentence in row.bold}
+            assert str(step[column]).split("\n") == begin
+            shown = [f"**{said}**" if said in bold else said for said in begin]
+            assert f"| {'<br>'.join(shown)} |" in text
+            assert all(said in text for said in row.cells["then"])
+
+
+def test_the_workbook_prints_the_last_condition_in_bold() -> None:
+    book = openpyxl.load_workbook(io.BytesIO(xlsx(shop_front())), rich_text=True)
+    said = [cell.value for row in book["Anna"].iter_rows() for cell in row]
+    bold = [
+        str(piece).strip()
+        for text in said
+        if isinstance(text, CellRichText)
+        for piece in text
+        if isinstance(piece, TextBlock) and piece.font.b
+    ]
+    assert bold == [
+        sentence
+        for row in sheets_of(html(shop_front()), "en")["Anna"].rows
+        for _, sentence in row.bold
+    ]
 
 
 @pytest.mark.parametrize("language", ["en", "de"])
-def test_a_long_sheet_tells_every_turn_its_own_number(language: str) -> None:
+def test_a_sheet_says_which_plan_it_belongs_to_wherever_it_stands(language: str) -> None:
+    front, word = shop_front(), {"en": "plan", "de": "Plan"}[language]
+    digest = f"{word} {front.knee.schedule.digest}"
+    book = openpyxl.load_workbook(io.BytesIO(xlsx(front, language=language)))
+    for who in ("Anna", "Bert", "Cobot"):
+        said = [str(value) for row in book[who].iter_rows(values_only=True) for value in row]
+        assert any(one.startswith(who) and one.endswith(digest) for one in said)
+        for text in (markdown(front, language=language), html(front, language=language)):
+            assert re.search(rf"{who} · .* · {digest}", text)
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_a_long_sheet_tells_every_step_its_own_number(language: str) -> None:
     front = gearbox_front()
-    for turns in on_paper(front.cell, front.knee.schedule, language).values():
-        numbers = [int(next(iter(turn.cells.values()))) for turn in turns]
-        assert all(b == a + 1 for a, b in pairwise(numbers))
+    for sheet in on_paper(front.cell, front.knee.schedule, language).values():
+        numbers = [int(row.cells["number"][0]) for row in sheet.rows]
+        assert numbers == list(range(1, len(numbers) + 1))
+
+
+def test_names_and_labels_of_tasks_stand_in_columns_of_their_own() -> None:
+    front = gearbox_front()
+    for sheet in on_paper(front.cell, front.knee.schedule, "en").values():
+        for row in sheet.rows:
+            if row.task:
+                assert row.cells["task"] == [row.task]
+                assert row.cells["does"] == [front.cell.tasks[row.task].label]

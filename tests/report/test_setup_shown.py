@@ -67,10 +67,12 @@ def test_the_page_says_it_in_chart_legend_and_assumptions(
 
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_the_instruction_sheet_begins_with_it(front: Front, language: str) -> None:
-    first, second = sheets_of(html(front, language=language), language)["anna"]
-    assert first.told("setup") == {("4", "5", "9")}
+    first, second, third = sheets_of(html(front, language=language), language)["anna"].rows
+    assert first.change == ("", 4)
+    assert [first.cells[key] for key in ("start", "end")] == [["5"], ["9"]]
     assert first.told("break") == {("3", "5")}
-    assert second.told("setup") == set()
+    assert [second.task, third.task] == ["base", "cover"]
+    assert second.bold[0][0] == "previous"
 
 
 def test_the_balance_counts_it_beside_changeovers(front: Front) -> None:

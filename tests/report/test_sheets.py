@@ -21,7 +21,7 @@ from tandem.files.spreadsheet import import_cell
 from tandem.plan.methods import plan
 from tandem.plan.result import Front
 from tandem.report.files import write
-from tandem.report.instructions import turns
+from tandem.report.instructions import steps
 from tandem.report.language import words
 from tandem.report.markdown import markdown
 from tandem.report.mspdi import SCALE, SPACE, START, mspdi
@@ -249,25 +249,32 @@ def test_names_are_no_markup() -> None:
     assert "# Plan: &lt;b>\\*x\\*\\|y" in said
 
 
-def test_every_operator_is_told_every_turn(front: Front) -> None:
+def test_every_operator_is_told_every_task(front: Front) -> None:
     t = words("en")
     for who in front.cell.operators:
-        found = turns(front.cell, front.knee.schedule, who, t)
-        assert [(turn.task, turn.start, turn.end) for turn in found] == [
+        found = steps(front.cell, front.knee.schedule, who, t)
+        assert [(step.task, step.start, step.end) for step in found if step.task] == [
             (a.task, a.start, a.end) for a in front.knee.schedule.of(who)
         ]
-        assert all(turn.wait for turn in found)
+        assert all(step.begin for step in found)
 
 
 def test_who_waits_for_whom() -> None:
     front, t = thesis_front(), words("en")
-    robot = {turn.task: turn for turn in turns(front.cell, front[0].schedule, "robot", t)}
-    human = {turn.task: turn for turn in turns(front.cell, front[0].schedule, "human", t)}
-    assert human["6"].wait == tuple(f"{task} is done (signal from robot)" for task in "124")
-    assert robot["4"].hands_to == ("human, for 6",)
-    assert robot["1"].wait == ("at once",)
-    assert robot["1"].hands_to == ("human, for 6",)
-    assert robot["7"].wait == tuple(f"{task} is done (call from human)" for task in "356")
+    robot = {step.task: step for step in steps(front.cell, front[0].schedule, "robot", t)}
+    human = {step.task: step for step in steps(front.cell, front[0].schedule, "human", t)}
+    assert [one.says for one in human["6"].begin] == [
+        "previous step done",
+        *(f"robot done with {task}" for task in "124"),
+    ]
+    assert [one.says for one in human["6"].begin if one.last] == ["robot done with 4"]
+    assert robot["4"].then == ("own tasks: 7", "human with 6")
+    assert [one.says for one in robot["1"].begin] == ["at once"]
+    assert robot["1"].then == ("own tasks: 4, 7", "human with 6")
+    assert [one.says for one in robot["7"].begin] == [
+        "own tasks done: 1, 2, 4",
+        *(f"human done with {task}" for task in "356"),
+    ]
 
 
 # --- other programs -------------------------------------------------------------------------------

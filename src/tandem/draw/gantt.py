@@ -147,15 +147,16 @@ def _bar(ax: Axes, lane: Lane, bar: Bar, y: float) -> None:
 
 
 def wordings(bar: Bar) -> list[str]:
-    """What may stand in a bar, from the fullest to the shortest."""
-    longest = max((len(word) for word in bar.label.split()), default=1)
+    """What may stand in a bar, from the fullest to the shortest. The name is always there, so that
+    no bar has a number where its neighbour has a label.
+    """
+    full = bar.label if bar.label == bar.task else f"{bar.task}: {bar.label}"
+    longest = max((len(word) for word in full.split()), default=1)
     folded = [
-        textwrap.wrap(
-            bar.label, max(longest, -(-len(bar.label) // lines) + 1), break_long_words=False
-        )
+        textwrap.wrap(full, max(longest, -(-len(full) // lines) + 1), break_long_words=False)
         for lines in (2, 3)
     ]
-    return [bar.label, *("\n".join(lines) for lines in folded if 1 < len(lines) < 4), bar.task]
+    return [full, *("\n".join(lines) for lines in folded if 1 < len(lines) < 4), bar.task]
 
 
 def _shaded(ax: Axes, start: float, end: float, y: float, why: str, hatch: str) -> None:

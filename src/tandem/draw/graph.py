@@ -155,7 +155,7 @@ def _node(ax: Axes, cell: Cell, task: str, at: tuple[float, float], *, critical:
     fitted_text(
         ax,
         (left, top, left + width, middle),
-        [f"{task}: {label}" if label != task else task, label, task],
+        [f"{task}: {label}" if label != task else task, task],
         size=9.5,
         turn=False,
         fontweight="bold",

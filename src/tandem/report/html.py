@@ -12,7 +12,7 @@ from importlib import resources
 from pathlib import Path
 
 from tandem.cell.model import Cell
-from tandem.draw.imprint import imprint
+from tandem.draw.imprint import imprint, remarks
 from tandem.draw.lanes import kinds_shaded, lanes
 from tandem.draw.style import Look, looks
 from tandem.files.atomic import store
@@ -30,6 +30,9 @@ from tandem.schedule.critical import critical_path
 
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
 """What a browser may load for this page: nothing that is not in it."""
+
+ON_A_PAGE = 40
+"""So many steps of a plan fit on a page of paper, and so are not torn apart."""
 
 
 def write_html(
@@ -100,6 +103,7 @@ def html(
                 tag("p", tag("strong", said) if stale and not place else said, class_="lead")
                 for place, said in enumerate(summary(front, t, point, stale))
             ),
+            _printing(front, t),
         ),
         tag("main", *sections, _assumptions(front, t), _made(front, t, command, date)),
         tag("footer", tag("p", t("safety"), class_="note")),
@@ -192,6 +196,23 @@ def _advice(front: Front, t: Words) -> str:
     )
 
 
+def _printing(front: Front, t: Words) -> Markup:
+    """What is printed, and what more can be: two boxes to tick, which need no script."""
+    if not len(front):
+        return Markup("")
+    keys = ("plans", "more") if len(front) > 1 else ("more",)
+    boxes = (
+        tag(
+            "label",
+            Markup(f'<input type="checkbox" id="print-{key}" autocomplete="off">'),
+            " ",
+            t(f"print.{key}"),
+        )
+        for key in keys
+    )
+    return tag("p", t("print.lead"), *boxes, class_="screen printing")
+
+
 def _trade_off(front: Front, t: Words, players: Sequence[Player]) -> Markup:
     if not len(front):
         return Markup("")
@@ -213,6 +234,7 @@ def _trade_off(front: Front, t: Words, players: Sequence[Player]) -> Markup:
         front_chart(front, t, players),
         legend,
         plans(front, t),
+        class_="trade",
     )
 
 
@@ -240,13 +262,21 @@ def _plan(front: Front, place: int, t: Words, point: int | None, stale: bool) ->
         tag("p", *(_key(look, front.cell) for look in looks(front.cell).values())),
         tag("p", _legend(front.cell, result, t), class_="note"),
         tag("p", t("plan.critical", chain=_chain(result))),
-        tag("h3", t("balance.title")),
-        tag("div", balance(front.cell, result.schedule, t), class_="keep"),
-        tag("h3", t("plan.steps")),
-        tag("div", steps(front.cell, result.schedule, t), class_="steps"),
-        sheets(result, f"{title} · {origin}", t),
+        tag(
+            "div",
+            tag("h3", t("balance.title")),
+            balance(front.cell, result.schedule, t),
+            class_="keep page",
+        ),
+        tag(
+            "div",
+            tag("h3", t("plan.steps")),
+            tag("div", steps(front.cell, result.schedule, t), class_="steps"),
+            class_="keep" if len(result.schedule) <= ON_A_PAGE else None,
+        ),
+        sheets(result, "; ".join([title, *remarks(result, t, stale=stale)]), t),
         id=f"plan-{place + 1}",
-        class_="plan",
+        class_="plan chosen" if result is front.shown(point) else "plan",
         data_plan=place + 1,
     )
 
@@ -301,7 +331,7 @@ def _assumptions(front: Front, t: Words) -> Markup:
         "section",
         tag("h2", t("assume.title"), id="assumptions"),
         tag("ul", *(tag("li", sentence) for sentence in found)),
-        class_="keep",
+        class_="keep papers",
     )
 
 

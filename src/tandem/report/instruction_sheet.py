@@ -1,18 +1,24 @@
-"""An operator's instruction sheet in the page: folded away on the screen, on a new page on
+"""An operator's instruction sheet in the page: folded away on the screen, a page of its own on
 paper.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from math import ceil
+
 from tandem.draw.style import looks
 from tandem.plan.result import Result
-from tandem.report.instructions import Turn, rules, times, turns
+from tandem.report.instructions import Condition, Step, columns, origin, rules, steps
 from tandem.report.language import Words
 from tandem.report.markup import Markup, join, tag
 from tandem.report.tables import table
 
-EXTRAS = {"part": "part", "tool": "tool", "zone": "zone", "together_with": "with"}
-"""Fields of a turn that only some cells have -> the key of their word."""
+PAGE, LINE, GAP = 142.0, 4.5, 1.8
+"""Height of a printed page for rows, of a line and between rows, millimetres."""
+ACROSS = {"does": 16, "what": 16, "means": 20, "begin": 36, "then": 22}
+"""Characters across a column on paper."""
+NUMBERS = ("number", "start", "end", "deadline")
 
 
 def sheets(result: Result, title: str, t: Words) -> Markup:
@@ -23,57 +29,79 @@ def sheets(result: Result, title: str, t: Words) -> Markup:
 
 
 def _sheet(result: Result, operator: str, title: str, t: Words) -> Markup:
-    found = turns(result.cell, result.schedule, operator, t)
+    found = steps(result.cell, result.schedule, operator, t)
     heading = t("steps.title", who=looks(result.cell)[operator].label)
     above = [tag("p", sentence) for sentence in rules(result.cell, operator, t)] if found else []
-    origin = t(
-        "steps.of",
-        who=looks(result.cell)[operator].label,
-        cell=result.cell.name or t("unnamed"),
-        plan=title,
+    inside = (
+        _table(found, heading, origin(result, operator, title, t), t)
+        if found
+        else tag("p", t("steps.none"))
     )
-    inside = _table(found, heading, origin, t) if found else tag("p", t("steps.none"))
     return tag(
-        "details", tag("summary", tag("h3", heading)), *above, inside, class_="sheet", open=True
+        "details",
+        tag("summary", tag("h3", heading)),
+        *above,
+        inside,
+        class_=f"sheet {_size(found)}",
+        open=True,
     )
 
 
-def _table(found: tuple[Turn, ...], heading: str, origin: str, t: Words) -> Markup:
-    extras = [key for key in EXTRAS if any(getattr(turn, key) for turn in found)]
-    heads = [
-        (t("steps.turn"), "number"),
-        (t("steps.does"), ""),
-        *((t(f"steps.{EXTRAS[key]}"), "") for key in extras),
-    ]
-    heads += [
-        (t("steps.wait"), ""),
-        (t("steps.hands"), ""),
-        *((t(f"steps.{key}"), "number") for key in times(found)),
-    ]
-    return table(
-        heads, (_row(turn, extras, times(found), t) for turn in found), heading, on_paper=origin
-    )
+def _size(found: tuple[Step, ...]) -> str:
+    """Large letters, where the page has room for them; small ones, where the sheet would need a
+    second page; nothing on paper for who has nothing to do.
+    """
+    if not found:
+        return "idle"
+    height = _height(found)
+    return "small" if height > PAGE else "large" if height * 1.8 < PAGE else "middle"
 
 
-def _row(turn: Turn, extras: list[str], shown: tuple[str, ...], t: Words) -> Markup:
+def _height(found: tuple[Step, ...]) -> float:
+    """What the rows take on paper in letters of middle size, millimetres."""
+    return sum(max(_lines_of(step, key) for key in ACROSS) * LINE + GAP for step in found)
+
+
+def _lines_of(step: Step, key: str) -> int:
+    """Lines of one column."""
+    value = getattr(step, key)
+    if key == "begin":
+        value = tuple(condition.says for condition in value)
+    sentences = value if isinstance(value, tuple) else (value,)
+    return sum(ceil(len(sentence) / ACROSS[key]) for sentence in sentences)
+
+
+def _table(found: tuple[Step, ...], heading: str, on_paper: str, t: Words) -> Markup:
+    shown = columns(found)
+    heads = [(t(f"steps.{key}"), f"number {key}" if key in NUMBERS else key) for key in shown]
+    return table(heads, (_row(step, shown, t) for step in found), heading, on_paper=on_paper)
+
+
+def _row(step: Step, shown: tuple[str, ...], t: Words) -> Markup:
     return tag(
         "tr",
-        tag("td", str(turn.number), class_="number"),
-        tag("th", turn.does, scope="row"),
-        *(tag("td", getattr(turn, key) or "–") for key in extras),
-        tag("td", _lines(turn.wait), class_="told"),
-        tag("td", _lines(turn.hands_to), class_="told"),
-        *(
-            tag(
-                "td",
-                "–" if getattr(turn, key) is None else t.number(getattr(turn, key)),
-                class_="number",
-            )
-            for key in shown
-        ),
+        *(_cell(step, key, t) for key in shown),
+        class_=None if step.task else "change",
     )
 
 
-def _lines(sentences: tuple[str, ...]) -> Markup | str:
+def _cell(step: Step, key: str, t: Words) -> Markup:
+    value = getattr(step, key)
+    if key == "begin":
+        return tag("td", _lines(map(_condition, step.begin)), class_="told")
+    if key in ("means", "then"):
+        return tag("td", _lines(value), class_="told")
+    if key in NUMBERS:
+        return tag("td", "–" if value is None else t.number(value), class_="number")
+    heads_row = key == "what" or key == ("task" if step.task else "does")
+    return tag("th", value, scope="row") if heads_row else tag("td", value or "–")
+
+
+def _condition(condition: Condition) -> Markup | str:
+    """In bold when it is the one expected last."""
+    return tag("b", condition.says) if condition.last else condition.says
+
+
+def _lines(sentences: Iterable[Markup | str]) -> Markup | str:
     """Each on a line of its own."""
-    return join(tag("div", sentence) for sentence in sentences) if sentences else "–"
+    return join(tag("div", sentence) for sentence in sentences) or "–"

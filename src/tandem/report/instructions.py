@@ -1,82 +1,129 @@
-"""What one operator does, turn by turn: everything to wait for, with whom, and who must be told
-when it is done.
+"""What one operator does, step by step: everything that must be true before a step begins, and who
+can begin then.
 
-A sheet holds on paper too, where nobody is on the planned second: it names every condition of a
-turn, not only the one that binds in the plan. What the operator did before is implied, because the
-turns are done in the order of the sheet.
+A sheet holds on paper too, where nobody is on the planned second: a step names every condition, not
+only the one that binds in the plan. Changeovers and setting up are steps of their own. The same
+steps, from here, stand in the page, in the workbook and in Markdown, for people and for robots.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from tandem.cell.model import Cell
-from tandem.draw.style import looks
+from tandem.draw.style import looks, task_label
+from tandem.plan.result import Result
 from tandem.report.language import Words
 from tandem.report.tables import named
-from tandem.schedule.critical import HandOver, hand_overs
-from tandem.schedule.measures import changeovers
+from tandem.schedule.measures import changeover_times, exact
 from tandem.schedule.model import Assignment, Schedule
+from tandem.schedule.queues import Kind, places_of, queues
 
 
 @dataclass(frozen=True)
-class Turn:
-    """One task of one operator.
+class Condition:
+    """One thing that must be true before a step begins.
+
+    Attributes:
+      kind: "previous", "own", "both" (the step before, predecessors on this sheet, both of them),
+        "break" (the operator's own), "release", "done" (a predecessor that others do), "freed" (a
+        task of others that holds the tool or the zone until then), "tool.room", "zone.room" (of
+        several places, enough are free), "partner"; or "start": there is nothing to wait for.
+      says: the sentence.
+      moment: when it becomes true in the plan, seconds.
+      last: of all conditions of the step, this one is expected to become true last.
+    """
+
+    kind: str
+    says: str
+    moment: float
+    last: bool = False
+
+
+@dataclass(frozen=True)
+class Step:
+    """One row of a sheet: a task, a changeover before it, or setting up.
 
     Attributes:
       number: counted from 1.
-      task, does: its name; name and label.
-      part, tool, zone: empty when there is none. A tool that must be taken up first says so, with
-        the seconds that it takes.
-      together_with: who takes part too.
-      wait: everything that must be so before it begins, each a short sentence.
-      hands_to: whom to tell when it is done, each a short sentence: who waits for the task, or for
-        its tool or zone.
-      start, end: seconds since the start of the assembly.
+      task: its name; empty for a changeover and for setting up.
+      does: the task's label, empty when it has none; or what the operator changes to or sets up.
+      means: the part, the tool, the zone and who takes part too, each a short sentence; of a tool
+        and a zone also how many there are, or have room.
+      begin: everything that must be true before.
+      then: who can begin what when it is done, each a short sentence: all tasks that come after
+        it, and whoever waits for its tool or its place.
+      start, end: seconds since the start of the assembly, as planned.
       deadline: the latest end in seconds; None when there is none.
     """
 
     number: int
     task: str
     does: str
-    part: str
-    tool: str
-    zone: str
-    together_with: str
-    wait: tuple[str, ...]
-    hands_to: tuple[str, ...]
     start: float
     end: float
-    deadline: float | None
+    begin: tuple[Condition, ...]
+    then: tuple[str, ...] = ()
+    means: tuple[str, ...] = ()
+    deadline: float | None = None
+
+    @property
+    def what(self) -> str:
+        """What to do in one word, where no task has a label."""
+        return self.task or self.does
 
 
-def turns(cell: Cell, schedule: Schedule, operator: str, t: Words) -> tuple[Turn, ...]:
-    """The operator's tasks in order. Assumes a sound schedule."""
+COLUMNS = (
+    *("number", "task", "does", "what", "means"),
+    *("begin", "then", "start", "end", "deadline"),
+)
+"""What a sheet shows of a step, in the order of its columns."""
+
+
+def steps(cell: Cell, schedule: Schedule, operator: str, t: Words) -> tuple[Step, ...]:
+    """The operator's steps in order. Assumes a sound schedule."""
     sheet = _Sheet(cell, schedule, operator, t)
-    return tuple(sheet.turn(number) for number in range(1, len(sheet.own) + 1))
+    return tuple(replace(step, number=n) for n, step in enumerate(sheet.steps(), 1))
+
+
+def columns(found: tuple[Step, ...]) -> tuple[str, ...]:
+    """What a sheet of these steps shows: that which one of them has. Names and labels of tasks
+    stand in columns of their own; without labels there is one column.
+    """
+    labelled = any(step.task and step.does for step in found)
+    left_out = {"what"} if labelled else {"task", "does"}
+    return tuple(
+        key
+        for key in COLUMNS
+        if key not in left_out
+        and (key == "then" or any(getattr(step, key) not in ("", (), None) for step in found))
+    )
 
 
 def rules(cell: Cell, operator: str, t: Words) -> tuple[str, ...]:
     """How to read the operator's sheet, and when the operator has a break; sentences that stand
-    above the turns.
+    above the steps.
     """
-    off = [
-        t("steps.span", start=t.number(start), end=t.number(end))
-        for start, end in cell.operators[operator].breaks
-    ]
+    off = [_span(start, end, t) for start, end in cell.operators[operator].breaks]
     return (
         t(f"steps.rule.{cell.operators[operator].kind}"),
         *([t("steps.breaks", breaks=", ".join(off))] if off else []),
     )
 
 
-def times(found: tuple[Turn, ...]) -> tuple[str, ...]:
-    """The fields of a turn that hold seconds, without those that no turn of the sheet has."""
-    return (
-        ("start", "end", "deadline")
-        if any(turn.deadline is not None for turn in found)
-        else ("start", "end")
+def origin(result: Result, operator: str, title: str, t: Words) -> str:
+    """Whose sheet it is, of which cell and of which plan: what stands on every page of it.
+
+    Args:
+      title: what the report calls the plan.
+    """
+    return t(
+        "steps.of",
+        who=looks(result.cell)[operator].label,
+        cell=result.cell.name or t("unnamed"),
+        plan=title,
+        digest=result.schedule.digest,
     )
 
 
@@ -84,128 +131,212 @@ class _Sheet:
     """One operator's part in a sound schedule."""
 
     def __init__(self, cell: Cell, schedule: Schedule, operator: str, t: Words):
-        self.cell, self.operator, self.t = cell, operator, t
+        self.cell, self.schedule, self.operator, self.t = cell, schedule, operator, t
         self.rows = {a.task: a for a in schedule}
-        self.own = schedule.of(operator)
-        self.hand_overs = hand_overs(cell, schedule)
-        self.take_up = {
-            change.task: change
-            for change in changeovers(cell, schedule)
-            if change.operator == operator
-        }
+        self.queues = queues(cell, schedule)
+        self.own = _Own(cell, schedule, operator)
 
-    def turn(self, number: int) -> Turn:
-        a = self.own[number - 1]
+    def steps(self) -> Iterator[Step]:
+        if self.own.tasks and (span := self.cell.operators[self.operator].setting_up) is not None:
+            setup = self.t.seconds(self.cell.operators[self.operator].setup)
+            does = self.t("steps.setup", seconds=setup)
+            yield Step(0, "", does, *span, _with_last([*self._breaks(0.0, span[0])], self.t))
+        for place, a in enumerate(self.own.tasks):
+            begun = bool(place or self.own.ready)
+            if seconds := self.own.changes[place]:
+                yield self._changeover(place, a, seconds, begun)
+            yield self._task(place, a, begun or bool(seconds))
+
+    def _changeover(self, place: int, a: Assignment, seconds: float, begun: bool) -> Step:
+        """Taking up a tool: it needs nobody else."""
+        tool, start = self.cell.tasks[a.task].tool, float(exact(a.start) - exact(seconds))
+        found = [self._when("previous", self.own.ended(place))] if begun else []
+        return Step(
+            number=0,
+            task="",
+            does=self.t("steps.take_up", tool=tool, seconds=self.t.seconds(seconds)),
+            start=start,
+            end=a.start,
+            begin=_with_last([*found, *self._breaks(self.own.ended(place), start)], self.t),
+        )
+
+    def _task(self, place: int, a: Assignment, begun: bool) -> Step:
         task = self.cell.tasks[a.task]
-        return Turn(
-            number=number,
+        label = task_label(self.cell, a.task)
+        return Step(
+            number=0,
             task=a.task,
-            does=named(self.cell, a.task),
-            part=task.part or "",
-            tool=self._tool(a.task),
-            zone=task.zone or "",
-            together_with=", ".join(self._label(who) for who in self._partners(a)),
-            wait=tuple(dict.fromkeys(self._conditions(number))),
-            hands_to=tuple(dict.fromkeys(self._to_tell(a))),
+            does="" if label == a.task else label,
             start=a.start,
             end=a.end,
+            begin=_with_last([*self._conditions(place, a, begun)], self.t),
+            then=tuple(self._then(a)),
+            means=tuple(self._means(a)),
             deadline=task.deadline,
         )
 
-    def _conditions(self, number: int) -> Iterator[str]:
-        """All that must be so before a turn begins, or the one sentence that nothing else need be
-        waited for.
+    def _conditions(self, place: int, a: Assignment, begun: bool) -> Iterator[Condition]:
+        """All that must be true before a task begins: one's own part first, then the others'."""
+        before = [name for name in self.cell.tasks[a.task].after if self._is_own(name)]
+        yield from self._own_part(place, before, begun)
+        if not self.own.changes[place]:
+            yield from self._breaks(self.own.ended(place), a.start)
+        if release := self.cell.tasks[a.task].release:
+            yield self._when("release", release, release=self.t.seconds(release))
+        yield from self._others(a)
+        yield from self._rooms(a)
+        for who in self._partners(a):
+            ready = _Own(self.cell, self.schedule, who).able(a)
+            yield self._when("partner", ready, who=self._label(who))
+
+    def _own_part(self, place: int, before: list[str], begun: bool) -> Iterator[Condition]:
+        """The step before, and the predecessors on this sheet."""
+        tasks = ", ".join(before)
+        if self.own.changes[place]:
+            kind = "both" if before else "previous"
+            yield self._when(kind, self.own.able(self.own.tasks[place]), tasks=tasks)
+        elif place and self.own.tasks[place - 1].task in before:
+            yield self._when("own", self.own.ended(place), tasks=tasks)
+        elif begun:
+            yield self._when("both" if before else "previous", self.own.ended(place), tasks=tasks)
+
+    def _others(self, a: Assignment) -> Iterator[Condition]:
+        """Each task of others that must be done before, with the tool and the zone that it leaves
+        free.
         """
-        a, before = self.own[number - 1], self.own[: number - 1]
-        found = [
-            *self._predecessors(a, {row.task for row in before}),
-            *self._places(a, {row.task for row in before}),
-            *(self.t("steps.wait.partner", who=self._label(who)) for who in self._partners(a)),
-            *(() if before else self._setup()),
-            *self._breaks(before[-1].end if before else 0.0, a.start),
-            *self._release(a),
-        ]
-        yield from found or [self.t("steps.wait.previous" if before else "steps.wait.start")]
-
-    def _predecessors(self, a: Assignment, own: set[str]) -> Iterator[str]:
-        for name in self.cell.tasks[a.task].after:
-            if name not in own:
-                yield self.t(
-                    f"steps.wait.task.{self._sign(name)}",
-                    task=named(self.cell, name),
-                    who=self._names(name),
-                )
-
-    def _places(self, a: Assignment, own: set[str]) -> Iterator[str]:
-        """From whom the tool comes, and who must have left the zone."""
-        for given in self.hand_overs:
-            if given.after == a.task and given.before not in own:
-                yield self.t(
-                    f"steps.wait.{given.reason}",
-                    name=given.name,
-                    who=self._names(given.before),
-                    task=named(self.cell, given.before),
-                )
-
-    def _setup(self) -> Iterator[str]:
-        """What the operator needs before its first turn."""
-        if (span := self.cell.operators[self.operator].setting_up) is not None:
-            start, end = map(self.t.number, span)
-            seconds = self.t.seconds(self.cell.operators[self.operator].setup)
-            yield self.t(
-                "steps.wait.setup", seconds=seconds, span=self.t("steps.span", start=start, end=end)
+        after = [name for name in self.cell.tasks[a.task].after if not self._is_own(name)]
+        tasks: dict[str, list[str]] = {name: [] for name in after}
+        for queue in self.queues[a.task]:
+            for _, task in queue.before if not queue.spare else ():
+                if not self._is_own(task):
+                    said = self.t(f"steps.wait.{queue.kind}", name=queue.name)
+                    tasks[task] = list(dict.fromkeys([*tasks.get(task, []), said]))
+        for task, freed in tasks.items():
+            yield self._when(
+                "freed" if freed else "done",
+                self.rows[task].end,
+                who=self._names(task),
+                task=named(self.cell, task),
+                freed=", ".join(freed),
             )
 
-    def _breaks(self, free: float, start: float) -> Iterator[str]:
-        """The operator's own breaks between the last turn and this one."""
-        for off, back in self.cell.operators[self.operator].breaks:
-            if free <= off and back <= start:
-                yield self.t(
-                    "steps.wait.break",
-                    span=self.t("steps.span", start=self.t.number(off), end=self.t.number(back)),
+    def _rooms(self, a: Assignment) -> Iterator[Condition]:
+        """Tools and zones for several, where all but a few must be done."""
+        for queue in self.queues[a.task]:
+            if queue.spare:
+                those = (self._with(self._label(who), task) for who, task in queue.before)
+                yield self._when(
+                    f"{queue.kind}.room",
+                    queue.moment,
+                    name=queue.name,
+                    places=queue.places,
+                    spare=queue.spare,
+                    those="; ".join(those),
                 )
 
-    def _release(self, a: Assignment) -> Iterator[str]:
-        if release := self.cell.tasks[a.task].release:
-            yield self.t("steps.wait.release", release=self.t.seconds(release))
+    def _breaks(self, free: float, start: float) -> Iterator[Condition]:
+        """The operator's own breaks between the last step and this one."""
+        for off, back in self.cell.operators[self.operator].breaks:
+            if free <= off and back <= start:
+                yield self._when("break", back, span=_span(off, back, self.t))
 
-    def _to_tell(self, a: Assignment) -> Iterator[str]:
-        for name, task in self.cell.tasks.items():
-            if a.task in task.after and self.operator not in self.rows[name].operators:
-                yield self.t("steps.hand", who=self._names(name), task=named(self.cell, name))
-        for given in self.hand_overs:
-            if given.before == a.task and self.operator not in self.rows[given.after].operators:
-                yield self._hands(given)
+    def _when(self, kind: str, moment: float, **values: object) -> Condition:
+        return Condition(kind, self.t(f"steps.wait.{kind}", **values), moment)
 
-    def _hands(self, given: HandOver) -> str:
-        return self.t(
-            f"steps.hand.{given.reason}",
-            name=given.name,
-            who=self._names(given.after),
-            task=named(self.cell, given.after),
-        )
+    def _then(self, a: Assignment) -> Iterator[str]:
+        """All that can begin when the task is done, in the order of the plan."""
+        own = [row.task for row in self.own.tasks if a.task in self.cell.tasks[row.task].after]
+        if own:
+            yield self.t("steps.then.own", tasks=", ".join(own))
+        for row in self.schedule:
+            if self.operator in row.operators:
+                continue
+            freed = [
+                self.t(f"steps.then.{queue.kind}", name=queue.name)
+                for queue in self.queues[row.task]
+                if any(task == a.task for _, task in queue.before)
+            ]
+            said = self._with(self._names(row.task), row.task)
+            if freed:
+                yield self.t("steps.then.freed", then=said, freed=", ".join(freed))
+            elif a.task in self.cell.tasks[row.task].after:
+                yield said
 
-    def _tool(self, task: str) -> str:
-        tool, change = self.cell.tasks[task].tool or "", self.take_up.get(task)
-        return (
-            self.t("steps.take_up", tool=tool, seconds=self.t.seconds(change.end - change.start))
-            if change
-            else tool
-        )
+    def _with(self, who: str, task: str) -> str:
+        return self.t("steps.with", who=who, task=named(self.cell, task))
 
-    def _sign(self, task: str) -> str:
-        """How the end of a task is noticed: a human calls it out, a robot alone shows it."""
-        return (
-            "human"
-            if any(self.cell.operators[who].kind == "human" for who in self.rows[task].operators)
-            else "robot"
-        )
+    def _means(self, a: Assignment) -> Iterator[str]:
+        """With what, where and with whom."""
+        task = self.cell.tasks[a.task]
+        if task.part:
+            yield self.t("steps.means.part", part=task.part)
+        kinds: tuple[tuple[Kind, str | None], ...] = (("tool", task.tool), ("zone", task.zone))
+        for kind, name in kinds:
+            if name is not None:
+                places = places_of(self.cell, kind, name)
+                many = "one" if places == 1 else "other"
+                yield self.t(f"steps.means.{kind}.{many}", name=name, n=places)
+        for who in self._partners(a):
+            yield self.t("steps.means.partner", who=self._label(who))
 
     def _partners(self, a: Assignment) -> tuple[str, ...]:
         return tuple(who for who in a.operators if who != self.operator)
+
+    def _is_own(self, task: str) -> bool:
+        return self.operator in self.rows[task].operators
 
     def _names(self, task: str) -> str:
         return " + ".join(self._label(who) for who in self.rows[task].operators)
 
     def _label(self, operator: str) -> str:
         return looks(self.cell)[operator].label
+
+
+class _Own:
+    """What an operator does before each of its tasks, by itself.
+
+    Attributes:
+      tasks: in order; `changes`: seconds of the changeover before each.
+      ready: when it is set up, seconds; 0 when it need not be.
+    """
+
+    def __init__(self, cell: Cell, schedule: Schedule, operator: str):
+        self.tasks = schedule.of(operator)
+        self.breaks = cell.operators[operator].breaks
+        self.changes = changeover_times(cell, operator, [a.task for a in self.tasks])
+        self.ready = (cell.operators[operator].setting_up or (0.0, 0.0))[1]
+
+    def ended(self, place: int) -> float:
+        """When the task before this one, or setting up, has ended."""
+        return self.tasks[place - 1].end if place else self.ready
+
+    def able(self, a: Assignment) -> float:
+        """When the operator itself is ready for its task: what came before has ended, the breaks
+        until then are over, and the changeover is done as soon as it can be.
+        """
+        place = self.tasks.index(a)
+        begin = float(exact(a.start) - exact(self.changes[place]))
+        free = self.ended(place)
+        free = max([free, *(back for off, back in self.breaks if free <= off and back <= begin)])
+        return float(exact(free) + exact(self.changes[place]))
+
+
+RANK = (
+    *("previous", "both", "own", "break", "release", "partner"),
+    *("zone.room", "tool.room", "freed", "done"),
+)
+"""Of several conditions that become true at the same moment, the one whose kind stands last here
+is the one to look out for: others are less sure than one's own hands.
+"""
+
+
+def _with_last(found: list[Condition], t: Words) -> tuple[Condition, ...]:
+    """The conditions with the last one marked, or the sentence that there are none."""
+    if not found:
+        return (Condition("start", t("steps.wait.start"), 0.0),)
+    last = max(found, key=lambda condition: (condition.moment, RANK.index(condition.kind)))
+    return tuple(replace(condition, last=condition is last) for condition in found)
+
+
+def _span(start: float, end: float, t: Words) -> str:
+    return t("steps.span", start=t.number(start), end=t.number(end))

@@ -6,11 +6,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from tandem.draw.imprint import imprint
+from tandem.draw.imprint import imprint, remarks
 from tandem.draw.style import looks
 from tandem.plan.result import Front, Result
 from tandem.report.html import summary
-from tandem.report.instructions import rules, times, turns
+from tandem.report.instructions import Step, columns, origin, rules, steps
 from tandem.report.language import Words, words
 from tandem.report.sources import assumptions, made
 from tandem.report.tables import named, status
@@ -42,10 +42,13 @@ def markdown(
             makespan=t.seconds(result.makespan),
             stress=t.number(result.stress),
         )
-        origin = f"*{_text(imprint(result, t, stale=stale))}*"
-        parts += [f"## {title}", origin, _steps(result, t)]
-        for operator in front.cell.operators:
-            parts += [*_instructions(result, operator, t), origin]
+        parts += [f"## {title}", f"*{_text(imprint(result, t, stale=stale))}*", _steps(result, t)]
+        plan = "; ".join([title, *remarks(result, t, stale=stale)])
+        parts += [
+            part
+            for operator in front.cell.operators
+            for part in _instructions(result, operator, plan, t)
+        ]
     parts += [
         f"## {t('assume.title')}",
         "\n".join(f"- {_text(sentence)}" for sentence in assumptions(front, t)),
@@ -113,34 +116,36 @@ def _steps(result: Result, t: Words) -> str:
     )
 
 
-def _instructions(result: Result, operator: str, t: Words) -> list[str]:
-    found = turns(result.cell, result.schedule, operator, t)
+def _instructions(result: Result, operator: str, plan: str, t: Words) -> list[str]:
+    found = steps(result.cell, result.schedule, operator, t)
     title = f"### {_text(t('steps.title', who=looks(result.cell)[operator].label))}"
     if not found:
         return [title, t("steps.none")]
-    extra = [
-        key
-        for key in ("part", "tool", "zone", "together_with")
-        if any(getattr(turn, key) for turn in found)
+    shown = columns(found)
+    rows = [[_said(step, key, t) for key in shown] for step in found]
+    return [
+        title,
+        *map(_text, rules(result.cell, operator, t)),
+        table([t(f"steps.{key}") for key in shown], rows),
+        _text(origin(result, operator, plan, t)),
     ]
-    words_of = (key.removeprefix("together_") for key in extra)
-    heads = [
-        t(f"steps.{key}") for key in ("turn", "does", *words_of, "wait", "hands", *times(found))
-    ]
-    rows = []
-    for turn in found:
-        cells = [
-            str(turn.number),
-            turn.does,
-            *(getattr(turn, key) for key in extra),
-            "; ".join(turn.wait),
-            "; ".join(turn.hands_to),
-        ]
-        seconds = [getattr(turn, key) for key in times(found)]
-        rows.append(
-            [*map(_text, cells), *("–" if value is None else t.number(value) for value in seconds)]
+
+
+def _said(step: Step, key: str, t: Words) -> str:
+    """What stands in a column of an instruction sheet; of the conditions, the one expected last in
+    bold.
+    """
+    if key == "begin":
+        return "<br>".join(
+            f"**{_text(condition.says)}**" if condition.last else _text(condition.says)
+            for condition in step.begin
         )
-    return [title, *map(_text, rules(result.cell, operator, t)), table(heads, rows)]
+    value = getattr(step, key)
+    if isinstance(value, tuple):
+        return "<br>".join(map(_text, value)) or "–"
+    if isinstance(value, float):
+        return t.number(value)
+    return "–" if value in ("", None) else _text(str(value))
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -19,7 +19,10 @@
   };
   const show = () => {
     const chosen = wanted();
-    for (const plan of plans) plan.hidden = !all && plan.dataset.plan !== chosen;
+    for (const plan of plans) {
+      plan.hidden = !all && plan.dataset.plan !== chosen;
+      plan.classList.toggle("chosen", plan.dataset.plan === chosen); // the one that is printed
+    }
     for (const mark of document.querySelectorAll("[data-plan]:not(.plan)")) {
       if (mark.dataset.plan === chosen) mark.setAttribute("aria-current", "true");
       else mark.removeAttribute("aria-current");
@@ -27,7 +30,7 @@
     button.textContent = all ? button.dataset.single : button.dataset.all;
   };
   button.hidden = false;
-  button.addEventListener("click", () => { all = !all; show(); });
+  button.addEventListener("click", () => { all = !all; document.getElementById("print-plans").checked = all; show(); });
   window.addEventListener("hashchange", () => {
     show();
     const target = document.getElementById("plan-" + wanted());

@@ -148,7 +148,7 @@ def _node(cell: Cell, task: str, at: tuple[float, float], t: Words, *, critical:
         text(
             x,
             y - high + 23,
-            fitting([named, label, task], 2 * half - 10),
+            fitting([named, task], 2 * half - 10),
             text_anchor="middle",
             class_="strong",
         ),

@@ -16,6 +16,9 @@ from tandem.schedule.model import Assignment, Schedule
 MOST_PLANS = 6
 """So many plans have a column of their own in the table of tasks."""
 
+MOST_PRINTED = 20
+"""Of more plans than that, paper lists those that have a column."""
+
 
 def table(
     heads: Sequence[tuple[str, str]], rows: Iterable[Markup], label: str, *, on_paper: str = ""
@@ -50,8 +53,9 @@ def plans(front: Front, t: Words) -> Markup:
         (t("front.status"), ""),
         (t("front.digest"), ""),
     ]
-    heads += [(t("front.does", who=look.label), "") for look in shown]
+    heads += [(t("front.does", who=look.label), "screen") for look in shown]
     rows = []
+    printed = range(len(front)) if len(front) <= MOST_PRINTED else shown_plans(front)
     for place, result in enumerate(front, 1):
         link = tag("a", str(place), href=f"#plan-{place}")
         mark = (
@@ -66,9 +70,14 @@ def plans(front: Front, t: Words) -> Markup:
             tag("td", status(result, t)),
             tag("td", tag("code", result.schedule.digest)),
         ]
-        cells += [tag("td", tasks_of(result.schedule, look.operator, t)) for look in shown]
-        rows.append(tag("tr", *cells, data_plan=place))
-    return table(heads, rows, t("front.table"))
+        cells += [
+            tag("td", tasks_of(result.schedule, look.operator, t), class_="screen")
+            for look in shown
+        ]
+        more = None if place - 1 in printed else "more"
+        rows.append(tag("tr", *cells, data_plan=place, class_=more))
+    some = t("front.some", shown=len(printed), n=len(front)) if len(printed) < len(front) else ""
+    return join([table(heads, rows, t("front.table")), tag("p", some, class_="paper some note")])
 
 
 def status(result: Result, t: Words) -> str:
@@ -100,7 +109,7 @@ def steps(cell: Cell, schedule: Schedule, t: Words) -> Markup:
         ("who", ""),
         ("start", "number"),
         ("end", "number"),
-        ("time", "number"),
+        ("time", "number screen"),
         ("stress", "number"),
         ("slack", "number"),
     )
@@ -112,7 +121,8 @@ def steps(cell: Cell, schedule: Schedule, t: Words) -> Markup:
         cells = [
             tag("th", named(cell, a.task), scope="row"),
             tag("td", " + ".join(shown[o].label for o in a.operators)),
-            *(_number(value, t) for value in (a.start, a.end, a.end - a.start)),
+            *(_number(value, t) for value in (a.start, a.end)),
+            tag("td", t.number(a.end - a.start), class_="number screen"),
             tag("td", t.number(load) if mode and mode.stress else "–", class_="number"),
             tag("td", late, class_="number"),
         ]

@@ -11,11 +11,11 @@ from math import ceil
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
-from tandem.draw.imprint import imprint
-from tandem.draw.style import contrast, looks, task_label
+from tandem.draw.imprint import imprint, remarks
+from tandem.draw.style import contrast, looks
 from tandem.files.spreadsheet.template import to_workbook, workbook_bytes
 from tandem.plan.result import Front, Result
-from tandem.report.instructions import rules, times, turns
+from tandem.report.instructions import Step, columns, origin, rules, steps
 from tandem.report.language import Words, words
 from tandem.report.sources import assumptions, made
 from tandem.report.tables import named, shown_plans, status
@@ -42,6 +42,13 @@ STEPS = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600
 PAGE = 118.0
 """Characters across a page in A4 landscape, beside the column of names."""
 FONT = "Calibri"
+WIDTHS = {
+    "number": 7, "task": 10, "does": 30, "what": 30, "means": 28, "begin": 46, "then": 36,
+    "start": 10, "end": 10, "deadline": 12,
+}  # fmt: skip
+"""Characters across the columns of an instruction sheet."""
+ON_A_PAGE = 24
+"""So many steps of an operator are printed on one page."""
 HEAD, RULE, BREAK = "1F4E5F", "C8CCD0", "BDBDBD"
 
 
@@ -74,9 +81,12 @@ def xlsx(
         _gantt(book, front[place], place + 1, t)
         _origin(book, front[place], t, stale)
     if len(front):
+        result = front.shown(point)
+        title = _plan_title(result, front.results.index(result) + 1, t)
+        title = "; ".join([title, *remarks(result, t, stale=stale)])
         for operator in front.cell.operators:
-            _instructions(book, front.shown(point), operator, t)
-            _origin(book, front.shown(point), t, stale)
+            _instructions(book, result, operator, title, t)
+            _on_paper(book, result, t, stale)
     _made(book, front, t, command, date)
     book._sheets = [*book._sheets[cell_sheets:], *book._sheets[:cell_sheets]]
     book.active = 0
@@ -90,15 +100,18 @@ def xlsx(
 
 
 def _origin(book: Workbook, result: Result, t: Words, stale: bool) -> None:
-    """Names the plan in the newest sheet, under its title or below all else, and on each printed
-    page.
-    """
+    """Names the plan under the title of the newest sheet, and on each printed page."""
     from openpyxl.styles import Font
 
+    sheet = book.worksheets[-1]
+    _put(sheet, 2, 1, imprint(result, t, stale=stale))
+    sheet.cell(2, 1).font = Font(name=FONT, size=9, italic=True)
+    _on_paper(book, result, t, stale)
+
+
+def _on_paper(book: Workbook, result: Result, t: Words, stale: bool) -> None:
+    """Names the plan on each printed page of the newest sheet."""
     sheet, says = book.worksheets[-1], imprint(result, t, stale=stale)
-    row = sheet.max_row + 2 if sheet.cell(2, 1).value else 2
-    _put(sheet, row, 1, says)
-    sheet.cell(row, 1).font = Font(name=FONT, size=9, italic=True)
     sheet.oddFooter.right.text = says.replace("&", "&&")
 
 
@@ -141,19 +154,20 @@ def _front(book: Workbook, front: Front, t: Words, point: int | None, stale: boo
     sheet.freeze_panes = "B4"
 
 
+def _plan_title(result: Result, place: int, t: Words) -> str:
+    return t(
+        "plan.title",
+        n=place,
+        makespan=t.seconds(result.makespan),
+        stress=t.number(result.stress),
+    )
+
+
 def _plan(book: Workbook, result: Result, place: int, t: Words) -> None:
     """The steps of one plan, and below them the balance of its operators."""
     cell, schedule = result.cell, result.schedule
     sheet = book.create_sheet(t("sheet.plan", n=place))
-    _title(
-        sheet,
-        t(
-            "plan.title",
-            n=place,
-            makespan=f"{t.number(result.makespan)} s",
-            stress=t.number(result.stress),
-        ),
-    )
+    _title(sheet, _plan_title(result, place, t))
     keys = ("task", "who", "start", "end", "stress", "slack")
     _header(
         sheet,
@@ -216,15 +230,7 @@ def _gantt(book: Workbook, result: Result, place: int, t: Words) -> None:
 
     cell, schedule = result.cell, result.schedule
     sheet = book.create_sheet(t("sheet.gantt", n=place))
-    _title(
-        sheet,
-        t(
-            "plan.title",
-            n=place,
-            makespan=f"{t.number(result.makespan)} s",
-            stress=t.number(result.stress),
-        ),
-    )
+    _title(sheet, _plan_title(result, place, t))
     slot = slot_seconds(result.makespan)
     count = max(ceil(round(result.makespan / slot, 6)), 1)
     sheet.column_dimensions["A"].width = 20
@@ -248,7 +254,6 @@ def _gantt(book: Workbook, result: Result, place: int, t: Words) -> None:
         for start, end in cell.operators[name].breaks:
             _bar(sheet, row, start, min(end, result.makespan), slot, count, BREAK, "", "mediumGray")
         for a in schedule.of(name):
-            label = task_label(cell, a.task)
             _bar(
                 sheet,
                 row,
@@ -257,7 +262,7 @@ def _gantt(book: Workbook, result: Result, place: int, t: Words) -> None:
                 slot,
                 count,
                 look.colour.lstrip("#"),
-                label if label == a.task else f"{a.task} {label}",
+                named(cell, a.task),
                 "",
             )
     _put(sheet, len(cell.operators) + 5, 1, t("sheet.slot", seconds=t.number(slot)))
@@ -304,47 +309,38 @@ def _bar(
         sheet.merge_cells(start_row=row, end_row=row, start_column=first + 2, end_column=last + 1)
 
 
-def _instructions(book: Workbook, result: Result, operator: str, t: Words) -> None:
+def _instructions(book: Workbook, result: Result, operator: str, plan: str, t: Words) -> None:
     look = looks(result.cell)[operator]
     sheet = book.create_sheet(_sheet_name(book, look.label))
     _title(sheet, t("steps.title", who=look.label))
-    found = turns(result.cell, result.schedule, operator, t)
-    keys = ["turn", "does", "part", "tool", "zone", "with", "wait", "hands", *times(found)]
-    widths = {
-        "turn": 7,
-        "does": 34,
-        "wait": 42,
-        "hands": 36,
-        "start": 10,
-        "end": 10,
-        "deadline": 12,
-    }
-    filled = {"part": "part", "tool": "tool", "zone": "zone", "with": "together_with"}
-    keys = [
-        key
-        for key in keys
-        if key not in filled or any(getattr(turn, filled[key]) for turn in found)
-    ]
-    _header(sheet, 3, [t(f"steps.{key}") for key in keys], [widths.get(key, 16) for key in keys])
-    for row, turn in enumerate(found, 4):
-        values = {
-            "turn": turn.number,
-            "does": turn.does,
-            "part": turn.part,
-            "tool": turn.tool,
-            "zone": turn.zone,
-            "with": turn.together_with,
-            "wait": "\n".join(turn.wait),
-            "hands": "\n".join(turn.hands_to),
-            "start": turn.start,
-            "end": turn.end,
-            "deadline": turn.deadline,
-        }
-        _row(sheet, row, [values[key] for key in keys])
-    if found:
-        _spread(sheet, 2, " ".join(rules(result.cell, operator, t)), len(keys))
-    else:
+    found = steps(result.cell, result.schedule, operator, t)
+    if not found:
         _put(sheet, 4, 1, t("steps.none"))
+        return
+    shown = columns(found)
+    _header(sheet, 3, [t(f"steps.{key}") for key in shown], [WIDTHS[key] for key in shown])
+    for row, step in enumerate(found, 4):
+        _row(sheet, row, [_said(step, key) for key in shown])
+    _spread(sheet, 2, " ".join(rules(result.cell, operator, t)), len(shown))
+    _put(sheet, len(found) + 5, 1, origin(result, operator, plan, t))
+    sheet.page_setup.fitToHeight = 1 if len(found) <= ON_A_PAGE else 0
+
+
+def _said(step: Step, key: str) -> Any:
+    """What stands in a column of an instruction sheet; of the conditions, the one expected last in
+    bold.
+    """
+    from openpyxl.cell.rich_text import CellRichText, TextBlock
+    from openpyxl.cell.text import InlineFont
+
+    if key != "begin":
+        value = getattr(step, key)
+        return "\n".join(value) if isinstance(value, tuple) else value
+    bold, pieces = InlineFont(rFont=FONT, sz=11, b=True), []
+    for place, condition in enumerate(step.begin):
+        line = ("\n" if place else "") + condition.says
+        pieces.append(TextBlock(bold, line) if condition.last else line)
+    return CellRichText(pieces)
 
 
 def _made(book: Workbook, front: Front, t: Words, command: str, date: str) -> None:
@@ -381,13 +377,14 @@ def _put(sheet: Worksheet, row: int, column: int, value: Any, bold: bool = False
 
 
 def _row(sheet: Worksheet, row: int, values: Sequence[Any], bold: bool = False) -> None:
+    from openpyxl.cell.rich_text import CellRichText
     from openpyxl.styles import Alignment
 
     for column, value in enumerate(values, 1):
         _put(sheet, row, column, value, bold)
         sheet.cell(row, column).border = _edge()
         sheet.cell(row, column).alignment = Alignment(
-            wrap_text=isinstance(value, str), vertical="top"
+            wrap_text=isinstance(value, str | CellRichText), vertical="top"
         )
     lines = [
         _lines(str(value), sheet.column_dimensions[_letter(column)].width)
@@ -463,7 +460,8 @@ def _sheet_name(book: Workbook, wanted: str) -> str:
 
 
 def _fit_to_page(sheet: Worksheet) -> None:
-    """A4 landscape, as wide as the page."""
+    """A4 landscape, as wide as the page, and as long as need be unless the sheet says otherwise."""
     sheet.page_setup.orientation, sheet.page_setup.paperSize = "landscape", 9
-    sheet.page_setup.fitToWidth, sheet.page_setup.fitToHeight = 1, 0
+    sheet.page_setup.fitToWidth = 1
+    sheet.page_setup.fitToHeight = sheet.page_setup.fitToHeight or 0
     sheet.sheet_properties.pageSetUpPr.fitToPage = True

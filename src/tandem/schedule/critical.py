@@ -244,33 +244,12 @@ class _Plan:
         return max(end, exact(a.end))
 
 
-class HandOver(NamedTuple):
-    """A unit of a tool, or a place in a zone, goes from one task to the next that uses it.
+def _hand_overs(cell: Cell, schedule: Schedule) -> Iterator[tuple[Reason, str, str, str]]:
+    """(reason, tool or zone, task that used a unit of it, task that uses the unit next).
 
-    Attributes:
-      reason: "tool" or "zone".
-      name: of the tool or the zone.
-      before, after: the task that used it and the one that uses it next.
+    Units are given out in order of start. Of those that are free, operators keep the one that they
+    had last; else it is the one free the longest.
     """
-
-    reason: Reason
-    name: str
-    before: str
-    after: str
-
-
-def hand_overs(cell: Cell, schedule: Schedule) -> tuple[HandOver, ...]:
-    """Which task gives every unit of a tool and every place in a zone to which. Assumes a sound
-    schedule.
-
-    They are given out in order of start. Of those that are free, operators keep the one that they
-    had last; else it is the one free the longest. Whoever begins a task only when its hand-overs
-    are done never uses more units than there are, however late the others are.
-    """
-    return tuple(_hand_overs(cell, schedule))
-
-
-def _hand_overs(cell: Cell, schedule: Schedule) -> Iterator[HandOver]:
     kinds: tuple[tuple[Reason, Mapping[str, object]], ...] = (
         ("tool", cell.tools),
         ("zone", cell.zones),
@@ -288,7 +267,7 @@ def _hand_overs(cell: Cell, schedule: Schedule) -> Iterator[HandOver]:
                 for unit in range(min(len(a.operators), len(units))):
                     before = units[unit]
                     if before is not None:
-                        yield HandOver(reason, name, before.task, a.task)
+                        yield reason, name, before.task, a.task
                     units[unit] = a
 
 
