@@ -7,16 +7,19 @@ from tandem.plan.result import Result, Status
 
 
 def imprint(result: Result, t: Words, *, stale: bool = False) -> str:
-    """The plan's short digest, and all that a reader must not overlook: that the cell has
-    changed since, that it is not proven, that another run may give another schedule of the same
-    values.
+    """The plan's short digest, and behind it all that is to be known of it: `remarks`, and that
+    another run may give another schedule of the same values.
     """
-    open_ends = (
-        ["unproven"]
-        if result.status is not Status.OPTIMAL
-        else []
-        if result.canonical
-        else ["not_canonical"]
-    )
-    remarks = [t(f"imprint.{key}") for key in [*(["stale"] if stale else []), *open_ends]]
-    return "; ".join([t("imprint.plan", digest=result.schedule.digest), *remarks])
+    proven = result.status is Status.OPTIMAL
+    others = [t("imprint.not_canonical")] if proven and not result.canonical else []
+    named = t("imprint.plan", digest=result.schedule.digest)
+    return "; ".join([named, *remarks(result, t, stale=stale), *others])
+
+
+def remarks(result: Result, t: Words, *, stale: bool = False) -> list[str]:
+    """What nobody who works by the plan may overlook: that the cell has changed since (`stale`),
+    and that it is not proven.
+    """
+    found = ["stale"] if stale else []
+    found += [] if result.status is Status.OPTIMAL else ["unproven"]
+    return [t(f"imprint.{key}") for key in found]

@@ -12,7 +12,7 @@ from importlib import resources
 from pathlib import Path
 
 from tandem.cell.model import Cell
-from tandem.draw.imprint import imprint
+from tandem.draw.imprint import imprint, remarks
 from tandem.draw.lanes import kinds_shaded, lanes
 from tandem.draw.style import Look, looks
 from tandem.files.atomic import store
@@ -291,7 +291,7 @@ def _plan(front: Front, place: int, t: Words, point: int | None, stale: bool) ->
             tag("div", steps(front.cell, result.schedule, t), class_="steps"),
             class_="keep" if len(result.schedule) <= ON_A_PAGE else None,
         ),
-        sheets(result, f"{title} · {origin}", t),
+        sheets(result, "; ".join([title, *remarks(result, t, stale=stale)]), t),
         id=f"plan-{place + 1}",
         class_="plan chosen" if result is front.shown(point) else "plan",
         data_plan=place + 1,
@@ -338,7 +338,9 @@ def _graph(cell: Cell, t: Words) -> Markup:
 
 
 def _tasks(front: Front, t: Words) -> Markup:
-    return tag("section", tag("h2", t("tasks.title"), id="tasks"), tasks(front, t), class_="page extra")
+    return tag(
+        "section", tag("h2", t("tasks.title"), id="tasks"), tasks(front, t), class_="page extra"
+    )
 
 
 def _assumptions(front: Front, t: Words) -> Markup:

@@ -116,13 +116,14 @@ def origin(result: Result, operator: str, title: str, t: Words) -> str:
     """Whose sheet it is, of which cell and of which plan: what stands on every page of it.
 
     Args:
-      title: what the report calls the plan, with its digest.
+      title: what the report calls the plan.
     """
     return t(
         "steps.of",
         who=looks(result.cell)[operator].label,
         cell=result.cell.name or t("unnamed"),
         plan=title,
+        digest=result.schedule.digest,
     )
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from tandem.draw.imprint import imprint
+from tandem.draw.imprint import imprint, remarks
 from tandem.draw.style import looks
 from tandem.plan.result import Front, Result
 from tandem.report.html import summary
@@ -46,10 +46,13 @@ def markdown(
             makespan=t.seconds(result.makespan),
             stress=t.number(result.stress),
         )
-        says = imprint(result, t, stale=stale)
-        parts += [f"## {title}", f"*{_text(says)}*", _steps(result, t)]
-        for operator in front.cell.operators:
-            parts += _instructions(result, operator, f"{title} · {says}", t)
+        parts += [f"## {title}", f"*{_text(imprint(result, t, stale=stale))}*", _steps(result, t)]
+        plan = "; ".join([title, *remarks(result, t, stale=stale)])
+        parts += [
+            part
+            for operator in front.cell.operators
+            for part in _instructions(result, operator, plan, t)
+        ]
     parts += [
         f"## {t('assume.title')}",
         "\n".join(f"- {_text(sentence)}" for sentence in assumptions(front, t)),

@@ -11,7 +11,7 @@ from math import ceil
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
-from tandem.draw.imprint import imprint
+from tandem.draw.imprint import imprint, remarks
 from tandem.draw.style import contrast, looks
 from tandem.files.spreadsheet.template import to_workbook, workbook_bytes
 from tandem.plan.result import Front, Result
@@ -86,9 +86,10 @@ def xlsx(
     if len(front):
         result = front.shown(point)
         title = _plan_title(result, front.results.index(result) + 1, t)
+        title = "; ".join([title, *remarks(result, t, stale=stale)])
         for operator in front.cell.operators:
-            plan = f"{title} · {imprint(result, t, stale=stale)}"
-            _instructions(book, result, operator, plan, t)
+            _instructions(book, result, operator, title, t)
+            _on_paper(book, result, t, stale)
     _made(book, front, t, command, date)
     book._sheets = [*book._sheets[cell_sheets:], *book._sheets[:cell_sheets]]
     book.active = 0
@@ -102,15 +103,18 @@ def xlsx(
 
 
 def _origin(book: Workbook, result: Result, t: Words, stale: bool) -> None:
-    """Names the plan in the newest sheet, under its title or below all else, and on each printed
-    page.
-    """
+    """Names the plan under the title of the newest sheet, and on each printed page."""
     from openpyxl.styles import Font
 
+    sheet = book.worksheets[-1]
+    _put(sheet, 2, 1, imprint(result, t, stale=stale))
+    sheet.cell(2, 1).font = Font(name=FONT, size=9, italic=True)
+    _on_paper(book, result, t, stale)
+
+
+def _on_paper(book: Workbook, result: Result, t: Words, stale: bool) -> None:
+    """Names the plan on each printed page of the newest sheet."""
     sheet, says = book.worksheets[-1], imprint(result, t, stale=stale)
-    row = sheet.max_row + 2 if sheet.cell(2, 1).value else 2
-    _put(sheet, row, 1, says)
-    sheet.cell(row, 1).font = Font(name=FONT, size=9, italic=True)
     sheet.oddFooter.right.text = says.replace("&", "&&")
 
 
