@@ -4,9 +4,7 @@ can be.
 
 from __future__ import annotations
 
-import datetime
 import json
-import shlex
 import sys
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
@@ -16,8 +14,18 @@ from typing import TYPE_CHECKING
 import click
 
 from tandem.cell.written import number
-from tandem.cli.answers import AS_JSON, CELL, aligned, check_time, variant_options
-from tandem.cli.options import FORMAT, point_options
+from tandem.cli.columns import aligned
+from tandem.cli.options import (
+    AS_JSON,
+    CELL,
+    FORMAT,
+    LANGUAGE,
+    OUTPUTS,
+    check_time,
+    point_options,
+)
+from tandem.cli.planning import tell_written, write_outputs
+from tandem.cli.what_if import variant_options
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
@@ -85,22 +93,9 @@ if TYPE_CHECKING:
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
 @click.option("--workers", type=int, help="Threads; one per core when absent.")
 @AS_JSON
-@click.option(
-    "-o",
-    "--output",
-    "outputs",
-    multiple=True,
-    type=click.Path(dir_okay=False, path_type=Path),
-    help="Write a file, as `tandem plan -o` does; may be repeated.",
-)
+@OUTPUTS
 @variant_options
-@click.option(
-    "--lang",
-    type=click.Choice(["en", "de"]),
-    default="en",
-    show_default=True,
-    help="Language of the files.",
-)
+@LANGUAGE
 @click.option("-q", "--quiet", is_flag=True, help="No progress on stderr.")
 def replan_command(
     cell_file: str,
@@ -147,7 +142,7 @@ def replan_command(
     from tandem.explain.variant import variant
     from tandem.files.load import load
     from tandem.plan.least_change import replan
-    from tandem.report.files import ready_to_write, write
+    from tandem.report.files import ready_to_write
     from tandem.report.progress import SolveProgress
     from tandem.report.stored import point_of
 
@@ -184,14 +179,7 @@ def replan_command(
     if found.interrupted and not any(path.suffix == ".json" for path in files):
         name = "stdin" if cell_file == "-" else Path(cell_file).stem
         files.append(Path(f"{name}.interrupted.json"))
-    for path in files:
-        write(
-            found,
-            path,
-            command=shlex.join(["tandem", *sys.argv[1:]]),
-            date=datetime.date.today().isoformat(),
-            language=lang,
-        )
+    write_outputs(found, files, lang)
     if stored.made_for not in (None, cell.digest):
         click.echo(
             f"{plan_file}: made for another state of the cell; it is carried over.", err=True
@@ -200,8 +188,7 @@ def replan_command(
         click.echo(json.dumps(found.to_dict(), ensure_ascii=False))
     else:
         _show(found, old, front)
-    for path in files:
-        click.echo(f"wrote {path}", err=True)
+    tell_written(files, lang)
     if found.interrupted:
         click.echo("interrupted: this is the best found so far, with its bounds.", err=True)
     return 130 if found.interrupted else 0
