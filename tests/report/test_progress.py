@@ -24,7 +24,9 @@ def test_a_line_says_objective_bound_gap_and_time() -> None:
     stream = io.StringIO()
     with SolveProgress(stream) as progress:
         progress(Progress((KNEE,), 20.4, 0.1))
-    assert stream.getvalue() == "0.0 s  makespan 24 s, stress 3, bound 20.4 s, gap 15 %, 1 point\n"
+    seconds, _, said = stream.getvalue().partition(" s  ")
+    assert float(seconds) >= 0
+    assert said == "makespan 24 s, stress 3, bound 20.4 s, gap 15 %, 1 point\n"
 
 
 def test_only_what_is_new_makes_a_line() -> None:
