@@ -108,7 +108,7 @@ def killed_inside(
     lives = Lives()
     speed = makespan / (kills * seconds)
     while lives.kills < kills:
-        with _Life(
+        with Life(
             command(
                 cell, journal, policy, seed, *FLOOR, *_seed(journal, seed), "--speed", str(speed)
             )
@@ -147,7 +147,7 @@ def killed_outside(
     lives, sent = Lives(), 0
     deaths = sorted(chance.randrange(len(events)) for _ in range(kills))
     while sent < len(events):
-        with _Life(command(cell, journal, policy, seed), piped=True) as life:
+        with Life(command(cell, journal, policy, seed), piped=True) as life:
             if deaths and deaths[0] == sent and chance.random() < IN_STARTING:
                 deaths.pop(0)
                 time.sleep(chance.uniform(0, 1.0))
@@ -209,7 +209,7 @@ def judged(reference: list[Entry], lives: Lives) -> list[str]:
     return wrong
 
 
-class _Life:
+class Life:
     """One process from its start until it is killed."""
 
     def __init__(self, program: list[str], piped: bool = False) -> None:
@@ -219,7 +219,7 @@ class _Life:
         )
         self.said: list[dict[str, Any]] = []
 
-    def __enter__(self) -> _Life:
+    def __enter__(self) -> Life:
         return self
 
     def __exit__(self, *_: object) -> None:

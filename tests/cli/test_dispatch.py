@@ -17,6 +17,7 @@ import pytest
 from tandem.cli.root import run
 
 CELL = str(Path("examples/thesis.yaml").resolve())
+CREW = str(Path("examples/crew.yaml").resolve())
 TWO = (
     '{"event": "started", "at": 0, "task": 1, "operator": "robot", "id": 1}\n'
     '{"event": "done", "at": 9, "task": 1, "id": 2}\n'
@@ -177,6 +178,11 @@ REFUSED: list[tuple[tuple[str, ...], int, str]] = [
     (("--journal", CELL), 3, "this is no journal of a shift"),
     (("--journal", "nowhere/shift.db"), 2, "there is no folder"),
     (("--events", "none.jsonl"), 2, "does not exist"),
+    (("--products", "-1"), 2, "a shift begins with 0 to 1000"),
+    (("--variant", "short"), 2, "write NAME=FILE"),
+    (("--variant", f"a={CELL}", "--variant", f"a={CELL}"), 2, "the name 'a' was given twice"),
+    (("--variant", "a=none.yaml"), 3, "none.yaml"),
+    (("--variant", f"a={CREW}"), 2, "Give both the same."),
 ]
 
 
@@ -219,6 +225,55 @@ def test_on_a_terminal_it_speaks_in_words(dispatch: Any, monkeypatch: pytest.Mon
         "take '1' apart",
         "refused    this is not JSON",
         "not over",
+    ):
+        assert words in said.out
+
+
+def test_products_are_made_one_after_the_other(dispatch: Any, tmp_path: Path) -> None:
+    arguments = ("--products", 3, "--simulate", "pace:1.6", "--journal", tmp_path / "s.db")
+    said = dispatch(*arguments)
+    assert (said.documents[-1]["products"], said.documents[-1]["over"]) == (3, True)
+    assert said.of("decision")[0]["product"]["number"] == 1
+    assert said.of("decision")[-1]["product"]["number"] == 3
+    again = dispatch(*arguments)
+    assert [document["type"] for document in again.documents] == ["shift", "decision", "summary"]
+    other = dispatch("--products", 4, "--journal", tmp_path / "s.db")
+    assert (other.code, other.documents) == (2, [])
+    assert "--products is 4, the shift was begun with 3." in other.err
+
+
+def test_a_variant_is_named_by_its_product(dispatch: Any, tmp_path: Path) -> None:
+    short = tmp_path / "short.yaml"
+    short.write_text(
+        "operators: {robot: {kind: robot}, human: {kind: human}}\n"
+        "tasks: {lid: {time: {human: 3}, stress: 1}}\n"
+    )
+    arguments = ("--variant", f"short={short}", "--products", 0, "--journal", tmp_path / "s.db")
+    lines = (
+        '{"event": "product", "at": 0, "order": "A-1", "variant": "short"}\n'
+        '{"event": "started", "at": 0, "task": "lid", "operator": "human"}\n'
+        '{"event": "done", "at": 3, "task": "lid"}\n'
+        '{"event": "product", "at": 3, "order": "A-2"}\n'
+    )
+    said = dispatch(*arguments, lines=lines)
+    assert all(answer["accepted"] for answer in said.of("answer"))
+    assert said.of("shift")[0]["variants"] == ["short"]
+    assert said.of("decision")[-1]["product"]["order"] == "A-2"
+    resumed = dispatch("--journal", tmp_path / "s.db")
+    assert resumed.of("shift")[0]["variants"] == ["short"], "the journal has it"
+    assert dispatch("--journal", tmp_path / "s.db", "--replay").code == 0
+
+
+def test_products_in_words(dispatch: Any) -> None:
+    lines = Path("examples/products.jsonl").read_text()
+    said = dispatch("--products", 0, "--words", lines=lines)
+    for words in (
+        "product 1 (order 'A-17'), begun at 0 s",
+        "done by",
+        "person 'Anna' (human)",
+        "stuck      task '6' by human: what task '6' needs is missing.",
+        "product 2 (order 'A-18'), begun at 29.5 s",
+        "end",
     ):
         assert words in said.out
 
@@ -277,6 +332,27 @@ def test_killed_ten_times_nothing_is_lost_or_doubled(tmp_path: Path) -> None:
         assert row["kills"] >= 3
         assert row["wrong"] == []
         assert row["replay_is_the_same"]
+
+
+def test_a_shift_of_products_that_is_killed_loses_nothing(tmp_path: Path) -> None:
+    """The benchmark of long shifts, on a small scale."""
+    from benchmarks.long_shift import faults
+    from benchmarks.long_shift import run as long_shift
+
+    document = long_shift(["longest-tail"], 6, 4, 1.6, 7, 1, tmp_path, seconds=0.2)
+    assert faults(document) == []
+    assert document["rows"][0]["kills"] >= 2
+
+
+def test_the_long_shift_that_is_committed_is_the_one_that_the_manual_tells() -> None:
+    from benchmarks.long_shift import faults
+
+    document = json.loads(Path("benchmarks/results/long_shift.json").read_text())
+    assert (document["products"], document["pace"], faults(document)) == (50, 1.6, [])
+    assert all(row["kills"] == 20 for row in document["rows"])
+    page = Path("docs/dispatch.md").read_text()
+    for row in document["rows"]:
+        assert f"| `{row['policy']}` | {row['events']} |" in page
 
 
 def test_the_result_that_is_committed_is_the_one_that_the_manual_tells() -> None:

@@ -238,6 +238,13 @@ def test_every_kind_says_what_it_is_for() -> None:
         "undone",
         "absent",
         "back",
+        "product",
+        "broken",
+        "mended",
+        "missing",
+        "there",
+        "person",
+        "end",
         "tick",
     } == set(KINDS)
     assert all(kind.what for kind in KINDS.values())

@@ -15,6 +15,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 import click
 
+from tandem.cell.names import clean
 from tandem.cli.options import FORMAT, KNEE, decider_options
 from tandem.cli.seeds import say_which_seed
 from tandem.errors import UsageError
@@ -69,6 +70,20 @@ class Moment(click.ParamType):  # type: ignore[type-arg]  # older releases of cl
     help="File of events, a line each; standard input when absent.",
 )
 @click.option(
+    "--products",
+    type=int,
+    default=1,
+    show_default=True,
+    help="So many of CELL are ordered at the start; 0 waits for the event `product`.",
+)
+@click.option(
+    "--variant",
+    "variants",
+    multiple=True,
+    metavar="NAME=FILE",
+    help="A cell that the event `product` may name, for products that differ. May be repeated.",
+)
+@click.option(
     "--seed",
     type=int,
     default=0,
@@ -117,12 +132,13 @@ class Moment(click.ParamType):  # type: ignore[type-arg]  # older releases of cl
 )
 @click.pass_context
 def dispatch_command(ctx: click.Context, /, **given: Any) -> int:
-    """Run a shift on CELL: events in, decisions out, a line of JSON each.
+    """Run a shift on CELL, product after product: events in, decisions out, a line of JSON each.
 
     \b
     Examples:
       tandem dispatch cell.yaml --journal shift.db
-      tandem dispatch cell.yaml --simulate pace:1.5 --cv 0.2
+      tandem dispatch cell.yaml --products 0 --variant long=long.yaml --journal shift.db
+      tandem dispatch cell.yaml --simulate pace:1.5 --cv 0.2 --products 50
       tandem dispatch cell.yaml --plan plan.json --point 2 --change-penalty 3
       tandem dispatch cell.yaml --journal shift.db --replay
 
@@ -165,22 +181,23 @@ def _run(
     ctx: click.Context, cell: Cell, journal: Journal, given: dict[str, Any], show: Show
 ) -> int:
     from tandem.dispatch.deciders.memory import settled_memory
-    from tandem.dispatch.shift.documents import summary
+    from tandem.dispatch.shift.documents import is_over, summary
     from tandem.dispatch.shift.live import Shift
 
     # a decider that is late and still computes leaves the processor to the rule sooner
     sys.setswitchinterval(0.001)
     kept = _kept(ctx, journal, cell, given)
-    floor = None if given["people"] is None else _floor(cell, given)
+    variants = _variants(given["variants"])
     say_which_seed(given["learned"])
     settings = _settings(cell, given) if kept is None else kept
-    shift = Shift.open(cell, journal, settings, given["start"])
+    shift = Shift.open(cell, journal, settings, given["start"], variants=variants)
+    floor = None if given["people"] is None else _floor(shift, given)
     if shift.basis is not None and shift.basis.doubt:
         click.echo(f"{shift.settings.policy}: {shift.basis.doubt}", err=True)
     with settled_memory() as settle:
         _live(shift, floor, given, show, settle)
     show(shift, summary(shift.situation, journal.entries()))
-    if not shift.situation.is_over and given["journal"] and given["people"] is None:
+    if not is_over(shift.situation) and given["journal"] and given["people"] is None:
         click.echo(
             "the events have ended, the shift has not. Go on with: tandem dispatch"
             f" {given['cell_file']} --journal {given['journal']}",
@@ -199,8 +216,6 @@ def _live(
     """Says where the shift stands, and takes line by line until no more come. `between`: called
     after each answer, when nobody waits.
     """
-    from tandem.dispatch.situation.model import Situation
-
     show(shift, shift.hello())
     show(shift, shift.decision)
     if floor is None:
@@ -211,7 +226,7 @@ def _live(
                 between()
     else:
         floor.catch_up(
-            Situation.of(shift.cell, taking_apart=given["taking_apart"]), shift.journal.entries()
+            shift.settings.beginning(shift.cell, shift.variants), shift.journal.entries()
         )
         for line in _simulated(floor, shift, given["speed"]):
             for document in shift.take(line):
@@ -237,7 +252,22 @@ def _settings(cell: Cell, given: dict[str, Any]) -> Settings:
         plan=plan,
         **({} if given["prior"] is None else {"prior": given["prior"]}),
     )
-    return Settings(given["policy"], objective, options, given["taking_apart"])
+    return Settings(given["policy"], objective, options, given["taking_apart"], given["products"])
+
+
+def _variants(given: tuple[str, ...]) -> dict[str, Cell]:
+    """The cells that --variant names."""
+    from tandem.files.load import load
+
+    found: dict[str, Cell] = {}
+    for text in given:
+        name, equals, file = text.partition("=")
+        if not (name.strip() and equals and file):
+            raise UsageError(f"--variant {text}: write NAME=FILE, such as long=long.yaml.")
+        if clean(name) in found:
+            raise UsageError(f"--variant {text}: the name {clean(name)!r} was given twice.")
+        found[clean(name)] = load(file)
+    return found
 
 
 def _kept(
@@ -262,6 +292,7 @@ def _kept(
         "learned": kept.options.learned,
         "prior": dict(kept.options.prior),
         "taking_apart": kept.taking_apart,
+        "products": kept.products,
     }
     stated = [
         key
@@ -318,14 +349,19 @@ def _stated(value: Any) -> str:
     return str(value)
 
 
-def _floor(cell: Cell, given: dict[str, Any]) -> SimulatedFloor:
+def _floor(shift: Shift, given: dict[str, Any]) -> SimulatedFloor:
     from tandem.dispatch.shift.simulated import SimulatedFloor
     from tandem.world.randomness import Chance
 
     chance = Chance(
         spread=(
             "lognormal"
-            if given["cv"] or any(_states_spread(task.spread) for task in cell.tasks.values())
+            if given["cv"]
+            or any(
+                _states_spread(task.spread)
+                for cell in (shift.cell, *shift.variants.values())
+                for task in cell.tasks.values()
+            )
             else "off"
         ),
         cv=given["cv"],
@@ -333,7 +369,7 @@ def _floor(cell: Cell, given: dict[str, Any]) -> SimulatedFloor:
         absence_s=given["absences"],
         undo=given["taking_apart"],
     )
-    return SimulatedFloor(cell, given["people"], chance, given["seed"])
+    return SimulatedFloor(shift.cell, given["people"], chance, given["seed"], shift.variants)
 
 
 def _states_spread(spread: Any) -> bool:
@@ -344,7 +380,7 @@ def _simulated(floor: SimulatedFloor, shift: Shift, speed: float | None) -> Iter
     """What happens on the floor, a line each; in time with the wall clock when there is a speed."""
     while (event := floor.next(shift.situation, shift.decision["look_again"])) is not None:
         if speed is not None:
-            time.sleep(max(0.0, event.at - shift.situation.now) / speed)
+            time.sleep(max(0.0, event.at - shift.situation.clock) / speed)
         yield json.dumps(event.to_dict(), ensure_ascii=False)
 
 

@@ -7,13 +7,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from tandem.dispatch.situation.events import NAMES
+from tandem.dispatch.situation.model import Product
 from tandem.dispatch.situation.pace import estimates
 
 if TYPE_CHECKING:
     from tandem.dispatch.shift.live import Shift
     from tandem.dispatch.situation.events import Event
     from tandem.dispatch.situation.model import Running, Situation
-    from tandem.dispatch.situation.pace import Pace
+from tandem.dispatch.situation.pace import Pace
 
 
 class Screen:
@@ -24,6 +26,8 @@ class Screen:
 
         self.console = Console(highlight=False, markup=False, emoji=False)
         self.paces: list[str] = []
+        self.number = 0
+        self.ahead: dict[str, float] | None = None
 
     def __call__(self, shift: Shift, document: dict[str, Any]) -> None:
         """Shows the document, read against where the shift stands."""
@@ -66,6 +70,7 @@ class Screen:
 
     def _decided(self, shift: Shift, document: dict[str, Any]) -> None:
         """What is to be done now, why nothing can be, and the paces that have changed."""
+        self._product(document)
         believed = estimates(shift.situation, shift.settings.options.prior)
         for line in orders(shift.situation, document, believed):
             self._say(line)
@@ -78,6 +83,21 @@ class Screen:
                 self._say(line)
         self.paces = paces
 
+    def _product(self, document: dict[str, Any]) -> None:
+        """Which product begins, and when it is expected to be done."""
+        product, ahead = document["product"], document["forecast"]
+        if product is not None and product["number"] != self.number:
+            self.number = product["number"]
+            named = Product(product["number"], product["order"], product["variant"])
+            if named != Product(1):
+                self._say(f"{named.words}, begun at {product['began']:g} s", "bold")
+        if ahead is not None and ahead != self.ahead:
+            self._say(
+                f"  {'done by':<8} {ahead['p50']:.4g} s as likely as not, {ahead['p90']:.4g} s in 9"
+                f" of 10 cases; by the stated times {ahead['plan']:.4g} s"
+            )
+        self.ahead = ahead
+
     def _say(self, text: str, style: str | None = None) -> None:
         self.console.print(text, style=style, soft_wrap=True)
 
@@ -89,6 +109,11 @@ def happened(event: Event) -> str:
     words = [
         event.kind,
         *([f"{event.task!r}"] if event.task is not None else []),
+        *(
+            f"{name!r}" if key == event.kind else f"{key} {name!r}"
+            for key in NAMES
+            if (name := getattr(event, key)) is not None
+        ),
         *([f"({who})"] if who else []),
     ]
     return f"{event.at:>8g} s  {' '.join(words)}{until}"
@@ -115,9 +140,9 @@ def orders(
         state = (
             "resting"
             if at.rests_since is not None
-            else f"until about {end:.4g} s"
+            else f"until about {situation.on_clock(end):.4g} s"
             if situation.now < end
-            else f"expected by {end:.4g} s"
+            else f"expected by {situation.on_clock(end):.4g} s"
         )
         return (
             f"{' and '.join(at.operators)} {f'taking {task!r} apart' if at.undoing else repr(task)}"

@@ -29,7 +29,7 @@ from tandem.cell.model import Cell
 from tandem.errors import TandemError, UsageError
 from tandem.learn.forms import Form, complaints
 
-FORMAT = 1
+FORMAT = 2
 """Of the journal. One of another format is refused."""
 
 MOST_FAULTS = 3
@@ -114,15 +114,17 @@ class _Settings(Form):
     objective: _Objective
     options: _Options
     taking_apart: float = Field(gt=0)
+    products: int = Field(ge=0)
 
 
 class _About(Form):
     """The table `shift`: what the shift was opened with."""
 
-    format: Literal[1]
+    format: Literal[2]
     tandem: str
     digest: str
     cell: dict[str, Any]
+    variants: dict[str, dict[str, Any]]
     settings: _Settings
     start: AwareDatetime | None
 
@@ -141,12 +143,37 @@ class _Alternative(Form):
     expected_cost: float | None
 
 
+class _Product(Form):
+    number: int
+    order: str | None
+    variant: str | None
+    began: float
+
+
+class _Forecast(Form):
+    p50: float
+    p90: float
+    plan: float
+
+
+class _Ordered(Form):
+    order: str | None
+    variant: str | None
+
+
+class _Open(Form):
+    tasks: tuple[str, ...]
+    products: tuple[_Ordered, ...]
+
+
 class _Decision(Form):
     """A decision as the floor heard it; see `documents.document`."""
 
     type: Literal["decision"]
     number: int
     at: float
+    product: _Product | None
+    queued: int
     starts: tuple[_Order, ...]
     announced: dict[str, str]
     asks: tuple[_Start, ...]
@@ -160,9 +187,11 @@ class _Decision(Form):
     instead: Literal["", "late", "failed"]
     look_again: float | None
     over: bool
+    forecast: _Forecast | None
     latency_ms: float
     fault: str = ""
     stuck: tuple[str, ...] = ()
+    open: _Open | None = None
 
 
 class _Answer(Form):
@@ -188,6 +217,11 @@ class _Event(Form):
     operators: tuple[str, ...] | None = None
     until: float | None = None
     id: str | None = None
+    order: str | None = None
+    variant: str | None = None
+    tool: str | None = None
+    part: str | None = None
+    person: str | None = None
 
 
 class _Row(Form):
@@ -276,7 +310,12 @@ class Journal:
         ).fetchone()
 
     def begin(
-        self, cell: Cell, settings: Mapping[str, Any], start: str | None, opening: Entry
+        self,
+        cell: Cell,
+        settings: Mapping[str, Any],
+        start: str | None,
+        opening: Entry,
+        variants: Mapping[str, Cell] | None = None,
     ) -> None:
         """Opens the shift: what it is, and its first decision, in one transaction."""
         about = {
@@ -284,6 +323,7 @@ class Journal:
             "tandem": __version__,
             "digest": cell.digest,
             "cell": cell.to_dict(),
+            "variants": {name: other.to_dict() for name, other in (variants or {}).items()},
             "settings": settings,
             "start": start,
         }

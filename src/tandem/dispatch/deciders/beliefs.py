@@ -5,7 +5,7 @@ paces.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import exp, log
 
@@ -13,9 +13,10 @@ from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Start
 from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.lookahead.transitions import Moves, Position
-from tandem.dispatch.situation.legal import legal
-from tandem.dispatch.situation.model import Running, Situation
+from tandem.dispatch.situation.legal import lacks, legal
+from tandem.dispatch.situation.model import Running, Situation, exact
 from tandem.plan.instance import Instance, bits
+from tandem.plan.list_scheduling import Layout
 
 AWAY_S = 60.0
 """ASSUMPTION: who is absent or failed is planned for as being back in so many seconds from now,
@@ -24,6 +25,10 @@ whenever one asks.
 OVERDUE = 0.05
 """ASSUMPTION: what should have ended already is expected to take this share of its stated time
 still.
+"""
+BACK_S = 60.0
+"""ASSUMPTION: what is broken or missing is planned for as being there again so many seconds after
+that was reported, twice as many when these are over, and so on.
 """
 MOST_MODELS = 64
 """So many cells with different paces and refusals are kept at hand."""
@@ -62,6 +67,8 @@ class Models:
             if len(self._kept) >= MOST_MODELS:
                 del self._kept[next(iter(self._kept))]
             moves = self._made(dict(self.factors(factor)), situation.taking_apart)
+            if waits := awaited(situation):
+                moves = _later(moves, waits)
             if refused := _refused(situation):
                 named = ((way, *moves.named(way)) for row in moves.ways for way in row)
                 moves = moves.without(
@@ -73,7 +80,8 @@ class Models:
 
     def key(self, situation: Situation, factor: float | Mapping[str, float]) -> Key:
         """Of the model that `of` gives: equal keys, equal moves."""
-        return (self.factors(factor), situation.taking_apart, _refused(situation))
+        waits = tuple(sorted(awaited(situation).items()))
+        return (self.factors(factor), situation.taking_apart, _refused(situation), waits)
 
     @property
     def count(self) -> int:
@@ -113,6 +121,32 @@ class Models:
 
 def _refused(situation: Situation) -> frozenset[tuple[str, str]]:
     return frozenset(pair for pair in situation.refused if situation.is_refused(*pair))
+
+
+def awaited(situation: Situation) -> dict[str, float]:
+    """Task that needs what is broken or missing -> when that is taken to be there again, s since
+    the product's beginning. It stays the same while time runs up to it, so that models can be kept.
+    """
+    found = {}
+    for task in situation.cell.tasks if situation.stock else ():
+        since = [situation.stock[name] for name in lacks(situation, task)]
+        if since:
+            ahead = BACK_S
+            while max(since) + ahead <= situation.clock:
+                ahead *= 2
+            found[task] = exact(max(since) + ahead - situation.began)
+    return found
+
+
+def _later(moves: Moves, waits: Mapping[str, float]) -> Moves:
+    """The same moves, with tasks that cannot begin before these seconds."""
+    instance = moves.layout.instance
+    release = tuple(
+        max(ticks, round(waits.get(task, 0.0) * instance.per_second))
+        for task, ticks in zip(instance.tasks, instance.release, strict=True)
+    )
+    layout = Layout.of(replace(instance, release=release))
+    return replace(moves, layout=layout, _ready={}, _rest={})
 
 
 def position(moves: Moves, situation: Situation, factor: Mapping[str, float]) -> Position:

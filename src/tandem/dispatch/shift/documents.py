@@ -13,12 +13,12 @@ from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Decision, Start
 from tandem.dispatch.journal import Entry
 from tandem.dispatch.shift.deadline import Answered
-from tandem.dispatch.situation.events import Event, EventError, read_event
+from tandem.dispatch.situation.events import NAMES, Event, EventError, read_event
 from tandem.dispatch.situation.legal import hindrances, is_ready, legal, next_change
 from tandem.dispatch.situation.model import Situation
 from tandem.dispatch.situation.transitions import ordered, revoked
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 """Of events, answers and decisions."""
 
 MOST_ALTERNATIVES = 20
@@ -27,19 +27,26 @@ MOST_ALTERNATIVES = 20
 Document = dict[str, Any]
 
 
-def document(situation: Situation, answered: Answered, number: int) -> Document:
-    """A decision as the floor hears it and as the journal keeps it."""
+def document(
+    situation: Situation, answered: Answered, number: int, forecast: Document | None = None
+) -> Document:
+    """A decision as the floor hears it and as the journal keeps it, times on the shift's clock.
+
+    `forecast`: see `forecast.py`; None where nothing is under way.
+    """
     decision = answered.decision
     now = ordered(situation, decision, number)
     looks = [
-        time
+        situation.on_clock(time)
         for time in (decision.look_again, next_change(situation))
         if time is not None and time > situation.now
     ]
     made = {
         "type": "decision",
         "number": number,
-        "at": situation.now,
+        "at": situation.clock,
+        "product": named(situation),
+        "queued": len(situation.queued),
         "starts": [
             {"task": task, "operators": list(order.operators), "order": order.number}
             for task, order in now.orders.items()
@@ -68,13 +75,48 @@ def document(situation: Situation, answered: Answered, number: int) -> Document:
         "by": decision.by,
         "instead": answered.instead,
         "look_again": min(looks, default=None),
-        "over": situation.is_over,
+        "over": is_over(situation),
+        "forecast": forecast,
         "latency_ms": round(decision.latency_ms, 3),
     }
     return {
         **made,
         **({"fault": answered.fault} if answered.fault else {}),
         **({"stuck": held} if (held := stuck(situation)) else {}),
+        **({"open": what_is_open(situation)} if situation.ended else {}),
+    }
+
+
+def named(situation: Situation) -> Document | None:
+    """The product under way, or the last one; None before the first."""
+    product = situation.product
+    if product is None:
+        return None
+    return {
+        "number": product.number,
+        "order": product.order,
+        "variant": product.variant,
+        "began": situation.began,
+    }
+
+
+def is_over(situation: Situation) -> bool:
+    """Nothing is left to do: the product is done, and none is to begin after it."""
+    return situation.is_over and (situation.ended or not situation.queued)
+
+
+def what_is_open(situation: Situation) -> Document:
+    """What the end of the shift leaves: tasks of the product under way that are not done, and
+    products that have not begun.
+    """
+    tasks = (
+        [] if situation.is_over else [t for t in situation.cell.tasks if t not in situation.done]
+    )
+    return {
+        "tasks": tasks,
+        "products": [
+            {"order": product.order, "variant": product.variant} for product in situation.queued
+        ],
     }
 
 
@@ -87,12 +129,30 @@ def _asked(situation: Situation, decision: Decision) -> Iterable[Start]:
 
 
 def over(situation: Situation) -> Answered:
-    """The last decision: there is nothing left to do."""
-    why = (
-        f"Everything is done, after {situation.makespan:g} s; the humans have collected"
-        f" {situation.stress:g} of stress."
+    """What is decided where there is nothing to do: a product is done, or none has begun."""
+    return Answered(Decision((), {}, (), 0.0, _why_over(situation), "shift"))
+
+
+def _why_over(situation: Situation) -> str:
+    left = what_is_open(situation)["products"] if situation.ended else []
+    then = (
+        (
+            f"The shift has ended; {len(left)} product{'s' if len(left) > 1 else ''} that"
+            f" {'were' if len(left) > 1 else 'was'} ordered {'have' if len(left) > 1 else 'has'}"
+            " not begun."
+            if left
+            else "The shift has ended."
+        )
+        if situation.ended
+        else "The next one begins with the event `product`."
     )
-    return Answered(Decision((), {}, (), 0.0, why, "shift"))
+    if situation.product is None:
+        return f"No product is under way. {then.replace('The next one', 'The first one')}"
+    words = situation.product.words
+    return (
+        f"{words[0].upper()}{words[1:]} is done, after {situation.makespan:g} s; the humans have"
+        f" collected {situation.stress:g} of stress. {then}"
+    )
 
 
 def summary(situation: Situation, entries: Iterable[Entry]) -> Document:
@@ -108,8 +168,9 @@ def summary(situation: Situation, entries: Iterable[Entry]) -> Document:
     spent = sorted(decision["latency_ms"] for decision in decisions)
     return {
         "type": "summary",
-        "over": situation.is_over,
-        "at": situation.now,
+        "over": is_over(situation),
+        "at": situation.clock,
+        "products": situation.products_done,
         "makespan": situation.makespan,
         "stress": situation.stress,
         "lines": len(rows) - 1,
@@ -195,13 +256,16 @@ def event_of(data: Mapping[str, Any]) -> Event:
         tuple(operators),
         data.get("until"),
         data.get("id"),
+        **{key: data.get(key) for key in NAMES},
     )
 
 
-def kept_event(data: Mapping[str, Any], cell: Cell) -> Event | None:
+def kept_event(
+    data: Mapping[str, Any], cell: Cell, variants: Mapping[str, Cell] | None = None
+) -> Event | None:
     """The event as a journal keeps it; None when it is none of this cell."""
     try:
-        return read_event(json.dumps(data), cell)
+        return read_event(json.dumps(data), cell, variants=variants)
     except EventError:
         return None
 

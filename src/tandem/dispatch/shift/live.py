@@ -1,4 +1,4 @@
-"""A shift: one assembly under way, told by events and steered by decisions. Journal + situation +
+"""A shift: product after product, told by events and steered by decisions. Journal + situation +
 decider.
 
 `Shift.take(line)` is all that happens: the line is read, judged and answered; what was taken moves
@@ -10,12 +10,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
 from typing import Any, Self
 
 from tandem.cell.model import Cell
-from tandem.dispatch.deciders.policy import Basis, Chosen, Options, basis_of, plan_of
+from tandem.dispatch.deciders.by_variant import ByVariant, order_of
+from tandem.dispatch.deciders.policy import Basis, Chosen, Options, Policy, basis_of, plan_of
 from tandem.dispatch.deciders.table import POLICIES, policy
 from tandem.dispatch.journal import Entry, Journal, JournalError
 from tandem.dispatch.lookahead.objective import Objective
@@ -28,25 +30,33 @@ from tandem.dispatch.shift.documents import (
     event_of,
     is_of,
     kept_event,
+    named,
     over,
     told,
 )
+from tandem.dispatch.shift.forecast import forecast
 from tandem.dispatch.situation.events import (
     LONGEST_LINE,
     MOST_BYTES,
     Event,
     EventError,
+    id_of,
     read_event,
     start_of,
 )
-from tandem.dispatch.situation.model import TAKING_APART, Situation
+from tandem.dispatch.situation.model import TAKING_APART, Product, Situation
 from tandem.dispatch.situation.objections import objections, remarks
 from tandem.dispatch.situation.transitions import after, ordered
-from tandem.errors import UsageError
+from tandem.errors import TandemError, UsageError
+from tandem.files.load import load
+from tandem.plan.rules import SPECS
 from tandem.schedule.checker import faults
 
 RULE = "longest-tail"
 """The rule that answers when the decider cannot."""
+
+MOST_PRODUCTS = 1_000
+"""So many can be ordered when a shift begins; more by events."""
 
 FOR_PLANNING = 0.6
 """Share of the budget that becomes work of the decider; the rest is for what takes longer than it
@@ -63,14 +73,21 @@ class Settings:
       objective, options: handed to the decider. `options.budget_ms` is for each decision,
         `options.seed` for whatever it draws.
       taking_apart: see `TAKING_APART` in `situation/model.py`.
+      products: so many of the shift's cell are ordered when it begins; more by events.
     """
 
     policy: str = "auto"
     objective: Objective = field(default_factory=Objective)
     options: Options = field(default_factory=Options)
     taking_apart: float = TAKING_APART
+    products: int = 1
 
     def __post_init__(self) -> None:
+        if not 0 <= self.products <= MOST_PRODUCTS:
+            raise UsageError(
+                f"products {self.products}: a shift begins with 0 to {MOST_PRODUCTS}; order more by"
+                " the event `product`."
+            )
         if not 0 < self.taking_apart < math.inf:
             raise UsageError(f"taking apart {self.taking_apart:g}: must be a share above 0.")
 
@@ -88,13 +105,37 @@ class Settings:
         kept = data["options"]
         plan = None if kept.get("plan") is None else Chosen.from_dict(kept["plan"])
         options = Options(**{**kept, "prior": dict(kept["prior"]), "plan": plan})
-        return cls(data["policy"], Objective(**data["objective"]), options, data["taking_apart"])
+        return cls(
+            data["policy"],
+            Objective(**data["objective"]),
+            options,
+            data["taking_apart"],
+            data["products"],
+        )
 
-    def decider(self, cell: Cell) -> InTime:
-        """The decider, with the rule that stands in for it. May take seconds."""
+    def decider(self, cell: Cell, variants: Mapping[str, Cell] | None = None) -> InTime:
+        """The decider, with the rule that stands in for it. May take seconds. `variants`: further
+        cells that it decides for; `options.plan` is of `cell` alone.
+        """
         told = replace(self.options, budget_ms=self.options.budget_ms * FOR_PLANNING)
-        made = policy(self.policy, cell, self.objective, told)
-        return InTime(made, policy(RULE, cell, self.objective, told), self.options.budget_ms)
+
+        def made(name: str) -> Policy:
+            own = policy(name, cell, self.objective, told)
+            if not variants:
+                return own
+            others: dict[str | None, Policy] = {None: own} | {
+                variant: policy(name, other, self.objective, replace(told, plan=None))
+                for variant, other in variants.items()
+            }
+            return ByVariant(others)
+
+        return InTime(made(self.policy), made(RULE), self.options.budget_ms)
+
+    def beginning(self, cell: Cell, variants: Mapping[str, Cell] | None = None) -> Situation:
+        """Where a shift that is steered by this begins."""
+        return Situation.of(
+            cell, taking_apart=self.taking_apart, variants=variants, products=self.products
+        )
 
     def carrying_out(self, plan: Chosen | None) -> Settings:
         """The same with the plan that its decider made for itself, so that the journal keeps it."""
@@ -107,13 +148,15 @@ class Shift:
     """A shift under way.
 
     Attributes:
+      cell: of the products that have no variant; `variants`: the other cells by name.
       situation: where it stands.
       number: of the last entry in the journal; -1 before the opening.
       start: the moment on the wall clock that is 0 s; None while nobody has told one.
       is_resumed: the journal held it already.
       decision: the document of the last decision.
       event: the last one that was taken; None before any.
-      ask: what decides. `basis`: the plan that it carries out; None when it carries out none.
+      decider: who decides; `ask`: how it is asked.
+      basis: the plan that it carries out; None when it carries out none.
     """
 
     def __init__(
@@ -122,17 +165,15 @@ class Shift:
         cell: Cell,
         settings: Settings,
         start: datetime | None,
-        ask: Callable[[Situation], Answered],
+        decider: InTime,
+        variants: Mapping[str, Cell] | None = None,
     ) -> None:
         """Use `Shift.open`."""
-        self.journal, self.cell, self.settings, self.start, self.ask = (
-            journal,
-            cell,
-            settings,
-            start,
-            ask,
-        )
-        self.situation = Situation.of(cell, taking_apart=settings.taking_apart)
+        self.journal, self.cell, self.settings, self.start = journal, cell, settings, start
+        self.decider = decider
+        self.ask: Callable[[Situation], Answered] = decider.decide
+        self.variants = dict(variants or {})
+        self.situation = settings.beginning(cell, self.variants)
         self.number, self.is_resumed, self.decision = -1, False, Document()
         self.event: Event | None = None
         self.basis: Basis | None = None
@@ -146,6 +187,7 @@ class Shift:
         start: datetime | None = None,
         *,
         decider: InTime | None = None,
+        variants: Mapping[str, Cell] | None = None,
     ) -> Self:
         """Opens a shift in a new journal and decides for the first time, or goes on where the
         journal ends.
@@ -155,22 +197,28 @@ class Shift:
           start: the moment on the wall clock that is 0 s, for events that tell the time; when None,
             the first event that does is at 0 s.
           decider: instead of the one that the settings name.
+          variants: cells of products that differ, by the names that `product` events give. Those of
+            a journal that is there must be the same, or not be given.
 
         Raises:
+          UsageError: a variant has other operators than the cell.
           JournalError: the journal is of another cell or of other settings, or does not lead where
             it says.
           UsageError, CellError: the decider does not exist, or cannot hold the cell.
         """
         if not journal.is_new:
             settings, start = opened_with(journal, cell)
-        decider = decider or settings.decider(cell)
+            variants = kept_variants(journal, variants)
+        fits(cell, variants or {})
+        decider = decider or settings.decider(cell, variants)
         settings = settings.carrying_out(plan_of(decider.policy))
-        shift = cls(journal, cell, settings, start, decider.decide)
+        shift = cls(journal, cell, settings, start, decider, variants)
         shift.basis = basis_of(decider.policy)
         shift.is_resumed = not journal.is_new
         if shift.is_resumed:
             shift._go_on()
-        decider.warm_up(shift.situation)
+        for there in shift.to_warm_up():
+            decider.warm_up(there)
         if not shift.is_resumed:
             shift.begin()
         return shift
@@ -215,13 +263,34 @@ class Shift:
             "start": None if self.start is None else self.start.isoformat(),
             "resumed": self.is_resumed,
             "number": self.number,
-            "at": self.situation.now,
+            "at": self.situation.clock,
+            "variants": list(self.variants),
+            "product": named(self.situation),
+            "products": self.situation.products_done,
+            "queued": len(self.situation.queued),
+            "persons": {
+                human: self.situation.person(human) for human in self.situation.cell.humans
+            },
+            "lacking": [name for _, name in sorted(self.situation.stock)],
             "done": list(self.situation.done),
             "running": {task: list(at.operators) for task, at in self.situation.running.items()},
             "wrong": list(self.situation.wrong),
             "absent": sorted(self.situation.absent),
             "failed": sorted(self.situation.failed),
         }
+
+    def to_warm_up(self) -> list[Situation]:
+        """Where a decider should have been asked once before the shift begins: where it stands, and
+        at the beginning of each of its products.
+        """
+        apart = self.settings.taking_apart
+        begins = [Situation.of(self.cell, taking_apart=apart)] + [
+            replace(Situation.of(cell, taking_apart=apart), product=Product(1, None, name))
+            for name, cell in self.variants.items()
+        ]
+        if self.situation.is_over:
+            return begins
+        return [*(begins if self.variants else []), self.situation]
 
     def begin(self) -> None:
         """Decides for the first time and begins the journal. `open` does it where it is due."""
@@ -233,6 +302,7 @@ class Shift:
             self.settings.to_dict(),
             None if self.start is None else self.start.isoformat(),
             opening,
+            self.variants,
         )
         self._moved(opening, moved)
 
@@ -253,14 +323,14 @@ class Shift:
         """
         moved = self.situation
         if entry.event is not None:
-            event = kept_event(entry.event, self.cell)
+            event = kept_event(entry.event, moved.cell, self.variants)
             if event is None or objections(moved, event):
                 return None
             moved = after(moved, event)
         if entry.decision is None:
             return moved
         choice = told(entry.decision)
-        return ordered(moved, choice, entry.number) if is_of(choice, self.cell) else None
+        return ordered(moved, choice, entry.number) if is_of(choice, moved.cell) else None
 
     def _moved(self, entry: Entry, moved: Situation) -> None:
         self.situation, self.number = moved, entry.number
@@ -272,37 +342,44 @@ class Shift:
     def _answered(self, line: str | bytes) -> tuple[Document, Event | None]:
         """The answer to the line, and the event when it is taken."""
         start = self.start or start_of(line)
+        if self.start is None and self.event is not None and start is not None:
+            reason = (
+                "the shift counts seconds and has no start on the wall clock; open it with --start"
+                " to send times."
+            )
+            return self._answer(None, id_of(line), accepted=False, reasons=[reason]), None
+        if (again := self._taken_before(line, start)) is not None:
+            earlier, event = again
+            return self._answer(event, event.id, accepted=True, duplicate_of=earlier), None
         try:
-            event = read_event(line, self.cell, start)
-            if self.start is None and self.event is not None and start is not None:
-                raise EventError(
-                    [
-                        "the shift counts seconds and has no start on the wall clock; open it with"
-                        " --start to send times."
-                    ],
-                    event.id,
-                )
+            event = read_event(line, self.situation.cell, start, self.variants)
         except EventError as error:
             return self._answer(None, error.id, accepted=False, reasons=list(error.reasons)), None
         if event.id is not None and (known := self.journal.with_id(event.id)) is not None:
-            earlier, content = known
-            if content == event.to_dict():
-                return self._answer(event, event.id, accepted=True, duplicate_of=earlier), None
-            return (
-                self._answer(
-                    event,
-                    event.id,
-                    accepted=False,
-                    reasons=[f"the id {event.id!r} stands for another event, number {earlier}."],
-                ),
-                None,
-            )
+            reason = f"the id {event.id!r} stands for another event, number {known[0]}."
+            return self._answer(event, event.id, accepted=False, reasons=[reason]), None
         if reasons := objections(self.situation, event):
             return self._answer(event, event.id, accepted=False, reasons=reasons), None
         return (
             self._answer(event, event.id, accepted=True, remarks=remarks(self.situation, event)),
             event,
         )
+
+    def _taken_before(self, line: str | bytes, start: datetime | None) -> tuple[int, Event] | None:
+        """The entry under which the very same event was taken already, whichever product it was
+        about.
+        """
+        id = id_of(line)
+        known = None if id is None else self.journal.with_id(id)
+        if known is None:
+            return None
+        number, content = known
+        for cell in (self.situation.cell, self.cell, *self.variants.values()):
+            with suppress(EventError):
+                event = read_event(line, cell, start, self.variants)
+                if event.to_dict() == content:
+                    return number, event
+        return None
 
     def _answer(self, event: Event | None, id: str | None, **rest: Any) -> Document:
         known = {"event": None if event is None else event.kind, "id": id}
@@ -315,7 +392,15 @@ class Shift:
 
     def _decided(self, situation: Situation) -> Document:
         answered = over(situation) if situation.is_over else self.ask(situation)
-        return document(situation, answered, self.number + 1)
+        ahead = forecast(
+            situation,
+            answered.decision,
+            self.settings.options.prior,
+            self.settings.objective,
+            plans=self.settings.policy not in SPECS,
+            order=order_of(self.decider.policy, situation),
+        )
+        return document(situation, answered, self.number + 1, ahead)
 
 
 def opened_with(journal: Journal, cell: Cell) -> tuple[Settings, datetime | None]:
@@ -338,6 +423,51 @@ def opened_with(journal: Journal, cell: Cell) -> tuple[Settings, datetime | None
             " damaged. Name another journal."
         )
     return settings, None if about["start"] is None else datetime.fromisoformat(about["start"])
+
+
+def fits(cell: Cell, variants: Mapping[str, Cell]) -> None:
+    """Raises UsageError where a variant has other operators than the cell: who is there and how
+    quick they are outlives a product.
+    """
+    mine = {name: operator.kind for name, operator in cell.operators.items()}
+    wrong = []
+    for variant, other in variants.items():
+        theirs = {name: operator.kind for name, operator in other.operators.items()}
+        if theirs != mine:
+            wrong.append(
+                f"variant {variant!r}: its operators are {_listed(theirs)}, those of the shift's"
+                f" cell are {_listed(mine)}. Give both the same."
+            )
+    if wrong:
+        raise UsageError("\n".join(wrong))
+
+
+def _listed(operators: Mapping[str, str]) -> str:
+    return ", ".join(f"{name} ({kind})" for name, kind in operators.items())
+
+
+def kept_variants(journal: Journal, given: Mapping[str, Cell] | None) -> dict[str, Cell]:
+    """The variants that the shift in the journal was opened with. Raises JournalError when they are
+    no cells, or others than those that are given.
+    """
+    kept = {}
+    for name, data in journal.about()["variants"].items():
+        try:
+            kept[name] = load(data)
+        except TandemError as error:
+            raise JournalError(
+                f"{journal.path}: shift, variants, {name}: {str(error).splitlines()[0]} It was"
+                " changed, or is damaged. Name another journal."
+            ) from None
+    if given and {name: cell.digest for name, cell in given.items()} != {
+        name: cell.digest for name, cell in kept.items()
+    }:
+        raise JournalError(
+            f"{journal.path}: the shift was opened with the variants"
+            f" {', '.join(kept) or '(none)'}, as they were then. Go on without --variant, or name"
+            " another journal."
+        )
+    return kept
 
 
 def kept_settings(journal: Journal) -> Settings:

@@ -14,7 +14,7 @@ from tandem.cell.model import Cell
 from tandem.dispatch.journal import Entry, Journal, JournalError
 from tandem.dispatch.shift.deadline import Instead, InTime
 from tandem.dispatch.shift.documents import Document, digest
-from tandem.dispatch.shift.live import Shift, opened_with
+from tandem.dispatch.shift.live import Shift, kept_variants, opened_with
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,12 @@ def replay(cell: Cell, journal: Journal, *, decider: InTime | None = None) -> Re
     if journal.is_new:
         raise JournalError(f"{journal.path}: nothing was written to this journal yet.")
     settings, start = opened_with(journal, cell)
-    made = decider or settings.decider(cell)
+    variants = kept_variants(journal, None)
+    made = decider or settings.decider(cell, variants)
     differences: list[str] = []
     events = decisions = entries = 0
     with Journal() as fresh:
-        shift = Shift(fresh, cell, settings, start, made.decide)
+        shift = Shift(fresh, cell, settings, start, made, variants)
         for entry in journal.entries():
             then = entry.decision or {"instead": ""}
             instead: Instead = then["instead"]

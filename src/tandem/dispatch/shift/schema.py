@@ -9,7 +9,13 @@ from importlib.resources import files
 from typing import Any
 
 from tandem.dispatch.shift.documents import SCHEMA_VERSION
-from tandem.dispatch.situation.events import KINDS, LONGEST_ID, LONGEST_SHIFT, EventKind
+from tandem.dispatch.situation.events import (
+    KINDS,
+    LONGEST_ID,
+    LONGEST_SHIFT,
+    NAMES,
+    EventKind,
+)
 
 SHIPPED = {
     "events": files("tandem.dispatch.shift") / "events.schema.json",
@@ -30,6 +36,7 @@ MOMENT: dict[str, Any] = {
     "description": "Seconds since the start of the shift, or a time with its zone as ISO 8601.",
 }
 TASK_NAMES: dict[str, Any] = {"type": "array", "items": {"type": "string"}}
+TEXT_OR_NULL: dict[str, Any] = {"type": ["string", "null"]}
 
 
 def event_schema() -> dict[str, Any]:
@@ -61,6 +68,8 @@ def decision_schema() -> dict[str, Any]:
             "type": {"const": "decision"},
             "number": _whole("Of the line that led to it; 0 for the opening."),
             "at": _seconds("When."),
+            "product": _product(),
+            "queued": _whole("Products that were ordered and have not begun."),
             "starts": _list(
                 order,
                 "What robots are to begin now, alone or with others, if they have not. Replaces all"
@@ -107,7 +116,23 @@ def decision_schema() -> dict[str, Any]:
                 "type": ["number", "null"],
                 "description": "When to send a `tick` should nothing else happen before, seconds.",
             },
-            "over": {"type": "boolean", "description": "Everything is done."},
+            "over": {
+                "type": "boolean",
+                "description": "The product is done, and no other one is to begin after it.",
+            },
+            "forecast": {
+                "anyOf": [
+                    _table(
+                        {
+                            "p50": _seconds("Not exceeded in half of all cases."),
+                            "p90": _seconds("Not exceeded in 90 % of all cases."),
+                            "plan": _seconds("By the stated times."),
+                        }
+                    ),
+                    {"type": "null"},
+                ],
+                "description": "When this product will be done; null when none is under way.",
+            },
             "latency_ms": {"type": "number", "minimum": 0, "description": "What deciding took."},
             "fault": {"type": "string", "description": "How the policy failed."},
             "stuck": {
@@ -115,8 +140,17 @@ def decision_schema() -> dict[str, Any]:
                 "items": {"type": "string"},
                 "description": "Why nothing can go on, and time alone will not change it.",
             },
+            "open": {
+                **_table(
+                    {
+                        "tasks": TASK_NAMES,
+                        "products": _list(_table({"order": TEXT_OR_NULL, "variant": TEXT_OR_NULL})),
+                    }
+                ),
+                "description": "When the shift has ended: what is not done, what has not begun.",
+            },
         },
-        optional=("fault", "stuck"),
+        optional=("fault", "stuck", "open"),
     )
     answer = _table(
         {
@@ -180,11 +214,13 @@ def _event(name: str, kind: EventKind) -> dict[str, Any]:
         keys["operators"] = {"type": "array", "items": NAME, "minItems": 1, "uniqueItems": True}
     if kind.until != "no":
         keys["until"] = MOMENT
+    keys |= {key: {**NAME, "description": f"Names {NAMES[key]}."} for key in kind.names}
     required = [
         "event",
         "at",
         *(["task"] if kind.task == "must" else []),
         *(["operator"] if kind.operators == "one" else []),
+        *(key for key, presence in kind.names.items() if presence == "must"),
     ]
     one_of = (
         {"oneOf": [{"required": ["operator"]}, {"required": ["operators"]}]}
@@ -194,6 +230,8 @@ def _event(name: str, kind: EventKind) -> dict[str, Any]:
     either = (
         {"anyOf": [{"required": ["task"]}, {"required": ["operator"]}, {"required": ["operators"]}]}
         if name == "failed"
+        else {"oneOf": [{"required": ["part"]}, {"required": ["task"]}]}
+        if "part" in kind.names
         else {}
     )
     return {
@@ -234,6 +272,19 @@ def _hello() -> dict[str, Any]:
             "resumed": {"type": "boolean", "description": "The journal held the shift already."},
             "number": _whole("Of the last line in the journal."),
             "at": _seconds("How far the shift has come."),
+            "variants": {**TASK_NAMES, "description": "Cells besides the shift's own, by name."},
+            "product": _product(),
+            "products": _whole("How many are done."),
+            "queued": _whole("Products that were ordered and have not begun."),
+            "persons": {
+                "type": "object",
+                "additionalProperties": {"type": "string"},
+                "description": "Human to the person who stands at that place.",
+            },
+            "lacking": {
+                **TASK_NAMES,
+                "description": "Broken tools, missing parts, tasks that lack something.",
+            },
             "done": TASK_NAMES,
             "running": people,
             "wrong": TASK_NAMES,
@@ -243,10 +294,25 @@ def _hello() -> dict[str, Any]:
     )
 
 
+def _product() -> dict[str, Any]:
+    product = _table(
+        {
+            "number": _whole("Counting from 1."),
+            "order": TEXT_OR_NULL,
+            "variant": TEXT_OR_NULL,
+            "began": _seconds("When it began."),
+        }
+    )
+    return {
+        "anyOf": [product, {"type": "null"}],
+        "description": "The product under way, or the last one; null before the first.",
+    }
+
+
 def _summary() -> dict[str, Any]:
     counts = {
         name: {"type": "integer", "minimum": 0}
-        for name in ("lines", "events", "refused", "decisions", "late", "failed")
+        for name in ("products", "lines", "events", "refused", "decisions", "late", "failed")
     }
     spent = _table({name: {"type": "number"} for name in ("p50", "p99", "max")})
     numbers = {name: {"type": "number"} for name in ("at", "makespan", "stress")}

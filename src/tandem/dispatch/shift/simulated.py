@@ -4,13 +4,18 @@ everything can be tried without hardware.
 The floor knows what nobody is told: how slow people are, what goes wrong, when somebody leaves. It
 hears orders and announcements, and reports what happens. The same seed gives the same floor: told
 the same, it reports the same, so that a shift that was cut off is picked up where it stopped.
+
+A product is an episode of the world. The people are the same at all products, with what they have
+got used to and how tired they are; who is away when a product begins is back then (ASSUMPTION).
 """
 
 from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -18,11 +23,11 @@ from tandem.cell.model import Cell
 from tandem.dispatch.journal import Entry
 from tandem.dispatch.shift.documents import event_of, told
 from tandem.dispatch.situation.events import Event
-from tandem.dispatch.situation.model import Situation
+from tandem.dispatch.situation.model import Product, Situation, exact
 from tandem.dispatch.situation.transitions import after, ordered
 from tandem.errors import UsageError
 from tandem.world import state as world
-from tandem.world.arrays import NEVER, Names
+from tandem.world.arrays import NEVER, Arrays, Names
 from tandem.world.episode import begin, decide, is_over
 from tandem.world.people import Person, crew
 from tandem.world.population import crowd
@@ -35,50 +40,106 @@ stands still for good.
 
 
 class SimulatedFloor:
-    """A floor under way; its clock is the world's (`tandem.world.episode`), in ticks."""
+    """A floor under way; its clock is the world's (`tandem.world.episode`), in ticks of the
+    product.
+    """
 
-    def __init__(self, cell: Cell, people: str, chance: Chance = OFF, seed: int = 0) -> None:
+    def __init__(
+        self,
+        cell: Cell,
+        people: str,
+        chance: Chance = OFF,
+        seed: int = 0,
+        variants: Mapping[str, Cell] | None = None,
+    ) -> None:
         """Draws who works today, and what will happen.
 
         Args:
           people: who, such as "compliant", "random:0.5" or "pace:2"; see `tandem.world.behaviour`.
           chance: what may happen besides.
+          variants: cells of products that differ, by name.
 
         Raises:
-          UsageError, CellError: `people` is wrong, or the cell is too large to be simulated.
+          UsageError, CellError: `people` is wrong, or a cell is too large to be simulated.
         """
-        self.names = Names.of(cell)
-        rng = np.random.default_rng(seed)
-        may_err = crowd(people, self.names, self.names.arrays()).makes_mistakes
-        self.arrays = self.names.arrays(undo=chance.undo if may_err else None)
-        someone = crowd(people, self.names, self.arrays).draw(rng, 1)
-        draw = Draw.of(self.names, self.arrays, chance)
+        self.spec, self.chance, self.seed = people, chance, seed
+        self.stations: dict[str | None, tuple[Names, Arrays]] = {None: self._station(cell)}
+        self.stations |= {name: self._station(one) for name, one in (variants or {}).items()}
+        self.names, self.arrays = self.stations[None]
+        self.pending: deque[Event] = deque()
+        self.count, self.began, self.number = 0, 0.0, 1
+        self._begin(Product(1))
+
+    def _station(self, cell: Cell) -> tuple[Names, Arrays]:
+        names = Names.of(cell)
+        may_err = crowd(self.spec, names, names.arrays()).makes_mistakes
+        return names, names.arrays(undo=self.chance.undo if may_err else None)
+
+    def _begin(self, product: Product) -> None:
+        """The product's own chance, and the same people."""
+        self.names, self.arrays = self.stations[product.variant]
+        rng = np.random.default_rng(self.seed)
+        someone = crowd(self.spec, self.names, self.arrays).draw(rng, 1)
+        if product.number > 1:
+            rng = np.random.default_rng((self.seed, product.number))
+        draw = Draw.of(self.names, self.arrays, self.chance)
         self.people = crew(self.arrays, Person(*(value[0] for value in someone)))
         self.scenario = scenario(draw, self.arrays, rng.random(draw.numbers, np.float32))
         self.episode = begin(self.arrays, self.people)
-        self.pending: deque[Event] = deque()
-        self.count = 0
+
+    def _next_product(self, situation: Situation, product: Product) -> None:
+        """The shift has gone on to another product."""
+        before = self.episode
+        self._begin(product)
+        self.episode = self.episode._replace(fatigue=before.fatigue, begun=before.begun)
+        refused = np.array(
+            [
+                any((who, task) in situation.refused for who in way.operators)
+                for task, way in self.names.ways
+            ]
+        )
+        self.episode = self.episode._replace(
+            state=self.episode.state._replace(refused=refused, in_hand=self._in_hand(situation))
+        )
+        mask = world.legal(self.arrays, self.episode.state)
+        self.episode = self.episode._replace(mask=mask, turn=world.turn(self.arrays, mask))
+        self.began, self.number = situation.began, product.number
+        self.pending.extend(
+            Event(kind, self.now, operators=(who,))
+            for kind, away in (("back", situation.absent), ("repaired", situation.failed))
+            for who in sorted(away)
+        )
+
+    def _in_hand(self, situation: Situation) -> Any:
+        """`[O]` int32, the tools that the operators hold, as the world numbers them."""
+        held = [situation.in_hand.get(who) for who in self.names.operators]
+        reset = self.episode.state.in_hand
+        return np.array(
+            [
+                self.names.tools.index(tool) if tool in self.names.tools else nothing
+                for tool, nothing in zip(held, reset.tolist(), strict=True)
+            ],
+            reset.dtype,
+        ).reshape(reset.shape)
 
     def next(self, situation: Situation, look_again: float | None = None) -> Event | None:
         """What happens next, when this is what was told; None when nothing will happen any more.
 
         Args:
-          look_again: when to report that time has passed, should nothing else happen before, s.
+          look_again: when to report that time has passed, should nothing else happen before, s of
+            the shift's clock.
         """
+        if situation.product is None:
+            return None
+        if situation.product.number != self.number:
+            self._next_product(situation, situation.product)
         standstill = 0
         while standstill < ROUNDS:
             while self.pending:
                 event = self.pending.popleft()
                 if event.kind != "wrong" or event.task in situation.done:
                     self.count += 1
-                    return Event(
-                        event.kind,
-                        event.at,
-                        event.task,
-                        event.operators,
-                        event.until,
-                        f"sim-{self.count}",
-                    )
+                    return replace(event, id=f"sim-{self.count}")
             if is_over(self.arrays, self.episode):
                 return None
             if self.episode.turn >= 0:
@@ -114,8 +175,8 @@ class SimulatedFloor:
 
     @property
     def now(self) -> float:
-        """The floor's clock, s."""
-        return self.names.seconds(int(self.episode.state.clock))
+        """The shift's clock, s."""
+        return exact(self.began + self.names.seconds(int(self.episode.state.clock)))
 
     def _somebody_decides(self, situation: Situation) -> None:
         """Whose turn it is hears what it was told, and begins something, refuses or waits."""
@@ -191,7 +252,10 @@ class SimulatedFloor:
             until = np.int32(
                 min(
                     int(until),
-                    max(int(before.clock) + 1, math.ceil(look_again * self.names.per_second)),
+                    max(
+                        int(before.clock) + 1,
+                        math.ceil(exact(look_again - self.began) * self.names.per_second),
+                    ),
                 )
             )
         state = world.advance(self.arrays, before, until)

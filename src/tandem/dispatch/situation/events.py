@@ -8,8 +8,8 @@ event fits where the shift stands is asked in `objections.py`.
 from __future__ import annotations
 
 import json
-from collections.abc import Container, Iterator
-from dataclasses import dataclass
+from collections.abc import Container, Iterator, Mapping
+from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Any, Literal
 
@@ -36,12 +36,29 @@ Presence = Literal["no", "may", "must"]
 
 @dataclass(frozen=True)
 class EventKind:
-    """A kind of event: what it says, and which keys it has besides `event`, `at` and `id`."""
+    """A kind of event: what it says, and which keys it has besides `event`, `at` and `id`.
+
+    Attributes:
+      names: further keys that hold a name, of `NAMES`.
+    """
 
     what: str
     task: Presence = "no"
     operators: Literal["no", "may", "one", "some"] = "no"
     until: Presence = "no"
+    names: Mapping[str, Presence] = field(default_factory=dict)
+
+
+NAMES = {
+    "order": "an order's id, the floor's own",
+    "variant": "the name of a cell that the shift was opened with as a variant",
+    "tool": "a tool that tasks need",
+    "part": "a part that tasks mount",
+    "person": "a person, by whatever name the floor knows them",
+}
+"""Keys that hold a name, and whose."""
+OPEN_NAMES = ("order", "person")
+"""Of these the ones that the floor makes up. The others are of the cells."""
 
 
 KINDS: dict[str, EventKind] = {
@@ -72,6 +89,30 @@ KINDS: dict[str, EventKind] = {
     "undone": EventKind("the task has been taken apart and is open again", "must"),
     "absent": EventKind("the human has left; their work rests", "no", "one"),
     "back": EventKind("the human is there again and goes on with their task", "no", "one"),
+    "product": EventKind(
+        "one more product is ordered: of the shift's cell, or of a variant. It begins when all"
+        " ordered before it are done",
+        names={"order": "may", "variant": "may"},
+    ),
+    "broken": EventKind(
+        "the tool is broken: no task that needs it can begin", names={"tool": "must"}
+    ),
+    "mended": EventKind("the tool is there again", names={"tool": "must"}),
+    "missing": EventKind(
+        "the part is missing, or something that the task needs: what needs it cannot begin",
+        "may",
+        names={"part": "may"},
+    ),
+    "there": EventKind(
+        "the part, or what the task needs, is there again", "may", names={"part": "may"}
+    ),
+    "person": EventKind(
+        "from now on this person stands at the human's place; what is known of a pace is theirs",
+        "no",
+        "one",
+        names={"person": "must"},
+    ),
+    "end": EventKind("the shift ends: no further product begins"),
     "tick": EventKind("time has passed, nothing else"),
 }
 """Every kind of event by its name. A new one is a line here: then `transitions` says what it does,
@@ -88,6 +129,7 @@ class Event:
       at: s since the start of the shift.
       task, operators, until: as its kind has them; `operators` in the cell's order, `until` in s.
       id: what makes sending it twice harmless; None when it has none.
+      order, variant, tool, part, person: as its kind has them, see `NAMES`.
     """
 
     kind: str
@@ -96,6 +138,11 @@ class Event:
     operators: tuple[str, ...] = ()
     until: float | None = None
     id: str | None = None
+    order: str | None = None
+    variant: str | None = None
+    tool: str | None = None
+    part: str | None = None
+    person: str | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """As a line of JSON holds it, times in seconds."""
@@ -110,8 +157,8 @@ class Event:
             )
         return made | {
             key: value
-            for key, value in (("until", self.until), ("id", self.id))
-            if value is not None
+            for key in ("until", *NAMES, "id")
+            if (value := getattr(self, key)) is not None
         }
 
 
@@ -127,11 +174,18 @@ class EventError(TandemError):
         super().__init__("\n".join(reasons))
 
 
-def read_event(line: str | bytes, cell: Cell, start: datetime | None = None) -> Event:
+def read_event(
+    line: str | bytes,
+    cell: Cell,
+    start: datetime | None = None,
+    variants: Mapping[str, Cell] | None = None,
+) -> Event:
     """The event that the line holds.
 
     Args:
       line: as text, or as the bytes that came.
+      cell: of the product under way. `variants`: the other cells of the shift by name, whose tools
+        and parts are known too.
       start: when the shift started, for times written as ISO 8601; when None, the first such time
         is taken as 0 s (`start_of`).
 
@@ -139,11 +193,33 @@ def read_event(line: str | bytes, cell: Cell, start: datetime | None = None) -> 
       EventError: it holds none, with every reason.
     """
     data = _table(line)
-    reading = _Reading(data, cell, start)
+    reading = _Reading(data, cell, start, variants or {})
     event = reading.event()
     if event is None or reading.faults:
         raise EventError(reading.faults, reading.id())
     return event
+
+
+def id_of(line: str | bytes) -> str | None:
+    """The id that the line gives, whatever else it holds; None when it gives none that can be
+    used.
+    """
+    try:
+        return _id(_table(line).get("id"))
+    except EventError:
+        return None
+
+
+def _id(value: Any) -> str | None:
+    """What was given as an id, when it can be one."""
+    whole = isinstance(value, int) and not isinstance(value, bool) and abs(value) < 10**LONGEST_ID
+    text = str(value) if isinstance(value, str) or whole else ""
+    return text if _can_be_told_apart(text) else None
+
+
+def _can_be_told_apart(text: str) -> bool:
+    """Whether a name that the floor makes up is one that nothing else can be taken for."""
+    return 1 <= len(text) <= LONGEST_ID and text.isprintable() and LOST not in text
 
 
 def start_of(line: str | bytes) -> datetime | None:
@@ -220,8 +296,14 @@ EXAMPLE = {"event": "done", "at": 12.5, "task": "4"}
 class _Reading:
     """Reads one table key by key and collects what is wrong."""
 
-    def __init__(self, data: dict[str, Any], cell: Cell, start: datetime | None) -> None:
-        self.data, self.cell, self.start = data, cell, start
+    def __init__(
+        self,
+        data: dict[str, Any],
+        cell: Cell,
+        start: datetime | None,
+        variants: Mapping[str, Cell],
+    ) -> None:
+        self.data, self.cell, self.start, self.variants = data, cell, start, variants
         self.faults: list[str] = []
 
     def event(self) -> Event | None:
@@ -243,8 +325,11 @@ class _Reading:
             self.faults.append(
                 "failed: say which `task` was given up, or which `operator` is down."
             )
+        names = {key: self.name(name, key, presence) for key, presence in kind.names.items()}
+        if "part" in names and (task is None) == (names["part"] is None) and not self.faults:
+            self.faults.append(f"{name}: give either the `part`, or the `task` that needs it.")
         self.faults += _unknown_keys(name, kind, self.data)
-        return None if at is None else Event(name, at, task, operators, until, id_)
+        return None if at is None else Event(name, at, task, operators, until, id_, **names)
 
     def at(self, key: str) -> float | None:
         """The time under this key, s since the start."""
@@ -308,13 +393,9 @@ class _Reading:
         value = self.data.get("id")
         if value is None:
             return None
-        whole = (
-            isinstance(value, int) and not isinstance(value, bool) and abs(value) < 10**LONGEST_ID
-        )
-        text = str(value) if isinstance(value, str) or whole else ""
-        if 1 <= len(text) <= LONGEST_ID and text.isprintable() and LOST not in text:
+        if (text := _id(value)) is not None:
             return text
-        if tell and LOST in text:
+        if tell and isinstance(value, str) and LOST in value:
             self.faults.append(
                 f"`id` is {_shown(value)}: U+FFFD stands for a character that was lost on the way."
                 " Send events as UTF-8."
@@ -325,6 +406,44 @@ class _Reading:
                 " characters, or a whole number."
             )
         return None
+
+    def name(self, kind: str, key: str, presence: Presence) -> str | None:
+        """What the key of `NAMES` holds: a name of the floor's, or one that the cells have."""
+        if key not in self.data and presence != "must":
+            return None
+        value = self.data.get(key)
+        if isinstance(value, int) and not isinstance(value, bool) and abs(value) < 10**LONGEST_ID:
+            value = str(value)
+        if not isinstance(value, str):
+            self.faults.append(
+                f"{kind}: `{key}` is {'missing' if value is None else _shown(value)}; it must be"
+                f" {NAMES[key]}."
+            )
+            return None
+        if key in OPEN_NAMES:
+            if _can_be_told_apart(value):
+                return value
+            self.faults.append(
+                f"{kind}: `{key}` is {_shown(value)}; it must be a text of 1 to {LONGEST_ID}"
+                " printable characters, or a whole number."
+            )
+            return None
+        names = self.names(key)
+        found = _known(value, names)
+        if found is None:
+            hint = Known(names).hint(value) if names else f"None has a {key}."
+            where = "the shift was opened with" if key == "variant" else "the cell has"
+            self.faults.append(f"{where} no {key} {_shown(value)}. {hint}")
+        return found
+
+    def names(self, key: str) -> list[str]:
+        """The names that the cells of the shift have for this key."""
+        if key == "variant":
+            return list(self.variants)
+        tasks = [
+            task for cell in (self.cell, *self.variants.values()) for task in cell.tasks.values()
+        ]
+        return sorted({name for task in tasks if (name := getattr(task, key)) is not None})
 
     def task(self, name: str, presence: Presence) -> str | None:
         if presence == "no" or (presence == "may" and "task" not in self.data):
@@ -422,6 +541,7 @@ def keys_of(kind: EventKind) -> list[str]:
             else []
         ),
         *(["until"] if kind.until != "no" else []),
+        *kind.names,
     ]
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from tandem.cell.parts import Mode
-from tandem.dispatch.situation.model import Situation, exact, mode
+from tandem.dispatch.situation.model import Situation, Stock, exact, mode
 
 
 def start_of_work(situation: Situation, task: str, operators: Iterable[str]) -> float:
@@ -41,7 +41,8 @@ def legal(situation: Situation) -> list[tuple[str, tuple[str, ...]]]:
     `situation.wrong` it means taking it apart.
 
     Predecessors have ended (or, to take a task apart, nothing stands on it any more), its release
-    has come, all operators are there and at nothing, tool and zone have room, no break falls into
+    has come, its tool is whole and its part there, all operators are there and at nothing, tool and
+    zone have room, no break falls into
     changeover or stated time, and refusals, stress limits (as far as the least stress of what is
     left tells), `same_operator` and `stress_of_set` are kept. Deadlines rule out nothing: late is
     better than never.
@@ -87,7 +88,16 @@ def hindrances(situation: Situation, task: str, way: Mode) -> Iterator[str]:
     """What else stands against the task being begun now in this way, in sentences; none when
     nothing does.
     """
-    for rule in (_release, _refusals, _times_off, _room, _stress_limits, _teams, _listed_sets):
+    for rule in (
+        _release,
+        _stock,
+        _refusals,
+        _times_off,
+        _room,
+        _stress_limits,
+        _teams,
+        _listed_sets,
+    ):
         yield from rule(situation, task, way)
 
 
@@ -133,7 +143,26 @@ def _swaps(
 def _release(situation: Situation, task: str, way: Mode) -> Iterator[str]:
     release = situation.cell.tasks[task].release
     if situation.now < release:
-        yield f"task {task!r} is released at {release:g} s"
+        yield f"task {task!r} is released at {situation.on_clock(release):g} s"
+
+
+def lacks(situation: Situation, task: str) -> list[tuple[Stock, str]]:
+    """What the task needs and is broken or missing. Taking it apart needs its tool only."""
+    wanted = situation.cell.tasks[task]
+    needs: list[tuple[Stock, str | None]] = [("tool", wanted.tool)]
+    if task not in situation.wrong:
+        needs += [("part", wanted.part), ("task", task)]
+    return [(kind, name) for kind, name in needs if name and (kind, name) in situation.stock]
+
+
+def _stock(situation: Situation, task: str, way: Mode) -> Iterator[str]:
+    if situation.stock:
+        for kind, name in lacks(situation, task):
+            yield (
+                f"what task {name!r} needs is missing"
+                if kind == "task"
+                else f"{kind} {name!r} is {'broken' if kind == 'tool' else 'missing'}"
+            )
 
 
 def _refusals(situation: Situation, task: str, way: Mode) -> Iterator[str]:
@@ -141,7 +170,7 @@ def _refusals(situation: Situation, task: str, way: Mode) -> Iterator[str]:
         if situation.is_refused(who, task):
             until = situation.refused[who, task]
             yield f"{who!r} does not want task {task!r}" + (
-                "" if until is None else f" before {until:g} s"
+                "" if until is None else f" before {situation.on_clock(until):g} s"
             )
 
 
@@ -157,7 +186,10 @@ def _times_off(situation: Situation, task: str, way: Mode) -> Iterator[str]:
         begin = exact(start - swaps.get(who, (0.0, 0.0))[1])
         for off in situation.cell.operators[who].times_off:
             if off.start < end and begin < off.end:
-                yield f"{who!r} {off}"
+                told = off._replace(
+                    start=situation.on_clock(off.start), end=situation.on_clock(off.end)
+                )
+                yield f"{who!r} {told}"
 
 
 def _room(situation: Situation, task: str, way: Mode) -> Iterator[str]:

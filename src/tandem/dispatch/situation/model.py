@@ -1,10 +1,12 @@
 """Where a shift stands, as far as it has been seen: what deciders look at. Frozen, plain Python;
 knows no JAX and no solver.
 
-`legal.py` says what may begin; `after.py` moves a situation on. The rules are those of the world
-(`tandem.world.state`) in other words: a test holds both together. Times are seconds since the
-shift's start. Who was idle has used that time to take up the tool of the next task; what is left of
-a changeover belongs to the work that follows it.
+`legal.py` says what may begin; `transitions.py` moves a situation on. The rules are those of the
+world (`tandem.world.state`) in other words: a test holds both together. A shift is product after
+product. Times are seconds since the beginning of the product, as the cell's own releases, deadlines
+and breaks are; `Situation.began` leads to the shift's clock, which is what the floor tells and
+hears. Who was idle has used that time to take up the tool of the next task; what is left of a
+changeover belongs to the work that follows it.
 """
 
 from __future__ import annotations
@@ -19,6 +21,8 @@ from tandem.cell.parts import Mode
 from tandem.dispatch.situation.facts import Facts
 
 Outcome = Literal["done", "taken apart", "broken off"]
+Stock = Literal["tool", "part", "task"]
+"""What can be missing: a tool that is broken, a part, or whatever a task needs."""
 
 TAKING_APART = 1.0
 """ASSUMPTION: taking apart takes so many times as long as doing, with the same operators, tool and
@@ -92,15 +96,60 @@ class Order:
 
 
 @dataclass(frozen=True)
-class Situation:
-    """What has been seen of a shift: one assembly in one cell.
+class Product:
+    """A product of the shift.
 
     Attributes:
-      now: s since the start.
+      number: counting from 1 in the order in which they were ordered, which is the order in which
+        they are made.
+      order: the order's id, as the floor gave it; None when it gave none.
+      variant: the name of its cell, for products that differ; None for the shift's own cell.
+    """
+
+    number: int
+    order: str | None = None
+    variant: str | None = None
+
+    @property
+    def words(self) -> str:
+        """As messages name it: "product 3 (order 'A-17')"."""
+        return f"product {self.number}" + ("" if self.order is None else f" (order {self.order!r})")
+
+
+@dataclass(frozen=True)
+class Learnt:
+    """What a person's work has told of their pace, before any prior: the sums of a normal
+    posterior in logarithms, the earlier the work the less it weighs; see `pace.py`.
+
+    Attributes:
+      precision: sum of the weights / variance.
+      weighted: sum of the weights * logarithm of the pace seen / variance.
+      seen: pieces of work, each counted as one.
+    """
+
+    precision: float = 0.0
+    weighted: float = 0.0
+    seen: int = 0
+
+
+NOTHING = Learnt()
+"""Nothing was seen of somebody."""
+
+
+@dataclass(frozen=True)
+class Situation:
+    """What has been seen of a shift: the product under way, in its cell, and what outlives it.
+
+    A product's beginning (`transitions.begun`) empties what belongs to one product (`done`,
+    `running`, `past`, `orders`, `announced`, `wrong`, `since`, and `now` is 0 again) and keeps the
+    rest.
+
+    Attributes:
+      now: s since the product's beginning.
       done: task -> the work that did it; what turned out wrong or was taken apart is no longer in
         it.
       running: task -> who is at it since when.
-      past: all work that ended, in the order in which it ended.
+      past: all work at this product that ended, in the order in which it ended.
       absent: humans who are away. `failed`: robots that are down.
       refused: (operator, task) -> until when (s) that operator will not do the task; None: for the
         whole shift.
@@ -114,6 +163,19 @@ class Situation:
         or absence; 0 for who is missing.
       taking_apart: see `TAKING_APART`.
       known: `facts` when they have been worked out; handed on from situation to situation.
+      product: the one under way, or the last one when it is done; None before the first.
+      began: s of the shift's clock at which it began.
+      queued: what was ordered and has not begun, first come first made.
+      ended: the shift's end was told; no further product begins.
+      stock: what is broken or missing -> since when, s of the shift's clock.
+      persons: operator -> who stands at its place, by a name of the floor's; a human who is not in
+        it goes by the operator's own name.
+      joined: human -> since when (s) that person is there, where it is not since the product's
+        beginning.
+      learnt: person -> what their work before this product told of their pace, and at this product
+        before they left.
+      cells: variant -> its cell and its facts, None being the shift's own; empty where there is
+        one cell only.
     """
 
     cell: Cell
@@ -131,12 +193,48 @@ class Situation:
     since: Mapping[str, float] = field(default_factory=dict)
     taking_apart: float = TAKING_APART
     known: Facts | None = field(default=None, repr=False, compare=False)
+    product: Product | None = Product(1)
+    began: float = 0.0
+    queued: tuple[Product, ...] = ()
+    ended: bool = False
+    stock: Mapping[tuple[Stock, str], float] = field(default_factory=dict)
+    persons: Mapping[str, str] = field(default_factory=dict)
+    joined: Mapping[str, float] = field(default_factory=dict)
+    learnt: Mapping[str, Learnt] = field(default_factory=dict)
+    cells: Mapping[str | None, tuple[Cell, Facts]] = field(
+        default_factory=dict, repr=False, compare=False
+    )
 
     @classmethod
-    def of(cls, cell: Cell, *, taking_apart: float = TAKING_APART) -> Situation:
-        """The start of a shift: nothing done, everybody there."""
+    def of(
+        cls,
+        cell: Cell,
+        *,
+        taking_apart: float = TAKING_APART,
+        variants: Mapping[str, Cell] | None = None,
+        products: int = 1,
+    ) -> Situation:
+        """The start of a shift: nothing done, everybody there.
+
+        Args:
+          variants: cells of products that differ, by name; with the same operators.
+          products: so many of `cell` are ordered at the start; the first one begins. With 0 the
+            shift waits for its first order.
+        """
         hands = {who: operator.tool for who, operator in cell.operators.items() if operator.tool}
-        return cls(cell, in_hand=hands, taking_apart=taking_apart, known=Facts.of(cell))
+        facts = Facts.of(cell)
+        cells: dict[str | None, tuple[Cell, Facts]] = {None: (cell, facts)}
+        cells |= {name: (other, Facts.of(other)) for name, other in (variants or {}).items()}
+        ordered = tuple(Product(number) for number in range(1, products + 1))
+        return cls(
+            cell,
+            in_hand=hands,
+            taking_apart=taking_apart,
+            known=facts,
+            product=ordered[0] if ordered else None,
+            queued=ordered[1:],
+            cells=cells,
+        )
 
     @cached_property
     def facts(self) -> Facts:
@@ -148,14 +246,36 @@ class Situation:
         """Tasks that nobody is at and that are not in place, in the cell's order; those that are
         wrong are among them.
         """
+        if self.product is None:
+            return ()
         return tuple(
             task for task in self.cell.tasks if task not in self.running and task not in self.done
         )
 
     @property
     def is_over(self) -> bool:
-        """Everything is done."""
-        return len(self.done) == len(self.cell.tasks)
+        """Everything is done of the product under way; nothing is under way before the first."""
+        return self.product is None or len(self.done) == len(self.cell.tasks)
+
+    @property
+    def products_done(self) -> int:
+        """How many products are done."""
+        if self.product is None:
+            return 0
+        return self.product.number - (0 if self.is_over else 1)
+
+    @property
+    def clock(self) -> float:
+        """Now, s since the start of the shift."""
+        return self.on_clock(self.now)
+
+    def on_clock(self, seconds: float) -> float:
+        """Seconds since the product's beginning as seconds since the start of the shift."""
+        return exact(self.began + seconds)
+
+    def person(self, human: str) -> str:
+        """Who stands at the human's place."""
+        return self.persons.get(human, human)
 
     @property
     def idle(self) -> tuple[str, ...]:
@@ -204,6 +324,14 @@ class Situation:
     def to_dict(self) -> dict[str, Any]:
         """As plain values, the cell left out; equal situations of a cell give equal values."""
         return {
+            "product": None if self.product is None else vars(self.product),
+            "began": self.began,
+            "queued": [vars(product) for product in self.queued],
+            "ended": self.ended,
+            "stock": [[kind, name, since] for (kind, name), since in sorted(self.stock.items())],
+            "persons": dict(sorted(self.persons.items())),
+            "joined": dict(sorted(self.joined.items())),
+            "learnt": {who: vars(known) for who, known in sorted(self.learnt.items())},
             "now": self.now,
             "done": {task: _plain(work) for task, work in sorted(self.done.items())},
             "running": {task: _plain(at) for task, at in sorted(self.running.items())},

@@ -12,17 +12,19 @@ from dataclasses import replace
 
 from tandem.dispatch.situation.events import Event
 from tandem.dispatch.situation.legal import hindrances, is_ready
-from tandem.dispatch.situation.model import Situation, mode
-from tandem.dispatch.situation.transitions import task_of
+from tandem.dispatch.situation.model import Situation, exact, mode
+from tandem.dispatch.situation.transitions import stock_of, task_of
 
 
 def objections(situation: Situation, event: Event) -> list[str]:
     """Why the event cannot have happened, as far as is known; empty when nothing contradicts it."""
-    if event.at < situation.now:
+    if event.at < situation.clock:
         return [
-            f"it happened at {event.at:.10g} s, but the shift has come to {situation.now:.10g} s;"
+            f"it happened at {event.at:.10g} s, but the shift has come to {situation.clock:.10g} s;"
             " time does not run backwards."
         ]
+    if situation.product is None and event.task is not None and event.kind in RULES_OF_WORK:
+        return ["no product is under way; order one with `product`."]
     rule = RULES.get(event.kind)
     return list(rule(situation, event)) if rule else []
 
@@ -42,18 +44,22 @@ def remarks(situation: Situation, event: Event) -> list[str]:
         ]
     )
     way = mode(situation.cell, task, event.operators)
-    return [f"{odd}." for odd in (*early, *hindrances(replace(situation, now=event.at), task, way))]
+    there = replace(situation, now=exact(event.at - situation.began))
+    return [f"{odd}." for odd in (*early, *hindrances(there, task, way))]
 
 
 def _against_started(situation: Situation, event: Event) -> Iterator[str]:
     task = task_of(event)
     if task in situation.running:
         at = situation.running[task]
-        yield f"task {task!r} is under way since {at.start:g} s, by {_and(at.operators)}."
+        yield (
+            f"task {task!r} is under way since {situation.on_clock(at.start):g} s, by"
+            f" {_and(at.operators)}."
+        )
     elif task in situation.done:
         yield (
-            f"task {task!r} is done since {situation.done[task].end:g} s. If it is mounted wrongly,"
-            " report it as wrong first."
+            f"task {task!r} is done since {situation.on_clock(situation.done[task].end):g} s. If it"
+            " is mounted wrongly, report it as wrong first."
         )
     elif not is_ready(situation, task) and (
         task in situation.wrong or not any(who in situation.cell.humans for who in event.operators)
@@ -196,6 +202,47 @@ def _against_undone(situation: Situation, event: Event) -> Iterator[str]:
         )
 
 
+def _against_product(situation: Situation, event: Event) -> Iterator[str]:
+    if situation.ended:
+        yield (
+            "the shift has ended; no further product begins. Open the next shift with a new"
+            " journal."
+        )
+
+
+def _against_end(situation: Situation, event: Event) -> Iterator[str]:
+    if situation.ended:
+        yield "the end of the shift was reported already."
+
+
+def _against_lacking(situation: Situation, event: Event) -> Iterator[str]:
+    for kind, name in stock_of(event):
+        if (kind, name) in situation.stock:
+            since = situation.stock[kind, name]
+            yield (f"{_stock(kind, name)} was reported as {event.kind} already, at {since:g} s.")
+
+
+def _against_having(situation: Situation, event: Event) -> Iterator[str]:
+    gone = "broken" if event.kind == "mended" else "missing"
+    for kind, name in stock_of(event):
+        if (kind, name) not in situation.stock:
+            yield f"{_stock(kind, name)} was not reported as {gone}."
+
+
+def _stock(kind: str, name: str) -> str:
+    return f"what task {name!r} needs" if kind == "task" else f"{kind} {name!r}"
+
+
+def _against_person(situation: Situation, event: Event) -> Iterator[str]:
+    [who] = event.operators
+    if situation.cell.operators[who].kind != "human":
+        yield f"{who!r} is a robot; a person stands at a human's place."
+        return
+    for human in situation.cell.humans:
+        if situation.person(human) == event.person:
+            yield f"{event.person!r} stands at the place of {human!r} already."
+
+
 RULES: dict[str, Callable[[Situation, Event], Iterator[str]]] = {
     "started": _against_started,
     "done": _against_done,
@@ -206,10 +253,20 @@ RULES: dict[str, Callable[[Situation, Event], Iterator[str]]] = {
     "undone": _against_undone,
     "absent": _against_absent,
     "back": _against_coming,
+    "product": _against_product,
+    "end": _against_end,
+    "broken": _against_lacking,
+    "missing": _against_lacking,
+    "mended": _against_having,
+    "there": _against_having,
+    "person": _against_person,
 }
 """Kind of event -> what speaks against it, in sentences. Only time speaks against a kind that is
 not here.
 """
+
+RULES_OF_WORK = ("started", "done", "refused", "failed", "wrong", "undone")
+"""Kinds that tell of work at a task of the product under way."""
 
 
 def _above(situation: Situation, task: str) -> list[str]:

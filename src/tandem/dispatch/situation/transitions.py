@@ -8,12 +8,29 @@ from typing import Protocol
 
 from tandem.dispatch.situation.events import Event
 from tandem.dispatch.situation.legal import may_begin, seconds
-from tandem.dispatch.situation.model import Order, Outcome, Running, Situation, Work, exact
+from tandem.dispatch.situation.model import (
+    Order,
+    Outcome,
+    Product,
+    Running,
+    Situation,
+    Stock,
+    Work,
+    exact,
+)
+from tandem.dispatch.situation.pace import learnt
 
 
 def after(situation: Situation, event: Event) -> Situation:
-    """The situation once the event has happened. Assumes that there are no `objections`."""
-    now = replace(situation, now=event.at)
+    """The situation once the event has happened. Assumes that there are no `objections`.
+
+    Where it ends a product, or orders one while none is under way, the next one has begun.
+    """
+    return _next_begun(_happened(situation, event))
+
+
+def _happened(situation: Situation, event: Event) -> Situation:
+    now = replace(situation, now=exact(event.at - situation.began))
     match event.kind:
         case "started":
             return _started(now, task_of(event), event.operators)
@@ -35,12 +52,101 @@ def after(situation: Situation, event: Event) -> Situation:
             )
         case "refused":
             [who] = event.operators
-            return replace(now, refused={**now.refused, (who, task_of(event)): event.until})
+            until = None if event.until is None else exact(event.until - now.began)
+            return replace(now, refused={**now.refused, (who, task_of(event)): until})
         case "wrong":
             return _wrong(now, task_of(event))
         case "undone":
             return _undone(now, task_of(event))
+    return _of_the_shift(now, event)
+
+
+def _of_the_shift(now: Situation, event: Event) -> Situation:
+    """What an event does that tells of the shift, and of no work."""
+    match event.kind:
+        case "product":
+            return _queued(now, event.order, event.variant)
+        case "end":
+            return replace(now, ended=True)
+        case "broken" | "missing":
+            return replace(now, stock={**dict.fromkeys(stock_of(event), event.at), **now.stock})
+        case "mended" | "there":
+            back = stock_of(event)
+            kept = {name: since for name, since in now.stock.items() if name not in back}
+            return replace(now, stock=kept)
+        case "person":
+            return _taken_over(now, event.operators[0], event.person or event.operators[0])
     return now
+
+
+def begun(situation: Situation) -> Situation:
+    """The next of the queued products has begun, at this moment; what belongs to the one before is
+    put away, and what its work told of people's paces is kept.
+
+    Time before a product's beginning takes up no tool for it: which one it would be was not known.
+    """
+    product, *queued = situation.queued
+    cell, facts = situation.cells.get(product.variant, (situation.cell, situation.facts))
+    paces = {situation.person(human): learnt(situation, human) for human in situation.cell.humans}
+    return replace(
+        situation,
+        cell=cell,
+        known=facts,
+        product=product,
+        queued=tuple(queued),
+        began=situation.clock,
+        now=0.0,
+        done={},
+        running={},
+        past=(),
+        orders={},
+        announced={},
+        wrong={},
+        since={},
+        joined={},
+        refused={
+            pair: None if until is None else exact(until - situation.now)
+            for pair, until in situation.refused.items()
+            if until is None or until > situation.now
+        },
+        learnt={**situation.learnt, **{who: known for who, known in paces.items() if known.seen}},
+    )
+
+
+def stock_of(event: Event) -> list[tuple[Stock, str]]:
+    """The tool, part or task that an event of what is broken or missing names."""
+    named: list[tuple[Stock, str | None]] = [
+        ("tool", event.tool),
+        ("part", event.part),
+        ("task", event.task),
+    ]
+    return [(kind, name) for kind, name in named if name is not None]
+
+
+def _next_begun(situation: Situation) -> Situation:
+    if situation.is_over and situation.queued and not situation.ended:
+        return begun(situation)
+    return situation
+
+
+def _queued(situation: Situation, order: str | None, variant: str | None) -> Situation:
+    before = [product.number for product in (situation.product, *situation.queued) if product]
+    product = Product(max(before, default=0) + 1, order, variant)
+    return replace(situation, queued=(*situation.queued, product))
+
+
+def _taken_over(situation: Situation, human: str, person: str) -> Situation:
+    """Somebody else stands at the human's place. What the former one's work told is kept under
+    their name; what is under way tells of neither.
+    """
+    known = learnt(situation, human)
+    kept = {situation.person(human): known} if known.seen else {}
+    return replace(
+        situation,
+        learnt={**situation.learnt, **kept},
+        persons={**situation.persons, human: person},
+        joined={**situation.joined, human: situation.now},
+    )
 
 
 class Choice(Protocol):
