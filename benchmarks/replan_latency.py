@@ -95,6 +95,7 @@ def measure(
                 floor = SimulatedFloor(cell, PEOPLE, seed=seed)
                 while event := floor.next(shift.situation, shift.decision["look_again"]):
                     shift.take(json.dumps(event.to_dict()))
+                    decider.settle()  # seconds pass between two events of a floor
                     settle()
                 made = [entry.decision for entry in journal.entries() if entry.decision]
             asked = [one for one in made if one["by"] != "shift"]

@@ -205,7 +205,8 @@ def test_a_late_decider_has_one_thread_which_ends_with_its_answer() -> None:
     assert [asker.decide(Situation.of(GEARBOX)).instead for _ in range(5)] == ["late"] * 5
     [thread] = deciding()
     slow.go.set()
-    thread.join(30)
+    asker.settle()
+    assert not thread.is_alive()
     assert list(deciding()) == []
     asker.budget_ms = 60_000.0
     assert asker.decide(Situation.of(GEARBOX)).instead == ""

@@ -172,9 +172,7 @@ def test_an_order_that_is_withdrawn_stands_apart_from_its_label() -> None:
 
 def test_who_could_not_decide_is_named_with_one_full_stop() -> None:
     failing = Saying(UsageError("no policy fits this cell."), name="learned")
-    decision = Auto((failing,), policy("longest-tail", GEARBOX), budget_ms=10_000.0).decide(
-        Situation.of(GEARBOX)
-    )
+    decision = Auto((failing,), policy("longest-tail", GEARBOX)).decide(Situation.of(GEARBOX))
     assert decision.why.endswith(
         "(learned could not decide, UsageError: no policy fits this cell.)"
     )

@@ -4,7 +4,7 @@ paces.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import exp, log
@@ -39,6 +39,8 @@ other paces those of the nearest of these do.
 
 Factors = tuple[tuple[str, float], ...]
 """Human -> factor on the stated times, sorted by name."""
+Key = tuple[Hashable, ...]
+"""What tells one model from another: the paces first, and all else that changes the moves."""
 
 
 @dataclass
@@ -52,24 +54,22 @@ class Models:
 
     cell: Cell
     max_stress: float | None = None
-    _kept: dict[tuple[object, ...], Moves] = field(default_factory=dict)
+    _kept: dict[Key, Moves] = field(default_factory=dict)
     _prices: dict[float, tuple[int, ...]] = field(default_factory=dict)
 
     def of(self, situation: Situation, factor: float | Mapping[str, float]) -> Moves:
         """The moves when every human needs `factor` times the stated time, or each its own; ways
         that somebody refuses now are left out.
         """
-        pace, waits = self.factors(factor), awaited(situation)
-        refused = frozenset(pair for pair in situation.refused if situation.is_refused(*pair))
-        key = (pace, situation.taking_apart, refused, tuple(sorted(waits.items())))
+        key = self.key(situation, factor)
         moves = self._kept.pop(key, None)
         if moves is None:
             if len(self._kept) >= MOST_MODELS:
                 del self._kept[next(iter(self._kept))]
-            moves = self._made(dict(pace), situation.taking_apart)
-            if waits:
+            moves = self._made(dict(self.factors(factor)), situation.taking_apart)
+            if waits := awaited(situation):
                 moves = _later(moves, waits)
-            if refused:
+            if refused := _refused(situation):
                 named = ((way, *moves.named(way)) for row in moves.ways for way in row)
                 moves = moves.without(
                     way for way, task, who in named if any((one, task) in refused for one in who)
@@ -77,6 +77,11 @@ class Models:
         # what was not asked for longest goes first
         self._kept[key] = moves
         return moves
+
+    def key(self, situation: Situation, factor: float | Mapping[str, float]) -> Key:
+        """Of the model that `of` gives: equal keys, equal moves."""
+        waits = tuple(sorted(awaited(situation).items()))
+        return (self.factors(factor), situation.taking_apart, _refused(situation), waits)
 
     @property
     def count(self) -> int:
@@ -138,6 +143,10 @@ def _later(moves: Moves, waits: Mapping[str, float]) -> Moves:
     )
     layout = Layout.of(replace(instance, release=release))
     return replace(moves, layout=layout, _ready={}, _rest={})
+
+
+def _refused(situation: Situation) -> frozenset[tuple[str, str]]:
+    return frozenset(pair for pair in situation.refused if situation.is_refused(*pair))
 
 
 def position(moves: Moves, situation: Situation, factor: Mapping[str, float]) -> Position:

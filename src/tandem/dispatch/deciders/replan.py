@@ -23,6 +23,7 @@ from time import perf_counter
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.beliefs import (
     Factors,
+    Key,
     Models,
     allowed,
     cost_so_far,
@@ -218,7 +219,7 @@ class Robust:
 
     Attributes:
       follows: the plan that is followed while it is good; None for none.
-      before: what was valued before the shift, by the humans' paces.
+      before: what was valued before the shift, by the model that it was valued in.
     """
 
     models: Models
@@ -226,7 +227,7 @@ class Robust:
     options: Options
     rule: ByRule
     follows: Fixed | None = None
-    before: Mapping[Factors, Known] = field(default_factory=dict)
+    before: Mapping[Key, Known] = field(default_factory=dict)
     name: str = "replan-robust"
 
     @property
@@ -234,17 +235,17 @@ class Robust:
         """The plan that is followed; None for none."""
         return None if self.follows is None else self.follows.chosen
 
-    def first_values(self) -> dict[Factors, Known]:
-        """Values of the first choices and of what may follow them, by the humans' paces, so that
-        the shift's first decisions are as good as the others.
+    def first_values(self) -> dict[Key, Known]:
+        """Values of the first choices and of what may follow them, by model, so that the shift's
+        first decisions are as good as the others.
         """
         situation = Situation.of(self.models.cell)
-        searches: dict[Factors, BranchAndBound] = {}
+        searches: dict[Key, BranchAndBound] = {}
         with contextlib.suppress(OutOfWorkError):
             self.ranked(
                 situation, estimates(situation, self.options.prior), Work(WARMING), None, searches
             )
-        return {factors: search.learned() for factors, search in searches.items()}
+        return {key: search.learned() for key, search in searches.items()}
 
     def decide(self, situation: Situation) -> Decision:
         """What begins now."""
@@ -296,7 +297,7 @@ class Robust:
         paces: Mapping[str, Pace],
         work: Work,
         due: tuple[int, ...] | None = None,
-        searches: dict[Factors, BranchAndBound] | None = None,
+        searches: dict[Key, BranchAndBound] | None = None,
     ) -> tuple[list[tuple[tuple[int, ...], float]], int | None]:
         """The choices that matter, best first, each with the expected cost of the whole assembly;
         and the ticks after which a robot that waits in the best one should look again although
@@ -305,7 +306,7 @@ class Robust:
         Args:
           due: the choice of a plan that is followed. It stands first unless another one's cost is
             lower by more than the change penalty.
-          searches: by paces, filled with those that were made.
+          searches: by model, filled with those that were made.
 
         Raises OutOfWorkError when it takes more work than is allowed.
         """
@@ -330,20 +331,20 @@ class Robust:
         situation: Situation,
         factor: Factors,
         work: Work,
-        searches: dict[Factors, BranchAndBound],
+        searches: dict[Key, BranchAndBound],
     ) -> tuple[BranchAndBound, Position]:
         """The search under one belief, and where the assembly stands under it."""
-        factors = self.models.factors(dict(factor))
-        search = searches.get(factors)
+        paces = dict(factor)
+        key = self.models.key(situation, paces)
+        search = searches.get(key)
         if search is None:
-            free = not situation.refused and situation.taking_apart == 1.0
-            before = self.before.get(factors, NOTHING) if free else NOTHING
-            if before is NOTHING:
+            before = self.before.get(key, NOTHING)
+            if key not in self.before:
                 work.spend(self._price())
-            moves = self.models.of(situation, dict(factors))
+            moves = self.models.of(situation, paces)
             search = BranchAndBound(moves, _weights(self.objective, moves), work, before)
-            searches[factors] = search
-        return search, position(search.moves, situation, dict(factors))
+            searches[key] = search
+        return search, position(search.moves, situation, paces)
 
     def _price(self) -> float:
         """Steps that are counted for the numbers of the cell under one pace."""
@@ -422,7 +423,7 @@ class Robust:
         found: list[tuple[tuple[int, ...], float]],
         ties: list[tuple[int, ...]],
         work: Work,
-        searches: dict[Factors, BranchAndBound],
+        searches: dict[Key, BranchAndBound],
     ) -> list[tuple[tuple[int, ...], float]]:
         """The same list, equally good choices in the order of what they come to when people are
         somewhat quicker or slower than believed.

@@ -75,6 +75,13 @@ class InTime:
             decision=replace(answered.decision, latency_ms=(perf_counter() - began) * 1000),
         )
 
+    def settle(self) -> None:
+        """Waits for a decider that is still at an earlier question: for where nobody waits, as on a
+        floor between two events.
+        """
+        if self._late is not None:
+            self._late.join()
+
     def again(self, situation: Situation, instead: Instead, fault: str = "") -> Answered:
         """The same once more, without a budget: by the rule where it stood in then, because the
         decider was late or failed (`fault` says how).
