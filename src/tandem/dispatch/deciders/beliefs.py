@@ -119,10 +119,6 @@ class Models:
         return Instance.of(self.cell)
 
 
-def _refused(situation: Situation) -> frozenset[tuple[str, str]]:
-    return frozenset(pair for pair in situation.refused if situation.is_refused(*pair))
-
-
 def awaited(situation: Situation) -> dict[str, float]:
     """Task that needs what is broken or missing -> when that is taken to be there again, s since
     the product's beginning. It stays the same while time runs up to it, so that models can be kept.
@@ -147,6 +143,10 @@ def _later(moves: Moves, waits: Mapping[str, float]) -> Moves:
     )
     layout = Layout.of(replace(instance, release=release))
     return replace(moves, layout=layout, _ready={}, _rest={})
+
+
+def _refused(situation: Situation) -> frozenset[tuple[str, str]]:
+    return frozenset(pair for pair in situation.refused if situation.is_refused(*pair))
 
 
 def position(moves: Moves, situation: Situation, factor: Mapping[str, float]) -> Position:
