@@ -266,7 +266,7 @@ def _plan(front: Front, place: int, t: Words, point: int | None, stale: bool) ->
             "div",
             tag("h3", t("balance.title")),
             balance(front.cell, result.schedule, t),
-            class_="keep page",
+            class_="keep extra",
         ),
         tag(
             "div",
@@ -316,12 +316,12 @@ def _graph(cell: Cell, t: Words) -> Markup:
         graph(cell, t),
         keys,
         *notes[1:],
-        class_="page",
+        class_="page extra",
     )
 
 
 def _tasks(front: Front, t: Words) -> Markup:
-    return tag("section", tag("h2", t("tasks.title"), id="tasks"), tasks(front, t), class_="page")
+    return tag("section", tag("h2", t("tasks.title"), id="tasks"), tasks(front, t), class_="page extra")
 
 
 def _assumptions(front: Front, t: Words) -> Markup:
