@@ -138,6 +138,29 @@ def test_check_judges_schedules(tmp_path):
     assert "schedule 1" in broken.stderr
 
 
+def test_a_seed_and_a_limit_on_work_print_the_same_document_again():
+    cell = ROOT / "examples" / "alternator.yaml"
+    runs = [
+        json.loads(
+            tandem("plan", cell, "--seed", "7", "--work", "0.05", "--workers", n, "--json").stdout
+        )
+        for n in (1, 2)
+    ]
+    for document in runs:
+        del document["wall_s"]
+    assert runs[0] == runs[1]
+    assert runs[0]["ended_by"] == "work"
+
+
+def test_a_fresh_process_shows_the_same_schedules_with_any_number_of_workers():
+    runs = [json.loads(tandem("plan", THESIS, "--json", "--workers", n).stdout) for n in (1, 2, 4)]
+    for document in runs:
+        del document["wall_s"]
+    assert runs[0] == runs[1] == runs[2]
+    assert runs[0]["ended_by"] == "proof"
+    assert all(point["canonical"] for point in runs[0]["front"])
+
+
 INFEASIBLE = ["plan", THESIS, "--max-makespan", "20"]
 
 
@@ -148,6 +171,8 @@ INFEASIBLE = ["plan", THESIS, "--max-makespan", "20"]
         (["plan", THESIS, "--weights", "1"], 2, "two numbers"),
         (["plan", THESIS, "--weights", "1,2", "--minimize", "stress"], 2, "exclude each other"),
         (["plan", THESIS, "--time-limit", "-1"], 2, "more than 0 seconds"),
+        (["plan", THESIS, "--work", "0"], 2, "work 0.0: must be a number of more than 0."),
+        (["plan", THESIS, "--work", "1", "--time-limit", "60"], 2, "exclude each other"),
         (["plan", THESIS, "-o", "plan.docx"], 2, "docx"),
         (["plan", THESIS, "--format", "yml"], 2, "Did you mean 'yaml'"),
         (["plan"], 2, "CELL"),

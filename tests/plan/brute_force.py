@@ -226,6 +226,36 @@ def front_of_all(data: Mapping[str, Any], horizon: float | None = None) -> list[
     )
 
 
+def first_by_rule(
+    data: Mapping[str, Any], point: Point
+) -> list[tuple[str, float, float, tuple[str, ...]]]:
+    """Of all schedules on the grid that are worth the point, the first by the rule of the last step
+    of planning, as `(task, start, end, operators)`: least spread of stress over people, least sum
+    of starts, then starts and operators in the cell's order.
+    """
+    plain = Plain(data)
+    time, load = (_millionths(number) for number in point)
+    names = list(plain.kind)
+    people = [name for name, kind in plain.kind.items() if kind == "human"]
+
+    def place(done: tuple[Step, ...]) -> tuple[Any, ...]:
+        loads = [sum(step.way.strain.get(name, 0) for step in done) for name in people]
+        spread = max(loads) - min(loads) if len(people) > 1 and plain.table is None else 0
+        groups = [sorted(map(names.index, step.way.who)) for step in done]
+        starts = [step.start for step in done]
+        return spread, sum(starts), starts, groups
+
+    fitting = (
+        done
+        for done in _everywhere(plain, list(plain.jobs.values()), (), time, _grid(plain))
+        if max(step.end for step in done) == time and plain.stress(done) == load
+    )
+    return [
+        (step.name, step.start / MILLION, step.end / MILLION, step.way.who)
+        for step in min(fitting, key=place)
+    ]
+
+
 def moments(data: Mapping[str, Any]) -> int:
     """How many moments of its grid a cell has until `latest`: what trying them all would cost a
     task.

@@ -126,7 +126,7 @@ def test_wide_numbers_and_long_weights_are_answered_exactly(seed, decimals):
 def test_some_of_these_numbers_are_beyond_what_one_sum_can_count():
     """Or the test above would not show that they are answered in another way."""
     data = wide_cell(Random("2 6"), 6)
-    search = exact._Search(cell_of(data), Question(), None, 0, 1, None)
+    search = exact._Search(cell_of(data), Question(), None, None, 0, 1, None)
     assert search._most_ticks() * search._most_stress() > MOST_COUNTED
 
 

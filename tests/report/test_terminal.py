@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+from dataclasses import replace
 
 import pytest
 from rich.console import Console
@@ -18,8 +19,8 @@ from tests.draw.cells import (
     thesis_schedules,
 )
 
-from tandem.plan.result import Front
-from tandem.report.terminal import FrontView, GanttText, headline
+from tandem.plan.result import Front, Status
+from tandem.report.terminal import FrontView, GanttText, headline, remarks
 
 FRONTS = {
     "thesis": thesis_front(),
@@ -55,6 +56,23 @@ def test_what_is_not_proven_has_bounds_and_a_gap() -> None:
     assert "23 (>= 20.7)" in text
     assert "gap 10 %" in text
     assert "not complete" in text
+
+
+def test_points_that_time_cut_short_and_schedules_that_may_change_are_named() -> None:
+    front = thesis_front()
+    chosen = [replace(result, canonical=True) for result in front]
+    assert remarks(replace(front, results=tuple(chosen))) == []
+    chosen[2] = replace(chosen[2], canonical=False)
+    mixed = replace(front, results=tuple(chosen))
+    assert remarks(mixed) == ["Another run may show another schedule of the same values: point 3."]
+    chosen[:2] = [replace(result, status=Status.FEASIBLE, canonical=False) for result in chosen[:2]]
+    cut = replace(mixed, results=tuple(chosen), complete=False, out_of_time=True)
+    text = printed(FrontView(cut), 160)
+    assert "not complete, time ran out" in text
+    assert (
+        "Not proven because time ran out: points 1, 2; with a longer --time-limit more is." in text
+    )
+    assert "another schedule of the same values: point 3." in text
 
 
 def test_bars_stand_where_their_tasks_do() -> None:

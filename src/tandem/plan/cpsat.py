@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from importlib.metadata import version
 from itertools import combinations
 
 from ortools.sat.python import cp_model
@@ -20,6 +21,8 @@ from ortools.sat.python import cp_model
 from tandem.plan.instance import Instance
 from tandem.plan.starts import Starts
 
+SOLVER = f"cp-sat {version('ortools')}"
+"""What proves, by name and version."""
 Literal = cp_model.LiteralT
 
 

@@ -43,6 +43,7 @@ def solve(
     question: Question = Question(),
     *,
     time_limit: float | None = None,
+    work: float | None = None,
     seed: int = 0,
     workers: int | None = None,
     hint: Schedule | None = None,
@@ -52,13 +53,13 @@ def solve(
     `plan.question.Method`.
 
     When time or memory runs out, what was found is given with bounds and `complete` is False.
-    `workers` plays no part.
+    `workers` plays no part; `work` counts `NODES_A_SECOND` partial schedules as one.
 
     Raises:
       InfeasibleError: no schedule answers the question; all have been ruled out.
       NothingFoundError: none was found within the limit.
     """
-    search = ExhaustiveSearch(cell, question, time_limit, on_solution)
+    search = ExhaustiveSearch(cell, question, time_limit, on_solution, work)
     interrupted = False
     try:
         search.begin(seed, hint)
@@ -93,6 +94,7 @@ def solve(
         search.wall_s(),
         interrupted,
         question,
+        out_of_time=search.is_late,
     )
 
 
@@ -104,6 +106,12 @@ def limits(question: Question) -> str:
     if question.max_stress is not None:
         words.append(f"a stress of at most {number(question.max_stress)}")
     return " and ".join(words)
+
+
+NODES_A_SECOND = 4_000
+"""Partial schedules taken a task further that count as a unit of work: about what a second is
+worth.
+"""
 
 
 @dataclass(frozen=True)
@@ -139,6 +147,7 @@ class ExhaustiveSearch:
         question: Question,
         time_limit: float | None,
         on_solution: Callable[[Progress], None] | None,
+        work: float | None = None,
     ) -> None:
         self.began = perf_counter()
         self.cell, self.question, self.on_solution = cell, question, on_solution
@@ -156,6 +165,7 @@ class ExhaustiveSearch:
         self.level = [self.moves.root()]
         self.kept: dict[Key, list[tuple[tuple[int, ...], Node]]] = {}
         self.done = False
+        self.nodes_left = None if work is None else round(work * NODES_A_SECOND)
 
     def begin(self, seed: int, hint: Schedule | None) -> None:
         """Takes the hint and a few dozen schedules by rules as a start, if they answer the
@@ -173,7 +183,7 @@ class ExhaustiveSearch:
         for state in states:
             if state is not None:
                 self._take(self.door.admit(state.starts()))
-            if self._is_late() and self.best.found:
+            if self.is_late and self.best.found:
                 return
 
     def run(self) -> None:
@@ -193,8 +203,10 @@ class ExhaustiveSearch:
         """
         count = 0
         while self.level:
-            if count > MOST_NODES or self._is_late():
+            if count > MOST_NODES or self.is_late or self.nodes_left == 0:
                 return False
+            if self.nodes_left is not None:
+                self.nodes_left -= 1
             for child in self.moves.children(self.level[-1], self.most_ticks):
                 if child.mask == self.moves.full:
                     self._finish(child)
@@ -232,7 +244,9 @@ class ExhaustiveSearch:
         """Since the search began, seconds."""
         return perf_counter() - self.began
 
-    def _is_late(self) -> bool:
+    @property
+    def is_late(self) -> bool:
+        """The time limit is over."""
         return self.until is not None and perf_counter() > self.until
 
     def _is_promising(self, node: Node) -> bool:

@@ -12,7 +12,6 @@ import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from decimal import ROUND_FLOOR
-from importlib.metadata import version
 from itertools import islice
 from math import inf
 from random import Random
@@ -22,21 +21,21 @@ from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError
 from tandem.plan.archive import Archive
 from tandem.plan.bounds import load_prices
+from tandem.plan.cpsat import SOLVER
 from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.method import Progress
-from tandem.plan.portfolio import SMALL, Effort, Goal, GoalStatus, Race
+from tandem.plan.portfolio import SMALL, Effort, Goal, GoalStatus, Meter, Race
 from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Result, Status
 from tandem.plan.rules import SPECS, attempts, build
-from tandem.plan.starts import Starts, measures
+from tandem.plan.starts import Starts, appended, measures
 from tandem.plan.sweep import Sweep
 from tandem.plan.weights import MOST_COUNTED, simplest, whole
 from tandem.schedule.measures import exact
 from tandem.schedule.model import Schedule
 
-SOLVER = f"cp-sat {version('ortools')}"
 SAMPLING = ("longest-tail", "balanced", "random", "best-of-n", "weighted")
 """Rules that are not tried once more at the beginning: two have been, the others draw many
 schedules.
@@ -48,19 +47,23 @@ def solve(
     question: Question = Question(),
     *,
     time_limit: float | None = None,
+    work: float | None = None,
     seed: int = 0,
     workers: int | None = None,
     hint: Schedule | None = None,
     on_solution: Callable[[Progress], None] | None = None,
 ) -> Front:
     """The front or the one best schedule that the question asks for, proven as far as time allows;
-    see `plan.question.Method`.
+    see `plan.question.Method`. With a limit on `work` everything is done turn by turn in one
+    thread, whatever `workers` says.
 
     Raises:
       InfeasibleError: it is proven that no schedule answers the question.
       NothingFoundError: none was found within the limit.
     """
-    search = _Search(cell, question, time_limit, seed, workers or os.cpu_count() or 1, on_solution)
+    meter = None if work is None else Meter(work)
+    threads = 1 if meter is not None else workers or os.cpu_count() or 1
+    search = _Search(cell, question, time_limit, meter, seed, threads, on_solution)
     interrupted = False
     try:
         search.begin(hint)
@@ -76,12 +79,14 @@ class _Search:
         cell: Cell,
         question: Question,
         time_limit: float | None,
+        meter: Meter | None,
         seed: int,
         workers: int,
         on_solution: Callable[[Progress], None] | None,
     ) -> None:
         self.began = monotonic()
         self.until = None if time_limit is None else self.began + time_limit
+        self.meter = meter
         self.cell, self.question, self.seed, self.workers, self.on_solution = (
             cell,
             question,
@@ -110,8 +115,9 @@ class _Search:
         if self.layout.impossible():
             return
         # what the user has is first: whatever is found later has to be better
-        if hint is not None:
-            self._offer(self.door.hinted(hint))
+        if hint is not None and (hinted := self.door.hinted(hint)) is not None:
+            self._offer(self.door.admit(appended(self.layout, hinted.starts)))
+            self._offer(hinted)
         random = Random(self.seed)
         # these rules know nothing of listed sets; the attempts below do
         if self.instance.stress_of_set is None:
@@ -190,7 +196,16 @@ class _Search:
             complete = False
             warnings.warn(self.door.apology(), RefusedScheduleWarning, stacklevel=3)
         return Front(
-            self.cell, results, complete, "exact", SOLVER, self.seed, wall, interrupted, self.asked
+            self.cell,
+            results,
+            complete,
+            "exact",
+            SOLVER,
+            self.seed,
+            wall,
+            interrupted,
+            self.asked,
+            out_of_time=self._is_late(),
         )
 
     def _results(self) -> tuple[Result, ...]:
@@ -213,10 +228,7 @@ class _Search:
 
     def _front(self) -> None:
         """Gap by gap."""
-        effort = Effort(
-            self.until, self.seed, self.workers, lambda schedule, bound: self._offer(schedule)
-        )
-        Sweep(self.archive, self.door, effort).run()
+        Sweep(self.archive, self.door, self._effort()).run()
         self.infeasible = not self.archive.found and not self.archive.gaps
 
     def _quickest(self, cap: int | None) -> GoalStatus:
@@ -264,8 +276,8 @@ class _Search:
         self.infeasible = best.starts is None and best.proven
 
     def _weighted(self) -> None:
-        """The least weighted sum; where no weights of the same order are small enough to be
-        counted, it is looked for along the front.
+        """The least weighted sum and, of those, the least makespan; where no weights of the same
+        order are small enough to be counted, it is looked for along the front.
         """
         time, stress = whole(self.question, self.instance)
         if not time or not stress:
@@ -276,6 +288,9 @@ class _Search:
                 self.question.max_stress,
             )
             return self._lexicographic()
+        # of equal sums the quickest is wanted, so a tick more counts, less than any sum does
+        finer = self._most_ticks() + 1
+        time, stress = time * finer + 1, stress * finer
         if not self._can_count(Goal(time, stress)):
             time, stress = simplest(time, stress, self._most_ticks(), self._most_stress())
         if not self._can_count(Goal(time, stress)):
@@ -309,15 +324,22 @@ class _Search:
             else self.archive.least_stress_within(goal.max_makespan)
         )
         known = goal.time * int(floor) + goal.stress * max(int(stress), 0)
-        effort = Effort(
-            self.until, self.seed, self.workers, lambda schedule, bound: self._offer(schedule)
-        )
-        race = Race(self.door, self.layout, goal, effort, self.archive.best(goal), known)
+        best = self.archive.best(goal)
+        race = Race(self.door, self.layout, goal, self._effort(), best, known)
         try:
             return race.run()
         finally:
             if goal.stress == 0:
                 self._note(top, race.bound)
+
+    def _effort(self) -> Effort:
+        return Effort(
+            self.until,
+            self.seed,
+            self.workers,
+            lambda schedule, bound: self._offer(schedule),
+            meter=self.meter,
+        )
 
     def _note(self, stress: float, makespan: float) -> None:
         self.archive.learn(stress, makespan)

@@ -243,13 +243,13 @@ def _limits_left(cut: _Cut) -> tuple[int | None, ...]:
 
 def plan_anew(
     stretch: Stretch, upper: int, *, most_stress: int | None, weights: tuple[int, int], seed: int
-) -> tuple[Starts | None, bool]:
+) -> tuple[Starts | None, float]:
     """The stretch's best starts for `weights[0] * makespan + weights[1] * stress` such that the
     whole ends by `upper` ticks.
 
     `most_stress` limits the stress of the stretch. The starts are None when none were found within
-    the work allowed; the flag says whether less than half of it was needed, so that a longer
-    stretch may be tried. Work is counted, not timed, so that a run repeats.
+    the work allowed, which is `WORK`; how much of it was done is said, too. Work is counted, not
+    timed, so that a run repeats.
     """
     plan = formulate(stretch.instance, upper)
     for task, tails in enumerate(stretch.tails):
@@ -270,11 +270,8 @@ def plan_anew(
     solver.parameters.catch_sigint_signal = False
     solver.parameters.symmetry_level = 0
     status = solver.solve(plan.model)
-    easy = solver.response_proto.deterministic_time < 0.5 * WORK
-    return plan.read(solver.value) if status in (
-        cp_model.OPTIMAL,
-        cp_model.FEASIBLE,
-    ) else None, easy  # type: ignore[comparison-overlap]
+    found = status in (cp_model.OPTIMAL, cp_model.FEASIBLE)  # type: ignore[comparison-overlap]
+    return plan.read(solver.value) if found else None, solver.response_proto.deterministic_time
 
 
 WORK = 0.1

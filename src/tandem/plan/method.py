@@ -33,7 +33,9 @@ class Progress:
 class Method(Protocol):
     """Every method of planning: a cell and a question in, a front out.
 
-    `time_limit` in seconds (None: until done), `workers` threads or processes (None: as many as
+    `time_limit` in seconds (None: until done), `work` a limit on work instead (CP-SAT's
+    deterministic seconds, or what takes about as long): no clock is asked then, so that a run
+    repeats; None for no such limit. `workers` threads or processes (None: as many as
     there are cores; 1 repeats exactly for a seed), `hint` a schedule to begin with, `on_solution`
     is called with each improvement and may raise `KeyboardInterrupt` to stop: the front found so
     far is then returned with `interrupted` set.
@@ -49,6 +51,7 @@ class Method(Protocol):
         question: Question = Question(),
         *,
         time_limit: float | None = None,
+        work: float | None = None,
         seed: int = 0,
         workers: int | None = None,
         hint: Schedule | None = None,

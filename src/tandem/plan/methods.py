@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from math import inf
+from time import monotonic
 from typing import Any
 
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault, InfeasibleError, UsageError
 from tandem.plan import dynamic_programming, exact
+from tandem.plan.canonical import settled
 from tandem.plan.infeasible import reasons
 from tandem.plan.method import Method, Progress
 from tandem.plan.question import Question
@@ -20,12 +24,17 @@ from tandem.schedule.model import Schedule
 
 @dataclass(frozen=True)
 class Entry:
-    """A line of the table: what the method does, in a line, and the method; it is called like the
-    method itself.
+    """A line of the table; it is called like the method itself.
+
+    Attributes:
+      what: the method does, in a line.
+      settles: which of equal schedules it gives says nothing, so that the last step of planning
+        may choose (`canonical.py`). The schedule of a rule is what the rule says.
     """
 
     what: str
     solve: Method
+    settles: bool = False
 
     def __call__(self, *arguments: Any, **options: Any) -> Front:
         return self.solve(*arguments, **options)
@@ -33,11 +42,14 @@ class Entry:
 
 METHODS: dict[str, Entry] = {
     "exact": Entry(
-        "CP-SAT beside large-neighbourhood search: the complete front with proof", exact.solve
+        "CP-SAT beside large-neighbourhood search: the complete front with proof",
+        exact.solve,
+        settles=True,
     ),
     "exhaustive": Entry(
         "dynamic programming, no constraint solver: the complete front of small cells with proof",
         dynamic_programming.solve,
+        settles=True,
     ),
     **{name: Entry(SPECS[name].what, solve) for name, solve in RULES.items()},
 }
@@ -46,6 +58,11 @@ METHODS: dict[str, Entry] = {
 
 MOST_TASKS = 20_000
 """With more, even the first schedule takes minutes, and no time limit could be kept."""
+
+LAST_STEP = 0.1
+"""The share of the time limit of a front that its search leaves to the last step, which chooses the
+schedules behind the points that are proven by then.
+"""
 
 
 def describe(method: str) -> str:
@@ -63,6 +80,7 @@ def plan(
     max_makespan: float | None = None,
     max_stress: float | None = None,
     time_limit: float | None = 60.0,
+    work: float | None = None,
     seed: int = 0,
     workers: int | None = None,
     hint: Schedule | None = None,
@@ -77,8 +95,12 @@ def plan(
         parts.
       method: a name in `METHODS`.
       time_limit: seconds; None to go on until everything is proven.
-      workers: threads; None for one a core. One worker and a run that ends before its limit repeats
-        exactly for a seed and version.
+      work: a limit on the work of the search instead of its time, in CP-SAT's deterministic
+        seconds; of the exhaustive search, in units of `dynamic_programming.NODES_A_SECOND`. No
+        clock is asked then: `time_limit` plays no part, and a run repeats exactly for a seed and
+        version, proven or not.
+      workers: threads; None for one a core. Behind a proven point stands the same schedule
+        (`canonical.py`) with any number of them.
       hint: a schedule to begin with.
       on_solution: called with each improvement; raising KeyboardInterrupt in it ends the search
         with what was found.
@@ -98,6 +120,8 @@ def plan(
         )
     if time_limit is not None and not time_limit > 0:
         raise UsageError(f"time limit {time_limit}: must be more than 0 seconds.")
+    if work is not None and not 0 < work < inf:
+        raise UsageError(f"work {work}: must be a number of more than 0.")
     if workers is not None and workers < 1:
         raise UsageError(f"workers {workers}: must be 1 or more.")
     if len(cell.tasks) > MOST_TASKS:
@@ -112,11 +136,19 @@ def plan(
         )
     if question is None:
         question = Question(minimize, weights, max_makespan, max_stress)  # type: ignore[arg-type]
+    began = monotonic()
+    kept_back = LAST_STEP if question.minimize == "front" and METHODS[method].settles else 0.0
+    # a method that knows no limit on work is not told of one that nobody asked for
+    limit: dict[str, float | None] = (
+        {"time_limit": None if time_limit is None else time_limit * (1 - kept_back)}
+        if work is None
+        else {"time_limit": None, "work": work}
+    )
     try:
-        return METHODS[method](
+        front = METHODS[method](
             cell,
             question,
-            time_limit=time_limit,
+            **limit,
             seed=seed,
             workers=workers,
             hint=hint,
@@ -124,3 +156,7 @@ def plan(
         )
     except InfeasibleError as error:
         raise InfeasibleError(str(error), reasons(cell, question)) from error
+    if METHODS[method].settles and not front.interrupted:
+        until = None if work is not None or time_limit is None else began + time_limit
+        front = settled(front, until=until, workers=workers or os.cpu_count() or 1)
+    return replace(front, wall_s=monotonic() - began)

@@ -24,9 +24,10 @@ from tandem.plan import cpsat
 from tandem.plan.cpsat import Decisions, formulate
 from tandem.plan.door import Admitted, Door
 from tandem.plan.list_scheduling import Layout
+from tandem.plan.lns import WORK as STRETCH_WORK
 from tandem.plan.lns import plan_anew, take_out
 from tandem.plan.lower_bound import Proof, prove_makespan
-from tandem.plan.starts import Starts, append, keeps_deadlines, list_schedule, measures
+from tandem.plan.starts import Starts, append, appended, keeps_deadlines, list_schedule, measures
 from tandem.plan.weights import MOST_COUNTED
 
 
@@ -67,6 +68,17 @@ class GoalStatus:
 
 
 @dataclass
+class Meter:
+    """A limit on work, in CP-SAT's deterministic seconds, that counts down."""
+
+    left: float
+
+    def spend(self, work: float) -> None:
+        """Takes note of work that was done."""
+        self.left = max(0.0, self.left - work)
+
+
+@dataclass
 class Effort:
     """How hard to work, and on whose behalf.
 
@@ -79,6 +91,7 @@ class Effort:
         it is proven.
       from_below: CP-SAT first tries whether the bound can be reached, which proves sooner and finds
         later than its own order of search.
+      meter: how much work is left for everything, of one worker; None for no limit.
       refutes: a lone worker may also spend processor time on `refute`, which does not repeat.
     """
 
@@ -88,7 +101,13 @@ class Effort:
     offer: Callable[[Admitted, int], None] = field(default=lambda schedule, bound: None)
     work: float | None = None
     from_below: bool = False
+    meter: Meter | None = None
     refutes: bool = False
+
+    @property
+    def is_spent(self) -> bool:
+        """Time is up, or the work is done."""
+        return self.left() <= 0 or (self.meter is not None and self.meter.left <= 0)
 
     def left(self) -> float:
         """Seconds left."""
@@ -121,6 +140,10 @@ LEAST_WORK = 1.0
 """Deterministic seconds below which CP-SAT does not come to search a large cell, so it is not
 asked.
 """
+EASY_WORK = STRETCH_WORK / 2
+"""With less work than this a stretch was easy, and a longer one may be tried."""
+LEAST_SPENT = 0.002
+"""Deterministic seconds that a question counts besides its own, for stating it."""
 RELAX_WORK = 2.0
 """Deterministic seconds for the question who does what."""
 
@@ -189,13 +212,13 @@ class Race:
         """Nothing is left to do. A model that was wrong proves nothing any more: without a limit
         the others would go on for ever.
         """
-        if self.door.refused and self.effort.until is None:
+        if self.door.refused and self.effort.until is None and self.effort.meter is None:
             return True
         return (
             self.stopped
             or self.infeasible
             or (self.value is not None and self.bound >= self.value)
-            or self.effort.left() <= 0
+            or self.effort.is_spent
         )
 
     def found(self, starts: Starts) -> bool:
@@ -222,8 +245,10 @@ class Race:
         if value > at_most or not self.goal.allows(*schedule.point):
             self.door.refuse([f"it is worth {value} instead of {at_most}, or over a limit."])
             return None
-        self.take_in(schedule)
-        return value
+        # CP-SAT puts tasks off where that costs nothing; nobody shall wait for nothing
+        taken = self.door.admit(appended(self.layout, schedule.starts)) or schedule
+        self.take_in(taken)
+        return min(value, self.goal.value(*taken.point))
 
     def take_in(self, schedule: Admitted) -> bool:
         """Takes a schedule that was let in; says whether it is the best so far."""
@@ -368,8 +393,7 @@ class Race:
         is a good beginning.
         """
         plan = self._model(cpsat.ALLOCATION)
-        solver = self._solver(1, seed, None)
-        solver.parameters.max_deterministic_time = RELAX_WORK
+        solver = self._solver(1, seed, RELAX_WORK)
         status = self._solve(solver, plan)
         if status == cp_model.INFEASIBLE:
             return self._ruled_out()
@@ -512,9 +536,11 @@ class Race:
             hardest = sum(max(way.stress for way in ways) for ways in stretch.instance.ways)
             if (hardest + 1) * upper + hardest <= MOST_COUNTED:
                 weights = (hardest + 1, 1)
-        fresh, easy = plan_anew(
+        fresh, work = plan_anew(
             stretch, upper, most_stress=most, weights=weights, seed=random.randrange(1 << 30)
         )
+        self._spend(work)
+        easy = work < EASY_WORK
         if fresh is None:
             return None, easy
         # the stretch goes back by its order, not by its moments: list scheduling closes the gaps
@@ -588,6 +614,10 @@ class Race:
             solver.parameters.max_time_in_seconds = max(0.01, self.effort.left())
         if work is not None:
             solver.parameters.max_deterministic_time = work
+        if self.effort.meter is not None:
+            solver.parameters.max_deterministic_time = min(
+                solver.parameters.max_deterministic_time, self.effort.meter.left
+            )
         solver.parameters.use_strong_propagation_in_disjunctive = self._is_fine
         return solver
 
@@ -606,10 +636,16 @@ class Race:
                 )
             if status in (cp_model.UNKNOWN, cp_model.FEASIBLE) and watcher is not None:
                 watcher.on_bound(solver.best_objective_bound)
+            self._spend(solver.response_proto.deterministic_time)
             return status
         finally:
             with self.lock:
                 self.running.remove(solver)
+
+    def _spend(self, work: float) -> None:
+        """Takes note of work that was done; whatever is asked costs something, so that it ends."""
+        if self.effort.meter is not None:
+            self.effort.meter.spend(work + LEAST_SPENT)
 
     def _nothing_below(self, value: int) -> None:
         """The model has no solution although the incumbent's value is given; where ticks are fine

@@ -93,6 +93,7 @@ class Front:
       complete: every point, and the absence of others, is proven.
       solver: name and version of what proved or found it.
       interrupted: the search was stopped from outside; what it had is here.
+      out_of_time: the time limit ended the search.
       question: what was asked: all compromises or one, and within which limits.
       source: the file of the cell as it was named; None when the cell came from elsewhere.
     """
@@ -107,6 +108,7 @@ class Front:
     interrupted: bool = False
     question: Question = Question()
     source: str | None = None
+    out_of_time: bool = False
 
     def __iter__(self) -> Iterator[Result]:
         return iter(self.results)
@@ -121,6 +123,17 @@ class Front:
     def points(self) -> list[tuple[float, float]]:
         """(makespan, stress) of each result."""
         return [(result.makespan, result.stress) for result in self.results]
+
+    @property
+    def ended_by(self) -> str:
+        """What ended the search: "proof" when nothing is open, else "interrupted", "time" or
+        "work", when all that it was to do is done.
+        """
+        if self.interrupted:
+            return "interrupted"
+        if self.complete:
+            return "proof"
+        return "time" if self.out_of_time else "work"
 
     @property
     def knee(self) -> Result:
@@ -147,6 +160,7 @@ class Front:
             "seed": self.seed,
             "wall_s": round(self.wall_s, 4),
             "interrupted": self.interrupted,
+            "ended_by": self.ended_by,
             "question": self.question.to_dict(),
             "front": [result.to_dict() for result in self.results],
             "source": self.source,

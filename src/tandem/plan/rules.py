@@ -195,6 +195,7 @@ def method(
     question: Question = Question(),
     *,
     time_limit: float | None = None,
+    work: float | None = None,
     seed: int = 0,
     workers: int | None = None,
     hint: Schedule | None = None,
@@ -205,7 +206,8 @@ def method(
 
     Rules that know only time give one point. "weighted" and "best-of-n" vary the weight of stress
     and give every compromise met. Where limits or deadlines are broken, schedules of least stress
-    and by the latest start are tried before giving up. `workers` and `hint` play no part.
+    and by the latest start are tried before giving up. `work`, `workers` and `hint` play no part: a
+    rule does the same work each time.
 
     Raises:
       NothingFoundError: no schedule was found that keeps the limits; whether there is one is open.
@@ -217,7 +219,7 @@ def method(
         layout.instance.stress(least_stress(layout) or 0),
     )
     keeper = Keeper(Door(cell, layout.instance, question), bound)
-    interrupted = False
+    interrupted = late = False
     # what was found so far is an answer, also when time runs out or the user interrupts
     try:
         for state in attempts(
@@ -225,7 +227,7 @@ def method(
         ):
             if state is not None and keeper.offer(state.starts()) and on_solution is not None:
                 on_solution(Progress(keeper.results(), bound.makespan, perf_counter() - began))
-            if time_limit is not None and perf_counter() - began > time_limit:
+            if late := time_limit is not None and perf_counter() - began > time_limit:
                 break
     except KeyboardInterrupt:
         interrupted = True
@@ -244,6 +246,7 @@ def method(
         perf_counter() - began,
         interrupted,
         question,
+        out_of_time=late,
     )
 
 

@@ -48,6 +48,14 @@ def append(layout: Layout, order: Sequence[int], ways: Sequence[int]) -> Starts 
     return tuple(append_in_order(layout, order, steps).starts())  # type: ignore[arg-type]
 
 
+def appended(layout: Layout, starts: Starts) -> Starts:
+    """The schedule with its tasks appended in the order of their starts, in the same ways: none
+    comes later, and none waits for nothing but its turn.
+    """
+    order = sorted(range(len(starts)), key=lambda task: (starts[task][1], task))
+    return append(layout, order, [way for way, _ in starts]) or starts
+
+
 def list_schedule(layout: Layout, ways: Sequence[int]) -> Starts | None:
     """The list schedule by longest tail in which every task is done in the way given; None when
     limits or deadlines are broken.
@@ -70,4 +78,77 @@ def _step(layout: Layout, task: int, way: int) -> Step | None:
             if step.operators == wanted.operators and step.ticks == wanted.ticks
         ),
         None,
+    )
+
+
+def moved_up(layout: Layout, starts: Starts) -> Starts:
+    """The schedule with every task as early as it can be, in the same way, while none comes later:
+    then none can start earlier while the others stay.
+
+    Tasks are appended in the order of their starts, and put into gaps that have room for them, over
+    and over. Of more than `MOST_GAPS_SOUGHT` tasks only the first. Assumes a sound schedule.
+    """
+    while True:
+        starts = appended(layout, starts)
+        if len(starts) > MOST_GAPS_SOUGHT or (earlier := _into_a_gap(layout, starts)) is None:
+            return starts
+        starts = earlier
+
+
+MOST_GAPS_SOUGHT = 300
+"""Tasks; beyond, every task is as early as its place in the order allows, and no gap is looked
+for.
+"""
+
+
+def _into_a_gap(layout: Layout, starts: Starts) -> Starts | None:
+    """The schedule in which one task has gone into a gap before it and none starts later; None when
+    there is no such gap.
+    """
+    instance, ways = layout.instance, [way for way, _ in starts]
+    begin = [start for _, start in starts]
+    end = [start + instance.ways[task][way].ticks for task, (way, start) in enumerate(starts)]
+    by_start = sorted(range(len(starts)), key=lambda task: (begin[task], task))
+    for task in by_start:
+        for moment in _moments_before(instance, task, ways, begin, end):
+            order = sorted(by_start, key=lambda one: moment if one == task else begin[one])
+            trial = append(layout, order, ways)
+            if trial is None or trial[task][1] >= begin[task]:
+                continue
+            if all(new[1] <= old for new, old in zip(trial, begin, strict=True)):
+                return trial
+    return None
+
+
+def _moments_before(
+    instance: Instance, task: int, ways: Sequence[int], begin: Sequence[int], end: Sequence[int]
+) -> list[int]:
+    """The moments before its start at which the task might begin: something that could be in its
+    way has just ended, and its operators have nothing to do until it would end.
+    """
+    way = instance.ways[task][ways[task]]
+    ready = max([instance.release[task], *(end[first] for first in instance.before[task])])
+    busy = [
+        (begin[other], end[other])
+        for other in range(len(begin))
+        if other != task and instance.ways[other][ways[other]].who & way.who
+    ]
+    busy += [off for operator in way.operators for off in instance.breaks[operator]]
+    tool, zone = instance.timed_tool[task], instance.timed_zone[task]
+    shared = [
+        end[other]
+        for other in range(len(begin))
+        if (tool >= 0 and instance.timed_tool[other] == tool)
+        or (zone >= 0 and instance.timed_zone[other] == zone)
+    ]
+    swaps = {0}
+    if tool >= 0:
+        swaps |= {instance.changeover[tool][operator] for operator in way.operators}
+    ends = [0, ready, *shared, *(off for _, off in busy)]
+    moments = {moment + swap for moment in ends for swap in swaps}
+    return sorted(
+        moment
+        for moment in moments
+        if ready <= moment < begin[task]
+        and not any(a < moment + way.ticks and moment < b for a, b in busy)
     )

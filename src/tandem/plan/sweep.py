@@ -92,8 +92,8 @@ class Sweep:
 
     @property
     def _is_over(self) -> bool:
-        """Time is up, or a model was wrong: then no question can be answered any more."""
-        return self.effort.left() <= 0 or bool(self.door.refused)
+        """Time or work is up, or a model was wrong: then no question can be answered any more."""
+        return self.effort.is_spent or bool(self.door.refused)
 
     def _next(self) -> Goal | None:
         """The next question of the round, or of the next round; one that is being worked on when

@@ -321,7 +321,9 @@ def _graph(cell: Cell, t: Words) -> Markup:
 
 
 def _tasks(front: Front, t: Words) -> Markup:
-    return tag("section", tag("h2", t("tasks.title"), id="tasks"), tasks(front, t), class_="page extra")
+    return tag(
+        "section", tag("h2", t("tasks.title"), id="tasks"), tasks(front, t), class_="page extra"
+    )
 
 
 def _assumptions(front: Front, t: Words) -> Markup:

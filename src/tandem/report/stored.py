@@ -209,6 +209,7 @@ def _front(document: Mapping[str, Any], cell: Cell) -> Front:
         document.get("interrupted") is True,
         _question(document.get("question")),
         source if isinstance(source, str) else None,
+        out_of_time=document.get("ended_by") == "time",
     )
 
 

@@ -63,6 +63,8 @@ class FrontView:
         if not len(front):
             return
         yield front_table(front, width=options.max_width, language=self.language)
+        for line in remarks(front, self.language):
+            yield Text(line)
         result = front.shown(self.point)
         recommended = len(front) > 2 and result is front.knee
         title = t(
@@ -84,7 +86,7 @@ def headline(front: Front, language: str = "en") -> str:
         for kind, names in (("human", cell.humans), ("robot", cell.robots))
         if names
     ]
-    proof = "complete" if front.complete else "interrupted" if front.interrupted else "open"
+    proof = "open" if front.ended_by == "work" else front.ended_by
     return t(
         "terminal.found",
         name=cell.name or t("terminal.unnamed"),
@@ -112,6 +114,21 @@ def _limits(front: Front, t: Words) -> str:
         return ""
     both = t("and", first=limits[0], last=limits[-1]) if len(limits) > 1 else limits[0]
     return t("terminal.within", limits=both)
+
+
+def remarks(front: Front, language: str = "en") -> list[str]:
+    """What is to be said of a front that is not all that it could be: which points time has cut
+    short, and which proven ones may have another schedule in the next run.
+    """
+    t, places = words(language), list(enumerate(front, 1))
+    cut = [str(place) for place, r in places if r.status != Status.OPTIMAL]
+    loose = [str(p) for p, r in places if r.status == Status.OPTIMAL and not r.canonical]
+    found = {"cut": cut if front.ended_by == "time" else [], "loose": loose}
+    return [
+        t(f"terminal.{key}", points=t.count("points", len(names), names=", ".join(names)))
+        for key, names in found.items()
+        if names
+    ]
 
 
 def front_table(front: Front, *, width: int = 80, language: str = "en") -> Table:
