@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         UsageError,
     )
     from tandem.files.load import load
+    from tandem.plan.least_change import replan
     from tandem.plan.methods import plan
     from tandem.plan.question import Question
     from tandem.plan.result import Front, Result
@@ -55,6 +56,7 @@ __all__ = [
     "faults",
     "load",
     "plan",
+    "replan",
 ]
 
 _HOME = {
@@ -70,6 +72,7 @@ _HOME = {
         "UnsoundScheduleError",
         "UsageError",
     ),
+    "tandem.plan.least_change": ("replan",),
     "tandem.plan.question": ("Question",),
     "tandem.plan.result": ("Front", "Result"),
     "tandem.schedule.checker": ("faults",),

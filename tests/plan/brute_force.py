@@ -226,6 +226,35 @@ def front_of_all(data: Mapping[str, Any], horizon: float | None = None) -> list[
     )
 
 
+class Row(NamedTuple):
+    """A task of a schedule, in seconds."""
+
+    task: str
+    start: float
+    end: float
+    who: tuple[str, ...]
+
+
+def schedules(
+    data: Mapping[str, Any], horizon: float
+) -> Iterator[tuple[float, float, tuple[Row, ...]]]:
+    """Makespan, stress and rows of every schedule on the grid of the cell's times that ends by the
+    horizon.
+    """
+    plain = Plain(data)
+    for done in _everywhere(
+        plain, list(plain.jobs.values()), (), _millionths(horizon), _grid(plain)
+    ):
+        stress = plain.stress(done)
+        if stress is not None:
+            rows = (
+                Row(step.name, step.start / MILLION, step.end / MILLION, step.way.who)
+                for step in done
+            )
+            makespan = max(step.end for step in done)
+            yield makespan / MILLION, stress / MILLION, tuple(rows)
+
+
 def first_by_rule(
     data: Mapping[str, Any], point: Point
 ) -> list[tuple[str, float, float, tuple[str, ...]]]:

@@ -27,6 +27,11 @@ VERBS: dict[str, tuple[str, str, str]] = {
         "plan_command",
         "Find every compromise of time and stress, with proof.",
     ),
+    "replan": (
+        "tandem.cli.replan",
+        "replan_command",
+        "Plan a changed cell with the fewest changes to an old plan.",
+    ),
     "check": (
         "tandem.cli.planning",
         "check_command",

@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from itertools import combinations
+from typing import NamedTuple
 
 from ortools.sat.python import cp_model
 
@@ -26,6 +27,17 @@ SOLVER = f"cp-sat {version('ortools')}"
 Literal = cp_model.LiteralT
 
 
+class Changeover(NamedTuple):
+    """The operator takes up the task's tool, for so many ticks directly before it, when the literal
+    is true.
+    """
+
+    operator: int
+    task: int
+    ticks: int
+    literal: cp_model.IntVar
+
+
 @dataclass
 class Decisions:
     """The variables of the model, and how to read them back.
@@ -35,6 +47,7 @@ class Decisions:
       chosen: per task and way, a literal; exactly one per task is true.
       intervals: per task and way, present when the way is chosen.
       at: per operator, the intervals that occupy it.
+      changeovers: those that may take place.
       makespan: ticks; stress: units, in the cell's measure.
     """
 
@@ -46,6 +59,7 @@ class Decisions:
     chosen: list[list[cp_model.IntVar]] = field(default_factory=list)
     intervals: list[list[cp_model.IntervalVar]] = field(default_factory=list)
     at: dict[int, list[cp_model.IntervalVar]] = field(default_factory=lambda: defaultdict(list))
+    changeovers: list[Changeover] = field(default_factory=list)
     makespan: cp_model.IntVar = None  # type: ignore[assignment]
     stress: cp_model.IntVar = None  # type: ignore[assignment]
 
@@ -190,7 +204,7 @@ def _changeovers(plan: Decisions, operator: int) -> list[cp_model.IntervalVar]:
     nobody = model.new_bool_var("no tool used")
     arcs.append((0, 0, nobody))
     for index, task in enumerate(tasks, start=1):
-        does = _any_of(plan, plan.does(task, operator))
+        does = any_of(plan, plan.does(task, operator))
         arcs.append((index, index, does.negated()))
         first, last = model.new_bool_var(""), model.new_bool_var("")
         arcs += [(0, index, first), (index, 0, last)]
@@ -210,7 +224,8 @@ def _changeovers(plan: Decisions, operator: int) -> list[cp_model.IntervalVar]:
     swaps = []
     for task, causes in into.items():
         if causes and cost[task]:
-            swap = _any_of(plan, causes)
+            swap = any_of(plan, causes)
+            plan.changeovers.append(Changeover(operator, task, cost[task], swap))
             model.add(plan.start[task] >= cost[task]).only_enforce_if(swap)
             swaps.append(
                 model.new_optional_fixed_size_interval_var(
@@ -220,7 +235,7 @@ def _changeovers(plan: Decisions, operator: int) -> list[cp_model.IntervalVar]:
     return swaps
 
 
-def _any_of(plan: Decisions, literals: list[cp_model.IntVar]) -> cp_model.IntVar:
+def any_of(plan: Decisions, literals: list[cp_model.IntVar]) -> cp_model.IntVar:
     """A literal that is true when one of these, of which at most one is true, is true."""
     if len(literals) == 1:
         return literals[0]

@@ -8,7 +8,7 @@ or a state space may be wrong; then its schedule is refused, and its value is no
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from tandem.cell.model import Cell
@@ -45,15 +45,24 @@ class Admitted(NamedTuple):
 
 
 class Door:
-    """Lets in the schedules that keep the cell and the limits of the question.
+    """Lets in the schedules that keep the cell, the limits of the question, and what was promised
+    besides.
 
     Attributes:
+      promises: what else is wrong with a schedule, in sentences; the checker is asked first.
       refused: what is wrong with the first schedule that a search vouched for in vain; empty as
         long as there was none. From then on that search proves nothing.
     """
 
-    def __init__(self, cell: Cell, instance: Instance, question: Question) -> None:
+    def __init__(
+        self,
+        cell: Cell,
+        instance: Instance,
+        question: Question,
+        promises: Callable[[Schedule], Iterable[str]] = lambda schedule: (),
+    ) -> None:
         self.cell, self.instance, self.question = cell, instance, question
+        self.promises = promises
         self.refused: tuple[str, ...] = ()
 
     def admit(self, starts: Iterable[tuple[int, int]]) -> Admitted | None:
@@ -91,9 +100,10 @@ class Door:
 
     def _faults(self, schedule: Schedule) -> list[str]:
         limits = self.question
-        return faults(
+        wrong = faults(
             self.cell, schedule, max_makespan=limits.max_makespan, max_stress=limits.max_stress
         )
+        return wrong or list(self.promises(schedule))
 
     def _admitted(self, starts: tuple[tuple[int, int], ...], schedule: Schedule) -> Admitted:
         ticks = exact(makespan(schedule)) * self.instance.per_second

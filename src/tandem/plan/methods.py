@@ -112,6 +112,8 @@ def plan(
         cell's words, what stands in the way.
       NothingFoundError: none was found within the limit.
     """
+    if (minimize if question is None else question.minimize) == "change":
+        raise UsageError("fewest changes are counted from an old plan: ask tandem.replan for them.")
     if method not in METHODS:
         near = get_close_matches(method, METHODS, 1, 0.5)
         hint_text = f"Did you mean {near[0]!r}? " if near else ""

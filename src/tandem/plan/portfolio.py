@@ -176,7 +176,8 @@ class Race:
     """The state that the workers of one question share.
 
     Several races can go on at once: they are started with a common inbox, which their caller hears,
-    and halted by it.
+    and halted by it. `rules` are what the prover keeps, the cell's own when None; where they are
+    more, the door has to know of them too.
     """
 
     def __init__(
@@ -188,6 +189,7 @@ class Race:
         incumbent: Admitted | None,
         bound: int,
         inbox: Inbox | None = None,
+        rules: Sequence[cpsat.Rule] | None = None,
     ) -> None:
         self.door, self.instance, self.layout, self.goal, self.effort = (
             door,
@@ -196,6 +198,7 @@ class Race:
             goal,
             effort,
         )
+        self.rules = cpsat.RULES if rules is None else rules
         self.lock = threading.Lock()
         self.best = incumbent
         self.value = None if incumbent is None else goal.value(*incumbent.point)
@@ -411,7 +414,7 @@ class Race:
         patience = 1.0
         while not self.over:
             cut = self.value
-            plan = self._model(cpsat.RULES)
+            plan = self._model(self.rules)
             solver = self._solver(workers, seed, work)
             watcher = _Watcher(self, solver, plan, cut, patience)
             solver.best_bound_callback = watcher.on_bound

@@ -18,18 +18,19 @@ class Question:
     Attributes:
       minimize: "front" for every compromise; "makespan" or "stress" for the one schedule that is
         best in it and, among those, best in the other; "weighted" for the least `weights[0] *
-        makespan + weights[1] * stress`.
+        makespan + weights[1] * stress`. "change" is what `least_change.replan` asks: fewest changes
+        to an old plan.
       weights: used by "weighted" only.
       max_makespan, max_stress: limits on every schedule, seconds and the cell's measure of stress.
     """
 
-    minimize: Literal["front", "makespan", "stress", "weighted"] = "front"
+    minimize: Literal["front", "makespan", "stress", "weighted", "change"] = "front"
     weights: tuple[float, float] = (1.0, 1.0)
     max_makespan: float | None = None
     max_stress: float | None = None
 
     def __post_init__(self) -> None:
-        if self.minimize not in ("front", "makespan", "stress", "weighted"):
+        if self.minimize not in ("front", "makespan", "stress", "weighted", "change"):
             raise UsageError(
                 f"cannot minimize {self.minimize!r}: choose front, makespan, stress or weighted."
             )

@@ -195,8 +195,8 @@ def knee_index(points: list[tuple[float, float]]) -> int:
     if len(points) < 3:
         return 0
     (t0, s0), (t1, s1) = points[0], points[-1]
-    if t0 == t1 or s0 == s1:
-        return 0  # no front, but a document may hold anything
+    if not (t1 > t0 and s1 < s0):
+        return 0  # no trade-off of the two: what was asked is another one
     below = [1 - (t - t0) / (t1 - t0) - (s - s1) / (s0 - s1) for t, s in points]
     best = max(range(len(points)), key=below.__getitem__)
     return best if below[best] > 1e-12 else 0

@@ -162,7 +162,7 @@ def summary(front: Front, t: Words, point: int | None = None, stale: bool = Fals
         }
         found = t("summary.many", n=len(front), **ends) + " " + _advice(front, t)
     proof = (
-        "proven"
+        {"front": "proven", "change": "change"}.get(asked.minimize, "answer")
         if front.complete
         else "answer"
         if all(r.status == Status.OPTIMAL for r in front) and len(front) == 1

@@ -1,0 +1,332 @@
+"""`tandem replan`: a stored plan, carried over into a cell that has changed, with as few changes as
+can be.
+"""
+
+from __future__ import annotations
+
+import datetime
+import json
+import shlex
+import sys
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from tandem.cell.written import number
+from tandem.cli.columns import aligned
+from tandem.cli.options import AS_JSON, CELL, FORMAT, check_time, point_options
+from tandem.cli.what_if import variant_options
+from tandem.errors import UsageError
+
+if TYPE_CHECKING:
+    from tandem.cell.model import Cell
+    from tandem.plan.replanned import Replan, Replanned
+    from tandem.plan.result import Result
+    from tandem.report.stored import StoredPlan
+
+
+@click.command("replan")
+@CELL
+@FORMAT
+@click.option(
+    "--from",
+    "plan_file",
+    required=True,
+    metavar="PLAN.json",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="The old plan: what `tandem plan --json` or `-o PLAN.json` wrote.",
+)
+@point_options
+@click.option(
+    "--done",
+    multiple=True,
+    metavar="TASK,...",
+    help="Tasks that were done as planned: they stay where they are.",
+)
+@click.option(
+    "--at",
+    type=float,
+    metavar="SECONDS",
+    help="Now: what the old plan began before has started and stays, all else begins later.",
+)
+@click.option(
+    "--keep", multiple=True, metavar="TASK,...", help="Tasks that keep their operators and start."
+)
+@click.option(
+    "--allow",
+    type=float,
+    default=2.0,
+    show_default=True,
+    metavar="PERCENT",
+    help="How far makespan and stress may be above the new optimum.",
+)
+@click.option(
+    "--tolerance",
+    type=float,
+    default=5.0,
+    show_default=True,
+    metavar="SECONDS",
+    help="By how much a start may move and still count as the same.",
+)
+@click.option(
+    "--front",
+    is_flag=True,
+    help="For each number of changed tasks the least makespan, from as few as there can be.",
+)
+@click.option(
+    "--time-limit",
+    type=float,
+    default=60.0,
+    show_default=True,
+    help="Seconds for everything; what is found by then is given with its bounds.",
+)
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
+@click.option("--workers", type=int, help="Threads; one per core when absent.")
+@AS_JSON
+@click.option(
+    "-o",
+    "--output",
+    "outputs",
+    multiple=True,
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write a file, as `tandem plan -o` does; may be repeated.",
+)
+@variant_options
+@click.option(
+    "--lang",
+    type=click.Choice(["en", "de"]),
+    default="en",
+    show_default=True,
+    help="Language of the files.",
+)
+@click.option("-q", "--quiet", is_flag=True, help="No progress on stderr.")
+def replan_command(
+    cell_file: str,
+    form: str | None,
+    plan_file: Path,
+    point: int | None,
+    makespan: float | None,
+    stress: float | None,
+    done: tuple[str, ...],
+    at: float | None,
+    keep: tuple[str, ...],
+    allow: float,
+    tolerance: float,
+    front: bool,
+    time_limit: float,
+    seed: int,
+    workers: int | None,
+    as_json: bool,
+    outputs: tuple[Path, ...],
+    sets: tuple[str, ...],
+    without: tuple[str, ...],
+    force: tuple[str, ...],
+    lang: str,
+    quiet: bool,
+) -> int:
+    """Plan CELL anew and change as little of an old plan as can be.
+
+    \b
+    Examples:
+      tandem replan cell.yaml --from plan.json
+      tandem replan cell.yaml --from plan.json --point 2 --at 40 --keep 7 -o new.json
+      tandem replan cell.yaml --from plan.json --front
+      tandem replan cell.yaml --from plan.json --set tasks.6.time.robot=14 --without robot2
+
+    With --set, --without or --force the variant is planned, not CELL as it stands in its file.
+
+    Fewest tasks change operator; among those plans fewest change their order, then fewest begin at
+    another time; then the makespan is least, then the stress. The new optimum, above which --allow
+    counts, is the least makespan with at most the stress of the old plan.
+
+    Exit code 4 when what is done, started or kept cannot stay where it is; the message says why.
+    Ctrl-C ends the search: what was found is printed and saved, and the exit code is 130.
+    """
+    from tandem.explain.variant import variant
+    from tandem.files.load import load
+    from tandem.plan.least_change import replan
+    from tandem.report.files import ready_to_write, write
+    from tandem.report.progress import SolveProgress
+    from tandem.report.stored import point_of
+
+    check_time(time_limit, workers)
+    files = list(outputs)
+    ready_to_write(files)
+    if front:
+        _writes_a_table(files)
+    cell = load(cell_file, form)
+    is_variant = bool(sets or without or force)
+    if is_variant:
+        cell = variant(cell, sets, without, force)
+    stored = _stored(plan_file, cell)
+    old = stored.front[point_of(stored.front, point, makespan, stress)]
+    known = {*cell.tasks, *(a.task for a in old.schedule)}
+    with SolveProgress(quiet=quiet) as progress:
+        found = replan(
+            cell,
+            old.schedule,
+            stress=old.stress,
+            done=_names(done, known),
+            at=at,
+            keep=_names(keep, known),
+            allow=allow,
+            tolerance=tolerance,
+            front=front,
+            time_limit=time_limit,
+            seed=seed,
+            workers=workers,
+            on_solution=progress,
+        )
+    # a variant stands in no file, so that none can have changed since
+    found = replace(found, source=None if is_variant or cell_file == "-" else cell_file)
+    if found.interrupted and not any(path.suffix == ".json" for path in files):
+        name = "stdin" if cell_file == "-" else Path(cell_file).stem
+        files.append(Path(f"{name}.interrupted.json"))
+    for path in files:
+        write(
+            found,
+            path,
+            command=shlex.join(["tandem", *sys.argv[1:]]),
+            date=datetime.date.today().isoformat(),
+            language=lang,
+        )
+    if stored.made_for not in (None, cell.digest):
+        click.echo(
+            f"{plan_file}: made for another state of the cell; it is carried over.", err=True
+        )
+    if as_json:
+        click.echo(json.dumps(found.to_dict(), ensure_ascii=False))
+    else:
+        _show(found, old, front)
+    for path in files:
+        click.echo(f"wrote {path}", err=True)
+    if found.interrupted:
+        click.echo("interrupted: this is the best found so far, with its bounds.", err=True)
+    return 130 if found.interrupted else 0
+
+
+def _writes_a_table(files: Iterable[Path]) -> None:
+    """Pictures and sheets show a front of time and stress, which a front of changes is not. Raises
+    UsageError for files of another kind.
+    """
+    if other := [str(path) for path in files if path.suffix.lower() not in (".json", ".csv")]:
+        raise UsageError(
+            f"--front with -o {', '.join(other)}: change against time is written as .json or .csv."
+            " Make sheets and pictures of the plan that you choose from it: tandem report"
+            " FRONT.json --point N."
+        )
+
+
+def _stored(plan_file: Path, cell: Cell) -> StoredPlan:
+    """The old plan with its own cell; where an earlier version wrote it without one, the cell as it
+    is now has to do.
+    """
+    from tandem.report.results import read_result
+    from tandem.report.stored import read_plan
+
+    holds_its_cell = read_result(plan_file).get("cell_document") is not None
+    return read_plan(plan_file, None if holds_its_cell else cell)
+
+
+def _names(given: Iterable[str], known: Collection[str]) -> list[str]:
+    """The tasks that options name, joined by commas; a name that holds a comma stands alone."""
+    names: list[str] = []
+    for text in given:
+        names += [text] if text in known else filter(None, map(str.strip, text.split(",")))
+    return names
+
+
+# --- showing --------------------------------------------------------------------------------------
+
+
+def _show(found: Replanned, old: Result, front: bool) -> None:
+    from rich.console import Console
+
+    from tandem.report.terminal import GanttText
+
+    click.echo("\n".join(_lines(found, old, front)))
+    if not front:
+        console = Console(file=sys.stdout, highlight=False)
+        console.print(GanttText(found.cell, found[0].schedule))
+
+
+def _lines(found: Replanned, old: Result, front: bool) -> Iterator[str]:
+    """What is said of the old plan, of the limits, and of what changes."""
+    yield (
+        f"Old plan {old.schedule.digest}: makespan {number(old.makespan)} s, stress"
+        f" {number(old.stress)}."
+    )
+    yield _about_the_optimum(found)
+    if found.kept:
+        whys = dict.fromkeys(why for _, why in found.kept)
+        yield "Not moved: " + "; ".join(
+            f"{why} {', '.join(task for task, reason in found.kept if reason == why)}"
+            for why in whys
+        )
+    if front:
+        yield ""
+        yield from _front_lines(found)
+        return
+    best = found[0]
+    proof = "proven to change least" if found.complete else _open(found)
+    yield (
+        f"New plan {best.schedule.digest}: makespan {number(best.makespan)} s, stress"
+        f" {number(best.stress)}, {proof}."
+    )
+    yield ""
+    yield str(found.changes)
+    yield from (f"  {changed}" for changed in found.changes.changed)
+
+
+def _open(found: Replanned) -> str:
+    bounds = [f"at least {found.at_least.get(what, 0)} {said}" for what, said in _SAID.items()]
+    return f"not proven to change least ({', '.join(bounds)})"
+
+
+_SAID = {"operator": "change operator", "order": "change order", "start": "move"}
+
+
+def _about_the_optimum(found: Replanned) -> str:
+    optimum, limits = found.optimum, found.question
+    least = "" if optimum.proven else f" (not proven, at least {number(optimum.bound)} s)"
+    said = f"New optimum: {number(optimum.makespan)} s{least}"
+    if optimum.stress is not None:
+        said += f" with a stress of at most {number(optimum.stress)}"
+        if optimum.reachable is None:
+            said += "; no plan of so little stress has been found"
+        elif not optimum.reachable:
+            said += ", the least that can be reached: that of the old plan no longer can"
+    if limits.limits:
+        said += f". Allowed, {number(found.allow)} % above: {' and '.join(limits.limits)}"
+    return f"{said}."
+
+
+def _front_lines(found: Replanned) -> Iterator[str]:
+    """A row for each point of the front of changes and makespan."""
+    rows: list[tuple[str, ...]] = [
+        ("changed", "operator", "order", "start", "makespan", "stress", "status", "plan")
+    ]
+    for result in reversed(found.results):
+        changes = _replan(result).changes
+        rows.append(
+            (
+                str(sum(changes.counts)),
+                *map(str, changes.counts),
+                f"{number(result.makespan)} s",
+                number(result.stress),
+                "proven" if result.status == "optimal" else "not proven",
+                result.schedule.digest,
+            )
+        )
+    yield from aligned(rows)
+    yield "complete and proven" if found.complete else "not complete"
+
+
+def _replan(result: Result) -> Replan:
+    from tandem.plan.replanned import Replan
+
+    assert isinstance(result, Replan)
+    return result
