@@ -64,7 +64,7 @@ class FrontView:
         if not len(front):
             return
         yield front_table(front, width=options.max_width, language=self.language)
-        for line in remarks(front, t):
+        for line in remarks(front, self.language):
             yield Text(line)
         if is_told(front):
             yield risk_table(front, self.language)
@@ -89,15 +89,7 @@ def headline(front: Front, language: str = "en") -> str:
         for kind, names in (("human", cell.humans), ("robot", cell.robots))
         if names
     ]
-    proof = (
-        "complete"
-        if front.complete
-        else "interrupted"
-        if front.interrupted
-        else "late"
-        if front.ended_by == "time"
-        else "open"
-    )
+    proof = "open" if front.ended_by == "work" else front.ended_by
     return t(
         "terminal.found",
         name=cell.name or t("terminal.unnamed"),
@@ -127,21 +119,19 @@ def _limits(front: Front, t: Words) -> str:
     return t("terminal.within", limits=both)
 
 
-def remarks(front: Front, t: Words) -> list[str]:
+def remarks(front: Front, language: str = "en") -> list[str]:
     """What is to be said of a front that is not all that it could be: which points time has cut
     short, and which proven ones may have another schedule in the next run.
     """
-    places = list(enumerate(front, 1))
-    cut = [place for place, r in places if r.status != Status.OPTIMAL]
-    loose = [place for place, r in places if r.status == Status.OPTIMAL and not r.canonical]
-    told = [("terminal.cut", cut)] if cut and front.ended_by == "time" else []
-    told += [("terminal.loose", loose)] if loose else []
-    return [t(key, points=_points(places, t)) for key, places in told]
-
-
-def _points(places: list[int], t: Words) -> str:
-    key = "terminal.places.one" if len(places) == 1 else "terminal.places.other"
-    return t(key, names=", ".join(map(str, places)))
+    t, places = words(language), list(enumerate(front, 1))
+    cut = [str(place) for place, r in places if r.status != Status.OPTIMAL]
+    loose = [str(p) for p, r in places if r.status == Status.OPTIMAL and not r.canonical]
+    found = {"cut": cut if front.ended_by == "time" else [], "loose": loose}
+    return [
+        t(f"terminal.{key}", points=t.count("points", len(names), names=", ".join(names)))
+        for key, names in found.items()
+        if names
+    ]
 
 
 def front_table(front: Front, *, width: int = 80, language: str = "en") -> Table:

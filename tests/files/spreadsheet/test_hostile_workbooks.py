@@ -230,6 +230,7 @@ def test_a_sheet_of_too_many_cells_is_passed_over_with_its_reason(tmp_path: Path
     path = books.sheet(
         tmp_path / "book.xlsx", [[*ROWS[0], *["x"] * 300], *[["a", 1, 2, None, *[7] * 300]] * 1_700]
     )
-    assert open_book(path).passed_over == {
+    passed_over = open_book(path).passed_over
+    assert {sheet: str(why) for sheet, why in passed_over.items()} == {
         "Sheet1": "it has 517,104 cells, and Tandem reads at most 500,000"
     }

@@ -80,6 +80,8 @@ def _plain(value: Any) -> Any:
     """A value of a book as JSON can hold it: what JSON does not know is a mapping of one key that
     says what it is (`confined.KINDS`).
     """
+    if value is None or isinstance(value, str | int | float):
+        return value
     from tandem.files.spreadsheet.said import Said
 
     if isinstance(value, Mapping):
