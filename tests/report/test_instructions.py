@@ -329,7 +329,8 @@ def test_a_sheet_says_which_plan_it_belongs_to_wherever_it_stands(language: str)
     book = openpyxl.load_workbook(io.BytesIO(xlsx(front, language=language)))
     for who in ("Anna", "Bert", "Cobot"):
         said = [str(value) for row in book[who].iter_rows(values_only=True) for value in row]
-        assert any(one.startswith(who) and one.endswith(digest) for one in said)
+        assert any(one.startswith(who) for one in said)
+        assert any(digest in one for one in said)
         for text in (markdown(front, language=language), html(front, language=language)):
             assert re.search(rf"{who} · .* · {digest}", text)
 
