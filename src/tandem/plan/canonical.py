@@ -57,11 +57,11 @@ START_WORK: tuple[tuple[float, dict[str, int]], ...] = (
 """The same for any schedule of the values, in one way after the other until there is one."""
 SPREAD_WORK = 0.01
 """The same for the least spread of stress."""
-SUM_WORK = ((16, 0.02), (24, 0.004))
+SUM_WORK = ((16, 0.008), (24, 0.003))
 """The same for the least sum of starts, up to so many tasks. On larger cells CP-SAT does not come
 to search in a time that would be worth it.
 """
-ORDER_WORK = 0.005
+ORDER_WORK = 0.003
 """The same for the cell's order."""
 
 
