@@ -88,8 +88,7 @@ def stored(path: Path, cell: Cell, given: dict[str, Any]) -> tuple[Front, int]:
         ) from None
     if plan.is_stale:
         click.echo(
-            f"{path} is stale: the cell has changed since the plan was made. Its schedules still"
-            " keep the cell, and may not be the best any more.",
+            f"{plan.stale_note()} Its schedules still keep it, and may not be the best any more.",
             err=True,
         )
     return plan.front, point_of(plan.front, given["point"], given["makespan"], given["stress"])
