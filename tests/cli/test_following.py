@@ -136,7 +136,7 @@ def test_a_stale_plan_is_said_and_one_that_breaks_the_cell_refused(
     cell = tmp_path / "changed.json"
     cell.write_text(json.dumps(data), encoding="utf-8")
     _, _, err = shift(tandem_, "--plan", plan_file, cell=cell)
-    assert f"{plan_file} is stale: the cell has changed since" in err
+    assert f"{plan_file}: stale: made for another state of the cell." in err
     data["tasks"]["4"]["time"]["robot"] += 4
     cell.write_text(json.dumps(data), encoding="utf-8")
     for command in (("dispatch", cell), ("simulate", cell, "--policy", "fixed")):
