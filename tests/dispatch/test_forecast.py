@@ -122,14 +122,14 @@ def test_a_short_run_of_the_calibration(policy: str, shifts: int) -> None:
 
 
 def test_the_results_that_are_committed_hold() -> None:
-    """P50 and P90 within 3 points over 10,000 products; the first ones, which are fewer, within
-    what so many can tell.
+    """P50 and P90 within 3 points over 10,000 products; shorter runs within what so many can tell
+    besides (half a 95 % interval).
     """
     runs = json.loads(Path("benchmarks/results/forecast_calibration.json").read_text())["runs"]
-    measured = {(one["policy"], one["tasks"]) for one in runs if 20 * one["shifts"] >= 10_000}
-    assert ("replan-robust", 7) in measured
+    assert max(20 * one["shifts"] for one in runs) >= 10_000
+    assert {one["policy"] for one in runs} >= {"longest-tail", "replan-robust"}
     for one in runs:
-        for row in one["rows"]:
-            if 20 * one["shifts"] >= 10_000 and row["products"] == "all":
-                assert abs(row["p50"] - 50) <= 3, (one["policy"], one["tasks"], row)
-                assert abs(row["p90"] - 90) <= 3, (one["policy"], one["tasks"], row)
+        for row in (row for row in one["rows"] if row["products"] == "all"):
+            more = 0.0 if row["count"] >= 10_000 else 98 / row["count"] ** 0.5
+            assert abs(row["p50"] - 50) <= 3 + more, (one["policy"], one["tasks"], row)
+            assert abs(row["p90"] - 90) <= 3 + more, (one["policy"], one["tasks"], row)
