@@ -31,7 +31,7 @@ def test_explain(cell_file: Path) -> None:
     result = run("explain", cell_file)
     assert result.exit_code == 0, result.exception
     assert "point 2 of 3: makespan 24 s, stress 3" in result.stdout
-    assert "23 s is the floor: tasks 1, 2 and 4 keep robot busy until 18 s" in result.stdout
+    assert "23 s is the floor: tasks 2, 1 and 4 keep robot busy until 18 s" in result.stdout
     assert (
         "instead robot (10 s): +10 s (34 s) at no more stress, or +13 stress (16) in no more time."
         in result.stdout

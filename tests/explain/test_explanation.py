@@ -126,7 +126,7 @@ def test_waits_are_true(thesis: Cell) -> None:
         "6",
         "7",
     }
-    assert "waits for task 2, its predecessor" in by_task["4"].sentences()[0]
+    assert "waits for task 1, its predecessor" in by_task["4"].sentences()[0]
 
 
 # --- the floor ------------------------------------------------------------------------------------
@@ -137,7 +137,7 @@ def test_the_floor_of_the_thesis_cell_in_its_own_words(thesis: Cell) -> None:
     assert floor is not None
     assert (
         sentences(floor)[0]
-        == "23 s is the floor: tasks 1, 2 and 4 keep robot busy until 18 s, then 6 keeps human busy"
+        == "23 s is the floor: tasks 2, 1 and 4 keep robot busy until 18 s, then 6 keeps human busy"
         " until 21 s, then 7 keeps robot busy until 23 s."
     )
     assert floor.tasks == ("1", "2", "3", "4", "6", "7")
