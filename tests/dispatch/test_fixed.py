@@ -190,8 +190,8 @@ def test_the_fixed_plan_comes_to_an_end_whatever_people_do(people: str) -> None:
 
 def test_who_refuses_leaves_the_task_to_the_quickest_who_can() -> None:
     decider = planned(THESIS)
-    refused = replace(Situation.of(THESIS), refused={("robot", "1"): None})
-    assert ("1", ("human",)) in {*decider.decide(refused).asks, *decider.decide(refused).starts}
+    refused = replace(Situation.of(THESIS), refused={("robot", "2"): None})
+    assert ("2", ("human",)) in {*decider.decide(refused).asks, *decider.decide(refused).starts}
 
 
 def test_what_was_not_proven_in_the_time_given_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
