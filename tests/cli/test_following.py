@@ -58,11 +58,12 @@ def shift(
 def test_the_chosen_point_is_what_comes_of_a_shift(
     tandem_: Tandem, plan_file: Path, name: str, point: int, values: tuple[float, float]
 ) -> None:
-    """Beside somebody who complies, at stated times."""
+    """Beside somebody who complies, at stated times. What may be gained by whoever does not yet
+    know the pace is not enough to leave the plan.
+    """
     digest = json.loads(plan_file.read_text())["front"][point - 1]["digest"]
-    decisions, summary, _ = shift(
-        tandem_, "--policy", name, "--plan", plan_file, "--point", point, "--simulate", "compliant"
-    )
+    asked = ("--policy", name, "--plan", plan_file, "--point", point, "--change-penalty", 5)
+    decisions, summary, _ = shift(tandem_, *asked, "--simulate", "compliant")
     assert (summary["makespan"], summary["stress"]) == values
     said = [one["why"] for one in decisions if one["starts"] or one["asks"]]
     assert all(f"as the plan {digest} has it" in why for why in said), said

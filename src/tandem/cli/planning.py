@@ -87,8 +87,11 @@ if TYPE_CHECKING:
 @click.option(
     "--risk/--no-risk",
     "risk",
-    default=True,
-    help="Leave the risk out although the cell states a spread.",
+    default=None,
+    help=(
+        "Also when the rest is re-planned at every event, as with --cv and --robust; or leave the"
+        " risk out although the cell states a spread."
+    ),
 )
 @click.option(
     "--hint",
@@ -132,7 +135,7 @@ def plan_command(
     workers: int | None,
     cv: float,
     robust: bool,
-    risk: bool,
+    risk: bool | None,
     hint: Path | None,
     as_json: bool,
     outputs: tuple[Path, ...],

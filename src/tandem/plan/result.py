@@ -60,15 +60,17 @@ class Risk:
 
     Attributes:
       fixed: when it is carried out as it stands, only the clock giving way.
-      replanned: when the rest is planned anew at every event, within the schedule's stress.
+      replanned: when the rest is planned anew at every event and the schedule is left where that
+        gains; None where that was not asked, or no live decider can hold the cell.
     """
 
     fixed: Quantiles
-    replanned: Quantiles
+    replanned: Quantiles | None
 
     def to_dict(self) -> dict[str, Any]:
         """As a result document holds it."""
-        return {"fixed": self.fixed.to_dict(), "replanned": self.replanned.to_dict()}
+        replanned = None if self.replanned is None else self.replanned.to_dict()
+        return {"fixed": self.fixed.to_dict(), "replanned": replanned}
 
 
 @dataclass(frozen=True)

@@ -243,7 +243,7 @@ def _trade_off(front: Front, t: Words, players: Sequence[Player]) -> Markup:
 def _risk(front: Front, t: Words) -> list[Markup]:
     if not is_told(front):
         return []
-    heads = [(head, "number") for head in risk_heads(t)]
+    heads = [(head, "number") for head in risk_heads(front, t)]
     rows = [
         tag("tr", *(tag("td", cell, class_="number") for cell in row))
         for row in risk_rows(front, t)

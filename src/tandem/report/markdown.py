@@ -37,7 +37,7 @@ def markdown(
     if len(front):
         parts += [f"## {t('front.title')}", _front(front, t)]
         if is_told(front):
-            parts += [f"### {t('risk.title')}", table(risk_heads(t), risk_rows(front, t))]
+            parts += [f"### {t('risk.title')}", table(risk_heads(front, t), risk_rows(front, t))]
             parts.append(risk_note(front, t))
         result = front.shown(point)
         title = t(

@@ -4,10 +4,10 @@ in the workbook and in Markdown.
 
 from __future__ import annotations
 
-from tandem.plan.result import Front, Quantiles, Risk
+from tandem.plan.result import Front
 from tandem.report.language import Words
 
-RISK_COLUMNS = ("planned", "fixed.p50", "fixed.p95", "replanned.p50", "replanned.p95")
+FIXED, REPLANNED = ("planned", "fixed.p50", "fixed.p95"), ("replanned.p50", "replanned.p95")
 """Keys of the heads, after the number of the plan."""
 
 
@@ -17,20 +17,16 @@ def is_told(front: Front) -> bool:
 
 
 def risk_values(front: Front) -> list[list[float]]:
-    """One row a point that has a risk: its number, then seconds, to a tenth."""
-    return [
-        [
-            place,
-            result.makespan,
-            *(round(value, 1) for way in _ways(result.risk) for value in (way.p50, way.p95)),
-        ]
-        for place, result in enumerate(front, 1)
-        if result.risk is not None
-    ]
-
-
-def _ways(risk: Risk) -> tuple[Quantiles, Quantiles]:
-    return risk.fixed, risk.replanned
+    """One row a point that has a risk: its number, then seconds, to a tenth. What re-planning comes
+    to stands at the end, if it was asked for.
+    """
+    rows = []
+    for place, result in enumerate(front, 1):
+        if result.risk is not None:
+            told = [way for way in (result.risk.fixed, result.risk.replanned) if way is not None]
+            quantiles = [round(value, 1) for way in told for value in (way.p50, way.p95)]
+            rows.append([place, result.makespan, *quantiles])
+    return rows
 
 
 def risk_rows(front: Front, t: Words) -> list[list[str]]:
@@ -38,9 +34,14 @@ def risk_rows(front: Front, t: Words) -> list[list[str]]:
     return [[t.number(value) for value in row] for row in risk_values(front)]
 
 
-def risk_heads(t: Words) -> list[str]:
+def risk_heads(front: Front, t: Words) -> list[str]:
     """The heads of such rows."""
-    return [t("front.plan"), *(t(f"risk.{head}") for head in RISK_COLUMNS)]
+    heads = (*FIXED, *(REPLANNED if _is_replanned(front) else ()))
+    return [t("front.plan"), *(t(f"risk.{head}") for head in heads)]
+
+
+def _is_replanned(front: Front) -> bool:
+    return any(result.risk is not None and result.risk.replanned is not None for result in front)
 
 
 def risk_note(front: Front, t: Words) -> str:
@@ -48,5 +49,7 @@ def risk_note(front: Front, t: Words) -> str:
     risk.
     """
     told = next(result.risk for result in front if result.risk is not None)
-    note = t("risk.note", fixed=told.fixed.episodes, replanned=told.replanned.episodes)
-    return f"{note} {t('risk.robust')}" if front.robust else note
+    notes = [t("risk.fixed", episodes=told.fixed.episodes)]
+    if told.replanned is not None:
+        notes.append(t("risk.replanned", episodes=told.replanned.episodes))
+    return " ".join([*notes, *([t("risk.robust")] if front.robust else [])])

@@ -235,13 +235,16 @@ def _bound(row: Mapping[str, Any]) -> Bound:
 def _risk(told: Any) -> Risk | None:
     """What was simulated of a point; None where the document does not say all of it."""
     try:
-        fixed, replanned = (
-            Quantiles(float(way["p50"]), float(way["p95"]), int(way["episodes"]))
-            for way in (told["fixed"], told["replanned"])
-        )
+        fixed, replanned = (_quantiles(told[way]) for way in ("fixed", "replanned"))
     except (TypeError, KeyError, ValueError):
         return None
-    return Risk(fixed, replanned)
+    return None if fixed is None else Risk(fixed, replanned)
+
+
+def _quantiles(told: Any) -> Quantiles | None:
+    if told is None:
+        return None
+    return Quantiles(float(told["p50"]), float(told["p95"]), int(told["episodes"]))
 
 
 def _question(told: Any) -> Question:

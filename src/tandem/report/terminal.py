@@ -206,7 +206,7 @@ def risk_table(front: Front, language: str = "en") -> Table:
     from rich.text import Text
 
     t, table = words(language), Table(box=SIMPLE_HEAD, pad_edge=False, header_style="bold")
-    for head in risk_heads(t):
+    for head in risk_heads(front, t):
         table.add_column(Text(head), justify="right", no_wrap=True)
     for row in risk_rows(front, t):
         table.add_row(*row)

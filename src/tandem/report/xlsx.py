@@ -161,7 +161,7 @@ def _risk(book: Workbook, front: Front, t: Words) -> None:
     """What the plans risk where times scatter."""
     sheet, rows = book.create_sheet(t("sheet.risk")), risk_values(front)
     _title(sheet, t("risk.title"))
-    _header(sheet, 3, risk_heads(t), [8, *[16] * (len(rows[0]) - 1)])
+    _header(sheet, 3, risk_heads(front, t), [8, *[16] * (len(rows[0]) - 1)])
     for number, row in enumerate(rows, 4):
         _row(sheet, number, row)
     _put(sheet, len(rows) + 5, 1, risk_note(front, t))

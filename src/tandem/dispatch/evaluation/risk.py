@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 
 from tandem.dispatch.deciders.memory import settled_memory
-from tandem.dispatch.deciders.policy import Options
+from tandem.dispatch.deciders.policy import Basis, Chosen, Options
 from tandem.dispatch.deciders.table import policy
 from tandem.dispatch.evaluation.batch import EpisodeBatch
 from tandem.dispatch.lookahead.objective import Objective
-from tandem.errors import UsageError
-from tandem.plan.result import Front, Quantiles, Result, Risk
+from tandem.errors import CellError, UsageError
+from tandem.plan.result import Front, Quantiles, Result, Risk, Status
 from tandem.world import people as crew
 from tandem.world.arrays import Arrays, Names
 from tandem.world.carried_out import Plan, carry_on
@@ -31,9 +31,9 @@ from tandem.world.randomness import Chance, Draw, Scenario
 
 EPISODES = 2_000
 """Assemblies in which each plan is carried out as it stands."""
-MOST_REPLANNED, FEWEST_REPLANNED = 200, 40
+MOST_REPLANNED, FEWEST_REPLANNED = 100, 20
 """Assemblies in which each plan is planned anew at every event."""
-DECISIONS = 12_000
+DECISIONS = 4_000
 """So many decisions, about, for all points of a front; larger cells and fronts get fewer
 assemblies, down to `FEWEST_REPLANNED`.
 """
@@ -45,6 +45,7 @@ def with_risk(
     *,
     cv: float = 0.0,
     robust: bool = False,
+    replanned: bool = True,
     seed: int = 0,
     tell: Callable[[str], None] = lambda _: None,
 ) -> Front:
@@ -53,6 +54,7 @@ def with_risk(
     Args:
       cv: coefficient of variation of the times for which the cell states no spread.
       robust: recommend by the P95 of the makespan as carried out.
+      replanned: tell too what comes of re-planning, which takes many decisions.
       seed: of chance.
       tell: hears how far the work has come.
 
@@ -73,19 +75,29 @@ def with_risk(
     count = DECISIONS // (2 * len(front.cell.tasks) * max(len(front), 1))
     count = min(MOST_REPLANNED, max(FEWEST_REPLANNED, count))
     found = []
-    for number, result in enumerate(front, 1):
-        tell(f"carrying out point {number} of {len(front)}")
-        found.append(replace(result, risk=_risk(stage, result, count, seed)))
+    for place, result in enumerate(front):
+        tell(f"carrying out point {place + 1} of {len(front)}")
+        fixed = _quantiles(carried_out(stage, Plan.of(names, result.schedule)))
+        objective = Objective.of_point(front, place)
+        anew = _replanned(stage, result, objective, count, seed) if replanned else None
+        found.append(replace(result, risk=Risk(fixed, anew)))
     return replace(front, results=tuple(found), robust=robust)
 
 
-def _risk(stage: EpisodeBatch, result: Result, count: int, seed: int) -> Risk:
-    fixed = carried_out(stage, Plan.of(stage.names, result.schedule))
-    within = Objective(max_stress=result.stress)
-    decider = policy(REPLANNED_BY, result.cell, within, Options(seed=seed))
+def _replanned(
+    stage: EpisodeBatch, result: Result, objective: Objective, count: int, seed: int
+) -> Quantiles | None:
+    """The makespan under a decider that follows the plan while it is good; None when the cell has
+    a rule that cannot be kept live.
+    """
+    basis = Basis.of(result, proven=result.status == Status.OPTIMAL)
+    options = Options(seed=seed, plan=Chosen(result.schedule, basis))
+    try:
+        decider = policy(REPLANNED_BY, result.cell, objective, options)
+    except CellError:
+        return None
     with settled_memory() as settle:
-        replanned = stage.play(decider, count, between=settle)
-    return Risk(_quantiles(fixed), _quantiles(replanned.makespan))
+        return _quantiles(stage.play(decider, count, between=settle).makespan)
 
 
 def carried_out(stage: EpisodeBatch, plan: Plan) -> np.ndarray[Any, Any]:

@@ -84,7 +84,8 @@ def sheet_of(cell: Cell) -> Sheet:
 def _made(cell: Cell) -> Sheet:
     tasks, operators = tuple(cell.tasks), tuple(cell.operators)
     facts = Situation.of(cell).facts
-    ways = [(task, way) for task in tasks for way in facts.ways[task]]
+    # all of them: the floor may report what no schedule can hold
+    ways = [(task, way) for task in tasks for way in cell.modes(task)]
     number = {task: t for t, task in enumerate(tasks)}
     rows = [[w for w, (task, _) in enumerate(ways) if task == name] for name in tasks]
     slots = np.full((len(tasks), max(map(len, rows))), -1)
@@ -223,8 +224,13 @@ class Rest:
             if sheet.tasks[t] not in situation.running or situation.running[sheet.tasks[t]].undoing
         ]
         refused = {pair for pair in situation.refused if situation.is_refused(*pair)}
+        ways = situation.facts.ways
+        possible = {(task, way.operators) for task, modes in ways.items() for way in modes}
         open_ = np.array(
-            [not any((who, task) in refused for who in group) for task, group in sheet.ways]
+            [
+                (task, group) in possible and not any((who, task) in refused for who in group)
+                for task, group in sheet.ways
+            ]
         )
         for row in sheet.slots:
             mine = row[row >= 0]
@@ -251,9 +257,11 @@ class Rest:
         begun = {task: one.operators for task, one in situation.done.items()}
         begun |= {task: one.operators for task, one in situation.running.items()}
         team = np.full(int(sheet.team.max()) + 1, -1)
+        # the floor may report who can do none of the team's tasks: then the team is still open
+        known = {frozenset(group): sheet.group[way] for way, (_, group) in enumerate(sheet.ways)}
         for task, group in begun.items():
             if sheet.team[number[task]] >= 0:
-                team[sheet.team[number[task]]] = sheet.group[sheet.ways.index((task, group))]
+                team[sheet.team[number[task]]] = known.get(frozenset(group), -1)
         return cls(
             tuple(left),
             now,
