@@ -10,6 +10,7 @@ import pytest
 from tests.plan.test_deadlines import FRONTS
 from tests.schedule.cells import gearbox, thesis, thesis_schedule
 
+import tandem
 from tandem.errors import NothingFoundError
 from tandem.files.generators import layered
 from tandem.plan import cpsat
@@ -56,7 +57,19 @@ def left_out(rule: cpsat.Rule) -> tuple[cpsat.Rule, ...]:
     return tuple(other for other in cpsat.RULES if other is not rule)
 
 
-CELLS = [thesis(), gearbox(), *(of for of, _ in FRONTS)]
+ONE_FOR_BOTH = tandem.load(
+    {
+        "format": 1,
+        "operators": {"left": {"kind": "robot"}, "right": {"kind": "robot"}},
+        "tasks": {
+            "hold": {"time": {"left": 5, "right": 5}},
+            "screw": {"time": {"left": 5, "right": 5}},
+        },
+        "same_operator": [["hold", "screw"]],
+    }
+)
+"""Takes 10 s, and half of that where each does one."""
+CELLS = [thesis(), gearbox(), ONE_FOR_BOTH, *(of for of, _ in FRONTS)]
 QUESTIONS = [Question(minimize) for minimize in ("front", "makespan", "stress", "weighted")]
 
 
