@@ -10,6 +10,7 @@ import shlex
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -185,25 +186,21 @@ def plan_command(
     if sets or without or force:
         base, cell = cell, variant(cell, sets, without, force)
     begin = _first_schedule(hint, cell) if hint else None
+    solve = partial(
+        plan,
+        question=question,
+        method=method,
+        time_limit=time_limit,
+        work=work,
+        seed=seed,
+        workers=workers,
+    )
     with SolveProgress(quiet=quiet, language=lang) as progress:
-        front = plan(
-            cell,
-            question,
-            method=method,
-            time_limit=time_limit,
-            work=work,
-            seed=seed,
-            workers=workers,
-            hint=begin,
-            on_solution=progress,
-        )
+        front = solve(cell, hint=begin, on_solution=progress)
     if not front.interrupted:
         front = told_risk(front, cv, robust, risk, quiet)
-    # a variant stands in no file, so that none can have changed since
-    front = replace(front, source=cell_file if base is None and cell_file != "-" else None)
-    if front.interrupted and not any(path.suffix == ".json" for path in files):
-        name = "stdin" if cell_file == "-" else Path(cell_file).stem
-        files.append(Path(f"{name}.interrupted.json"))
+    front = replace(front, source=source_of(cell_file, is_variant=base is not None))
+    files += kept_when_interrupted(front, files, cell_file)
     point = None if point is None else _existing(front, point, files, lang) + 1
     write_outputs(front, files, lang, point=point)
     if base is None or front.interrupted:
@@ -213,15 +210,7 @@ def plan_command(
             base,
             front,
             as_json,
-            lambda: plan(
-                base,
-                question,
-                method=method,
-                time_limit=time_limit,
-                work=work,
-                seed=seed,
-                workers=workers,
-            ),
+            partial(solve, base),
             lang,
             point,
         )
@@ -250,6 +239,21 @@ def _existing(front: Front, point: int, files: Sequence[Path], lang: str) -> int
         write_outputs(front, whole, lang)
         tell_written(whole, lang)
         raise
+
+
+def source_of(cell_file: str, *, is_variant: bool) -> str | None:
+    """The file that a plan names as its cell's. A variant stands in none, so that none can have
+    changed since.
+    """
+    return None if is_variant or cell_file == "-" else cell_file
+
+
+def kept_when_interrupted(front: Front, files: Iterable[Path], cell_file: str) -> list[Path]:
+    """Where an interrupted front is kept when no file was asked for that holds all of it."""
+    if not front.interrupted or any(path.suffix == ".json" for path in files):
+        return []
+    name = "stdin" if cell_file == "-" else Path(cell_file).stem
+    return [Path(f"{name}.interrupted.json")]
 
 
 def write_outputs(

@@ -24,7 +24,7 @@ from tandem.cli.options import (
     check_time,
     point_options,
 )
-from tandem.cli.planning import tell_written, write_outputs
+from tandem.cli.planning import kept_when_interrupted, source_of, tell_written, write_outputs
 from tandem.cli.what_if import variant_options
 from tandem.errors import UsageError
 
@@ -174,11 +174,8 @@ def replan_command(
             workers=workers,
             on_solution=progress,
         )
-    # a variant stands in no file, so that none can have changed since
-    found = replace(found, source=None if is_variant or cell_file == "-" else cell_file)
-    if found.interrupted and not any(path.suffix == ".json" for path in files):
-        name = "stdin" if cell_file == "-" else Path(cell_file).stem
-        files.append(Path(f"{name}.interrupted.json"))
+    found = replace(found, source=source_of(cell_file, is_variant=is_variant))
+    files += kept_when_interrupted(found, files, cell_file)
     write_outputs(found, files, lang)
     if stored.made_for not in (None, cell.digest):
         click.echo(

@@ -238,7 +238,7 @@ def _undone(
             yield (
                 f"--done {name}: {', '.join(missing)} must be done before it. Name"
                 f" {'it' if len(missing) == 1 else 'them'} too: --done"
-                f" {','.join([*missing, *done])}."
+                f" {','.join([*missing, *(task for task in done if task in was)])}."
             )
 
 
