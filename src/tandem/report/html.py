@@ -234,25 +234,26 @@ def _trade_off(front: Front, t: Words, players: Sequence[Player]) -> Markup:
         hint,
         front_chart(front, t, players),
         legend,
-        plans(front, t),
-        *_risk(front, t),
+        tag("div", plans(front, t), _risk(front, t), class_="beside"),
         class_="trade",
     )
 
 
-def _risk(front: Front, t: Words) -> list[Markup]:
+def _risk(front: Front, t: Words) -> Markup:
     if not is_told(front):
-        return []
+        return Markup("")
     heads = [(head, "number") for head in risk_heads(front, t)]
     rows = [
         tag("tr", *(tag("td", cell, class_="number") for cell in row))
         for row in risk_rows(front, t)
     ]
-    return [
+    return tag(
+        "div",
         tag("h3", t("risk.title")),
         table(heads, rows, t("risk.title")),
         tag("p", risk_note(front, t), class_="note"),
-    ]
+        class_="risk",
+    )
 
 
 def _plan(front: Front, place: int, t: Words, point: int | None, stale: bool) -> Markup:
