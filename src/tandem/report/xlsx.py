@@ -164,7 +164,7 @@ def _risk(book: Workbook, front: Front, t: Words) -> None:
     _header(sheet, 3, risk_heads(front, t), [8, *[16] * (len(rows[0]) - 1)])
     for number, row in enumerate(rows, 4):
         _row(sheet, number, row)
-    _put(sheet, len(rows) + 5, 1, risk_note(front, t))
+    _spread(sheet, len(rows) + 5, risk_note(front, t), len(rows[0]))
     sheet.freeze_panes = "B4"
 
 
