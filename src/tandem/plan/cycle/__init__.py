@@ -1,0 +1,1 @@
+"""The station repeats: cell in, front of cycle time and stress out."""

@@ -1,0 +1,376 @@
+"""Exact planning of a station that repeats, with CP-SAT: the complete front of cycle time and
+stress, or one pattern, with proof.
+
+The front is walked from the quickest cycle on: the least cycle time below a stress, the least
+stress of that cycle time, and on below it. Where nothing but the work of each operator can bind,
+the least cycle time is the most that one of them has to do, and who does what settles it: the order
+is then free, since a task can wait for a cycle more. Behind each point at last the fewest products
+in process, and of those the shortest stay, is asked for.
+"""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from decimal import ROUND_FLOOR
+from time import monotonic
+from typing import NamedTuple
+
+from ortools.sat.python import cp_model
+
+from tandem.cell.model import Cell
+from tandem.errors import CellError, Fault, InfeasibleError, NothingFoundError
+from tandem.plan.cpsat import SOLVER
+from tandem.plan.cycle.door import Admitted, CycleDoor
+from tandem.plan.cycle.effort import Answer, Effort
+from tandem.plan.cycle.model import Cycle, allocation, formulate
+from tandem.plan.cycle.pattern import Pattern, launched, lifted, stacked
+from tandem.plan.cycle.question import FRONT, CycleQuestion
+from tandem.plan.cycle.result import CycleBound, CycleFront, CycleResult
+from tandem.plan.door import RefusedScheduleWarning
+from tandem.plan.instance import Instance
+from tandem.plan.portfolio import Meter
+from tandem.plan.result import Status
+from tandem.schedule.cycle_checker import not_periodic
+from tandem.schedule.measures import exact
+
+SETTLING = (0.01, 0.1, 1.0)
+"""CP-SAT's deterministic seconds for the choice among the patterns of a point; more are spent only
+when none was found.
+"""
+
+
+@dataclass(frozen=True)
+class Point:
+    """A pattern of the front, and what is proven of it.
+
+    Attributes:
+      least_length: ticks; no pattern of at most this stress has a lesser cycle time.
+      least_stress: units; no pattern of at most this cycle time has less.
+      least_in_process: no pattern of this cycle time and stress has fewer.
+      canonical: chosen by the rule of the last step.
+    """
+
+    found: Admitted
+    least_length: int
+    least_stress: int
+    least_in_process: int
+    canonical: bool = False
+
+    @property
+    def proven(self) -> bool:
+        """Nothing beats it in both."""
+        return self.found.length == self.least_length and self.found.stress == self.least_stress
+
+
+def solve(
+    cell: Cell,
+    question: CycleQuestion = FRONT,
+    *,
+    time_limit: float | None = None,
+    work: float | None = None,
+    seed: int = 0,
+    workers: int | None = None,
+    on_point: Callable[[int], None] | None = None,
+) -> CycleFront:
+    """The front or the one best pattern that the question asks for, proven as far as time allows.
+
+    Args:
+      time_limit: seconds; None until everything is proven.
+      work: a limit on work instead, in CP-SAT's deterministic seconds; one thread works then, no
+        clock is asked, and the run repeats.
+      on_point: called with how many points there are, with each new one; may raise
+        KeyboardInterrupt.
+
+    Raises:
+      CellError: the cell has something at a fixed time, which cannot repeat.
+      InfeasibleError: it is proven that no pattern answers the question.
+      NothingFoundError: none was found within the limit.
+    """
+    if wrong := list(not_periodic(cell)):
+        raise CellError([Fault(sentence, ()) for sentence in wrong])
+    meter = None if work is None else Meter(work)
+    threads = 1 if meter is not None else workers or os.cpu_count() or 1
+    search = _Search(cell, question, time_limit, Effort(None, seed, threads, meter), on_point)
+    interrupted = False
+    try:
+        search.run()
+    except KeyboardInterrupt:
+        if not search.points:
+            raise
+        interrupted = True
+    return search.front(interrupted)
+
+
+class _Starts(NamedTuple):
+    """A pattern and its cycle time, ticks, as a model describes them."""
+
+    pattern: Pattern
+    length: int
+
+
+class _Search:
+    def __init__(
+        self,
+        cell: Cell,
+        question: CycleQuestion,
+        time_limit: float | None,
+        effort: Effort,
+        on_point: Callable[[int], None] | None,
+    ) -> None:
+        self.began = monotonic()
+        self.cell, self.question, self.effort, self.on_point = cell, question, effort, on_point
+        effort.until = None if time_limit is None else self.began + time_limit
+        self.instance = instance = Instance.of(cell)
+        self.door = CycleDoor(cell, instance, question)
+        self.horizon = instance.horizon
+        self.takt = _whole(question.takt, instance.per_second)
+        self.max_stress = _whole(question.max_stress, instance.per_stress)
+        self.points: list[Point] = []
+        self.closed = False
+
+    # ------------------------------------------------------------ the search
+
+    def run(self) -> None:
+        """Answers the question as far as time allows."""
+        if self.question.takt is not None:
+            self._within_takt()
+        elif self.question.minimize == "stress":
+            self._least_stress_first()
+        else:
+            self._walk()
+        for place, point in enumerate(self.points):
+            if self.effort.is_spent:
+                return
+            self.points[place] = self._settled(point)
+
+    def _walk(self) -> None:
+        """From the least cycle time on; only to that where nothing else is asked for."""
+        cap, low = self.max_stress, 1
+        while not self.effort.is_spent:
+            quickest, starts = self._least_length(low, self.horizon, cap)
+            if starts is None:
+                self.closed = quickest.proven
+                return
+            calmest, better = self._least_stress(starts.length, starts.length, cap)
+            least_stress = calmest.bound if better is not None else 0
+            point = self._point(better or starts, max(quickest.bound, low), least_stress)
+            if point is None:
+                return
+            if self.question.minimize == "cycle_time":
+                self.closed = point.proven
+                return
+            cap, low = point.found.stress - 1, point.least_length + 1
+            if cap < 0:
+                self.closed = point.proven
+                return
+
+    def _least_stress_first(self) -> None:
+        """The least stress of any pattern, then the least cycle time that has it."""
+        calmest, starts = self._least_stress(1, self.horizon, self.max_stress)
+        if starts is None:
+            self.closed = calmest.proven
+            return
+        quickest, better = self._least_length(1, self.horizon, calmest.value)
+        bound = quickest.bound if better is not None else 1
+        point = self._point(better or starts, bound, calmest.bound)
+        self.closed = point is not None and point.proven
+
+    def _within_takt(self) -> None:
+        """The least stress that keeps the takt; then the fewest in process, and the least cycle
+        time of those.
+        """
+        takt = self.takt if self.takt is not None else self.horizon
+        longest = min(takt, self.horizon)
+        calmest, starts = self._least_stress(1, longest, self.max_stress)
+        if starts is None:
+            self.closed = calmest.proven
+            return
+        first = self._point(starts, 1, calmest.bound)
+        if first is None:
+            return
+        self.closed = calmest.proven
+        self._fewest_in_process(first, longest)
+
+    def _fewest_in_process(self, first: Point, longest: int) -> None:
+        """Puts one product after the other in the station, until the takt can be kept."""
+        known = first.found
+        for laps in range(1, known.in_process + 1):
+            if self.effort.is_spent:
+                self.closed = False
+                return
+            cycle = formulate(self.instance, 1, longest, laps)
+            cycle.model.add(cycle.stress <= known.stress)
+            answer = self.effort.solve(cycle.model, cycle.length)
+            if answer.solver is not None:
+                self.points.clear()
+                starts = self._read(cycle, answer.solver)
+                point = self._point(starts, answer.bound, first.least_stress)
+                self.closed = self.closed and answer.proven and point is not None
+                return
+            self.closed = self.closed and answer.proven
+
+    # ------------------------------------------------------------ single questions
+
+    @property
+    def laps(self) -> int | None:
+        """The cycles that a product may be in the station; None when nothing limits them."""
+        return self.question.max_in_process
+
+    @property
+    def only_load_binds(self) -> bool:
+        """The work of each operator alone decides about the cycle time, and any order will do."""
+        instance = self.instance
+        return (
+            self.laps is None
+            and max((*instance.timed_tool, *instance.timed_zone), default=-1) < 0
+            and all(len(way.operators) == 1 for ways in instance.ways for way in ways)
+        )
+
+    def _model(self, low: int, high: int) -> Cycle:
+        if self.only_load_binds:
+            cycle = allocation(self.instance, high)
+            cycle.model.add(cycle.length >= low)
+            return cycle
+        return formulate(self.instance, low, high, self.laps)
+
+    def _least_length(self, low: int, high: int, cap: int | None) -> tuple[Answer, _Starts | None]:
+        """The least cycle time at or above `low` of patterns with at most this stress."""
+        cycle = self._model(low, high)
+        if cap is not None:
+            cycle.model.add(cycle.stress <= cap)
+        answer = self.effort.solve(cycle.model, cycle.length, share=0.5)
+        return answer, None if answer.solver is None else self._read(cycle, answer.solver)
+
+    def _least_stress(self, low: int, high: int, cap: int | None) -> tuple[Answer, _Starts | None]:
+        """The least stress of patterns of these cycle times."""
+        cycle = self._model(low, high)
+        if cap is not None:
+            cycle.model.add(cycle.stress <= cap)
+        answer = self.effort.solve(cycle.model, cycle.stress, share=0.5)
+        return answer, None if answer.solver is None else self._read(cycle, answer.solver)
+
+    def _read(self, cycle: Cycle, solver: cp_model.CpSolver) -> _Starts:
+        """The pattern that was found, from its launch on."""
+        length = solver.value(cycle.length)
+        if cycle.start:
+            return _Starts(launched(cycle.read(solver.value)), length)
+        if cycle.place:
+            return _Starts(lifted(self.instance, cycle.read(solver.value), length), length)
+        ways = [next(w for w, x in enumerate(xs) if solver.value(x)) for xs in cycle.chosen]
+        return _Starts(lifted(self.instance, stacked(self.instance, ways), length), length)
+
+    def _point(self, starts: _Starts, least_length: int, least_stress: int) -> Point | None:
+        found = self.door.vouched(*starts)
+        if found is None:
+            return None
+        fewest = min(-(-self._least_stay() // found.length), found.in_process)
+        point = Point(found, least_length, least_stress, fewest)
+        self.points.append(point)
+        if self.on_point is not None:
+            self.on_point(len(self.points))
+        return point
+
+    def _least_stay(self) -> int:
+        """No product is out sooner than its longest chain of tasks takes, ticks."""
+        return max(
+            head + tail for head, tail in zip(self.instance.head, self.instance.tail, strict=True)
+        )
+
+    def _settled(self, point: Point) -> Point:
+        """The point with the fewest in process behind it and, of such patterns, the one of the
+        shortest stay that bounded work finds: the same in every run.
+        """
+        fewest, proven = self._fewest(point)
+        found, laps = fewest.found, fewest.found.in_process
+        for work in SETTLING if proven and point.proven else ():
+            cycle = self._behind(found, laps)
+            assert cycle.makespan is not None
+            choice = self.effort.solve(cycle.model, cycle.makespan, work=work)
+            if choice.solver is None or choice.ended_by_clock:
+                continue
+            chosen = self.door.vouched(*self._read(cycle, choice.solver))
+            if chosen is not None and chosen.stress <= found.stress:
+                return replace(fewest, found=chosen, canonical=True)
+        return fewest
+
+    def _fewest(self, point: Point) -> tuple[Point, bool]:
+        """The point with as few in process as could be found, and whether that is proven."""
+        found = point.found
+        for laps in range(point.least_in_process, found.in_process):
+            cycle = self._behind(found, laps)
+            answer = self.effort.solve(cycle.model, 0, share=0.5)
+            if answer.solver is not None:
+                better = self.door.vouched(*self._read(cycle, answer.solver))
+                if better is not None and better.stress <= found.stress:
+                    return replace(point, found=better, least_in_process=laps), True
+            if not answer.proven:
+                return replace(point, least_in_process=laps), False
+        return replace(point, least_in_process=found.in_process), True
+
+    def _behind(self, found: Admitted, laps: int) -> Cycle:
+        """The model of all patterns of the same values, a product in so many cycles."""
+        cycle = formulate(self.instance, found.length, found.length, laps)
+        cycle.model.add(cycle.stress <= found.stress)
+        return cycle
+
+    # ------------------------------------------------------------ the answer
+
+    def front(self, interrupted: bool) -> CycleFront:
+        """What was found. Raises as `solve` says."""
+        wall = monotonic() - self.began
+        kept = " and ".join([*self.question.limits, "the cell's own limits"])
+        if not self.points:
+            if self.door.refused:
+                raise NothingFoundError(self.door.apology())
+            if self.closed:
+                raise InfeasibleError(f"no pattern keeps {kept}; this is proven.")
+            raise NothingFoundError(
+                f"no pattern that keeps {kept} was found in {wall:.1f} s; whether there is one is"
+                " open."
+            )
+        if self.door.refused:
+            warnings.warn(self.door.apology(), RefusedScheduleWarning, stacklevel=3)
+        believed = not self.door.refused
+        results = tuple(self._result(point, believed) for point in _undominated(self.points))
+        return CycleFront(
+            self.cell,
+            results,
+            believed and self.closed and all(r.status == Status.OPTIMAL for r in results),
+            "exact",
+            SOLVER,
+            self.effort.seed,
+            wall,
+            interrupted,
+            self.question,
+            out_of_time=self.effort.left() <= 0,
+        )
+
+    def _result(self, point: Point, believed: bool) -> CycleResult:
+        found, instance = point.found, self.instance
+        proven = believed and (point.proven or (self.takt is not None and self.closed))
+        bound = CycleBound(
+            instance.seconds(point.least_length if believed else 0),
+            instance.stress(point.least_stress if believed else 0),
+            point.least_in_process if believed else 1,
+        )
+        status = Status.OPTIMAL if proven else Status.FEASIBLE
+        return CycleResult(self.cell, found.periodic, status, bound, point.canonical)
+
+
+def _undominated(points: list[Point]) -> list[Point]:
+    """Those that none beats in both, by cycle time."""
+    kept: list[Point] = []
+    for point in sorted(points, key=lambda point: (point.found.length, point.found.stress)):
+        if not kept or point.found.stress < kept[-1].found.stress:
+            kept.append(point)
+    return kept
+
+
+def _whole(limit: float | None, scale: int) -> int | None:
+    """The limit in whole numbers, cut down."""
+    if limit is None:
+        return None
+    return int((exact(limit) * scale).to_integral_value(ROUND_FLOOR))

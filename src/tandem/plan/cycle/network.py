@@ -1,0 +1,480 @@
+"""A second proof of a station that repeats, without a constraint solver: every allocation, and for
+each a search over who passes whom, cycle time by cycle time.
+
+For one allocation and one cycle time T, what two tasks have to keep of each other is a disjunction
+of differences: two tasks of one operator keep `ticks + q T <= start' - start <= (q + 1) T - ticks'`
+for some whole q, which is how many products lie between them (Hanen and Munier 1995, A study of the
+cyclic scheduling problem on parallel processors, section 2). A search chooses the q of each pair;
+what is chosen is held in a table of longest paths, and a positive circle refutes it (Dechter, Meiri
+and Pearl 1991, Temporal constraint networks, section 4). Where work alone can bind, there is
+nothing to search: an operator is busy for the sum of what is theirs.
+
+Slow, and sure: for cells of up to eight tasks or so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from decimal import ROUND_FLOOR
+from itertools import combinations, pairwise, product
+from time import monotonic
+from typing import NamedTuple
+
+import numpy as np
+
+from tandem.cell.model import Cell
+from tandem.errors import CellError, Fault, InfeasibleError, NothingFoundError
+from tandem.plan.cycle.door import Admitted, CycleDoor
+from tandem.plan.cycle.pattern import Pattern, launched, lifted, stacked
+from tandem.plan.cycle.question import FRONT, CycleQuestion
+from tandem.plan.cycle.result import CycleBound, CycleFront, CycleResult
+from tandem.plan.instance import Instance
+from tandem.plan.result import Status
+from tandem.schedule.cycle_checker import not_periodic
+from tandem.schedule.measures import exact
+
+SOLVER = "difference constraints"
+"""What proves."""
+MOST_TASKS = 12
+"""With more, the allocations alone are too many."""
+
+
+class Edge(NamedTuple):
+    """`start[later] - start[earlier] >= ticks`."""
+
+    earlier: int
+    later: int
+    ticks: int
+
+
+Choice = tuple[Edge, ...]
+"""Edges that hold together; a disjunction is a list of choices."""
+
+
+class _Late(Exception):
+    """Time is up."""
+
+
+@dataclass
+class Network:
+    """Longest paths between starts: `least[a, b]` ticks lie between the starts of `a` and `b` at
+    least. Row and column `-1` are the launch, at 0.
+    """
+
+    least: np.ndarray
+
+    @classmethod
+    def of(cls, tasks: int, window: int | None) -> Network:
+        """No constraint but that starts lie from 0 to `window`; None for no window at all."""
+        least = np.full((tasks + 1, tasks + 1), -(10**15), dtype=np.int64)
+        np.fill_diagonal(least, 0)
+        if window is not None:
+            least[-1, :-1] = 0
+            least[:-1, -1] = -window
+        return cls(least)
+
+    def with_edges(self, choice: Choice) -> Network | None:
+        """The network with these constraints besides; None when they close a positive circle."""
+        least = self.least
+        for earlier, later, ticks in choice:
+            if least[earlier, later] >= ticks:
+                continue
+            if ticks + least[later, earlier] > 0:
+                return None
+            least = np.maximum(least, least[:, earlier, None] + ticks + least[None, later, :])
+        return Network(least)
+
+    def starts(self) -> list[int]:
+        """The earliest starts, ticks."""
+        return [int(ticks) for ticks in self.least[-1, :-1]]
+
+
+class _Pair(NamedTuple):
+    """Two tasks that mind each other.
+
+    Attributes:
+      apart: they must not overlap.
+      shared: "tool", "zone": what both need and not all can have at once.
+    """
+
+    one: int
+    two: int
+    apart: bool
+    shared: tuple[str, ...]
+
+
+class _Piece(NamedTuple):
+    """How two tasks lie to each other; who is under way when the other starts."""
+
+    edges: Choice
+    one_there: bool
+    two_there: bool
+
+
+@dataclass
+class _Allocation:
+    """One way for each task.
+
+    Attributes:
+      ways: per task.
+      stress: units of a product.
+    """
+
+    instance: Instance
+    ways: tuple[int, ...]
+    stress: int
+    until: float | None
+
+    def ticks(self, task: int) -> int:
+        """How long the task takes."""
+        return self.instance.ways[task][self.ways[task]].ticks
+
+    def who(self, task: int) -> tuple[int, ...]:
+        """Who does it."""
+        return self.instance.ways[task][self.ways[task]].operators
+
+    def least_length(self) -> int:
+        """No cycle is shorter: somebody has so much to do, ticks."""
+        load = [0] * len(self.instance.operators)
+        for task in range(len(self.ways)):
+            for operator in self.who(task):
+                load[operator] += self.ticks(task)
+        return max(load)
+
+    def pattern(self, length: int, laps: int | None) -> Pattern | None:
+        """A pattern of this cycle time, a product in at most so many cycles; None when there is
+        none.
+        """
+        tasks = range(len(self.ways))
+        if any(self.ticks(task) > length for task in tasks):
+            return None
+        network: Network | None = Network.of(
+            len(tasks), length - 1 if laps is None else laps * length
+        )
+        if laps is not None:
+            assert network is not None
+            network = network.with_edges(tuple(self._within_a_product(laps * length)))
+        if network is None:
+            return None
+        pairs = list(self._pairs())
+        if laps is None and not self._needs_search(pairs):
+            return lifted(self.instance, stacked(self.instance, self.ways), length)
+        found = self._searched(network, pairs, {}, length)
+        if found is None:
+            return None
+        chosen = tuple(zip(self.ways, found.starts(), strict=True))
+        return (
+            launched(chosen)
+            if laps is not None
+            else lifted(
+                self.instance, tuple((way, start % length) for way, start in chosen), length
+            )
+        )
+
+    def _needs_search(self, pairs: list[_Pair]) -> bool:
+        """Whether more than work can bind: tasks of several operators, tools or zones that are
+        shared, changeovers. Where not, an operator does what is theirs in any order.
+        """
+        return self.instance.has_swaps or any(
+            pair.shared or len(self.who(task)) > 1 for pair in pairs for task in pair[:2]
+        )
+
+    def _within_a_product(self, end: int) -> Iterator[Edge]:
+        """Predecessors end first, and everything by the end."""
+        for task, firsts in enumerate(self.instance.before):
+            yield Edge(task, -1, self.ticks(task) - end)
+            for first in firsts:
+                yield Edge(first, task, self.ticks(first))
+
+    def _pairs(self) -> Iterator[_Pair]:
+        """Every two tasks that mind each other."""
+        instance = self.instance
+        for one, two in combinations(range(len(self.ways)), 2):
+            apart = bool(set(self.who(one)) & set(self.who(two)))
+            shared = tuple(
+                kind
+                for kind, needs, room in (
+                    ("tool", instance.tool, instance.tool_room),
+                    ("zone", instance.zone, instance.zone_room),
+                )
+                if (need := needs[one]) is not None and need == needs[two] and room[need]
+            )
+            if apart or shared:
+                yield _Pair(one, two, apart, shared)
+
+    # ------------------------------------------------------------ the search
+
+    def _searched(
+        self, network: Network, open_pairs: list[_Pair], held: dict[_Pair, _Piece], length: int
+    ) -> Network | None:
+        """The network with a choice for every pair; None when every choice ends in a circle. The
+        pair with the fewest choices left comes first.
+        """
+        if self.until is not None and monotonic() > self.until:
+            raise _Late
+        if not self._has_room(held, length):
+            return None
+        if not open_pairs:
+            return self._taken_up(network, length)
+        offers = []
+        for pair in open_pairs:
+            pieces = list(self._pieces(network, pair, length))
+            offers.append((len(pieces), pair, pieces))
+            if not pieces:
+                return None
+        _, pair, pieces = min(offers, key=lambda offer: offer[0])
+        rest = [other for other in open_pairs if other != pair]
+        for piece in pieces:
+            tighter = network.with_edges(piece.edges)
+            if tighter is not None:
+                found = self._searched(tighter, rest, {**held, pair: piece}, length)
+                if found is not None:
+                    return found
+        return None
+
+    def _pieces(self, network: Network, pair: _Pair, length: int) -> Iterator[_Piece]:
+        """How the two may lie to each other: by how many cycles, and who is under way when the
+        other starts.
+        """
+        one, two = pair.one, pair.two
+        low, high = int(network.least[one, two]), -int(network.least[two, one])
+        for lap in range(low // length, high // length + 1):
+            for first, last, one_there, two_there in self._residues(one, two, length):
+                if pair.apart and (one_there or two_there):
+                    continue
+                least, most = first + lap * length, last + lap * length
+                if least <= high and most >= low:
+                    edges = (Edge(one, two, least), Edge(two, one, -most))
+                    yield _Piece(edges, one_there, two_there)
+
+    def _residues(self, one: int, two: int, length: int) -> Iterator[tuple[int, int, bool, bool]]:
+        """Spans of `(start[two] - start[one]) mod length`, both ends included, in which it does not
+        change whether `one` is under way when `two` starts, and the other way round.
+        """
+        marks = sorted({0, 1, self.ticks(one), length - self.ticks(two) + 1, length})
+        for first, after in pairwise(marks):
+            if 0 <= first < after <= length:
+                one_there = first < self.ticks(one)
+                two_there = (-first) % length < self.ticks(two)
+                yield first, after - 1, one_there, two_there
+
+    def _has_room(self, held: dict[_Pair, _Piece], length: int) -> bool:
+        """Whether no tool and no zone is asked for by too many when a task starts there."""
+        instance = self.instance
+        for kind, needs, places in (
+            ("tool", instance.tool, instance.tool_places),
+            ("zone", instance.zone, instance.zone_places),
+        ):
+            used = {
+                task: len(self.who(task)) for task, need in enumerate(needs) if need is not None
+            }
+            there = dict(used)
+            for pair, piece in held.items():
+                if kind in pair.shared:
+                    there[pair.two] += used[pair.one] if piece.one_there else 0
+                    there[pair.one] += used[pair.two] if piece.two_there else 0
+            for task, count in there.items():
+                need = needs[task]
+                assert need is not None
+                if count > places[need]:
+                    return False
+        return True
+
+    def _taken_up(self, network: Network, length: int) -> Network | None:
+        """The network in which operators take up tools in time. Who follows whom is settled: the
+        laps between tasks of an operator put them in a row around the cycle.
+        """
+        found: Network | None = network
+        for operator in range(len(self.instance.operators)):
+            mine = [task for task in range(len(self.ways)) if operator in self.who(task)]
+            if found is None:
+                return None
+            starts = found.starts()
+            # any starts of the network give the same order around the cycle
+            row = sorted(mine, key=lambda task: (starts[task] - starts[mine[0]]) % length)
+            found = found.with_edges(tuple(self._changes(operator, row, starts, length)))
+        return found
+
+    def _changes(
+        self, operator: int, row: list[int], starts: list[int], length: int
+    ) -> Iterator[Edge]:
+        """What lies between tasks that follow each other: the work, and taking up a tool.
+
+        The laps between the two are the same for all starts of the network.
+        """
+        tool, changeover = self.instance.tool, self.instance.changeover
+        with_tool = [task for task in row if tool[task] is not None]
+        for place, task in enumerate(row):
+            if task not in with_tool:
+                continue
+            before, in_hand = row[place - 1], with_tool[with_tool.index(task) - 1]
+            needed = tool[task]
+            if needed is not None and tool[in_hand] != needed:
+                laps = (starts[task] - starts[before]) // length
+                ticks = self.ticks(before) + changeover[needed][operator]
+                yield Edge(before, task, ticks + laps * length)
+
+
+def solve(
+    cell: Cell,
+    question: CycleQuestion = FRONT,
+    *,
+    time_limit: float | None = None,
+    **unused: object,
+) -> CycleFront:
+    """The complete front of a small cell, or the one pattern asked for, with proof.
+
+    Raises:
+      CellError: the cell is too large, or has something at a fixed time.
+      InfeasibleError: it is proven that no pattern answers the question.
+      NothingFoundError: the time was over before the proof.
+    """
+    wrong = [Fault(sentence, ()) for sentence in not_periodic(cell)]
+    if not wrong and len(cell.tasks) > MOST_TASKS:
+        wrong.append(
+            Fault(
+                f"the cell has {len(cell.tasks)} tasks: the exhaustive method tries every"
+                f" allocation and is for cells of at most {MOST_TASKS}. Use the method exact.",
+                ("tasks",),
+            )
+        )
+    if wrong:
+        raise CellError(wrong)
+    began = monotonic()
+    try:
+        points = _Enumeration(cell, question, time_limit).points()
+    except _Late:
+        raise NothingFoundError(
+            f"{_asked(question)}: nothing was proven in {monotonic() - began:.1f} s."
+        ) from None
+    if not points:
+        raise InfeasibleError(f"{_asked(question)}: no pattern; this is proven.")
+    results = tuple(
+        CycleResult(
+            cell,
+            found.periodic,
+            Status.OPTIMAL,
+            CycleBound(
+                found.periodic.cycle_time,
+                found.stress / Instance.of(cell).per_stress,
+                found.in_process,
+            ),
+        )
+        for found in points
+    )
+    wall = monotonic() - began
+    return CycleFront(cell, results, True, "exhaustive", SOLVER, 0, wall, question=question)
+
+
+class _Enumeration:
+    """Every allocation of a cell, and the patterns that they have."""
+
+    def __init__(self, cell: Cell, question: CycleQuestion, time_limit: float | None) -> None:
+        self.instance = instance = Instance.of(cell)
+        self.question = question
+        self.door = CycleDoor(cell, instance, question)
+        until = None if time_limit is None else monotonic() + time_limit
+        top = _whole(question.max_stress, instance.per_stress)
+        takt = _whole(question.takt, instance.per_second)
+        self.longest = instance.horizon if takt is None else min(takt, instance.horizon)
+        self.allocations = sorted(
+            (
+                _Allocation(instance, ways, stress, until)
+                for ways, stress in _allowed(instance)
+                if top is None or stress <= top
+            ),
+            key=lambda allocation: (allocation.least_length(), allocation.stress),
+        )
+
+    def points(self) -> list[Admitted]:
+        """What answers the question."""
+        if self.question.takt is not None:
+            return self._within_takt()
+        # stress -> least cycle time of the allocations so far that have it
+        best: dict[int, int] = {}
+        for allocation in self.allocations:
+            below = min(
+                (length for stress, length in best.items() if stress <= allocation.stress),
+                default=self.longest + 1,
+            )
+            for length in range(allocation.least_length(), below):
+                if allocation.pattern(length, self.question.max_in_process) is not None:
+                    best[allocation.stress] = length
+                    break
+        front: list[tuple[int, int]] = []
+        for length, stress in sorted((length, stress) for stress, length in best.items()):
+            if not front or stress < front[-1][1]:
+                front.append((length, stress))
+        if self.question.minimize != "front":
+            front = front[:1] if self.question.minimize == "cycle_time" else front[-1:]
+        return [self._fewest([length], stress) for length, stress in front]
+
+    def _within_takt(self) -> list[Admitted]:
+        """The least stress that keeps the takt, the fewest in process, the least cycle time."""
+        for stress in sorted({allocation.stress for allocation in self.allocations}):
+            if any(
+                allocation.pattern(length, self.question.max_in_process) is not None
+                for allocation in self._of(stress)
+                for length in range(allocation.least_length(), self.longest + 1)
+            ):
+                return [self._fewest(range(1, self.longest + 1), stress)]
+        return []
+
+    def _fewest(self, lengths: Iterable[int], stress: int) -> Admitted:
+        """The pattern of this stress with the fewest in process and of those the least cycle time.
+        Assumes that there is one.
+        """
+        laps = 0
+        while True:
+            laps += 1
+            for length in lengths:
+                for allocation in self._of(stress):
+                    if allocation.least_length() > length:
+                        continue
+                    pattern = allocation.pattern(length, laps)
+                    if pattern is not None:
+                        admitted = self.door.vouched(pattern, length)
+                        if admitted is None:
+                            raise NothingFoundError(self.door.apology())
+                        return admitted
+
+    def _of(self, stress: int) -> list[_Allocation]:
+        return [allocation for allocation in self.allocations if allocation.stress == stress]
+
+
+def _allowed(instance: Instance) -> Iterator[tuple[tuple[int, ...], int]]:
+    """Every allocation that keeps the limits and rules on who does what, and its stress, units."""
+    for ways in product(*(range(len(row)) for row in instance.ways)):
+        chosen = [instance.ways[task][way] for task, way in enumerate(ways)]
+        if any(
+            chosen[one].operators != chosen[two].operators for one, two in instance.same_operator
+        ):
+            continue
+        loads = [0] * len(instance.operators)
+        for way in chosen:
+            for operator, load in zip(way.operators, way.load, strict=True):
+                loads[operator] += load
+        if any(
+            limit is not None and load > limit
+            for load, limit in zip(loads, instance.stress_limit, strict=True)
+        ):
+            continue
+        if instance.stress_of_set is None:
+            yield ways, sum(loads)
+        else:
+            by_human = frozenset(
+                task
+                for task, way in enumerate(chosen)
+                if any(instance.human[operator] for operator in way.operators)
+            )
+            if by_human in instance.stress_of_set:
+                yield ways, instance.stress_of_set[by_human]
+
+
+def _asked(question: CycleQuestion) -> str:
+    return " and ".join([*question.limits, "the cell's own limits"])
+
+
+def _whole(limit: float | None, scale: int) -> int | None:
+    return None if limit is None else int((exact(limit) * scale).to_integral_value(ROUND_FLOOR))

@@ -1,0 +1,71 @@
+"""Patterns in whole numbers: when the tasks of a product start, and where in the cycle that is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tandem.plan.instance import Instance
+
+Pattern = tuple[tuple[int, int], ...]
+"""Per task `(way, start in ticks since its product's launch)`."""
+
+
+def lifted(instance: Instance, places: Pattern, length: int) -> Pattern:
+    """The pattern in which each task keeps its place in the cycle and starts in the first cycle in
+    which all that it comes after have ended; the first start is at the launch.
+
+    Args:
+      places: per task `(way, place in the cycle)`.
+      length: the cycle time, ticks.
+    """
+    starts = [0] * len(places)
+    for task in instance.order:
+        ready = max(
+            (
+                starts[first] + instance.ways[first][places[first][0]].ticks
+                for first in instance.before[task]
+            ),
+            default=0,
+        )
+        place = places[task][1]
+        starts[task] = place + length * max(0, -((place - ready) // length))
+    return launched(tuple((way, start) for (way, _), start in zip(places, starts, strict=True)))
+
+
+def launched(pattern: Pattern) -> Pattern:
+    """The same with its first start at the launch."""
+    first = min(start for _, start in pattern)
+    return tuple((way, start - first) for way, start in pattern)
+
+
+def stacked(instance: Instance, ways: Sequence[int]) -> Pattern:
+    """Per task `(way, place)` when each operator does what is theirs one after the other, from the
+    beginning of the cycle on; for ways of one operator each where nothing else is shared.
+    """
+    load = [0] * len(instance.operators)
+    places = [(0, 0)] * len(ways)
+    for task in instance.order:
+        way = instance.ways[task][ways[task]]
+        (operator,) = way.operators
+        places[task] = (ways[task], load[operator])
+        load[operator] += way.ticks
+    return tuple(places)
+
+
+def makespan(instance: Instance, pattern: Pattern) -> int:
+    """How long one product is in the station, ticks."""
+    return max(start + instance.ways[task][way].ticks for task, (way, start) in enumerate(pattern))
+
+
+def stress(instance: Instance, pattern: Pattern) -> int:
+    """Units of stress of one product."""
+    table = instance.stress_of_set
+    if table is None:
+        return sum(instance.ways[task][way].stress for task, (way, _) in enumerate(pattern))
+    return table[
+        frozenset(
+            task
+            for task, (way, _) in enumerate(pattern)
+            if any(instance.human[o] for o in instance.ways[task][way].operators)
+        )
+    ]

@@ -1,0 +1,137 @@
+"""A periodic schedule: one product's tasks from its own launch, and how often a product is
+launched. What follows from it is computed, never stored.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from decimal import ROUND_CEILING, Decimal
+from functools import cached_property
+
+from tandem.cell.model import Cell
+from tandem.schedule import measures
+from tandem.schedule.measures import exact
+from tandem.schedule.model import Assignment, Schedule
+
+
+@dataclass(frozen=True)
+class PeriodicSchedule:
+    """The pattern that a station repeats: a product is launched every `cycle_time` seconds, and
+    each is assembled by the same schedule from its own launch on.
+
+    It may break its cell; `cycle_checker.faults` judges it.
+
+    Attributes:
+      schedule: one product, seconds since its launch; starts may exceed the cycle time.
+      cycle_time: seconds between two launches.
+    """
+
+    schedule: Schedule
+    cycle_time: float
+
+    def __iter__(self) -> Iterator[Assignment]:
+        return iter(self.schedule)
+
+    @cached_property
+    def makespan(self) -> float:
+        """How long one product is in the station, seconds."""
+        return measures.makespan(self.schedule)
+
+    @cached_property
+    def in_process(self) -> int:
+        """The most products that are in the station at once: those launched and not yet done."""
+        products = exact(self.makespan) / exact(self.cycle_time)
+        return int(products.to_integral_value(ROUND_CEILING))
+
+    @cached_property
+    def digest(self) -> str:
+        """Twelve hexadecimal digits that change when the pattern does."""
+        pattern = json.dumps([self.schedule.digest, str(exact(self.cycle_time).normalize())])
+        return hashlib.sha256(pattern.encode()).hexdigest()[:12]
+
+    def position(self, moment: float) -> float:
+        """Where in the cycle a moment of a product's own clock lies: seconds, from 0 on and less
+        than the cycle time.
+        """
+        return float(exact(moment) % exact(self.cycle_time))
+
+    def lap(self, moment: float) -> int:
+        """How many cycles after its own launch: 0 in the first. In a cycle of the steady state, the
+        product that is in its lap 2 was launched two cycles before the one in its lap 0.
+        """
+        return int(exact(moment) // exact(self.cycle_time))
+
+    def products(self, count: int) -> Schedule:
+        """So many products, one launched each cycle, on one clock; task names as `copied` gives
+        them.
+        """
+        step = exact(self.cycle_time)
+        return Schedule(
+            tuple(
+                Assignment(
+                    float(exact(a.start) + number * step),
+                    float(exact(a.end) + number * step),
+                    copy_of(a.task, number + 1),
+                    a.operators,
+                )
+                for number in range(count)
+                for a in self.schedule
+            )
+        )
+
+    def later(self, seconds: Decimal) -> PeriodicSchedule:
+        """The same pattern, each product launched so much before its first task."""
+        return PeriodicSchedule(
+            Schedule(
+                tuple(
+                    Assignment(
+                        float(exact(a.start) + seconds),
+                        float(exact(a.end) + seconds),
+                        a.task,
+                        a.operators,
+                    )
+                    for a in self.schedule
+                )
+            ),
+            self.cycle_time,
+        )
+
+
+def copy_of(task: str, product: int) -> str:
+    """The name of a task of the product of this number, counted from 1."""
+    return f"{task} #{product}"
+
+
+def copied(cell: Cell, count: int) -> Cell:
+    """The cell that makes so many products: each task once for each of them, with the rules that
+    hold within a product. Limits on stress hold for all of them together.
+
+    A table of stress by sets says nothing about several products, and is left out.
+    """
+    document = cell.to_dict()
+    numbers = range(1, count + 1)
+    document["tasks"] = {
+        copy_of(name, number): {
+            **task,
+            **(
+                {"after": [copy_of(first, number) for first in task["after"]]}
+                if "after" in task
+                else {}
+            ),
+        }
+        for number in numbers
+        for name, task in document["tasks"].items()
+    }
+    document["same_operator"] = [
+        [copy_of(first, number), copy_of(second, number)]
+        for number in numbers
+        for first, second in cell.same_operator
+    ]
+    for operator in document["operators"].values():
+        if "stress_limit" in operator:
+            operator["stress_limit"] *= count
+    document.pop("stress_of_set", None)
+    return Cell.model_validate(document)

@@ -1,0 +1,236 @@
+"""The checker of periodic schedules: judges one by its cell alone. It knows no solver.
+
+What holds within a product is judged by the rules of `checker.py`. What products share, each other
+in the way, is judged here, modulo the cycle time: operators, changeovers around the cycle, tools
+and zones. Times are compared as the exact decimals that they print as.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from decimal import ROUND_FLOOR, Decimal
+from math import isfinite
+from typing import NamedTuple
+
+from tandem.cell.model import Cell
+from tandem.schedule import checker
+from tandem.schedule.checker import Judged, Row
+from tandem.schedule.cycle import PeriodicSchedule
+from tandem.schedule.measures import changeover_times, exact
+
+WITHIN_A_PRODUCT: tuple[Callable[[Judged], Iterator[str]], ...] = (
+    checker.times_are_numbers,
+    checker.tasks_are_known,
+    checker.each_task_is_done_once,
+    checker.operators_are_known,
+    checker.the_group_can_do_the_task,
+    checker.durations_are_right,
+    checker.nothing_starts_before_zero,
+    checker.predecessors_end_first,
+    checker.stress_limits_are_kept,
+    checker.pairs_have_the_same_operators,
+    checker.the_set_of_human_tasks_is_listed,
+    checker.the_stress_is_within_its_limit,
+)
+"""The rules that ask about one product only; limits on stress are limits for each product."""
+
+
+def faults(
+    cell: Cell,
+    periodic: PeriodicSchedule,
+    *,
+    max_in_process: int | None = None,
+    max_cycle_time: float | None = None,
+    max_stress: float | None = None,
+) -> list[str]:
+    """Everything that is wrong with the periodic schedule, in sentences; an empty list when it is
+    sound.
+
+    Args:
+      max_in_process: at most so many products in the station at once.
+      max_cycle_time: seconds that the cycle time has to keep, as a takt.
+      max_stress: a limit for each product besides its cell's, in the cell's measure of stress.
+    """
+    if not (isfinite(periodic.cycle_time) and periodic.cycle_time > 0):
+        return [f"a cycle time of {periodic.cycle_time} s: must be a number of more than 0."]
+    lap = Lap.of(cell, periodic, max_stress)
+    found = [*not_periodic(cell)]
+    found += [sentence for rule in WITHIN_A_PRODUCT for sentence in rule(lap.product)]
+    found += [sentence for rule in BETWEEN_PRODUCTS for sentence in rule(lap)]
+    if max_in_process is not None and lap.span > max_in_process * lap.length:
+        found.append(
+            f"a product is in the station for {_s(lap.span)}, which is more than {max_in_process}"
+            f" cycle{'s' * (max_in_process != 1)} of {_s(lap.length)}: {periodic.in_process} are in"
+            " process at once."
+        )
+    if max_cycle_time is not None and lap.length > exact(max_cycle_time):
+        found.append(
+            f"the cycle time is {_s(lap.length)}, over its limit of {_s(exact(max_cycle_time))}."
+        )
+    return found
+
+
+def not_periodic(cell: Cell) -> Iterator[str]:
+    """What stands in the cell at a time of its own and so cannot repeat with every product, a
+    sentence each; nothing for a cell that can.
+    """
+    for name, operator in cell.operators.items():
+        if operator.breaks:
+            yield (
+                f"operator {name!r}: has breaks at fixed times, and no cycle repeats them. Leave"
+                " out `breaks`; the cycle time holds between them."
+            )
+    for name, task in cell.tasks.items():
+        for key, value in (("release", task.release), ("deadline", task.deadline)):
+            if value:
+                yield (
+                    f"task {name!r}: has a {key} at a fixed time, and no cycle repeats it. Leave"
+                    f" out `{key}`."
+                )
+
+
+class Arc(NamedTuple):
+    """A row on the cycle: from `begin`, at least 0 s and less than the cycle time, for `length`
+    seconds, around the end of the cycle where that is longer.
+    """
+
+    begin: Decimal
+    length: Decimal
+    row: Row
+
+    @property
+    def end(self) -> Decimal:
+        return self.begin + self.length
+
+
+@dataclass(frozen=True)
+class Lap:
+    """A periodic schedule laid out for the rules.
+
+    Attributes:
+      product: one product, as the checker of schedules sees it.
+      length: of the cycle, seconds.
+      arcs: rows of positive length, by where in the cycle they begin.
+    """
+
+    product: Judged
+    length: Decimal
+    arcs: tuple[Arc, ...]
+
+    @classmethod
+    def of(cls, cell: Cell, periodic: PeriodicSchedule, max_stress: float | None = None) -> Lap:
+        """Reads the pattern."""
+        product = Judged.of(cell, periodic.schedule, None, max_stress)
+        length = exact(periodic.cycle_time)
+        arcs = (
+            Arc(row.start % length, row.end - row.start, row)
+            for row in product.rows
+            if row.start < row.end and row.start >= 0
+        )
+        return cls(product, length, tuple(sorted(arcs, key=lambda arc: (arc.begin, arc.end))))
+
+    @property
+    def span(self) -> Decimal:
+        """How long a product is in the station, seconds."""
+        return max((row.end for row in self.product.rows), default=Decimal(0))
+
+    def of_operator(self, name: str) -> list[Arc]:
+        """What one operator does, by where in the cycle it begins."""
+        return [arc for arc in self.arcs if name in arc.row.who]
+
+    def present(self, arc: Arc, moment: Decimal) -> int:
+        """How many products have the arc's task under way at a moment of the cycle."""
+        began = _floor((moment - arc.begin) / self.length)
+        ended = _floor((moment - arc.end) / self.length)
+        return began - ended
+
+    def told(self, arc: Arc) -> str:
+        """The arc in words."""
+        end = arc.end % self.length or self.length
+        around = " of the next" if arc.end > self.length else ""
+        return f"{_n(arc.begin)} to {_s(end)}{around}"
+
+
+def an_operator_does_one_task_at_a_time(lap: Lap) -> Iterator[str]:
+    for name in lap.product.cell.operators:
+        arcs = lap.of_operator(name)
+        for arc in arcs:
+            if arc.length > lap.length:
+                yield (
+                    f"operator {name!r}: does task {arc.row.task!r} for {_s(arc.length)}, longer"
+                    f" than the cycle of {_s(lap.length)}: the next product needs it meanwhile."
+                )
+        for place, arc in enumerate(arcs):
+            for other in arcs[place + 1 :]:
+                if lap.present(arc, other.begin) or lap.present(other, arc.begin):
+                    yield (
+                        f"operator {name!r}: does task {arc.row.task!r} ({lap.told(arc)} of the"
+                        f" cycle) and task {other.row.task!r} ({lap.told(other)}) at the same time."
+                    )
+
+
+def tools_change_hands_in_time(lap: Lap) -> Iterator[str]:
+    cell = lap.product.cell
+    for name in cell.operators:
+        arcs = lap.of_operator(name)
+        tasks = [arc.row.task for arc in arcs]
+        # the tool in hand at the start of the day plays no part in the second lap
+        seconds = changeover_times(cell, name, [*tasks, *tasks])[len(tasks) :]
+        for place, (arc, needed) in enumerate(zip(arcs, seconds, strict=True)):
+            before = arcs[place - 1]
+            rounds = 0 if place else 1
+            free = arc.begin + rounds * lap.length - before.end
+            if needed and 0 <= free < exact(needed):
+                yield (
+                    f"operator {name!r}: needs {_s(exact(needed))} to take up tool"
+                    f" {cell.tasks[arc.row.task].tool!r} before task {arc.row.task!r}"
+                    f" ({lap.told(arc)} of the cycle), which starts only {_s(free)} after task"
+                    f" {before.row.task!r}."
+                )
+
+
+def tools_are_enough(lap: Lap) -> Iterator[str]:
+    cell = lap.product.cell
+    yield from _crowds(lap, "tool", {name: tool.capacity for name, tool in cell.tools.items()})
+
+
+def zones_are_wide_enough(lap: Lap) -> Iterator[str]:
+    cell = lap.product.cell
+    yield from _crowds(lap, "zone", {name: zone.capacity for name, zone in cell.zones.items()})
+
+
+BETWEEN_PRODUCTS: tuple[Callable[[Lap], Iterator[str]], ...] = (
+    an_operator_does_one_task_at_a_time,
+    tools_change_hands_in_time,
+    tools_are_enough,
+    zones_are_wide_enough,
+)
+
+
+def _crowds(lap: Lap, kind: str, places: dict[str, int]) -> Iterator[str]:
+    """A sentence for each moment at which an operator comes to a tool or zone that is full."""
+    users: dict[str, list[Arc]] = {}
+    for arc in lap.arcs:
+        name = getattr(lap.product.cell.tasks[arc.row.task], kind)
+        if name is not None:
+            users.setdefault(name, []).append(arc)
+    for name, arcs in users.items():
+        most = places.get(name, 1)
+        for arc in arcs:
+            there = [(lap.present(other, arc.begin), other) for other in arcs]
+            used = sum(count * len(other.row.who) for count, other in there)
+            if used > most:
+                tasks = checker._and(repr(other.row.task) for count, other in there if count)
+                room = checker._are(most, "place") if kind == "zone" else checker._are(most)
+                yield (
+                    f"{kind} {name!r}: there {room}{'' if kind == 'zone' else ' of it'}, but {used}"
+                    f" operators need it at once at {_s(arc.begin)} of the cycle (tasks {tasks})."
+                )
+
+
+def _floor(number: Decimal) -> int:
+    return int(number.to_integral_value(ROUND_FLOOR))
+
+
+_s, _n = checker._s, checker._n
