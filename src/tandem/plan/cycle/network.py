@@ -14,7 +14,7 @@ Slow, and sure: for cells of up to eight tasks or so.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR
 from itertools import combinations, pairwise, product
@@ -65,13 +65,11 @@ class Network:
     least: np.ndarray
 
     @classmethod
-    def of(cls, tasks: int, window: int | None) -> Network:
-        """No constraint but that starts lie from 0 to `window`; None for no window at all."""
-        least = np.full((tasks + 1, tasks + 1), -(10**15), dtype=np.int64)
+    def of(cls, tasks: int, window: int) -> Network:
+        """No constraint but that starts lie from 0 to `window` ticks."""
+        least = np.full((tasks + 1, tasks + 1), -window, dtype=np.int64)
+        least[-1, :-1] = 0
         np.fill_diagonal(least, 0)
-        if window is not None:
-            least[-1, :-1] = 0
-            least[:-1, -1] = -window
         return cls(least)
 
     def with_edges(self, choice: Choice) -> Network | None:
@@ -141,6 +139,23 @@ class _Allocation:
             for operator in self.who(task):
                 load[operator] += self.ticks(task)
         return max(load)
+
+    def least_possible(self, longest: int, laps: int | None) -> int | None:
+        """The least cycle time of at most `longest` ticks that has a pattern; None when none has.
+
+        What is possible in a cycle is possible in every longer one: the pattern waits a tick more
+        at the end of each, so that halving the span finds the least.
+        """
+        low, high = self.least_length(), longest
+        if low > high or self.pattern(high, laps) is None:
+            return None
+        while low < high:
+            middle = (low + high) // 2
+            if self.pattern(middle, laps) is None:
+                low = middle + 1
+            else:
+                high = middle
+        return low
 
     def pattern(self, length: int, laps: int | None) -> Pattern | None:
         """A pattern of this cycle time, a product in at most so many cycles; None when there is
@@ -398,46 +413,48 @@ class _Enumeration:
                 (length for stress, length in best.items() if stress <= allocation.stress),
                 default=self.longest + 1,
             )
-            for length in range(allocation.least_length(), below):
-                if allocation.pattern(length, self.question.max_in_process) is not None:
-                    best[allocation.stress] = length
-                    break
+            length = allocation.least_possible(below - 1, self.question.max_in_process)
+            if length is not None:
+                best[allocation.stress] = length
         front: list[tuple[int, int]] = []
         for length, stress in sorted((length, stress) for stress, length in best.items()):
             if not front or stress < front[-1][1]:
                 front.append((length, stress))
         if self.question.minimize != "front":
             front = front[:1] if self.question.minimize == "cycle_time" else front[-1:]
-        return [self._fewest([length], stress) for length, stress in front]
+        return [self._fewest(length, stress) for length, stress in front]
 
     def _within_takt(self) -> list[Admitted]:
         """The least stress that keeps the takt, the fewest in process, the least cycle time."""
         for stress in sorted({allocation.stress for allocation in self.allocations}):
             if any(
-                allocation.pattern(length, self.question.max_in_process) is not None
+                allocation.least_possible(self.longest, self.question.max_in_process) is not None
                 for allocation in self._of(stress)
-                for length in range(allocation.least_length(), self.longest + 1)
             ):
-                return [self._fewest(range(1, self.longest + 1), stress)]
+                return [self._fewest(self.longest, stress)]
         return []
 
-    def _fewest(self, lengths: Iterable[int], stress: int) -> Admitted:
-        """The pattern of this stress with the fewest in process and of those the least cycle time.
-        Assumes that there is one.
+    def _fewest(self, longest: int, stress: int) -> Admitted:
+        """The pattern of this stress and at most this cycle time with the fewest in process and, of
+        those, the least cycle time. Assumes that there is one.
         """
         laps = 0
         while True:
             laps += 1
-            for length in lengths:
-                for allocation in self._of(stress):
-                    if allocation.least_length() > length:
-                        continue
-                    pattern = allocation.pattern(length, laps)
-                    if pattern is not None:
-                        admitted = self.door.vouched(pattern, length)
-                        if admitted is None:
-                            raise NothingFoundError(self.door.apology())
-                        return admitted
+            least: tuple[int, _Allocation] | None = None
+            for allocation in self._of(stress):
+                below = longest if least is None else least[0] - 1
+                length = allocation.least_possible(below, laps)
+                if length is not None:
+                    least = length, allocation
+            if least is not None:
+                length, allocation = least
+                pattern = allocation.pattern(length, laps)
+                assert pattern is not None
+                admitted = self.door.vouched(pattern, length)
+                if admitted is None:
+                    raise NothingFoundError(self.door.apology())
+                return admitted
 
     def _of(self, stress: int) -> list[_Allocation]:
         return [allocation for allocation in self.allocations if allocation.stress == stress]
