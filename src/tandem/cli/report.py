@@ -52,7 +52,7 @@ def report_command(
     terminal. A plan whose cell has changed since is stale: that is said, in the files too. Exit
     code 6 when a schedule breaks the cell that PLAN holds, or CELL.
     """
-    from tandem.cli.planning import show, tell_written, write_outputs
+    from tandem.cli.outputs import show, tell_written, write_outputs
     from tandem.files.load import load
     from tandem.plan.choice import point_of
     from tandem.report.files import ready_to_write

@@ -21,7 +21,7 @@ from typing import NamedTuple
 from ortools.sat.python import cp_model
 
 from tandem.cell.model import Cell
-from tandem.errors import CellError, Fault, InfeasibleError, NothingFoundError
+from tandem.errors import InfeasibleError, NothingFoundError
 from tandem.plan.cpsat import SOLVER
 from tandem.plan.cycle.door import Admitted, CycleDoor
 from tandem.plan.cycle.effort import Answer, Effort
@@ -33,7 +33,6 @@ from tandem.plan.door import RefusedScheduleWarning
 from tandem.plan.instance import Instance
 from tandem.plan.portfolio import Meter
 from tandem.plan.result import Status
-from tandem.schedule.cycle_checker import not_periodic
 from tandem.schedule.measures import exact
 
 SETTLING = (0.01, 0.1, 1.0)
@@ -85,12 +84,9 @@ def solve(
         KeyboardInterrupt.
 
     Raises:
-      CellError: the cell has something at a fixed time, which cannot repeat.
       InfeasibleError: it is proven that no pattern answers the question.
       NothingFoundError: none was found within the limit.
     """
-    if wrong := list(not_periodic(cell)):
-        raise CellError([Fault(sentence, ()) for sentence in wrong])
     meter = None if work is None else Meter(work)
     threads = 1 if meter is not None else workers or os.cpu_count() or 1
     search = _Search(cell, question, time_limit, Effort(None, seed, threads, meter), on_point)

@@ -24,14 +24,13 @@ from typing import NamedTuple
 import numpy as np
 
 from tandem.cell.model import Cell
-from tandem.errors import CellError, Fault, InfeasibleError, NothingFoundError
+from tandem.errors import InfeasibleError, NothingFoundError, UsageError
 from tandem.plan.cycle.door import Admitted, CycleDoor
 from tandem.plan.cycle.pattern import Pattern, launched, lifted, stacked
 from tandem.plan.cycle.question import FRONT, CycleQuestion
 from tandem.plan.cycle.result import CycleBound, CycleFront, CycleResult
 from tandem.plan.instance import Instance
 from tandem.plan.result import Status
-from tandem.schedule.cycle_checker import not_periodic
 from tandem.schedule.measures import exact
 
 SOLVER = "difference constraints"
@@ -341,21 +340,15 @@ def solve(
     """The complete front of a small cell, or the one pattern asked for, with proof.
 
     Raises:
-      CellError: the cell is too large, or has something at a fixed time.
+      UsageError: the cell is too large.
       InfeasibleError: it is proven that no pattern answers the question.
       NothingFoundError: the time was over before the proof.
     """
-    wrong = [Fault(sentence, ()) for sentence in not_periodic(cell)]
-    if not wrong and len(cell.tasks) > MOST_TASKS:
-        wrong.append(
-            Fault(
-                f"the cell has {len(cell.tasks)} tasks: the exhaustive method tries every"
-                f" allocation and is for cells of at most {MOST_TASKS}. Use the method exact.",
-                ("tasks",),
-            )
+    if len(cell.tasks) > MOST_TASKS:
+        raise UsageError(
+            f"the cell has {len(cell.tasks)} tasks: the exhaustive method tries every allocation"
+            f" and is for cells of at most {MOST_TASKS}. Use the method exact."
         )
-    if wrong:
-        raise CellError(wrong)
     began = monotonic()
     try:
         points = _Enumeration(cell, question, time_limit).points()
