@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -22,9 +22,11 @@ from tandem.cli.outputs import (
     tell_written,
     write_outputs,
 )
+from tandem.cli.project import sound, tell_folder
 from tandem.cli.risk import told_risk
+from tandem.cli.stored import is_plan
 from tandem.cli.what_if import difference, tell_difference, variant_options
-from tandem.errors import CellError, Fault, UsageError
+from tandem.errors import CellError, Fault, UnsoundScheduleError, UsageError
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
@@ -306,6 +308,100 @@ def _show_variant(
         return
     show(front, as_json, lang, point=point)
     tell_difference(base, front, plan_base, lang)
+
+
+@click.command("check")
+@click.argument("cell_file", metavar="CELL|PLAN|FOLDER", type=click.Path(allow_dash=True))
+@click.argument(
+    "result_file",
+    metavar="[RESULT]",
+    required=False,
+    type=click.Path(dir_okay=False, path_type=Path),
+)
+@FORMAT
+@click.option("--json", "as_json", is_flag=True, help="Print what was found as one document.")
+def check_command(
+    cell_file: str, result_file: Path | None, form: str | None, as_json: bool
+) -> None:
+    """Say whether CELL is sound and, with RESULT, whether its schedules keep to it; whether a
+    stored PLAN keeps to the cell that it holds; of a project's FOLDER, which results are stale.
+
+    \b
+    Examples:
+      tandem check cell.yaml
+      tandem check cell.yaml plan.json
+      tandem check plan.json
+      tandem check line-3
+
+    A result is stale when it was made for another state of the cell. Exit code 3 when the cell is
+    not sound, 6 when a schedule breaks it.
+    """
+    from tandem.files.load import load
+    from tandem.report.results import points_of, read_result, schedules_of, stale
+    from tandem.report.stored import cell_in, faults_in, stale_note, stale_now
+
+    if cell_file != "-" and Path(cell_file).is_dir():
+        if result_file is not None:
+            raise UsageError(
+                f"{cell_file} is a folder: give a cell file with a result, or the folder alone."
+            )
+        return tell_folder(Path(cell_file), as_json)
+    if result_file is None and is_plan(cell_file):
+        result_file = Path(cell_file)
+        document = read_result(result_file)
+        cell, values = cell_in(document, result_file), points_of(document, cell_file)
+        is_stale: bool | None = stale_now(document, result_file)[1]
+    else:
+        cell, values = load(cell_file, form), []
+        document = read_result(result_file) if result_file else {"front": []}
+        is_stale = stale(document, cell)
+    found = faults_in(document, cell, values)
+    if as_json:
+        answer: dict[str, Any] = {
+            "schema_version": 1,
+            "cell": cell.name,
+            "cell_digest": cell.digest,
+        }
+        if result_file:
+            answer["stale"] = is_stale
+            answer["plans"] = [schedule.digest for schedule in schedules_of(document)]
+        wrong = [{"point": place, "fault": fault} for place, fault in found]
+        click.echo(json.dumps({**answer, "faults": wrong}, ensure_ascii=False))
+    if result_file and is_stale:
+        click.echo(stale_note(result_file), err=True)
+    if found:
+        raise UnsoundScheduleError([f"schedule {place}: {fault}" for place, fault in found])
+    if not as_json:
+        click.echo(sound(cell, cell_file))
+        count = len(document["front"])
+        if count:
+            whose = "the cell" if str(result_file) != cell_file else "the cell that it holds"
+            click.echo(f"{result_file}: {count} schedule{'s' * (count != 1)}, none breaks {whose}.")
+    return None
+
+
+@click.command("methods")
+@click.option("--json", "as_json", is_flag=True, help="Print them as one document.")
+def methods_command(as_json: bool) -> None:
+    """List the methods of planning."""
+    from tandem.plan.methods import METHODS, describe
+
+    if as_json:
+        click.echo(
+            json.dumps(
+                {
+                    "schema_version": 1,
+                    "methods": [
+                        {"name": name, "kind": "planning", "what": describe(name)}
+                        for name in METHODS
+                    ],
+                }
+            )
+        )
+        return
+    width = max(map(len, METHODS))
+    for name in METHODS:
+        click.echo(f"{name:<{width}}  {describe(name)}")
 
 
 def _first_schedule(path: Path, cell: Cell) -> Schedule:
