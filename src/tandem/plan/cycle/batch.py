@@ -15,7 +15,7 @@ from tandem.plan.cycle.result import CycleResult
 from tandem.plan.method import Progress
 from tandem.plan.methods import MOST_TASKS, plan
 from tandem.plan.result import Front
-from tandem.schedule.cycle import copied
+from tandem.schedule.cycle import copied, start_up
 from tandem.schedule.cycle_checker import not_periodic
 
 STEADY = 0.2
@@ -67,7 +67,7 @@ def plan_batch(
         work=work,
         seed=seed,
         workers=workers,
-        hint=None if steady is None else steady.periodic.products(products),
+        hint=None if steady is None else steady.periodic.products(products, start_up(cell)),
         on_solution=on_solution,
     )
 

@@ -31,7 +31,7 @@ from tandem.plan.cycle.question import FRONT, CycleQuestion
 from tandem.plan.cycle.result import CycleBound, CycleFront, CycleResult
 from tandem.plan.door import RefusedScheduleWarning
 from tandem.plan.instance import Instance
-from tandem.plan.portfolio import Meter
+from tandem.plan.portfolio import MANY_TICKS, Meter
 from tandem.plan.result import Status
 from tandem.schedule.measures import exact
 
@@ -146,7 +146,7 @@ class _Search:
         """From the least cycle time on; only to that where nothing else is asked for."""
         cap, low = self.max_stress, 1
         while not self.effort.is_spent:
-            quickest, starts = self._least_length(low, self.horizon, cap)
+            quickest, starts = self._least_length(low, cap)
             if starts is None:
                 self.closed = quickest.proven
                 return
@@ -169,7 +169,7 @@ class _Search:
         if starts is None:
             self.closed = calmest.proven
             return
-        quickest, better = self._least_length(1, self.horizon, calmest.value)
+        quickest, better = self._least_length(1, calmest.value)
         bound = quickest.bound if better is not None else 1
         point = self._point(better or starts, bound, calmest.bound)
         self.closed = point is not None and point.proven
@@ -225,26 +225,62 @@ class _Search:
             and all(len(way.operators) == 1 for ways in instance.ways for way in ways)
         )
 
-    def _model(self, low: int, high: int) -> Cycle:
+    def _asked(self, low: int, high: int, cap: int | None) -> Cycle:
+        """The model of cycle times from `low` to `high` ticks and at most this stress."""
         if self.only_load_binds:
             cycle = allocation(self.instance, high)
             cycle.model.add(cycle.length >= low)
-            return cycle
-        return formulate(self.instance, low, high, self.laps)
-
-    def _least_length(self, low: int, high: int, cap: int | None) -> tuple[Answer, _Starts | None]:
-        """The least cycle time at or above `low` of patterns with at most this stress."""
-        cycle = self._model(low, high)
+        else:
+            cycle = formulate(self.instance, low, high, self.laps)
         if cap is not None:
             cycle.model.add(cycle.stress <= cap)
+        return cycle
+
+    def _least_length(self, low: int, cap: int | None) -> tuple[Answer, _Starts | None]:
+        """The least cycle time at or above `low` of patterns with at most this stress."""
+        if not self.only_load_binds:
+            # what the work of each asks for is a bound, and often enough
+            cycle = allocation(self.instance, self.horizon)
+            if cap is not None:
+                cycle.model.add(cycle.stress <= cap)
+            load = self.effort.solve(cycle.model, cycle.length, share=0.25)
+            if load.solver is None and load.proven:
+                return load, None
+            low = max(low, load.bound)
+            if self.horizon - low > MANY_TICKS:
+                return self._halved(low, cap)
+        cycle = self._asked(low, self.horizon, cap)
         answer = self.effort.solve(cycle.model, cycle.length, share=0.5)
         return answer, None if answer.solver is None else self._read(cycle, answer.solver)
 
+    def _halved(self, low: int, cap: int | None) -> tuple[Answer, _Starts | None]:
+        """The same where the ticks are fine, and a search that moves its bound tick by tick would
+        take too long: spans of cycle times are refuted, at first short ones, then halves.
+
+        What is possible in a cycle is possible in every longer one.
+        """
+        best: tuple[Answer, _Starts] | None = None
+        step, high = 1, self.horizon
+        while low <= high:
+            # while nothing is known, steps that double; then the middle
+            length = min(low + step - 1, high) if best is None else (low + high) // 2
+            step *= 2
+            cycle = self._asked(length, length, cap)
+            answer = self.effort.solve(cycle.model, 0, share=0.5)
+            if answer.solver is not None:
+                best = answer, self._read(cycle, answer.solver)
+                high = length - 1
+            elif answer.proven:
+                low = length + 1
+            else:
+                break
+        if best is None:
+            return Answer(None, None, 0, low > high), None
+        return Answer(best[0].solver, best[1].length, low, low > high), best[1]
+
     def _least_stress(self, low: int, high: int, cap: int | None) -> tuple[Answer, _Starts | None]:
         """The least stress of patterns of these cycle times."""
-        cycle = self._model(low, high)
-        if cap is not None:
-            cycle.model.add(cycle.stress <= cap)
+        cycle = self._asked(low, high, cap)
         answer = self.effort.solve(cycle.model, cycle.stress, share=0.5)
         return answer, None if answer.solver is None else self._read(cycle, answer.solver)
 

@@ -146,13 +146,7 @@ def _work_fits_the_cycle(cycle: Cycle) -> None:
     """
     instance, model = cycle.instance, cycle.model
     for operator in range(len(instance.operators)):
-        work = [
-            way.ticks * x
-            for ways, xs in zip(instance.ways, cycle.chosen, strict=True)
-            for way, x in zip(ways, xs, strict=True)
-            if operator in way.operators
-        ]
-        if work:
+        if work := _work_of(cycle, operator):
             model.add(sum(work) <= cycle.length)
     for needs, places in (
         (instance.tool, instance.tool_places),
@@ -167,6 +161,16 @@ def _work_fits_the_cycle(cycle: Cycle) -> None:
             ]
             if used and capacity < len(instance.operators):
                 model.add(sum(used) <= capacity * cycle.length)
+
+
+def _work_of(cycle: Cycle, operator: int) -> list[cp_model.LinearExprT]:
+    """What the operator does for a product, in ticks; a term for each way."""
+    return [
+        way.ticks * x
+        for ways, xs in zip(cycle.instance.ways, cycle.chosen, strict=True)
+        for way, x in zip(ways, xs, strict=True)
+        if operator in way.operators
+    ]
 
 
 def _places(cycle: Cycle, high: int) -> None:
@@ -247,11 +251,15 @@ def _take_up_tools(cycle: Cycle, operator: int) -> None:
             into[two].append(follows)
     model.add_circuit(arcs)
     _around_the_cycle(cycle, tasks, first, last, into)
+    work = _work_of(cycle, operator)
     for task in tasks:
         if into[task] and cost[task]:
             swap = model.new_bool_var("")
             model.add(sum(into[task]) <= swap)
             _occupied_before(cycle, operator, task, cost[task], swap)
+            work.append(cost[task] * swap)
+    # implied, and seen at once where times are fine
+    model.add(sum(work) <= cycle.length)
 
 
 def _around_the_cycle(
