@@ -13,6 +13,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from decimal import ROUND_FLOOR
 from time import monotonic
@@ -35,7 +36,7 @@ from tandem.plan.portfolio import MANY_TICKS, Meter
 from tandem.plan.result import Status
 from tandem.schedule.measures import exact
 
-SETTLING = (0.01, 0.1, 1.0)
+SETTLING = (0.01, 0.1)
 """CP-SAT's deterministic seconds for the choice among the patterns of a point; more are spent only
 when none was found.
 """
@@ -107,6 +108,13 @@ class _Starts(NamedTuple):
     length: int
 
 
+class _Trial(NamedTuple):
+    """One cycle time tried: what the solver says, and the pattern if there is one."""
+
+    answer: Answer
+    found: _Starts | None
+
+
 class _Search:
     def __init__(
         self,
@@ -137,10 +145,7 @@ class _Search:
             self._least_stress_first()
         else:
             self._walk()
-        for place, point in enumerate(self.points):
-            if self.effort.is_spent:
-                return
-            self.points[place] = self._settled(point)
+        self._settle()
 
     def _walk(self) -> None:
         """From the least cycle time on; only to that where nothing else is asked for."""
@@ -247,6 +252,10 @@ class _Search:
             if load.solver is None and load.proven:
                 return load, None
             low = max(low, load.bound)
+            at_once = self._refuted_or_found(low, cap)
+            if at_once.found is not None:
+                return Answer(at_once.answer.solver, low, low, True), at_once.found
+            low += at_once.answer.proven
             if self.horizon - low > MANY_TICKS:
                 return self._halved(low, cap)
         cycle = self._asked(low, self.horizon, cap)
@@ -265,10 +274,9 @@ class _Search:
             # while nothing is known, steps that double; then the middle
             length = min(low + step - 1, high) if best is None else (low + high) // 2
             step *= 2
-            cycle = self._asked(length, length, cap)
-            answer = self.effort.solve(cycle.model, 0, share=0.5)
-            if answer.solver is not None:
-                best = answer, self._read(cycle, answer.solver)
+            answer, found = self._refuted_or_found(length, cap)
+            if found is not None:
+                best = answer, found
                 high = length - 1
             elif answer.proven:
                 low = length + 1
@@ -277,6 +285,13 @@ class _Search:
         if best is None:
             return Answer(None, None, 0, low > high), None
         return Answer(best[0].solver, best[1].length, low, low > high), best[1]
+
+    def _refuted_or_found(self, length: int, cap: int | None) -> _Trial:
+        """Any pattern of this cycle time and at most this stress."""
+        cycle = self._asked(length, length, cap)
+        answer = self.effort.solve(cycle.model, 0, share=0.5)
+        found = None if answer.solver is None else self._read(cycle, answer.solver)
+        return _Trial(answer, found)
 
     def _least_stress(self, low: int, high: int, cap: int | None) -> tuple[Answer, _Starts | None]:
         """The least stress of patterns of these cycle times."""
@@ -311,36 +326,48 @@ class _Search:
             head + tail for head, tail in zip(self.instance.head, self.instance.tail, strict=True)
         )
 
+    def _settle(self) -> None:
+        """Behind each point the fewest in process; several points at once."""
+        with ThreadPoolExecutor(self.effort.workers) as pool:
+            settling = [pool.submit(self._settled, point) for point in self.points]
+            try:
+                for place, settled in enumerate(settling):
+                    self.points[place] = settled.result()
+            except KeyboardInterrupt:
+                self.effort.stop()
+                self.points = [settled.result() for settled in settling]
+                raise
+
     def _settled(self, point: Point) -> Point:
         """The point with the fewest in process behind it and, of such patterns, the one of the
-        shortest stay that bounded work finds: the same in every run.
+        shortest stay that bounded work of one thread finds: the same in every run.
         """
-        fewest, proven = self._fewest(point)
-        found, laps = fewest.found, fewest.found.in_process
-        for work in SETTLING if proven and point.proven else ():
+        found = point.found
+        for laps in range(point.least_in_process, found.in_process + 1):
+            point = replace(point, least_in_process=laps)
             cycle = self._behind(found, laps)
             assert cycle.makespan is not None
-            choice = self.effort.solve(cycle.model, cycle.makespan, work=work)
-            if choice.solver is None or choice.ended_by_clock:
-                continue
-            chosen = self.door.vouched(*self._read(cycle, choice.solver))
-            if chosen is not None and chosen.stress <= found.stress:
-                return replace(fewest, found=chosen, canonical=True)
-        return fewest
-
-    def _fewest(self, point: Point) -> tuple[Point, bool]:
-        """The point with as few in process as could be found, and whether that is proven."""
-        found = point.found
-        for laps in range(point.least_in_process, found.in_process):
-            cycle = self._behind(found, laps)
-            answer = self.effort.solve(cycle.model, 0, share=0.5)
-            if answer.solver is not None:
-                better = self.door.vouched(*self._read(cycle, answer.solver))
-                if better is not None and better.stress <= found.stress:
-                    return replace(point, found=better, least_in_process=laps), True
-            if not answer.proven:
-                return replace(point, least_in_process=laps), False
-        return replace(point, least_in_process=found.in_process), True
+            for work in SETTLING:
+                if self.effort.is_spent:
+                    return point
+                choice = self.effort.solve(cycle.model, cycle.makespan, work=work)
+                if choice.solver is not None or choice.proven:
+                    break
+            if choice.solver is not None:
+                chosen = self.door.vouched(*self._read(cycle, choice.solver))
+                if chosen is None or chosen.stress > found.stress:
+                    return point
+                canonical = point.proven and not choice.ended_by_clock
+                return replace(point, found=chosen, canonical=canonical)
+            if not choice.proven and laps < found.in_process:
+                # what bounded work does not settle, all the time that is left may
+                anything = self.effort.solve(cycle.model, 0, share=0.5)
+                if anything.solver is not None:
+                    better = self.door.vouched(*self._read(cycle, anything.solver))
+                    return point if better is None else replace(point, found=better)
+                if not anything.proven:
+                    return point
+        return point
 
     def _behind(self, found: Admitted, laps: int) -> Cycle:
         """The model of all patterns of the same values, a product in so many cycles."""

@@ -190,8 +190,10 @@ class _Allocation:
         """Whether more than work can bind: tasks of several operators, tools or zones that are
         shared, changeovers. Where not, an operator does what is theirs in any order.
         """
-        return self.instance.has_swaps or any(
-            pair.shared or len(self.who(task)) > 1 for pair in pairs for task in pair[:2]
+        return (
+            self.instance.has_swaps
+            or any(len(self.who(task)) > 1 for task in range(len(self.ways)))
+            or any(pair.shared for pair in pairs)
         )
 
     def _within_a_product(self, end: int) -> Iterator[Edge]:
