@@ -301,6 +301,31 @@ class Zone(Frozen):
     capacity: Places = Field(default=1, description="How many operators it holds at once.")
 
 
+def _frozen(value: Any) -> Any:
+    """Plain values that stay as they are, all the way down."""
+    if isinstance(value, Mapping):
+        return Table({clean(str(key)): _frozen(item) for key, item in value.items()})
+    return tuple(map(_frozen, value)) if isinstance(value, list | tuple) else value
+
+
+class Variant(Frozen):
+    """Another product of the same station: the cell plus these changes."""
+
+    share: Seconds = Field(
+        default=1.0,
+        description="How often it is made beside the other variants: a weight of the mix.",
+    )
+    tasks: Annotated[
+        Mapping[Name, Mapping[str, Any] | None], OneEntryAName, AfterValidator(_frozen)
+    ] = Field(
+        default_factory=Table,
+        description=(
+            "Changes to tasks, as a merge patch (RFC 7396): keys that are named replace those of"
+            " the cell's task, a new name is a new task, and null takes a key or a task out."
+        ),
+    )
+
+
 @dataclass(frozen=True)
 class Mode:
     """One way of doing a task.
@@ -359,6 +384,11 @@ class Fields(Frozen):
             " Index): the tasks done by humans, in the cell's order and joined by commas, to the"
             " stress of doing just these. A set that is not listed is not allowed."
         ),
+    )
+
+    variants: Annotated[Mapping[Name, Variant], OneEntryAName, AfterValidator(Table)] = Field(
+        default_factory=Table,
+        description="Other products of the station: name to what is different about it.",
     )
 
     @cached_property

@@ -122,6 +122,8 @@ class CycleFront:
       interrupted: the search was stopped from outside; what it had is here.
       out_of_time: the time limit ended the search.
       source: the file of the cell as it was named; None when the cell came from elsewhere.
+      mix: variant -> how many of it each cycle makes, in the order of the products; empty where
+        each makes one product of the cell.
     """
 
     cell: Cell
@@ -135,6 +137,12 @@ class CycleFront:
     question: CycleQuestion = FRONT
     source: str | None = None
     out_of_time: bool = False
+    mix: tuple[tuple[str, int], ...] = ()
+
+    @property
+    def products(self) -> int:
+        """How many products a cycle makes."""
+        return sum(count for _, count in self.mix) or 1
 
     def __iter__(self) -> Iterator[CycleResult]:
         return iter(self.results)
@@ -188,6 +196,7 @@ class CycleFront:
             "interrupted": self.interrupted,
             "ended_by": self.ended_by,
             "question": self.question.to_dict(),
+            **({"mix": dict(self.mix), "products_per_cycle": self.products} if self.mix else {}),
             "front": [result.to_dict() for result in self.results],
             "source": self.source,
             "cell_document": self.cell.to_dict(),
