@@ -301,11 +301,19 @@ class Zone(Frozen):
     capacity: Places = Field(default=1, description="How many operators it holds at once.")
 
 
-def _frozen(value: Any) -> Any:
-    """Plain values that stay as they are, all the way down."""
+NAMED = ("after", "operators", "tool", "zone", "place", "label", "part")
+"""Keys of a task whose values are names, where digits need no quotes."""
+
+
+def _frozen(value: Any, named: bool = False) -> Any:
+    """Plain values that stay as they are, all the way down; names in their one spelling."""
     if isinstance(value, Mapping):
-        return Table({clean(str(key)): _frozen(item) for key, item in value.items()})
-    return tuple(map(_frozen, value)) if isinstance(value, list | tuple) else value
+        return Table(
+            {clean(str(key)): _frozen(item, named=key in NAMED) for key, item in value.items()}
+        )
+    if isinstance(value, list | tuple):
+        return tuple(_frozen(item, named) for item in value)
+    return _spelled(value) if named else value
 
 
 class Variant(Frozen):

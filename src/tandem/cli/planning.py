@@ -229,9 +229,9 @@ def plan_command(
     kind = minimize or ("weighted" if weights else "front")
     question = Question(kind, weights or (1.0, 1.0), max_makespan, max_stress)  # type: ignore[arg-type]
     begin = _first_schedule(hint, cell) if hint else None
-    solve = partial(plan, question=question, method=method, **effort)
+    solve = partial(plan, question=question, method=method)
     with SolveProgress(quiet=quiet, language=lang) as progress:
-        front = solve(cell, hint=begin, on_solution=progress)
+        front = solve(cell, hint=begin, on_solution=progress, **effort)
     if not front.interrupted:
         front = told_risk(front, cv, robust, risk, quiet)
     front = replace(front, source=source)
@@ -245,7 +245,7 @@ def plan_command(
             base,
             front,
             as_json,
-            partial(solve, base),
+            partial(solve, base, **effort),
             lang,
             point,
         )
