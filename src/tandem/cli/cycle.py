@@ -162,8 +162,8 @@ class Repeated:
         if wrong := [name for name in NOT_OF_A_CYCLE if given(name)]:
             names = " and ".join(f"--{name.replace('_', '-')}" for name in wrong)
             raise UsageError(f"{names}: asks about one product alone, and not with {asked}.")
-        if self.of_cycle and minimize == "makespan":
-            raise UsageError("--minimize makespan: with --cycle choose cycle_time or stress.")
+        if self.of_cycle and minimize in ("makespan", "worst-stress"):
+            raise UsageError(f"--minimize {minimize}: with --cycle choose cycle_time or stress.")
         if (self.mix is not None or self.one_allocation) and not self.cycle:
             raise UsageError("--mix and --one-allocation go with --cycle.")
         if self.one_allocation and self.mix is None:

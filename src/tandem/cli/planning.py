@@ -42,10 +42,10 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--minimize",
-    type=click.Choice(["makespan", "stress", "cycle_time"]),
+    type=click.Choice(["makespan", "stress", "worst-stress", "cycle_time"]),
     help=(
-        "Only the one schedule that is best in this and, among those, in the other; cycle_time goes"
-        " with --cycle."
+        "Only the one schedule that is best in this and, among those, in the other; worst-stress is"
+        " that of the human who has most, and then the makespan. cycle_time goes with --cycle."
     ),
 )
 @click.option(
