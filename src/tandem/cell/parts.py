@@ -316,6 +316,21 @@ def _frozen(value: Any, named: bool = False) -> Any:
     return _spelled(value) if named else value
 
 
+class Cost(Frozen):
+    """What an hour of the station costs, in whatever currency."""
+
+    operators: PerOperator = Field(
+        default_factory=Table, description="Operator to the cost of an hour; 0 when absent."
+    )
+    station: Amount = Field(
+        default=0.0, description="Cost of an hour of everything else: floor, energy, maintenance."
+    )
+    invest: Amount = Field(default=0.0, description="Money invested once.")
+    hours: Seconds | None = Field(
+        default=None, description="Working hours over which `invest` is spread."
+    )
+
+
 class Variant(Frozen):
     """Another product of the same station: the cell plus these changes."""
 
@@ -394,6 +409,10 @@ class Fields(Frozen):
         ),
     )
 
+    cost: Cost | None = Field(
+        default=None,
+        description="What an hour costs; then each plan says what a piece costs.",
+    )
     variants: Annotated[Mapping[Name, Variant], OneEntryAName, AfterValidator(Table)] = Field(
         default_factory=Table,
         description="Other products of the station: name to what is different about it.",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
 from tandem.plan.question import Question
+from tandem.schedule.cost import cost_of_a_piece
 from tandem.schedule.measures import makespan, stress, stress_by_human
 from tandem.schedule.model import Schedule
 
@@ -107,6 +108,11 @@ class Result:
         return max(stress_by_human(self.cell, self.schedule).values(), default=0.0)
 
     @property
+    def cost(self) -> float | None:
+        """Of a piece, where the station makes one at a time; None when the cell states no cost."""
+        return cost_of_a_piece(self.cell, self.makespan)
+
+    @property
     def gap(self) -> float:
         """How far the makespan may be above the best, as a share of it; 0 when optimal."""
         return (self.makespan - self.bound.makespan) / max(self.makespan, 1e-9)
@@ -120,6 +126,7 @@ class Result:
             "bound": {"makespan": plain(self.bound.makespan), "stress": plain(self.bound.stress)},
             "canonical": self.canonical,
             "digest": self.schedule.digest,
+            **({} if self.cost is None else {"cost_per_piece": plain(self.cost)}),
             **({} if self.risk is None else {"risk": self.risk.to_dict()}),
             "assignments": self.schedule.to_list(),
         }

@@ -146,16 +146,19 @@ def front_table(front: Front, *, width: int = 80, language: str = "en") -> Table
     from rich.text import Text
 
     t = words(language)
-    heads = [t("front.makespan"), t("front.stress"), t("front.status")]
+    cost = [t("front.cost")] if front.cell.cost is not None else []
+    heads = [t("front.makespan"), t("front.stress"), *cost, t("front.status")]
     table = Table(box=SIMPLE_HEAD, pad_edge=False, header_style="bold")
     table.add_column("", no_wrap=True)
     table.add_column(escape(heads[0]), justify="right", no_wrap=True)
-    table.add_column(heads[1], justify="right", no_wrap=True)
-    table.add_column(heads[2], no_wrap=True)
+    for head in heads[1:-1]:
+        table.add_column(head, justify="right", no_wrap=True)
+    table.add_column(heads[-1], no_wrap=True)
     rows = [
         (
             _bounded(r.makespan, r.bound.makespan, t),
             _bounded(r.stress, r.bound.stress, t),
+            *([t.number(r.cost)] if r.cost is not None else []),
             status(r, language),
         )
         for r in front

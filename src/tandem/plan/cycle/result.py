@@ -11,6 +11,7 @@ from tandem.cell.model import Cell, plain
 from tandem.plan.cycle.question import FRONT, CycleQuestion
 from tandem.plan.result import SCHEMA_VERSION, Status, knee_index
 from tandem.schedule import measures
+from tandem.schedule.cost import cost_of_a_piece
 from tandem.schedule.cycle import PeriodicSchedule
 from tandem.schedule.model import Schedule
 
@@ -88,6 +89,11 @@ class CycleResult:
         return (self.cycle_time - self.bound.cycle_time) / self.cycle_time
 
     @property
+    def cost(self) -> float | None:
+        """Of all that a cycle makes; None when the cell states no cost."""
+        return cost_of_a_piece(self.cell, self.cycle_time)
+
+    @property
     def per_hour(self) -> float:
         """Products in an hour of the steady state."""
         return 3600 / self.cycle_time
@@ -108,6 +114,7 @@ class CycleResult:
             "status": str(self.status),
             "bound": self.bound.to_dict(),
             "canonical": self.canonical,
+            **({} if self.cost is None else {"cost_per_piece": plain(self.cost)}),
             "digest": self.periodic.digest,
             "assignments": self.schedule.to_list(),
         }
