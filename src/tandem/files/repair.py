@@ -52,6 +52,9 @@ def repaired(data: Mapping[str, Any], flaws: list[Flaw]) -> Repaired | None:
     copy = _copy(data)
     if not isinstance(copy, dict) or not isinstance(copy.get("tasks"), dict) or not copy["tasks"]:
         return None
+    for task in copy["tasks"].values():
+        if isinstance(task, dict) and isinstance(task.get("wait"), dict):
+            task["wait"] = [task["wait"]]
     open_tasks: set[str] = set()
     roomless = False
     for flaw in flaws:
@@ -93,6 +96,8 @@ def _stand_in(flaw: Flaw) -> tuple[Path, Any]:
             return path, 1
         case ("tasks", name, "together", way, *rest) if rest[:1] != ["stress"]:
             return ("tasks", name, "together", way), _GONE
+        case ("tasks", name, "wait", place, *_):
+            return ("tasks", name, "wait", place), _GONE
         case ("zones" | "tools", _):
             return path, {"capacity": ROOM}
         case ("zones" | "tools", _, "capacity"):
