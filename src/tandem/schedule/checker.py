@@ -180,13 +180,45 @@ def nothing_starts_before_zero(judged: Judged) -> Iterator[str]:
 
 def predecessors_end_first(judged: Judged) -> Iterator[str]:
     for row in judged.rows:
-        for name in judged.cell.tasks[row.task].after:
+        for name in judged.cell.tasks[row.task].predecessors:
             end = max((first.end for first in judged.of_task.get(name, ())), default=row.start)
             if row.start < end:
                 yield (
                     f"task {row.task!r}: starts at {_s(row.start)}, before task {name!r} has ended,"
                     f" which it comes after: {_s(end)} is the earliest."
                 )
+
+
+def waits_are_kept(judged: Judged) -> Iterator[str]:
+    for row in judged.rows:
+        for wait in judged.cell.tasks[row.task].wait:
+            is_end = wait.between == "end-start"
+            moment = max(
+                (first.end if is_end else first.start for first in judged.of_task.get(wait.after, ())),
+                default=None,
+            )
+            if moment is None:
+                continue
+            past, least = row.start - moment, exact(wait.at_least)
+            since = f"after task {wait.after!r} has {'ended' if is_end else 'started'}"
+            # that it starts before the other has ended is said by the rule on predecessors
+            if past < least and (past >= 0 or not is_end):
+                yield (
+                    f"task {row.task!r}: starts at {_s(row.start)}, {_passed(past, since)}, and must"
+                    f" wait {_s(least)} at least: {_s(moment + least)} is the earliest."
+                )
+            if wait.at_most is not None and past > exact(wait.at_most):
+                yield (
+                    f"task {row.task!r}: starts at {_s(row.start)}, {_passed(past, since)}, and must"
+                    f" start within {_s(exact(wait.at_most))}:"
+                    f" {_s(moment + exact(wait.at_most))} is the latest."
+                )
+
+
+def _passed(past: Decimal, since: str) -> str:
+    if past < 0:
+        return since.replace("after", "before", 1)
+    return f"{_s(past)} {since}"
 
 
 def an_operator_does_one_task_at_a_time(judged: Judged) -> Iterator[str]:
@@ -362,6 +394,7 @@ RULES: tuple[Callable[[Judged], Iterator[str]], ...] = (
     durations_are_right,
     nothing_starts_before_zero,
     predecessors_end_first,
+    waits_are_kept,
     an_operator_does_one_task_at_a_time,
     releases_are_kept,
     deadlines_are_kept,

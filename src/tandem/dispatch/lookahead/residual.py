@@ -16,7 +16,7 @@ from tandem.plan.cpsat import formulate
 from tandem.plan.instance import Instance, Way
 from tandem.plan.list_scheduling import Layout, PartialSchedule, Step, append_in_order
 from tandem.plan.rules import SPECS, build
-from tandem.plan.starts import Starts, keeps_deadlines
+from tandem.plan.starts import Starts, in_time
 
 SCALE = 1 << 20
 """Weights become whole numbers in units of the larger one divided by this."""
@@ -289,7 +289,7 @@ def _appended(left: Rest, layout: Layout, plan: Plan) -> PartialSchedule | None:
     if any(step is None for step in steps):
         return None
     state = append_in_order(layout, [t for t, _ in order], [one for one in steps if one])
-    return state if keeps_deadlines(left.instance, tuple(state.starts())) else None
+    return state if in_time(left.instance, tuple(state.starts())) else None
 
 
 PRESOLVED_S = 0.05
