@@ -99,10 +99,11 @@ def test_a_path_explains_every_moment_of_a_schedule_by_rules(cell, rule):
         return
     path = critical_path(cell, plan)
     assert path[-1].assignment.end == makespan(plan)
-    assert path[0].reason in ("start", "release", "break", "setup")
+    assert path[0].reason in ("start", "release", "break", "setup", "follower")
     for before, link in itertools.pairwise(path):
         assert link.waited_for == before.assignment.task
-        assert link.reason == "changeover" or before.assignment.end == link.assignment.start
+        between = link.reason in ("changeover", "wait")
+        assert between or before.assignment.end == link.assignment.start
 
 
 @settings(deadline=None, max_examples=60)
@@ -116,7 +117,7 @@ def test_a_task_can_slip_alone_by_its_slack_when_nothing_follows_it(cell):
     assert min(free.values()) == 0
     last = {a.task: a for name in cell.operators for a in plan.of(name)[-1:]}
     for name, a in last.items():
-        alone = not any(name in task.after for task in cell.tasks.values()) and all(
+        alone = not any(name in task.begun_first for task in cell.tasks.values()) and all(
             plan.of(who)[-1] == a for who in a.operators
         )
         if alone and cell.tasks[name].tool is None and cell.tasks[name].zone is None:

@@ -165,9 +165,7 @@ def _earliest(
         start = found[first].end + waits.get(first, 0)
     else:
         first = None
-    chain_start = max(
-        [chain_start, *(found[one].chain_end + waits.get(one, 0) for one in before)]
-    )
+    chain_start = max([chain_start, *(found[one].chain_end + waits.get(one, 0) for one in before)])
     end, operators = min(
         (rest.soonest_end(start, _micro(time), tuple(who)), tuple(who)) for who, time in ways
     )
@@ -176,9 +174,7 @@ def _earliest(
 
 def _least_waits(task: Task) -> dict[str, int]:
     """Per task that it waits for the end of, microseconds that must pass in between."""
-    return {
-        wait.after: _micro(wait.at_least) for wait in task.wait if wait.between == "end-start"
-    }
+    return {wait.after: _micro(wait.at_least) for wait in task.wait if wait.between == "end-start"}
 
 
 def _too_late(cell: Fields, name: str, found: Mapping[str, Earliest]) -> str:
@@ -188,9 +184,7 @@ def _too_late(cell: Fields, name: str, found: Mapping[str, Earliest]) -> str:
     chain.reverse()
     if len(chain) > 12:
         chain = [*chain[:5], "", *chain[-6:]]
-    steps = " then ".join(
-        _step(cell, one, found[one].first) if one else "..." for one in chain
-    )
+    steps = " then ".join(_step(cell, one, found[one].first) if one else "..." for one in chain)
     deadline, end = cell.tasks[name].deadline, found[name].end
     kinds = sorted(
         {f"{off.what}s" for operator in cell.operators.values() for off in operator.times_off}

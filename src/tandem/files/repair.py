@@ -88,16 +88,14 @@ def _stand_in(flaw: Flaw) -> tuple[Path, Any]:
             return path, {"kind": "human"}
         case ("operators", name, "kind"):
             return path, "human"
-        case ("operators", name, "breaks", place, *_):
-            return ("operators", name, "breaks", place), _GONE
+        case ("operators", _, "breaks", _, *_) | ("tasks", _, "wait", _, *_):
+            return path[:4], _GONE
         case ("tasks", _):
             return path, {}
         case ("tasks", _, "time", _) | ("tasks", _, "together", _, "time"):
             return path, 1
         case ("tasks", name, "together", way, *rest) if rest[:1] != ["stress"]:
             return ("tasks", name, "together", way), _GONE
-        case ("tasks", name, "wait", place, *_):
-            return ("tasks", name, "wait", place), _GONE
         case ("zones" | "tools", _):
             return path, {"capacity": ROOM}
         case ("zones" | "tools", _, "capacity"):

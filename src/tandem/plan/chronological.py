@@ -183,7 +183,8 @@ class Branching:
         rows: list[tuple[int, int, Step, int]] = []
         base = node
         for _ in range(count):
-            assert base.step is not None and base.before is not None
+            assert base.step is not None
+            assert base.before is not None
             task, step, start = base.step
             rows.append((task, self.layout.steps[task].index(step), step, start))
             base = base.before
@@ -244,7 +245,8 @@ class Branching:
         if node.open:
             base, since = node, []
             for _ in range(node.open):
-                assert base.step is not None and base.before is not None
+                assert base.step is not None
+                assert base.before is not None
                 since.append((base.step[0], base.step[1].way))
                 base = base.before
             return (tuple(since), id(base))

@@ -104,7 +104,9 @@ def _on_who_and_what_is_there(cell: Cell) -> Iterator[Limit]:
         for place, wait in enumerate(task.wait):
             if wait.at_most is not None:
                 words = f"that task {name} starts at most {number(wait.at_most)} s after task"
-                yield Limit(f"{words} {_since(wait)}", ("tasks", name, "wait", str(place), "at_most"))
+                yield Limit(
+                    f"{words} {_since(wait)}", ("tasks", name, "wait", str(place), "at_most")
+                )
             if wait.at_least:
                 words = f"that task {name} waits at least {number(wait.at_least)} s after task"
                 yield Limit(

@@ -227,9 +227,7 @@ class PartialSchedule:
             if self.ready[after] < end:
                 self.ready[after] = end
         if instance.has_lags:
-            for lag in instance.lags_from[task]:
-                moment = (start if lag.from_start else end) + lag.least
-                self.ready[lag.task] = max(self.ready[lag.task], moment)
+            self._pass_on_waits(task, start, end)
         # told to the caller, who would otherwise have to look at all tasks again
         released = []
         for after in instance.begun_behind[task]:
@@ -237,6 +235,11 @@ class PartialSchedule:
             if not self.waiting[after]:
                 released.append(after)
         return released
+
+    def _pass_on_waits(self, task: int, start: int, end: int) -> None:
+        for lag in self.instance.lags_from[task]:
+            moment = (start if lag.from_start else end) + lag.least
+            self.ready[lag.task] = max(self.ready[lag.task], moment)
 
     @property
     def makespan(self) -> int:

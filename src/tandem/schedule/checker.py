@@ -193,32 +193,20 @@ def waits_are_kept(judged: Judged) -> Iterator[str]:
     for row in judged.rows:
         for wait in judged.cell.tasks[row.task].wait:
             is_end = wait.between == "end-start"
-            moment = max(
-                (first.end if is_end else first.start for first in judged.of_task.get(wait.after, ())),
-                default=None,
-            )
-            if moment is None:
+            firsts = judged.of_task.get(wait.after, ())
+            if not firsts:
                 continue
+            moment = max(first.end if is_end else first.start for first in firsts)
             past, least = row.start - moment, exact(wait.at_least)
-            since = f"after task {wait.after!r} has {'ended' if is_end else 'started'}"
+            since = f"task {wait.after!r} has {'ended' if is_end else 'started'}"
+            when = f"before {since}" if past < 0 else f"{_s(past)} after {since}"
+            starts = f"task {row.task!r}: starts at {_s(row.start)}, {when}, and must"
             # that it starts before the other has ended is said by the rule on predecessors
             if past < least and (past >= 0 or not is_end):
-                yield (
-                    f"task {row.task!r}: starts at {_s(row.start)}, {_passed(past, since)}, and must"
-                    f" wait {_s(least)} at least: {_s(moment + least)} is the earliest."
-                )
+                yield f"{starts} wait {_s(least)} at least: {_s(moment + least)} is the earliest."
             if wait.at_most is not None and past > exact(wait.at_most):
-                yield (
-                    f"task {row.task!r}: starts at {_s(row.start)}, {_passed(past, since)}, and must"
-                    f" start within {_s(exact(wait.at_most))}:"
-                    f" {_s(moment + exact(wait.at_most))} is the latest."
-                )
-
-
-def _passed(past: Decimal, since: str) -> str:
-    if past < 0:
-        return since.replace("after", "before", 1)
-    return f"{_s(past)} {since}"
+                most = exact(wait.at_most)
+                yield f"{starts} start within {_s(most)}: {_s(moment + most)} is the latest."
 
 
 def an_operator_does_one_task_at_a_time(judged: Judged) -> Iterator[str]:

@@ -3,8 +3,8 @@
 
 Axes: `T` tasks and `O` operators in the cell's order; `W` ways, every way of doing every task, in
 the order of the tasks and then of `cell.modes(task)`; `U` tools, `Z` zones, `B` breaks per
-operator, `S` listed sets, `L` waits. What a cell does not say has an axis of length 0, and what it would cost
-is not computed.
+operator, `S` listed sets, `L` waits. What a cell does not say has an axis of length 0, and what it
+would cost is not computed.
 """
 
 from __future__ import annotations
@@ -66,9 +66,9 @@ class Arrays(NamedTuple):
     none. sets, set_stress: `[S, T]` bool and `[S]` int32: the cell's `stress_of_set`. undo: `[W]`
     int32, how long the disassembly takes of what was mounted wrongly; `[0]` when nobody makes
     mistakes. lag_task, lag_before: `[L, T]` bool, the task that waits, and the one whose end, or
-    start where `lag_from_start` `[L]` bool, it waits from; one True each. lag_least, lag_most: `[L]`
-    int32, how long at least and at most; NEVER for no most. above: `[T, T]` bool, `above[i, j]`: task i comes after task j, directly or not; `[0,
-    0]` when nobody makes mistakes.
+    start where `lag_from_start` `[L]` bool, it waits from; one True each. lag_least, lag_most:
+    `[L]` int32, how long at least and at most; NEVER for no most. above: `[T, T]` bool,
+    `above[i, j]`: task i comes after task j, directly or not; `[0, 0]` when nobody makes mistakes.
     """
 
     way_task: Array
@@ -364,9 +364,7 @@ def _lags(names: Names, layout: Layout) -> dict[str, Any]:
         "lag_before": tasks[None, :] == np.array([lag.before for lag in lags], np.int64)[:, None],
         "lag_from_start": np.array([lag.from_start for lag in lags], bool),
         "lag_least": np.array([lag.least for lag in lags], np.int64),
-        "lag_most": np.array(
-            [NEVER if lag.most is None else lag.most for lag in lags], np.int64
-        ),
+        "lag_most": np.array([NEVER if lag.most is None else lag.most for lag in lags], np.int64),
     }
 
 
