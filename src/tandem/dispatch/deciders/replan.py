@@ -272,11 +272,7 @@ class Robust:
         """What begins now."""
         began, work = perf_counter(), Work(self.options.work)
         paces = estimates(situation, self.options.prior)
-        # the values of choices know nothing of what a wait may last at most; a plan does
-        waits = any(
-            wait.at_most is not None for t in situation.cell.tasks.values() for wait in t.wait
-        )
-        is_dear = waits or self._price() > DEAR * work.limit
+        is_dear = self._price() > DEAR * work.limit
         likely = {name: 1.0 if is_dear else pace.mean for name, pace in paces.items()}
         moves = self.models.of(situation, likely)
         here = position(moves, situation, likely)
@@ -286,6 +282,8 @@ class Robust:
                 self.name, moves, situation, here, (), [((), None)], began=began, because=because
             )
         due = None if self.follows is None else self.follows.due(moves, situation)
+        # the values of choices know nothing of what a wait may last at most; a plan does
+        by_plans = is_dear or moves.instance.has_most_lags
         total, ranked = work.limit, None
         for beliefs, share in (
             (paces, ALL_PACES),
@@ -293,7 +291,7 @@ class Robust:
         ):
             work.limit = share * total
             with contextlib.suppress(OutOfWorkError):
-                ranked = None if is_dear else self.ranked(situation, beliefs, work, due)
+                ranked = None if by_plans else self.ranked(situation, beliefs, work, due)
             if ranked is not None:
                 break
         work.limit = total
