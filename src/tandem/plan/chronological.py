@@ -200,11 +200,11 @@ class Branching:
             node = base
             for task, index, step, _ in rows:
                 ready = max(begin[task], self._ready(node, task))
-                start = self._start(node, task, step, ready)
-                if start is None or start + step.ticks > self.latest_end[task]:
+                later = self._start(node, task, step, ready)
+                if later is None or later + step.ticks > self.latest_end[task]:
                     return None
-                begin[task] = start
-                node = self._appended(node, task, index, step, start)
+                begin[task] = later
+                node = self._appended(node, task, index, step, later)
         return node
 
     def _put_off(self, node: Node, begin: dict[int, int]) -> bool:
