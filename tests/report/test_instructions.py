@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from openpyxl.cell.rich_text import CellRichText, TextBlock
 from tests.draw.cells import front_of, gearbox_front, rows, thesis_front
 from tests.report.paper import Sheet, number, sheets_of
+from tests.schedule.cells import glued, glued_schedule
 from tests.strategies import cells
 
 from tandem.cell.model import Cell
@@ -199,6 +200,44 @@ def shop_front() -> Front:
         ("turn over", "a+b", 13, 17),
     )
     return front_of(shop(), [schedule])
+
+
+@pytest.mark.parametrize(
+    ("language", "said"),
+    [
+        (
+            "en",
+            (
+                "not before 35 s, so that press can follow in time",
+                "anna with press (40 s to 60 s later)",
+                "40 s after cobot ended glue, at the latest 60 s",
+                "cobot with cool (4 s to 9 s later, counted from the beginning of this step)",
+                "4 s after anna began press, at the latest 9 s",
+            ),
+        ),
+        (
+            "de",
+            (
+                "nicht vor 35 s, damit press rechtzeitig folgen kann",
+                "anna mit press (40 s bis 60 s später)",
+                "40 s nach dem Ende von glue (cobot), spätestens 60 s",
+                "cobot mit cool (4 s bis 9 s später, vom Beginn dieses Schritts an)",
+                "4 s nach dem Beginn von press (anna), spätestens 9 s",
+            ),
+        ),
+    ],
+)
+def test_what_must_wait_is_told_to_who_waits_and_to_who_comes_before(
+    language: str, said: tuple[str, ...]
+) -> None:
+    sheets = on_paper(glued(), glued_schedule(), language)
+    (glue, cool), (_, press) = sheets["cobot"].rows, sheets["anna"].rows
+    found = (
+        *(glue.cells["begin"][0], glue.cells["then"][0]),
+        *(press.cells["begin"][1], press.cells["then"][0]),
+        cool.cells["begin"][-1],
+    )
+    assert found == said
 
 
 def test_the_drill_waits_for_the_clamp_although_only_the_tool_comes_last() -> None:

@@ -7,7 +7,15 @@ from dataclasses import replace
 
 import pytest
 from hypothesis import given, settings
-from tests.schedule.cells import gearbox, gearbox_schedule, schedule, thesis, thesis_schedule
+from tests.schedule.cells import (
+    gearbox,
+    gearbox_schedule,
+    glued,
+    glued_schedule,
+    schedule,
+    thesis,
+    thesis_schedule,
+)
 from tests.strategies import cells
 
 from tandem.cell.model import Cell
@@ -15,7 +23,7 @@ from tandem.errors import NothingFoundError
 from tandem.plan.question import Question
 from tandem.plan.rules import RULES
 from tandem.schedule.checker import faults
-from tandem.schedule.critical import critical_path, slack
+from tandem.schedule.critical import critical_path, links, slack
 from tandem.schedule.measures import exact, makespan
 from tandem.schedule.model import Schedule
 
@@ -74,6 +82,22 @@ def test_a_path_goes_through_changeovers_tools_and_zones():
         "jig"),
     ]  # fmt: skip
     assert slack(cell, plan) == {"a": 0, "b": 0, "c": 0, "d": 0}
+
+
+def test_a_wait_and_a_follower_are_reasons_and_bound_how_far_a_task_may_slip():
+    cell, plan = glued(), glued_schedule()
+    path = critical_path(cell, plan)
+    assert [(link.assignment.task, link.reason, link.by) for link in path] in (
+        [("sort", "start", ""), ("press", "predecessor", "sort")],
+        [("sort", "start", ""), ("press", "predecessor", "sort"), ("cool", "wait", "press")],
+    )
+    by_task = links(cell, plan)
+    assert [(link.reason, link.by) for link in by_task["glue"]] == [("follower", "press")]
+    assert [(link.reason, link.by) for link in by_task["cool"]] == [("wait", "press")]
+    assert str(by_task["glue"][0]) == "glue at 35 s, no sooner, so that press follows in time"
+    assert slack(cell, plan) == {"sort": 0, "glue": 20, "press": 0, "cool": 0}
+    longer = glued_schedule(cool=(("cobot",), 106, 112))
+    assert slack(cell, longer) == {"sort": 0, "glue": 22, "press": 0, "cool": 0}
 
 
 def test_a_needless_wait_is_called_a_choice():

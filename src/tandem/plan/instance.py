@@ -206,7 +206,7 @@ class Instance:
     @cached_property
     def order(self) -> tuple[int, ...]:
         """The tasks so that predecessors come first, and what is waited for."""
-        return _topological([need.bit_count() for need in self.begun_first], self.begun_behind)
+        return _topological(self.waits_for, self.begun_behind)
 
     @cached_property
     def needs(self) -> tuple[int, ...]:
@@ -326,6 +326,13 @@ class Instance:
             need | bits({lag.before for lag in row})
             for need, row in zip(self.needs, self.lags_into, strict=True)
         )
+
+    @cached_property
+    def waits_for(self) -> tuple[int, ...]:
+        """Per task, how many tasks it must not start before."""
+        if not self.has_lags:
+            return tuple(map(len, self.before))
+        return tuple(first.bit_count() for first in self.begun_first)
 
     @cached_property
     def begun_behind(self) -> tuple[tuple[int, ...], ...]:

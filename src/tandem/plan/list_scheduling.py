@@ -152,7 +152,7 @@ class PartialSchedule:
         self.free = [0] * operators
         self.hand = [-1 if tool is None else tool for tool in instance.in_hand]
         self.ready = list(instance.release if release is None else release)
-        self.waiting = [first.bit_count() for first in instance.begun_first]
+        self.waiting = list(instance.waits_for)
         self.tool_free = [[0] * places for places in instance.tool_room]
         self.zone_free = [[0] * places for places in instance.zone_room]
         self.operators_of: dict[int, tuple[int, ...]] = {}

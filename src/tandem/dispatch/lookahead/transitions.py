@@ -245,7 +245,9 @@ class Moves:
         """Ticks until something happens: a task or a wait ends, or, where the clock matters, a
         release or a break comes or goes. None for never.
         """
-        least = min([left for _, left in (*position.running, *position.waits)], default=None)
+        least = min([left for _, left in position.running], default=None)
+        for _, left in position.waits:
+            least = left if least is None else min(least, left)
         if self.timeless:
             return least
         moments = [moment for moment in self._moments if moment > position.clock]
