@@ -135,6 +135,26 @@ def test_a_wait_that_nobody_can_keep_is_proven_to_be_impossible(method: str) -> 
         METHODS[method](cell_of(ALONE), Question("makespan"))
 
 
+@pytest.mark.parametrize("breaks", [[], [[300, 301]]])
+def test_a_wait_missed_by_a_tick_of_many_is_ruled_out_at_once(breaks: list[list[int]]) -> None:
+    """Putting the glue off tick by tick would go on for a million rounds."""
+    tasks: dict[str, Any] = {
+        "glue": {"time": {"anna": 5}, "tool": "gun"},
+        "sort": {"time": {"anna": 100.0001}, "after": ["glue"], "tool": "tray"},
+        "press": {
+            "time": {"anna": 10},
+            "after": ["sort"],
+            "wait": {"after": "glue", "at_most": 100},
+        },
+    }
+    tools = {"gun": {"changeover": {"anna": 2}}, "tray": {}}
+    people = {"anna": {"kind": "human", "breaks": breaks}}
+    with pytest.raises(InfeasibleError):
+        dynamic_programming.solve(
+            cell_of({"operators": people, "tasks": tasks, "tools": tools}), Question()
+        )
+
+
 def test_the_reasons_name_the_wait_and_what_it_would_give_to_lift_it() -> None:
     assert reasons(cell_of(ALONE), Question()) == [
         "that task press starts at most 60 s after task glue has ended cannot be kept.",

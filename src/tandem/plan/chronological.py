@@ -195,7 +195,7 @@ class Branching:
             # where starts depend on nothing but sums, a chain of waits has settled by then (the
             # rounds of Bellman and Ford), or goes round in a circle for ever
             rounds += 1
-            if self.instance.is_plain and rounds > len(self.instance.most_lags):
+            if rounds == len(self.instance.most_lags) + 1 and self._goes_round(rows):
                 return None
             node = base
             for task, index, step, _ in rows:
@@ -206,6 +206,35 @@ class Branching:
                 begin[task] = later
                 node = self._appended(node, task, index, step, later)
         return node
+
+    def _goes_round(self, rows: list[tuple[int, int, Step, int]]) -> bool:
+        """Whether these tasks, in this order, cannot keep their waits even if tools, zones and
+        breaks stood in nobody's way: then each putting off calls for the next.
+        """
+        ticks = {task: step.ticks for task, _, step, _ in rows}
+        begin = dict.fromkeys(ticks, 0)
+        for _ in range(len(self.instance.most_lags) + 1):
+            free, last = [0] * len(self.operators), 0
+            for task, _, step, _ in rows:
+                firsts = [f for f in self.instance.before[task] if f in ticks]
+                start = max([begin[task], last, *(begin[f] + ticks[f] for f in firsts)])
+                for lag in self.instance.lags_into[task]:
+                    if lag.before in ticks:
+                        own = 0 if lag.from_start else ticks[lag.before]
+                        start = max(start, begin[lag.before] + own + lag.least)
+                begin[task] = last = max([start, *(free[o] for o in step.operators)])
+                for operator in step.operators:
+                    free[operator] = last + step.ticks
+            late = [
+                (lag.before, begin[lag.task] - most - (0 if lag.from_start else ticks[lag.before]))
+                for lag, most in self.instance.most_lags
+                if lag.task in ticks and lag.before in ticks
+            ]
+            if not any(soonest > begin[task] for task, soonest in late):
+                return False
+            for task, soonest in late:
+                begin[task] = max(begin[task], soonest)
+        return True
 
     def _put_off(self, node: Node, begin: dict[int, int]) -> bool:
         """Puts off, in `begin`, what was appended and is followed too late; whether it found
