@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tandem.cell.model import Cell
-from tandem.cell.parts import Operator, Task, Together, Tool, Zone
+from tandem.cell.parts import Operator, Task, Together, Tool, Wait, Zone
 from tandem.files.schema import schema
 
 if TYPE_CHECKING:
@@ -49,6 +49,7 @@ def cell_reference() -> str:
         "Operator": "An operator",
         "Task": "A task",
         "Together": "A group in `together`",
+        "Wait": "A wait",
         "Tool": "A tool",
         "Zone": "A zone",
     }
@@ -112,7 +113,7 @@ def _cell(text: str) -> str:
 
 def keys() -> Iterator[str]:
     """Every key that a cell file may hold."""
-    for model in (Cell, Operator, Task, Together, Tool, Zone):
+    for model in (Cell, Operator, Task, Together, Wait, Tool, Zone):
         yield from model.model_fields
 
 

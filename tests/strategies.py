@@ -26,9 +26,9 @@ def cells(
 ) -> Cell:
     """A sound cell of 1 to 5 tasks, seldom more, and 1 to 3 operators.
 
-    `rich=False` leaves out tools, zones, breaks, deadlines, limits, pairs and tables: only times,
-    joint tasks, precedence and stress. Most cells can be planned; deadlines, stress limits and
-    tables make some of them infeasible.
+    `rich=False` leaves out tools, zones, breaks, deadlines, waits, limits, pairs and tables: only
+    times, joint tasks, precedence and stress. Most cells can be planned; deadlines, waits with a
+    most, stress limits and tables make some of them infeasible.
     """
     step = draw(st.sampled_from(STEPS))
     operators = draw(_operators(max_operators, step, rich))
@@ -57,6 +57,8 @@ def cells(
         if draw(_seldom()):
             data["tasks"] = {name: tasks[name] for name in draw(st.permutations(names))}
             data.pop("stress_of_set", None)
+        if count > 1 and draw(_seldom()):
+            _add_waits(draw, names, tasks, step)
         if draw(_seldom()):
             return _with_deadlines(draw, data, step)
     return Cell.model_validate(data)
@@ -212,6 +214,22 @@ def _table(
         for s in sets
         if s not in missing or s == sets[-1]
     }
+
+
+def _add_waits(
+    draw: st.DrawFn, names: list[str], tasks: dict[str, dict[str, Any]], step: float
+) -> None:
+    """One or two waits after earlier tasks, each after another one."""
+    later = draw(st.lists(st.sampled_from(names[1:]), unique=True, min_size=1, max_size=2))
+    for name in later:
+        wait: dict[str, Any] = {
+            "after": draw(st.sampled_from(names[: names.index(name)])),
+            "between": draw(st.sampled_from(("end-start", "start-start"))),
+            "at_least": draw(_seconds(step, 0, 6)),
+        }
+        if draw(_seldom()):
+            wait["at_most"] = round(wait["at_least"] + draw(_seconds(step, 0, 9)), 6)
+        tasks[name]["wait"] = [wait]
 
 
 def _with_deadlines(draw: st.DrawFn, data: dict[str, Any], step: float) -> Cell:

@@ -305,6 +305,54 @@ CASES: list[tuple[dict[str, Any], tuple[str | int, ...], str]] = [
 ]
 
 
+CASES += [
+    (
+        {"press__wait": {"after": "greas", "at_least": 4}},
+        ("tasks", "press", "wait", 0, "after"),
+        "task 'press' waits after 'greas', which is no task. Did you mean 'grease'",
+    ),
+    (
+        {"press__wait": [{"after": "press", "at_least": 4}]},
+        ("tasks", "press", "wait", 0, "after"),
+        "task 'press' waits for itself",
+    ),
+    (
+        {"check__wait": {"after": "grease", "at_least": 40, "at_most": 30}},
+        ("tasks", "check", "wait", 0, "at_most"),
+        "at least 40 s and at most 30 s, which leaves no moment .*`at_least: 30, at_most: 40`",
+    ),
+    (
+        {"check__wait": [{"after": "grease", "at_least": 4}, {"after": "grease"}]},
+        ("tasks", "check", "wait", 1),
+        r"the wait after 'grease' \(end-start\) is stated twice",
+    ),
+    (
+        {"grease__wait": {"after": "check"}},
+        ("tasks", "grease", "wait", 0, "after"),
+        "3 tasks wait for each other in a circle: .* out of the next one's `after` or `wait`",
+    ),
+    (
+        {
+            "grease__wait": {"after": "check", "between": "start-start"},
+            "press__after": [],
+            "check__after": ["grease"],
+        },
+        ("tasks", "grease", "wait", 0, "after"),
+        "'grease' and 'check' wait for each other. .* other's `after` or `wait`",
+    ),
+    (
+        {"check__wait": {"after": "grease", "at_least": 20}, "check__deadline": 24},
+        ("tasks", "check", "deadline"),
+        r"'grease' \(3 s\) then 'check' 20 s later \(2 s\) ends at 25 s",
+    ),
+    (
+        {"check__wait": {"after": "grease", "at_least": 0.1234567}},
+        ("tasks", "check", "wait", 0, "at_least"),
+        "0.1234567 has more than 6 decimals",
+    ),
+]
+
+
 @pytest.mark.parametrize(
     ("changes", "path", "sentence"), CASES, ids=[case[2][:40] for case in CASES]
 )
@@ -337,6 +385,8 @@ ALLOWED: list[dict[str, Any]] = [
     {"stress_of_set": {"grease,check": 1, "grease,press,check": 5}},
     {"press__stress": {"anna": 0}},
     {"press__after": ["grease", "grease"]},
+    {"press__wait": {"after": "grease", "at_least": 4, "at_most": 4}},
+    {"press__wait": [{"after": "grease"}, {"after": "grease", "between": "start-start"}]},
     # two on purpose
     {"grease__tool": "Presse", "check__tool": "presse", "tools": {"Presse": {}, "presse": {}}},
     {"grease__zone": "jig 1", "check__zone": "jig 2"},

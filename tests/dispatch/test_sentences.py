@@ -110,7 +110,11 @@ def _named(cell: Cell) -> Cell:
     data = cell.to_dict()
     letter = {name: f"task {chr(ord('a') + place)}" for place, name in enumerate(cell.tasks)}
     data["tasks"] = {
-        letter[name]: {**task, "after": [letter[first] for first in task.get("after", [])]}
+        letter[name]: {
+            **task,
+            "after": [letter[first] for first in task.get("after", [])],
+            "wait": [{**wait, "after": letter[wait["after"]]} for wait in task.get("wait", [])],
+        }
         for name, task in data["tasks"].items()
     }
     data["same_operator"] = [

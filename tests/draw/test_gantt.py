@@ -7,12 +7,23 @@ import re
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.patches import Rectangle
-from tests.draw.cells import desk, gearbox, greedy, layered, rows, thesis, thesis_schedules
+from tests.draw.cells import (
+    desk,
+    front_of,
+    gearbox,
+    greedy,
+    layered,
+    rows,
+    thesis,
+    thesis_schedules,
+)
+from tests.schedule.cells import glued, glued_schedule, thesis_schedule
 
 from tandem.cell.model import Cell
 from tandem.draw.figure import blank, figure_for
 from tandem.draw.fitted import FittedText
 from tandem.draw.gantt import plot_gantt
+from tandem.report.html import html
 from tandem.schedule.critical import critical_path
 from tandem.schedule.model import Schedule
 
@@ -173,6 +184,17 @@ def test_breaks_changeovers_and_deadlines_are_explained_when_there_are_any() -> 
         "tool changeover",
         "until a task's deadline",
     }
+
+
+def test_a_wait_is_a_dotted_line_from_the_moment_it_counts_from() -> None:
+    ax = plot_gantt(glued(), glued_schedule())
+    dotted = [line for line in ax.lines if line.get_linestyle() not in ("-", "None")]
+    assert sorted(tuple(line.get_xdata()) for line in dotted) == [(40, 100), (100, 104)]
+    assert "wait before a task" in {text.get_text() for text in ax.get_legend().get_texts()}
+    page = html(front_of(glued(), [glued_schedule()]))
+    assert page.count('class="wait"') >= 2
+    assert "Dotted line below a bar: the wait before it." in page
+    assert "the wait before it" not in html(front_of(thesis(), [thesis_schedule()]))
 
 
 def test_an_empty_schedule_is_an_empty_chart() -> None:

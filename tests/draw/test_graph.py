@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.draw.cells import desk, gearbox, layered, thesis
+from tests.schedule.cells import GLUED, glued
 
 from tandem.cell.model import Cell
 from tandem.draw.figure import figure_for
@@ -86,6 +87,13 @@ def test_the_thesis_graph_has_the_arrows_that_are_left() -> None:
         "7": ("5", "6"),
     }
     assert critical_chain(thesis()) == (("1", "4", "6", "7"), 16.0)
+
+
+def test_a_wait_is_an_arrow_and_counts_in_the_longest_chain() -> None:
+    assert reduced(glued()) == {"sort": (), "glue": (), "press": ("sort", "glue"), "cool": ()}
+    assert critical_chain(glued()) == (("sort", "press"), 110.0)
+    quick = {**GLUED["tasks"], "sort": {"time": {"anna": 30}}}
+    assert critical_chain(glued(tasks=quick)) == (("glue", "press"), 55.0)
 
 
 def test_crossings_that_can_be_avoided_are_avoided() -> None:

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import pytest
 from tests.benchmark_data import folder
+from tests.schedule.cells import GLUED, glued
 
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, UsageError
@@ -127,6 +128,25 @@ def test_waits_are_true(thesis: Cell) -> None:
         "7",
     }
     assert "waits for task 1, its predecessor" in by_task["4"].sentences()[0]
+
+
+def test_a_wait_is_told_as_the_reason_and_as_part_of_the_floor() -> None:
+    tasks = {**GLUED["tasks"], "sort": {"time": {"anna": 30}}}
+    found = explain(glued(tasks=tasks), point=1)
+    by_task = {answer.assignment.task: answer for answer in found.tasks}
+    assert "waits until its time after task glue is over" in by_task["press"].sentences()[0]
+    assert "waits until its time after task press is over" in by_task["cool"].sentences()[0]
+    assert found.floor.kind == "chain"
+    assert found.floor.tasks == ("glue", "press")
+    assert found.floor.waits == {"press": 40}
+    assert "5 + 40 (wait) + 10 s" in sentences(found.floor)[0]
+    assert "5 + 40 (Wartezeit) + 10 s" in sentences(found.floor, "de")[0]
+
+
+def test_who_is_put_off_for_a_follower_is_told_so() -> None:
+    by_task = {answer.assignment.task: answer for answer in explain(glued(), point=1).tasks}
+    said = by_task["glue"].sentences()[0]
+    assert "starts no sooner so that task press can follow it in time, may slip by 20 s" in said
 
 
 # --- the floor ------------------------------------------------------------------------------------

@@ -98,6 +98,26 @@ LINES = [
         "  2: {time: {human: 1}, deadline: 0}",
         r"7:25: .*deadline is 0, but a deadline is later than 0 s",
     ),
+    (
+        "  2: {time: {human: 1}, wait: {after: 1, at_last: 4}}",
+        r"7:42: task '2': wait: 'at_last' is no key .* Did you mean 'at_least'",
+    ),
+    (
+        "  2: {time: {human: 1}, wait: {at_least: 4}}",
+        r"7:25: task '2': wait: `after` is missing: which task is waited for",
+    ),
+    (
+        "  2: {time: {human: 1}, wait: [{after: 1, between: starts}]}",
+        r"7:43: task '2': wait: between is 'starts', but must be end-start or start-start",
+    ),
+    (
+        "  2: {time: {human: 1}, wait: 40}",
+        r"7:25: task '2': wait is 40, but a list is needed, such as `wait: \[{after: 1,",
+    ),
+    (
+        "  2: {time: {human: 1}, wait: {after: 3, at_least: 4}}",
+        r"7:32: task '2' waits after '3', which is no task",
+    ),
     ("  2: soon", r"7:3: task '2' is the text 'soon', but a mapping is needed"),
     ("  2: {together: [{operators: [human], time: 3}]}", r"7:19: .*needs two operators at least"),
     (

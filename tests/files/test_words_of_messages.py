@@ -46,7 +46,8 @@ SOUND: dict[str, Any] = {
             "difficulty": {"h": 2}, "release": 1, "deadline": 99, "spread": 0.1,
         },
         "b": {"together": [{"operators": ["r", "h"], "time": 4, "stress": {"h": 2}}],
-        "stress": {"h": 1}, "after": ["a"], "spread": {"h": 0.1}},
+        "stress": {"h": 1}, "after": ["a"], "spread": {"h": 0.1},
+        "wait": [{"after": "a", "between": "start-start", "at_least": 1, "at_most": 50}]},
     },
     "tools": {"t": {"capacity": 2, "changeover": {"r": 1}}},
     "zones": {"z": {"capacity": 2}},
@@ -138,6 +139,12 @@ UNFIT = {
     "no_task_comes_after_itself": {"tasks": {"a": {"time": {"h": 1}, "after": ["a"]}}},
     "no_task_waits_for_itself": {
         "tasks": {"a": {"time": {"h": 1}, "after": ["b"]}, "b": {"time": {"h": 1}, "after": ["a"]}}
+    },
+    "a_wait_leaves_time_to_start": {
+        "tasks": {
+            "a": {"time": {"h": 1}},
+            "b": {"time": {"h": 1}, "wait": {"after": "a", "at_least": 4, "at_most": 3}},
+        }
     },
     "a_group_names_each_operator_once": {
         "tasks": {"a": {"together": [{"operators": ["h", "h"], "time": 1}]}}

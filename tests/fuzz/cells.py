@@ -50,6 +50,8 @@ def cell(random: Random, sizes: Mapping[int, int] = SMALL, crews: Mapping[int, i
         data["stress_of_set"] = _table(random, tasks, operators)
     elif random.random() < 0.3:
         data["tasks"] = {name: tasks[name] for name in random.sample(names, len(names))}
+    if len(names) > 1 and random.random() < 0.25:
+        _waits(random, clock, names, tasks, fine)
     return data
 
 
@@ -162,6 +164,28 @@ def _windows(random: Random, clock: _Clock, tasks: Data) -> None:
                 )
                 spare = clock.seconds(0, random.choice((0.25, 1.0, 2.0, 3.0)))
                 task["deadline"] = round(task.get("release", 0) + quickest + spare, 6)
+
+
+def _waits(random: Random, clock: _Clock, names: list[str], tasks: Data, fine: bool) -> None:
+    """One or two waits, between ends and starts and between starts, tight and loose ones; where
+    ticks are fine without a most, which a brute force could not try all moments for.
+    """
+    for _ in range(random.choice((1, 1, 2))):
+        place = random.randint(1, len(names) - 1)
+        wait: Data = {"after": random.choice(names[:place])}
+        if random.random() < 0.4:
+            wait["between"] = "start-start"
+        if random.random() < 0.7:
+            wait["at_least"] = clock.seconds(0, 0.6)
+        if random.random() < 0.65 and not fine:
+            more = clock.seconds(0, 1.0) if random.random() < 0.6 else 0.0
+            wait["at_most"] = round(wait.get("at_least", 0.0) + more, 6)
+        kept = tasks[names[place]].setdefault("wait", [])
+        if all(
+            (wait["after"], wait.get("between")) != (other["after"], other.get("between"))
+            for other in kept
+        ):
+            kept.append(wait)
 
 
 def _table(random: Random, tasks: Data, operators: Data) -> dict[str, float]:

@@ -97,6 +97,7 @@ class Tally:
     with_deadlines: int = 0
     with_releases: int = 0
     with_setups: int = 0
+    with_waits: int = 0
     replayed: int = 0
     every_moment: int = 0
     questions: Counter[str] = field(default_factory=Counter)
@@ -134,7 +135,9 @@ def uses(data: Mapping[str, Any], key: str) -> bool:
 def judge(seed: int, key: str | None = None) -> Tally:
     """Draws the cell of this seed and asks the judges."""
     random, data = drawn(seed, key)
-    features = {f"with_{name}s": int(uses(data, name)) for name in ("deadline", "release", "setup")}
+    features = {
+        f"with_{name}s": int(uses(data, name)) for name in ("deadline", "release", "setup", "wait")
+    }
     tally = Tally(cells=1, **features)
     right = front_in_order(data)
     tally.infeasible = int(not right)

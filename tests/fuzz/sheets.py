@@ -39,7 +39,7 @@ SHIFTS = 3
 SLOWEST, QUICKEST = 3.0, 0.3
 FEATURES = (
     *("together", "tool", "zone", "capacity", "changeover", "breaks", "setup", "release"),
-    *("deadline", "same_operator", "stress_of_set", "stress_limit", "after", "label"),
+    *("deadline", "same_operator", "stress_of_set", "stress_limit", "after", "wait", "label"),
 )
 FOUND = Path("tandem-out", "fuzz")
 
@@ -193,6 +193,8 @@ def judged(
         task, length = data["tasks"][a.task], float(done[a.task].end - done[a.task].start)
         for key in ("deadline", "together", "time", "stress", "difficulty"):
             task.pop(key, None)
+        for wait in task.get("wait", ()):
+            wait.pop("at_most", None)  # no sheet can force it on who is slow
         if len(a.operators) > 1:
             task["together"] = [{"operators": list(a.operators), "time": length}]
         else:

@@ -41,6 +41,15 @@ class Step:
         return self.start + self.way.time
 
 
+class Gap(NamedTuple):
+    """What must lie between another task's end, or start, and the start of this one."""
+
+    first: str
+    of_start: bool
+    least: int
+    most: int | None
+
+
 @dataclass(frozen=True)
 class Job:
     """One task as the cell states it."""
@@ -52,6 +61,12 @@ class Job:
     deadline: int | None
     tool: str | None
     zone: str | None
+    gaps: tuple[Gap, ...] = ()
+
+    @property
+    def first(self) -> set[str]:
+        """Tasks without which it cannot begin."""
+        return {*self.after, *(gap.first for gap in self.gaps)}
 
 
 class Plain:
@@ -125,6 +140,7 @@ class Plain:
             None if deadline is None else _millionths(deadline),
             entry.get("tool"),
             entry.get("zone"),
+            tuple(_gaps(entry.get("wait") or ())),
         )
 
     def _strain(self, who: tuple[str, ...], stress: float | Mapping[str, float]) -> dict[str, int]:
@@ -164,7 +180,18 @@ class Plain:
         job = self.jobs[step.name]
         if step.start < job.release or (job.deadline is not None and step.end > job.deadline):
             return False
-        return not any(first.name in job.after and step.start < first.end for first in done)
+        return not any(
+            first.name in job.after and step.start < first.end for first in done
+        ) and all(
+            self._keeps(gap, first, step)
+            for gap in job.gaps
+            for first in done
+            if first.name == gap.first
+        )
+
+    def _keeps(self, gap: Gap, first: Step, step: Step) -> bool:
+        past = step.start - (first.start if gap.of_start else first.end)
+        return gap.least <= past and (gap.most is None or past <= gap.most)
 
     def _one_at_a_time(self, who: str, done: tuple[Step, ...]) -> bool:
         """Tasks, the changeovers right before them, and breaks, one after the other, when all is
@@ -208,7 +235,8 @@ def front_in_order(data: Mapping[str, Any]) -> list[Point]:
     """The front over all orders and ways, each task at the first moment, not before the last start,
     at which it may begin.
 
-    Of any schedule, its tasks taken in order of start, this gives one in which no task is later.
+    Of any schedule, its tasks taken in order of start, this gives one in which no task is later
+    (but for those that another one must follow in time, which are tried at every moment).
     """
     return _seconds(_front_in_order(Plain(data)))
 
@@ -299,9 +327,11 @@ def latest(plain: Plain) -> int:
     changes = len(plain.jobs) * max(plain.change.values(), default=0)
     waits = max(job.release for job in plain.jobs.values())
     waits = max([waits, *plain.ready.values()])
+    gaps = sum(gap.least for job in plain.jobs.values() for gap in job.gaps)
     return (
         work
         + changes
+        + gaps
         + max([waits, *(back for breaks in plain.breaks.values() for _, back in breaks)])
     )
 
@@ -331,6 +361,7 @@ def worth(
 
 def _front_in_order(plain: Plain) -> list[Pair]:
     found: list[Pair] = []
+    late, grid = latest(plain), _grid(plain)
 
     def beaten(done: tuple[Step, ...]) -> bool:
         """Whether no schedule that goes on from here is wanted any more; by a table, stress may
@@ -349,22 +380,25 @@ def _front_in_order(plain: Plain) -> list[Pair]:
             return
         names = {step.name for step in done}
         for job in plain.jobs.values():
-            if job.name not in names and names.issuperset(job.after):
+            if job.name not in names and names.issuperset(job.first):
                 for way in job.ways:
-                    step = _appended(plain, done, job, way)
-                    if step is not None and not beaten((*done, step)):
-                        grow((*done, step))
+                    for step in _appended(plain, done, job, way, late, grid):
+                        if not beaten((*done, step)):
+                            grow((*done, step))
 
     grow(())
     return _unbeaten(found)
 
 
-def _appended(plain: Plain, done: tuple[Step, ...], job: Job, way: Way) -> Step | None:
+def _appended(
+    plain: Plain, done: tuple[Step, ...], job: Job, way: Way, late: int, grid: int
+) -> Iterator[Step]:
     """The task at the first moment that is allowed; moments at which something else ends are enough
-    to look at.
+    to look at. A task that another one must follow in time may have to wait for it: it is tried at
+    every moment of the grid.
     """
     if not plain.allows_who((*done, Step(job.name, way, 0))):
-        return None
+        return
     last = max((step.start for step in done), default=0)
     there = (
         moment
@@ -376,12 +410,25 @@ def _appended(plain: Plain, done: tuple[Step, ...], job: Job, way: Way) -> Step 
         0,
         *(plain.change.get((job.tool, who), 0) for who in way.who if job.tool is not None),
     }
-    for start in sorted({last, *(end + change for end in ends for change in changes)}):
+    for gap in job.gaps:
+        for first in done:
+            if first.name == gap.first:
+                ends.add((first.start if gap.of_start else first.end) + gap.least)
+    is_followed = any(
+        gap.first == job.name and gap.most is not None
+        for other in plain.jobs.values()
+        for gap in other.gaps
+    )
+    moments = {last, *(end + change for end in ends for change in changes)}
+    if is_followed:
+        moments |= set(range(last, late + 1, grid))
+    for start in sorted(moments):
         if start >= last:
             step = Step(job.name, way, start)
             if plain.allows((*done, step)):
-                return step
-    return None
+                yield step
+                if not is_followed:
+                    return
 
 
 def _front_of_all(plain: Plain, horizon: int) -> list[Pair]:
@@ -414,7 +461,20 @@ def _grid(plain: Plain) -> int:
     times = [way.time for job in plain.jobs.values() for way in job.ways]
     times += [job.release for job in plain.jobs.values()]
     times += [moment for breaks in plain.breaks.values() for pair in breaks for moment in pair]
+    for job in plain.jobs.values():
+        times += [number for gap in job.gaps for number in (gap.least, gap.most or 0)]
     return gcd(*times, *plain.change.values(), *plain.ready.values())
+
+
+def _gaps(waits: Any) -> Iterator[Gap]:
+    for wait in [waits] if isinstance(waits, Mapping) else waits:
+        most = wait.get("at_most")
+        yield Gap(
+            str(wait["after"]),
+            wait.get("between", "end-start") == "start-start",
+            _millionths(wait.get("at_least", 0)),
+            None if most is None else _millionths(most),
+        )
 
 
 def _unbeaten(points: list[Pair]) -> list[Pair]:

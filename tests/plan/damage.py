@@ -61,7 +61,7 @@ def begun_before_zero(cell: Cell, plan: Schedule) -> Damaged:
 def begun_before_a_predecessor_has_ended(cell: Cell, plan: Schedule) -> Damaged:
     rows = {a.task: a for a in plan}
     for a in plan:
-        for first in cell.tasks[a.task].after:
+        for first in cell.tasks[a.task].predecessors:
             yield (
                 cell,
                 _with(
@@ -69,6 +69,21 @@ def begun_before_a_predecessor_has_ended(cell: Cell, plan: Schedule) -> Damaged:
                 ),
                 {},
             )
+
+
+def begun_outside_a_wait(cell: Cell, plan: Schedule) -> Damaged:
+    rows = {a.task: a for a in plan}
+    for a in plan:
+        for wait in cell.tasks[a.task].wait:
+            first = rows[wait.after]
+            moment = exact(first.start if wait.between == "start-start" else first.end)
+            if wait.at_least:
+                half = float(moment + exact(wait.at_least) / 2)
+                yield cell, _with(plan, a, _at(a, half)), {}
+            if wait.between == "start-start":
+                yield cell, _with(plan, a, _at(a, float(moment - exact(0.001)))), {}
+            if wait.at_most is not None:
+                yield cell, _with(plan, a, _at(a, float(moment + exact(wait.at_most + 0.001)))), {}
 
 
 def two_tasks_of_an_operator_at_once(cell: Cell, plan: Schedule) -> Damaged:
@@ -193,6 +208,7 @@ DAMAGES: tuple[Callable[[Cell, Schedule], Damaged], ...] = (
     given_to_someone_of_another_pace,
     begun_before_zero,
     begun_before_a_predecessor_has_ended,
+    begun_outside_a_wait,
     two_tasks_of_an_operator_at_once,
     begun_before_the_release,
     ended_after_the_deadline,

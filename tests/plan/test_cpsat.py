@@ -55,6 +55,26 @@ def test_predecessors_end_first():
     assert not possible(chain, 9, cpsat.predecessors_end_first)
 
 
+@pytest.mark.parametrize(
+    ("wait", "allowed"),
+    [
+        ({"at_least": 3}, range(8, 99)),
+        ({"at_most": 3}, range(5, 9)),
+        ({"between": "start-start", "at_least": 3, "at_most": 4}, range(3, 5)),
+        ({"between": "start-start"}, range(99)),
+    ],
+)
+def test_waits_are_kept(wait, allowed):
+    tasks = {"a": {"time": BOTH}, "b": {"time": BOTH, "wait": {"after": "a", **wait}}}
+    for start in (0, 2, 3, 4, 5, 7, 8, 9):
+        rules = [cpsat.waits_are_kept, cpsat.predecessors_end_first]
+        plan = cpsat.formulate(Instance.of(cell(tasks=tasks)), 30, rules)
+        plan.model.add(plan.start[0] == 0)
+        plan.model.add(plan.start[1] == start)
+        possible = cp_model.CpSolver().solve(plan.model) != cp_model.INFEASIBLE
+        assert possible == (start in allowed), start
+
+
 def test_an_operator_does_one_thing_at_a_time():
     alone = cell(ONE, {"a": {"time": {"anna": 5}}, "b": {"time": {"anna": 5}}})
     assert possible(alone, 10, cpsat.an_operator_does_one_thing_at_a_time)

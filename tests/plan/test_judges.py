@@ -10,7 +10,14 @@ from hypothesis import strategies as st
 from tests.plan.brute_force import Point, front_in_order, front_of_all
 from tests.plan.damage import DAMAGES
 from tests.plan.tick_by_tick import is_sound
-from tests.schedule.cells import gearbox, gearbox_schedule, thesis, thesis_schedule
+from tests.schedule.cells import (
+    gearbox,
+    gearbox_schedule,
+    glued,
+    glued_schedule,
+    thesis,
+    thesis_schedule,
+)
 from tests.strategies import cells
 
 from tandem.cell.model import Cell
@@ -139,7 +146,11 @@ def test_a_schedule_damaged_in_any_one_way_is_caught(damage, cell):
 def test_every_damage_has_something_to_break():
     """The test above would pass on cells in which a damage finds nothing to do."""
     table = thesis().replace(stress_of_set={"3,5,6": 7, "3": 1})
-    known = [(gearbox(), gearbox_schedule()), (table, thesis_schedule())]
+    known = [
+        (gearbox(), gearbox_schedule()),
+        (table, thesis_schedule()),
+        (glued(), glued_schedule()),
+    ]
     for damage in DAMAGES:
         broken = [case for cell, plan in known for case in damage(cell, plan)]
         assert broken, damage.__name__

@@ -33,6 +33,7 @@ def _ms(seconds: float) -> int:
 
 def _numbers_fit(cell: Cell, rows: list[Assignment]) -> bool:
     end = {a.task: a.end for a in rows}
+    begin = {a.task: a.start for a in rows}
     for a in rows:
         task = cell.tasks[a.task]
         times = {(frozenset((name,)), _ms(time)) for name, time in task.time.items()}
@@ -49,6 +50,13 @@ def _numbers_fit(cell: Cell, rows: list[Assignment]) -> bool:
             return False
         if any(end[first] > a.start for first in task.after):
             return False
+        for wait in task.wait:
+            since = begin[wait.after] if wait.between == "start-start" else end[wait.after]
+            past = _ms(a.start) - _ms(since)
+            if past < _ms(wait.at_least):
+                return False
+            if wait.at_most is not None and past > _ms(wait.at_most):
+                return False
     who = {a.task: frozenset(a.operators) for a in rows}
     return all(who[one] == who[other] for one, other in cell.same_operator)
 

@@ -21,6 +21,15 @@ SAID = {
         "both": r"previous step done, and own tasks: (?P<tasks>.+)",
         "break": r"own break over \((?P<off>\S+) to (?P<back>\S+) s\)",
         "release": r"(?P<release>\S+) s passed since the start",
+        "lag.end": (
+            r"(?:(?:exactly )?(?P<least>\S+) s |at the latest (?P<most>\S+) s )?after (?P<who>.+)"
+            r" ended (?P<task>.+?)(?:, at the latest (?P<until>\S+) s)?"
+        ),
+        "lag.start": (
+            r"(?:(?:exactly )?(?P<least>\S+) s |at the latest (?P<most>\S+) s )?after (?P<who>.+)"
+            r" began (?P<task>.+?)(?:, at the latest (?P<until>\S+) s)?"
+        ),
+        "hold": r"not before (?P<hold>\S+) s, so that (?P<tasks>.+) can follow in time",
         "tool.room": (
             r"one of (?P<places>\d+) (?P<name>.+) free: at most (?P<spare>\d+) not done of"
             r" (?P<those>.+)"
@@ -37,6 +46,11 @@ SAID = {
         "with": r"(.+) with (.+)",
         "own then": r"own tasks: (.+)",
         "freed then": r"(.+) with (.+) \(((?:tool|zone) .+)\)",
+        "wait then": (
+            r"(.+) with (.+) \((?:\S+ s to \S+ s later|\S+ s later at the earliest"
+            r"|exactly \S+ s later|within \S+ s|at once)"
+            r"(, counted from the beginning of this step)?\)"
+        ),
         "change": r"change over to (.+): (\S+) s",
         "setup": r"set up: (\S+) s",
     },
@@ -50,6 +64,15 @@ SAID = {
         "both": r"voriger Schritt fertig und eigene Vorgänge: (?P<tasks>.+)",
         "break": r"eigene Pause vorbei \((?P<off>\S+) bis (?P<back>\S+) s\)",
         "release": r"(?P<release>\S+) s seit Beginn vergangen",
+        "lag.end": (
+            r"(?:(?:genau )?(?P<least>\S+) s |spätestens (?P<most>\S+) s )?nach dem Ende von"
+            r" (?P<task>.+) \((?P<who>[^()]+)\)(?:, spätestens (?P<until>\S+) s)?"
+        ),
+        "lag.start": (
+            r"(?:(?:genau )?(?P<least>\S+) s |spätestens (?P<most>\S+) s )?nach dem Beginn von"
+            r" (?P<task>.+) \((?P<who>[^()]+)\)(?:, spätestens (?P<until>\S+) s)?"
+        ),
+        "hold": r"nicht vor (?P<hold>\S+) s, damit (?P<tasks>.+) rechtzeitig folgen kann",
         "tool.room": (
             r"eines von (?P<places>\d+) Stück (?P<name>.+) frei: höchstens (?P<spare>\d+) nicht"
             r" fertig von (?P<those>.+)"
@@ -66,6 +89,10 @@ SAID = {
         "with": r"(.+) mit (.+)",
         "own then": r"eigene Vorgänge: (.+)",
         "freed then": r"(.+) mit (.+) \(((?:Werkzeug|Bereich) .+)\)",
+        "wait then": (
+            r"(.+) mit (.+) \((?:\S+ s bis \S+ s später|(?:genau |frühestens )\S+ s später"
+            r"|innerhalb von \S+ s|sofort)(, vom Beginn dieses Schritts an)?\)"
+        ),
         "change": r"wechseln auf (.+): (\S+) s",
         "setup": r"rüsten: (\S+) s",
     },
@@ -73,6 +100,7 @@ SAID = {
 CONDITIONS = (
     *("start", "previous", "both", "own", "break", "release"),
     *("tool.room", "zone.room", "freed", "done", "partner"),
+    *("lag.end", "lag.start", "hold"),
 )
 HEADS = {
     "en": {
@@ -129,6 +157,18 @@ class Row:
         """(who, task) of all that others must have done."""
         found = (*self.conditions.get("done", []), *self.conditions.get("freed", []))
         return {(values["who"], values["task"]) for values in found}
+
+    def lags(self, kind: str) -> set[tuple[str, str, Decimal, Decimal | None]]:
+        """(who, task, seconds at least, at most) of the waits after an "end" or a "start"."""
+        return {
+            (
+                values["who"],
+                values["task"],
+                number(values["least"] or "0"),
+                None if not (most := values["most"] or values["until"]) else number(most),
+            )
+            for values in self.conditions.get(f"lag.{kind}", [])
+        }
 
     def own_before(self) -> set[str]:
         """Names of the tasks of this sheet that must be done."""
@@ -300,6 +340,8 @@ def _row(head: list[str], row: list[list[str]], bold: set[str], language: str) -
 def _then(row: Row, sentence: str, language: str) -> None:
     if match := re.fullmatch(SAID[language]["own then"], sentence):
         row.own = tuple(match[1].split(", "))
+    elif match := re.fullmatch(SAID[language]["wait then"], sentence):
+        row.others.append((match[1], name_of(match[2]), frozenset()))
     elif match := re.fullmatch(SAID[language]["freed then"], sentence):
         kinds = {"Werkzeug": "tool", "Bereich": "zone"}
         freed = (one.split(" ", 1) for one in match[3].split(", "))
@@ -347,6 +389,7 @@ def work_by(sheets: Mapping[str, Sheet], seconds: Seconds) -> list[Worked]:
         worked.append(first)
         if first.task:
             crew.done[first.task] = first.end
+            crew.begun[first.task] = first.start
         for who in first.who:
             crew.place[who] += 1
             crew.free[who] = first.end
@@ -361,6 +404,7 @@ class _Crew:
         self.place = dict.fromkeys(sheets, 0)
         self.free = dict.fromkeys(sheets, Decimal(0))
         self.done: dict[str, Decimal] = {}
+        self.begun: dict[str, Decimal] = {}
 
     def row(self, who: str) -> Row:
         return self.sheets[who].rows[self.place[who]]
@@ -395,6 +439,12 @@ class _Crew:
         moments = [self.free[who], *(self.done[task] for task in needed)]
         moments += [number(values["release"]) for values in row.conditions.get("release", [])]
         moments += [number(values["back"]) for values in row.conditions.get("break", [])]
+        moments += [number(values["hold"]) for values in row.conditions.get("hold", [])]
+        for kind, reached in (("end", self.done), ("start", self.begun)):
+            for _, task, least, _ in row.lags(kind):
+                if task not in reached:
+                    return None
+                moments.append(reached[task] + least)
         for _, _, spare, those in row.rooms():
             ends = sorted(self.done[task] for _, task in those if task in self.done)
             if len(ends) < len(those) - spare:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import io
 import re
+from decimal import Decimal
 from functools import cache
 
 import openpyxl
@@ -15,9 +16,11 @@ from hypothesis import strategies as st
 from openpyxl.cell.rich_text import CellRichText, TextBlock
 from tests.draw.cells import front_of, gearbox_front, rows, thesis_front
 from tests.report.paper import Sheet, number, sheets_of
+from tests.schedule.cells import glued, glued_schedule
 from tests.strategies import cells
 
 from tandem.cell.model import Cell
+from tandem.cell.parts import Task
 from tandem.errors import InfeasibleError
 from tandem.files.validate import cell_of
 from tandem.plan.methods import plan
@@ -72,16 +75,35 @@ def test_every_step_names_all_that_it_waits_for(cell: Cell, language: str) -> No
             if not row.task:
                 continue
             task = cell.tasks[row.task]
-            others = {(joined(who[name]), name) for name in task.after if one not in who[name]}
+            ends, begins = _told_apart(task, who)
+            plain = [name for name in task.predecessors if name not in {end[1] for end in ends}]
+            others = {(joined(who[name]), name) for name in plain if one not in who[name]}
             partners = [name for name in who[row.task] if name != one]
             assert others <= row.waits_for()
-            assert row.own_before() == {name for name in task.after if one in who[name]}
+            assert row.own_before() == {name for name in plain if one in who[name]}
+            assert (row.lags("end"), row.lags("start")) == (ends, begins)
             assert row.told("partner") == {(name,) for name in partners}
             assert {number(said) for (said,) in row.told("release")} == (
                 {exact(task.release)} if task.release else set()
             )
             said = " ".join(row.cells.get("means", []))
             assert all(name in said for name in (task.tool, task.zone, *partners) if name)
+
+
+Lags = set[tuple[str, str, Decimal, Decimal | None]]
+
+
+def _told_apart(task: Task, who: dict[str, tuple[str, ...]]) -> tuple[Lags, Lags]:
+    """The waits after ends that say more than that a task must have ended, and those after
+    starts.
+    """
+    found: dict[str, Lags] = {"end-start": set(), "start-start": set()}
+    for wait in task.wait:
+        if wait.at_least or wait.at_most is not None or wait.between == "start-start":
+            most = None if wait.at_most is None else exact(wait.at_most)
+            lag = (joined(who[wait.after]), wait.after, exact(wait.at_least), most)
+            found[wait.between].add(lag)
+    return found["end-start"], found["start-start"]
 
 
 @settings(max_examples=60, **OPTIONS)
@@ -96,13 +118,14 @@ def test_what_can_begin_then_is_all_that_waits_for_it(cell: Cell, language: str)
     waits: dict[str, set[str]] = {name: set() for name in who}
     for row in rows:
         named = {task for _, task in row.waits_for()} | row.own_before()
+        named |= {lag[1] for kind in ("end", "start") for lag in row.lags(kind)}
         for task in named | {task for *_, those in row.rooms() for _, task in those}:
             waits[task].add(row.task)
     for row in rows:
         if row.task:
             told = {task for _, task, _ in row.others} | set(row.own)
             assert told == waits[row.task]
-            assert told >= {name for name in who if row.task in cell.tasks[name].after}
+            assert told >= {name for name in who if row.task in cell.tasks[name].begun_first}
             assert all(said == joined(who[task]) for said, task, _ in row.others)
 
 
@@ -177,6 +200,44 @@ def shop_front() -> Front:
         ("turn over", "a+b", 13, 17),
     )
     return front_of(shop(), [schedule])
+
+
+@pytest.mark.parametrize(
+    ("language", "said"),
+    [
+        (
+            "en",
+            (
+                "not before 35 s, so that press can follow in time",
+                "anna with press (40 s to 60 s later)",
+                "40 s after cobot ended glue, at the latest 60 s",
+                "cobot with cool (4 s to 9 s later, counted from the beginning of this step)",
+                "4 s after anna began press, at the latest 9 s",
+            ),
+        ),
+        (
+            "de",
+            (
+                "nicht vor 35 s, damit press rechtzeitig folgen kann",
+                "anna mit press (40 s bis 60 s später)",
+                "40 s nach dem Ende von glue (cobot), spätestens 60 s",
+                "cobot mit cool (4 s bis 9 s später, vom Beginn dieses Schritts an)",
+                "4 s nach dem Beginn von press (anna), spätestens 9 s",
+            ),
+        ),
+    ],
+)
+def test_what_must_wait_is_told_to_who_waits_and_to_who_comes_before(
+    language: str, said: tuple[str, ...]
+) -> None:
+    sheets = on_paper(glued(), glued_schedule(), language)
+    (glue, cool), (_, press) = sheets["cobot"].rows, sheets["anna"].rows
+    found = (
+        *(glue.cells["begin"][0], glue.cells["then"][0]),
+        *(press.cells["begin"][1], press.cells["then"][0]),
+        cool.cells["begin"][-1],
+    )
+    assert found == said
 
 
 def test_the_drill_waits_for_the_clamp_although_only_the_tool_comes_last() -> None:

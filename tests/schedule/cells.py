@@ -76,6 +76,33 @@ GEARBOX_PLAN: dict[str, tuple[tuple[str, ...], float, float]] = {
 }
 
 
+GLUED: dict[str, Any] = {
+    "operators": {"cobot": {"kind": "robot"}, "anna": {"kind": "human"}},
+    "tasks": {
+        "sort": {"time": {"anna": 100}},
+        "glue": {"time": {"cobot": 5}},
+        "press": {
+            "time": {"anna": 10},
+            "stress": 2,
+            "after": ["sort"],
+            "wait": {"after": "glue", "at_least": 40, "at_most": 60},
+        },
+        "cool": {
+            "time": {"cobot": 6},
+            "wait": [{"after": "press", "between": "start-start", "at_least": 4, "at_most": 9}],
+        },
+    },
+}
+"""Glue must be pressed 40 to 60 s after it was put on, and Anna is busy until 100 s."""
+
+GLUED_PLAN: dict[str, tuple[tuple[str, ...], float, float]] = {
+    "sort": (("anna",), 0, 100),
+    "glue": (("cobot",), 35, 40),
+    "press": (("anna",), 100, 110),
+    "cool": (("cobot",), 104, 110),
+}
+
+
 def thesis() -> Cell:
     """The example of Kinat (2023), chapter 6."""
     return Cell.model_validate(THESIS)
@@ -84,6 +111,16 @@ def thesis() -> Cell:
 def gearbox(**changes: Any) -> Cell:
     """A cell with a bit of everything; top-level keys can be changed."""
     return Cell.model_validate({**GEARBOX, **changes})
+
+
+def glued(**changes: Any) -> Cell:
+    """A cell with waits; top-level keys can be changed."""
+    return Cell.model_validate({**GLUED, **changes})
+
+
+def glued_schedule(**changes: tuple[tuple[str, ...], float, float]) -> Schedule:
+    """A sound schedule of the glued cell, some of its rows changed."""
+    return schedule({**GLUED_PLAN, **changes})
 
 
 def schedule(rows: dict[str, tuple[tuple[str, ...], float, float]]) -> Schedule:

@@ -14,6 +14,8 @@ from tests.schedule.cells import (
     GEARBOX_PLAN,
     gearbox,
     gearbox_schedule,
+    glued,
+    glued_schedule,
     schedule,
     thesis,
     thesis_schedule,
@@ -70,6 +72,43 @@ def test_each_damage_is_said(what):
     rows, sentence = DAMAGE[what]
     found = faults(gearbox(), gearbox_schedule(**rows))
     assert any(re.search(sentence, fault) for fault in found), found
+
+
+@pytest.mark.parametrize(
+    ("rows", "sentence"),
+    [
+        (
+            {"glue": (COBOT, 61, 66)},
+            r"'press': starts at 100 s, 34 s after task 'glue' has ended, and must wait 40 s at"
+            r" least: 106 s is the earliest",
+        ),
+        (
+            {"glue": (COBOT, 0, 5)},
+            r"'press': starts at 100 s, 95 s after task 'glue' has ended, and must start within"
+            r" 60 s: 65 s is the latest",
+        ),
+        (
+            {"cool": (COBOT, 103, 109)},
+            r"'cool': starts at 103 s, 3 s after task 'press' has started, and must wait 4 s",
+        ),
+        (
+            {"cool": (COBOT, 110, 116)},
+            r"'cool': starts at 110 s, 10 s after task 'press' has started.* 109 s is the latest",
+        ),
+        (
+            {"cool": (COBOT, 90, 96)},
+            r"'cool': starts at 90 s, before task 'press' has started.*104 s is the earliest",
+        ),
+        (
+            {"glue": (COBOT, 98, 103)},
+            r"'press': starts at 100 s, before task 'glue' has ended, which it comes after",
+        ),
+    ],
+)
+def test_a_wait_that_is_too_short_or_too_long_is_said(rows, sentence):
+    assert faults(glued(), glued_schedule()) == []
+    found = faults(glued(), glued_schedule(**rows))
+    assert len([fault for fault in found if re.search(sentence, fault)]) == 1, found
 
 
 def test_missing_double_and_unknown_tasks_are_said():
@@ -306,6 +345,7 @@ def test_every_rule_has_been_seen_to_fire():
             gearbox_schedule(),
         )
     )
+    cells.append((glued(), glued_schedule(glue=(COBOT, 0, 5))))
     for cell, plan in cells:
         judged = Judged.of(cell, plan, max_makespan=1, max_stress=float(Decimal("0.1")))
         fired |= {rule for rule in RULES if list(rule(judged))}

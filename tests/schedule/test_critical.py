@@ -7,7 +7,15 @@ from dataclasses import replace
 
 import pytest
 from hypothesis import given, settings
-from tests.schedule.cells import gearbox, gearbox_schedule, schedule, thesis, thesis_schedule
+from tests.schedule.cells import (
+    gearbox,
+    gearbox_schedule,
+    glued,
+    glued_schedule,
+    schedule,
+    thesis,
+    thesis_schedule,
+)
 from tests.strategies import cells
 
 from tandem.cell.model import Cell
@@ -15,7 +23,7 @@ from tandem.errors import NothingFoundError
 from tandem.plan.question import Question
 from tandem.plan.rules import RULES
 from tandem.schedule.checker import faults
-from tandem.schedule.critical import critical_path, slack
+from tandem.schedule.critical import critical_path, links, slack
 from tandem.schedule.measures import exact, makespan
 from tandem.schedule.model import Schedule
 
@@ -76,6 +84,22 @@ def test_a_path_goes_through_changeovers_tools_and_zones():
     assert slack(cell, plan) == {"a": 0, "b": 0, "c": 0, "d": 0}
 
 
+def test_a_wait_and_a_follower_are_reasons_and_bound_how_far_a_task_may_slip():
+    cell, plan = glued(), glued_schedule()
+    path = critical_path(cell, plan)
+    assert [(link.assignment.task, link.reason, link.by) for link in path] in (
+        [("sort", "start", ""), ("press", "predecessor", "sort")],
+        [("sort", "start", ""), ("press", "predecessor", "sort"), ("cool", "wait", "press")],
+    )
+    by_task = links(cell, plan)
+    assert [(link.reason, link.by) for link in by_task["glue"]] == [("follower", "press")]
+    assert [(link.reason, link.by) for link in by_task["cool"]] == [("wait", "press")]
+    assert str(by_task["glue"][0]) == "glue at 35 s, no sooner, so that press follows in time"
+    assert slack(cell, plan) == {"sort": 0, "glue": 20, "press": 0, "cool": 0}
+    longer = glued_schedule(cool=(("cobot",), 106, 112))
+    assert slack(cell, longer) == {"sort": 0, "glue": 22, "press": 0, "cool": 0}
+
+
 def test_a_needless_wait_is_called_a_choice():
     plan = schedule({a.task: (a.operators, a.start + 1, a.end + 1) for a in thesis_schedule()})
     assert critical_path(thesis(), plan)[0].reason == "choice"
@@ -99,10 +123,11 @@ def test_a_path_explains_every_moment_of_a_schedule_by_rules(cell, rule):
         return
     path = critical_path(cell, plan)
     assert path[-1].assignment.end == makespan(plan)
-    assert path[0].reason in ("start", "release", "break", "setup")
+    assert path[0].reason in ("start", "release", "break", "setup", "follower")
     for before, link in itertools.pairwise(path):
         assert link.waited_for == before.assignment.task
-        assert link.reason == "changeover" or before.assignment.end == link.assignment.start
+        between = link.reason in ("changeover", "wait")
+        assert between or before.assignment.end == link.assignment.start
 
 
 @settings(deadline=None, max_examples=60)
@@ -116,7 +141,7 @@ def test_a_task_can_slip_alone_by_its_slack_when_nothing_follows_it(cell):
     assert min(free.values()) == 0
     last = {a.task: a for name in cell.operators for a in plan.of(name)[-1:]}
     for name, a in last.items():
-        alone = not any(name in task.after for task in cell.tasks.values()) and all(
+        alone = not any(name in task.begun_first for task in cell.tasks.values()) and all(
             plan.of(who)[-1] == a for who in a.operators
         )
         if alone and cell.tasks[name].tool is None and cell.tasks[name].zone is None:

@@ -12,6 +12,7 @@ import tandem
 from tandem.cell.model import Cell
 from tandem.errors import CellError, InfeasibleError
 from tandem.plan.result import Front
+from tandem.schedule.checker import faults
 from tandem.schedule.model import Schedule
 from tandem.world import people
 from tandem.world.arrays import Names
@@ -39,7 +40,8 @@ def carried_out(cell: Cell, schedule: Schedule, cv: float, seed: int) -> Episode
         else nominal_scenario(draw, arrays)
     )
     crew = people.crew(arrays, people.compliant(arrays))
-    return play_one(names, arrays, chance, crew, partial(carry_on, Plan.of(names, schedule)))
+    plan = Plan.of(names, schedule)
+    return play_one(names, plan.held_back(arrays), chance, crew, partial(carry_on, plan))
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -48,6 +50,7 @@ def test_at_the_stated_times_it_takes_what_was_planned(seed: int) -> None:
         played = carried_out(result.cell, result.schedule, 0.0, seed)
         assert played.done
         assert played.makespan == pytest.approx(result.makespan)
+        assert faults(result.cell, Schedule(tuple(played.work))) == []
         assert played.stress == pytest.approx(result.stress)
         planned = {row.task: row for row in result.schedule}
         assert all(row.start <= planned[row.task].start + 1e-9 for row in played.work)

@@ -229,6 +229,41 @@ class Together(Frozen):
     )
 
 
+Between = Literal["end-start", "start-start"]
+
+
+class Wait(Frozen):
+    """A time that passes between two tasks, such as curing, open time or cooling; nobody is busy
+    meanwhile.
+    """
+
+    after: Name = Field(description="The task that comes first.")
+    between: Between = Field(
+        default="end-start",
+        description=(
+            "What the wait is counted from: the end of that task (it must have ended then), or its"
+            " start; up to the start of this one."
+        ),
+    )
+    at_least: Moment = Field(
+        default=0.0, description="Seconds that must have passed when this task starts."
+    )
+    at_most: Moment | None = Field(
+        default=None,
+        description="Seconds within which this task must start; any time when absent.",
+    )
+
+
+def _as_list(value: object) -> object:
+    return [value] if isinstance(value, Mapping | Wait) else value
+
+
+Waits = Annotated[
+    tuple[Wait, ...], BeforeValidator(_as_list, json_schema_input_type=Wait | tuple[Wait, ...])
+]
+"""Waits of a task; one may stand there without a list around it."""
+
+
 class Task(Frozen):
     """One assembly step. It can be done by each operator in `time` alone, or by each group in
     `together`.
@@ -255,6 +290,13 @@ class Task(Frozen):
     after: tuple[Name, ...] = Field(
         default=(), description="Tasks that must have ended before this one starts."
     )
+    wait: Waits = Field(
+        default=(),
+        description=(
+            "How long after another task this one may start, at least and at most: one wait, or a"
+            " list of them."
+        ),
+    )
     tool: Name | None = Field(
         default=None, description="The tool that every operator who does the task needs in hand."
     )
@@ -272,6 +314,25 @@ class Task(Frozen):
             " operator."
         ),
     )
+
+    @property
+    def predecessors(self) -> tuple[str, ...]:
+        """Tasks that must have ended before this one starts: those in `after`, then those whose
+        end it waits from; each once.
+        """
+        if not self.wait:
+            return tuple(dict.fromkeys(self.after))
+        ended = (wait.after for wait in self.wait if wait.between == "end-start")
+        return tuple(dict.fromkeys((*self.after, *ended)))
+
+    @property
+    def begun_first(self) -> tuple[str, ...]:
+        """Tasks that must have begun before this one starts, or begin with it: its predecessors,
+        and those whose start it waits from; each once.
+        """
+        if not self.wait:
+            return self.predecessors
+        return tuple(dict.fromkeys((*self.after, *(wait.after for wait in self.wait))))
 
     @property
     def scatters(self) -> bool:

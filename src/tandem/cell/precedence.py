@@ -17,20 +17,21 @@ SHOWN = 12
 
 
 def no_task_waits_for_itself(cell: Fields) -> Iterator[Fault]:
-    """No chain of predecessors leads back to where it began. A task that names itself has a rule of
-    its own.
+    """No chain of predecessors, and of tasks whose start is waited from, leads back to where it
+    began. A task that names itself has a rule of its own.
     """
     after = {
-        name: tuple(first for first in task.after if first != name and first in cell.tasks)
+        name: tuple(first for first in task.begun_first if first != name and first in cell.tasks)
         for name, task in cell.tasks.items()
     }
     for cycle, _ in zip(cycles(after), range(MOST), strict=False):
         last, first = cycle[-1], cycle[0]
-        path = ("tasks", first, "after", cell.tasks[first].after.index(last))
+        path = _place(cell, first, last)
+        keys = _keys(cell, cycle)
         if len(cycle) == 2:
             yield Fault(
                 f"tasks {first!r} and {last!r} wait for each other. Take one of them out of the"
-                " other's `after`.",
+                f" other's {keys}.",
                 path,
             )
             continue
@@ -42,9 +43,25 @@ def no_task_waits_for_itself(cell: Fields) -> Iterator[Fault]:
         circle = " before ".join(name if name == "..." else repr(name) for name in names)
         yield Fault(
             f"{len(cycle)} tasks wait for each other in a circle: {circle}. Take one of these out"
-            " of the next one's `after`.",
+            f" of the next one's {keys}.",
             path,
         )
+
+
+def _place(cell: Fields, task: str, first: str) -> tuple[str | int, ...]:
+    """Where it stands that `first` comes before the task."""
+    stated = cell.tasks[task]
+    if first in stated.after:
+        return ("tasks", task, "after", stated.after.index(first))
+    waits = [wait.after for wait in stated.wait]
+    return ("tasks", task, "wait", waits.index(first), "after")
+
+
+def _keys(cell: Fields, cycle: Sequence[str]) -> str:
+    """The keys in which the tasks of a circle name each other."""
+    arcs = zip(cycle, [*cycle[1:], cycle[0]], strict=True)
+    places = {str(_place(cell, task, first)[2]) for first, task in arcs}
+    return " or ".join(f"`{key}`" for key in sorted(places))
 
 
 def cycles(after: Mapping[str, Sequence[str]]) -> Iterator[list[str]]:

@@ -71,8 +71,8 @@ def names_can_be_told_apart(cell: Fields) -> Iterator[Fault]:
 
 
 def tasks_are_known(cell: Fields) -> Iterator[Fault]:
-    """Whatever stands in `after` and `same_operator` is one of the cell's tasks; `stress_of_set`
-    has a rule of its own.
+    """Whatever stands in `after`, `wait` and `same_operator` is one of the cell's tasks;
+    `stress_of_set` has a rule of its own.
     """
     known = Known(cell.tasks)
     for name, task in cell.tasks.items():
@@ -81,6 +81,13 @@ def tasks_are_known(cell: Fields) -> Iterator[Fault]:
                 yield Fault(
                     f"task {name!r} comes after {first!r}, which is no task. {known.hint(first)}",
                     ("tasks", name, "after", place),
+                )
+        for place, wait in enumerate(task.wait):
+            if wait.after not in known:
+                yield Fault(
+                    f"task {name!r} waits after {wait.after!r}, which is no task."
+                    f" {known.hint(wait.after)}",
+                    ("tasks", name, "wait", place, "after"),
                 )
     for place, pair in enumerate(cell.same_operator):
         for side, name in enumerate(pair):
@@ -99,6 +106,13 @@ def no_task_comes_after_itself(cell: Fields) -> Iterator[Fault]:
                 f"task {name!r} comes after itself. Take {name!r} out of its `after`.",
                 ("tasks", name, "after", task.after.index(name)),
             )
+        for place, wait in enumerate(task.wait):
+            if wait.after == name:
+                yield Fault(
+                    f"task {name!r} waits for itself. Name the task that comes first, or take the"
+                    " wait out.",
+                    ("tasks", name, "wait", place, "after"),
+                )
     for place, (one, other) in enumerate(cell.same_operator):
         if one == other:
             yield Fault(
@@ -106,6 +120,31 @@ def no_task_comes_after_itself(cell: Fields) -> Iterator[Fault]:
                 " the pair out.",
                 ("same_operator", place),
             )
+
+
+def a_wait_leaves_time_to_start(cell: Fields) -> Iterator[Fault]:
+    """The most that may pass is not below the least, and what is counted from one moment is stated
+    once.
+    """
+    for name, task in cell.tasks.items():
+        stated: dict[tuple[str, str], int] = {}
+        for place, wait in enumerate(task.wait):
+            path: Path = ("tasks", name, "wait", place)
+            if wait.at_most is not None and wait.at_most < wait.at_least:
+                least, most = number(wait.at_least), number(wait.at_most)
+                yield Fault(
+                    f"task {name!r}: the wait after {wait.after!r} is at least {least} s and at"
+                    f" most {most} s, which leaves no moment to start. Write `at_least: {most},"
+                    f" at_most: {least}` if they were mixed up, or make at_most larger.",
+                    (*path, "at_most"),
+                )
+            first = stated.setdefault((wait.after, wait.between), place)
+            if first != place:
+                yield Fault(
+                    f"task {name!r}: the wait after {wait.after!r} ({wait.between}) is stated"
+                    " twice. Make one of them: the larger at_least, the smaller at_most.",
+                    path,
+                )
 
 
 def a_group_names_each_operator_once(cell: Fields) -> Iterator[Fault]:
@@ -385,6 +424,7 @@ RULES: tuple[Callable[[Fields], Iterator[Fault]], ...] = (
     tasks_are_known,
     no_task_comes_after_itself,
     no_task_waits_for_itself,
+    a_wait_leaves_time_to_start,
     a_group_names_each_operator_once,
     someone_can_do_each_task,
     stress_is_put_on_humans,

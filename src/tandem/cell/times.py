@@ -18,7 +18,7 @@ from tandem.cell.written import number
 from tandem.errors import Fault
 
 if TYPE_CHECKING:
-    from tandem.cell.parts import Fields
+    from tandem.cell.parts import Fields, Task
 
 DECIMALS = 6
 MICRO = 1_000_000
@@ -79,7 +79,7 @@ class Earliest:
 
 def a_deadline_can_be_met(cell: Fields) -> Iterator[Fault]:
     """No task is bound to be late: its predecessors and itself, each in its quickest way, from the
-    release on, around breaks.
+    release on, around breaks, with the least waits from end to start between them.
     """
     if all(task.deadline is None for task in cell.tasks.values()):
         return
@@ -157,18 +157,24 @@ def _earliest(
     ways = [(who, time) for who, time in ways if all(one in rest for one in who)]
     if not ways:
         return None
-    before = [first for first in task.after if first in found]
+    before = [first for first in task.predecessors if first in found]
+    waits = _least_waits(task)
     start = chain_start = _micro(task.release)
-    first = max(before, key=lambda one: found[one].end, default=None)
-    if first is not None and found[first].end > start:
-        start = found[first].end
+    first = max(before, key=lambda one: found[one].end + waits.get(one, 0), default=None)
+    if first is not None and found[first].end + waits.get(first, 0) > start:
+        start = found[first].end + waits.get(first, 0)
     else:
         first = None
-    chain_start = max([chain_start, *(found[one].chain_end for one in before)])
+    chain_start = max([chain_start, *(found[one].chain_end + waits.get(one, 0) for one in before)])
     end, operators = min(
         (rest.soonest_end(start, _micro(time), tuple(who)), tuple(who)) for who, time in ways
     )
     return Earliest(end, chain_start + min(_micro(time) for _, time in ways), first, operators)
+
+
+def _least_waits(task: Task) -> dict[str, int]:
+    """Per task that it waits for the end of, microseconds that must pass in between."""
+    return {wait.after: _micro(wait.at_least) for wait in task.wait if wait.between == "end-start"}
 
 
 def _too_late(cell: Fields, name: str, found: Mapping[str, Earliest]) -> str:
@@ -178,7 +184,7 @@ def _too_late(cell: Fields, name: str, found: Mapping[str, Earliest]) -> str:
     chain.reverse()
     if len(chain) > 12:
         chain = [*chain[:5], "", *chain[-6:]]
-    steps = " then ".join(_step(cell, one) if one else "..." for one in chain)
+    steps = " then ".join(_step(cell, one, found[one].first) if one else "..." for one in chain)
     deadline, end = cell.tasks[name].deadline, found[name].end
     kinds = sorted(
         {f"{off.what}s" for operator in cell.operators.values() for off in operator.times_off}
@@ -195,22 +201,24 @@ def _too_late(cell: Fields, name: str, found: Mapping[str, Earliest]) -> str:
     )
 
 
-def _step(cell: Fields, name: str) -> str:
+def _step(cell: Fields, name: str, first: str | None) -> str:
     task = cell.tasks[name]
+    least = _least_waits(task).get(first or "", 0)
+    wait = f" {number(least / MICRO)} s later" if least else ""
     quickest = min([*task.time.values(), *(joint.time for joint in task.together)])
     release = f", released at {number(task.release)} s" if task.release else ""
-    return f"{name!r} ({number(quickest)} s{release})"
+    return f"{name!r}{wait} ({number(quickest)} s{release})"
 
 
 def _in_order(cell: Fields) -> list[str]:
     """Tasks so that predecessors come first; those on a circle or behind one are left out."""
     waiting = {
-        name: len({first for first in task.after if first in cell.tasks})
+        name: len({first for first in task.predecessors if first in cell.tasks})
         for name, task in cell.tasks.items()
     }
     behind: dict[str, list[str]] = {name: [] for name in cell.tasks}
     for name, task in cell.tasks.items():
-        for first in set(task.after):
+        for first in set(task.predecessors):
             if first in behind:
                 behind[first].append(name)
     ready = [name for name, count in waiting.items() if count == 0]
@@ -253,6 +261,8 @@ def exact_planning_can_count_it(cell: Fields) -> Iterator[Fault]:
             ),
         ]
         times += [*own, task.release, task.deadline or 0.0]
+        times += [seconds for wait in task.wait for seconds in (wait.at_least, wait.at_most or 0.0)]
+        longest += sum(wait.at_least for wait in task.wait)
         stresses += strain
         longest += max(own, default=0.0) + changeover
         stressed += max(strain, default=0.0) * len(cell.operators)
@@ -318,6 +328,8 @@ def _numbers(cell: Fields) -> Iterator[tuple[Path, float]]:
         yield from _numbers_of(task, ("tasks", name))
         for place, joint in enumerate(task.together):
             yield from _numbers_of(joint, ("tasks", name, "together", place))
+        for place, wait in enumerate(task.wait):
+            yield from _numbers_of(wait, ("tasks", name, "wait", place))
     for name, tool in cell.tools.items():
         yield from _numbers_of(tool, ("tools", name))
     yield from (

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 HALF = 0.33
 """Half the height of a bar; lanes are one apart."""
+WAIT = (0, (1, 2))
+"""Dots of the line that stands for a wait before a task."""
 
 
 def plot_gantt(
@@ -84,8 +86,8 @@ def axis_end(schedule: Schedule, limit: float | None = None) -> float:
 def draw_lanes(
     ax: Axes, rows: Sequence[Lane], t: Words, *, at: float = 0.0, deadlines: bool = True
 ) -> None:
-    """Bars, breaks and changeovers of every lane, the first lane at height `at`; from a task's end
-    to its deadline a line if wanted.
+    """Bars, breaks and changeovers of every lane, the first lane at height `at`; a dotted line for
+    a wait before a task, and from a task's end to its deadline a line if wanted.
     """
     for place, lane in enumerate(rows):
         y = at + place
@@ -96,6 +98,9 @@ def draw_lanes(
             )
         for bar in lane.bars:
             _bar(ax, lane, bar, y)
+            for moment in bar.since:
+                below = y + HALF + 0.05
+                ax.plot([moment, bar.start], [below] * 2, color=INK, lw=1.2, ls=WAIT, zorder=4.5)
             if deadlines and bar.deadline is not None:
                 above = y - HALF - 0.06
                 ax.plot(
@@ -307,6 +312,8 @@ def draw_legend(ax: Axes, rows: Sequence[Lane], t: Words, *, critical: bool) -> 
                 t(f"picture.{off}"),
             )
         )
+    if any(bar.since for lane in rows for bar in lane.bars):
+        entries.append((Line2D([], [], color=INK, lw=1.2, ls=WAIT), t("picture.wait")))
     if any(bar.deadline is not None for lane in rows for bar in lane.bars):
         entries.append((Line2D([], [], color=ACCENT, lw=1.4), t("picture.deadline")))
     legend_below(ax, entries)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -10,13 +10,13 @@ from tandem.cell.model import Cell
 from tandem.draw.style import Look, looks, task_label
 from tandem.schedule.critical import critical_path
 from tandem.schedule.measures import changeovers, utilisation, working
-from tandem.schedule.model import Schedule
+from tandem.schedule.model import Assignment, Schedule
 
 
 @dataclass(frozen=True)
 class Bar:
     """One task in one lane. `start`, `end` and `deadline` in seconds; `joint` when other lanes hold
-    the same task too.
+    the same task too; `since`: the moments from which its waits after other tasks count.
     """
 
     task: str
@@ -26,6 +26,7 @@ class Bar:
     joint: bool
     critical: bool
     deadline: float | None
+    since: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -95,6 +96,7 @@ def lanes(
         working(cell, schedule),
         utilisation(cell, schedule),
     )
+    rows = {a.task: a for a in schedule}
     found = []
     for name, look in looks(cell).items():
         bars = tuple(
@@ -106,6 +108,7 @@ def lanes(
                 len(a.operators) > 1,
                 a.task in path,
                 cell.tasks[a.task].deadline,
+                tuple(_waited_from(cell, a.task, rows)),
             )
             for a in schedule.of(name)
         )
@@ -129,3 +132,10 @@ def kinds_shaded(rows: Iterable[Lane]) -> list[str]:
     """
     there = {off.kind for lane in rows for off in lane.shaded}
     return [kind for kind in SHADINGS if kind in there]
+
+
+def _waited_from(cell: Cell, task: str, rows: Mapping[str, Assignment]) -> Iterator[float]:
+    for wait in cell.tasks[task].wait:
+        if wait.at_least or wait.at_most is not None:
+            first = rows[wait.after]
+            yield first.start if wait.between == "start-start" else first.end

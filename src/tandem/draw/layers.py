@@ -59,7 +59,7 @@ def reduced(cell: Cell) -> dict[str, tuple[str, ...]]:
     above: dict[str, frozenset[str]] = {}
     direct: dict[str, tuple[str, ...]] = {}
     for name in topological(cell):
-        firsts = tuple(dict.fromkeys(cell.tasks[name].after))
+        firsts = cell.tasks[name].predecessors
         implied: frozenset[str] = frozenset().union(*(above[first] for first in firsts))
         direct[name] = tuple(first for first in firsts if first not in implied)
         above[name] = implied | set(firsts)
@@ -68,10 +68,10 @@ def reduced(cell: Cell) -> dict[str, tuple[str, ...]]:
 
 def topological(cell: Cell) -> list[str]:
     """Task names so that predecessors come first; otherwise in the cell's order."""
-    waiting = {name: len(set(task.after)) for name, task in cell.tasks.items()}
+    waiting = {name: len(task.predecessors) for name, task in cell.tasks.items()}
     behind: dict[str, list[str]] = {name: [] for name in cell.tasks}
     for name, task in cell.tasks.items():
-        for first in set(task.after):
+        for first in task.predecessors:
             behind[first].append(name)
     ready = [name for name, count in waiting.items() if count == 0]
     for name in ready:
@@ -87,15 +87,21 @@ def topological(cell: Cell) -> list[str]:
 
 
 def critical_chain(cell: Cell) -> tuple[tuple[str, ...], float]:
-    """One longest chain of tasks, each in its quickest mode, and its seconds: no schedule can be
-    shorter.
+    """One longest chain of tasks, each in its quickest mode, and its seconds, with the least waits
+    from an end to a start: no schedule can be shorter.
     """
     ends: dict[str, Decimal] = {}
     back: dict[str, str | None] = {}
     for name in topological(cell):
-        first = max(cell.tasks[name].after, key=ends.__getitem__, default=None)
+        task = cell.tasks[name]
+        gap = {w.after: w.at_least for w in task.wait if w.between == "end-start"}
+        ready = {
+            first: ends[first] + Decimal(repr(float(gap.get(first, 0.0))))
+            for first in task.predecessors
+        }
+        first = max(ready, key=ready.__getitem__, default=None)
         quickest = min(Decimal(repr(float(mode.time))) for mode in cell.modes(name))
-        ends[name], back[name] = quickest + (ends[first] if first is not None else 0), first
+        ends[name], back[name] = quickest + (ready[first] if first is not None else 0), first
     chain: list[str] = []
     name_or_none: str | None = max(ends, key=ends.__getitem__)
     length = ends[name_or_none] if name_or_none is not None else Decimal(0)

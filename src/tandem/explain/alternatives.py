@@ -192,7 +192,9 @@ def rearranged(cell: Cell, schedule: Schedule) -> Schedule | None:
         if not options:
             return None
         steps.append(options[0])
-    state = append_in_order(layout, [at[a.task] for a in schedule], steps)
+    place = {task: index for index, task in enumerate(instance.order)}
+    rows = sorted(schedule, key=lambda a: (a.start, place[at[a.task]]))
+    state = append_in_order(layout, [at[a.task] for a in rows], steps)
     return instance.schedule(state.starts())
 
 

@@ -4,13 +4,14 @@ so long, found and confirmed by planning.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 from time import monotonic
 from typing import Any, Literal
 
 from tandem.cell.model import Cell, plain
+from tandem.cell.parts import Wait
 from tandem.errors import CellError, InfeasibleError, NothingFoundError
 from tandem.explain.language import Words, listed, together, words
 from tandem.plan import exact
@@ -43,6 +44,7 @@ class Bottleneck:
       tasks: the chain in its order, or the members in the cell's order.
       operators: of a load.
       least: task -> seconds at least, for a chain or a load.
+      waits: of a chain, task -> seconds at least that it waits after the one before it.
       rest: for a load, seconds that must pass before its first task, and after its last.
       smallest: no member of the group can be missed.
       needs_order: of a group, whether it takes so long only because some of its tasks wait for
@@ -62,6 +64,7 @@ class Bottleneck:
     tasks: tuple[str, ...] = ()
     operators: tuple[str, ...] = ()
     least: dict[str, float] = field(default_factory=dict)
+    waits: dict[str, float] = field(default_factory=dict)
     rest: tuple[float, float] = (0.0, 0.0)
     smallest: bool = False
     needs_order: bool | None = None
@@ -78,6 +81,7 @@ class Bottleneck:
             "tasks": list(self.tasks),
             "operators": list(self.operators),
             "least": plain(self.least),
+            **({"waits": plain(self.waits)} if self.waits else {}),
             "rest": plain(self.rest),
             "smallest": self.smallest,
             "needs_order": self.needs_order,
@@ -146,18 +150,36 @@ def _chain(found: Bottleneck, instance: Instance, target: int) -> Bottleneck | N
     first = min(ends, key=lambda task: instance.head[task])
     if instance.head[first] != instance.release[first]:
         return None
-    chain = [first]
+    chain, gaps = [first], {}
     while later := [
-        task
-        for task in instance.behind[chain[-1]]
-        if _quickest(instance, chain[-1]) + instance.tail[task] == instance.tail[chain[-1]]
+        (task, gap)
+        for task, gap in _behind(instance, chain[-1])
+        if _quickest(instance, chain[-1]) + gap + instance.tail[task] == instance.tail[chain[-1]]
     ]:
-        chain.append(min(later))
+        task, gap = min(later)
+        chain.append(task)
+        if gap:
+            gaps[instance.tasks[task]] = instance.seconds(gap)
+    if instance.tail[chain[-1]] != _quickest(instance, chain[-1]):
+        return None  # a wait between two starts, of which the times of the tasks say nothing
     least = {instance.tasks[task]: instance.seconds(_quickest(instance, task)) for task in chain}
     before = instance.seconds(instance.release[first])
     return _with(
-        found, kind="chain", tasks=tuple(least), least=least, rest=(before, 0.0), smallest=True
+        found,
+        kind="chain",
+        tasks=tuple(least),
+        least=least,
+        waits=gaps,
+        rest=(before, 0.0),
+        smallest=True,
     )
+
+
+def _behind(instance: Instance, task: int) -> list[tuple[int, int]]:
+    """The direct successors, and the ticks at least in between."""
+    direct = [(after, 0) for after in instance.behind[task]]
+    waits = instance.lags_from[task] if instance.has_lags else ()
+    return [*direct, *((lag.task, lag.least) for lag in waits if not lag.from_start)]
 
 
 def _load(found: Bottleneck, instance: Instance, target: int) -> Bottleneck | None:
@@ -174,13 +196,11 @@ def _load(found: Bottleneck, instance: Instance, target: int) -> Bottleneck | No
         # a task that can begin early only lowers the bound: try the sets without the earliest
         for start in range(len(own)):
             members = own[start:]
-            tails = sorted(
-                members, key=lambda task: instance.tail[task] - _quickest(instance, task)
-            )
+            tails = sorted(members, key=lambda task: instance.rest[task])
             for drop in range(len(tails)):
                 kept = tails[drop:]
                 before = min(instance.head[task] for task in kept)
-                after = min(instance.tail[task] - _quickest(instance, task) for task in kept)
+                after = min(instance.rest[task] for task in kept)
                 if before + sum(_quickest(instance, task) for task in kept) + after == target:
                     least = {
                         instance.tasks[task]: instance.seconds(_quickest(instance, task))
@@ -250,7 +270,9 @@ def _group(
         size = max(size // 4, 1)
     smallest = in_time
     needs_order = (
-        not holds(kept, ordered=False) if any(cell.tasks[task].after for task in kept) else False
+        not holds(kept, ordered=False)
+        if any(cell.tasks[task].begun_first for task in kept)
+        else False
     )
     without = _without(found, kept, until, seed, workers) if len(kept) <= MOST_WITHOUT else {}
     return _with(
@@ -291,7 +313,7 @@ def _without(
 
 def part(cell: Cell, tasks: Iterable[str], ordered: bool = True) -> Cell:
     """The cell with these tasks only: whoever waited for a task that is left out waits for what
-    that one waited for.
+    that one waited for; waits after it are left out.
 
     No schedule of the whole cell is quicker than the quickest of a part. A table of stress by sets
     is left out with the others.
@@ -304,14 +326,23 @@ def part(cell: Cell, tasks: Iterable[str], ordered: bool = True) -> Cell:
         if name not in before:
             found = [
                 other
-                for first in cell.tasks[name].after
+                for first in cell.tasks[name].predecessors
                 for other in ((first,) if first in kept else ahead(first))
             ]
             before[name] = tuple(dict.fromkeys(found))
         return before[name]
 
+    def left(name: str) -> tuple[Wait, ...]:
+        """The task's waits after kept tasks."""
+        return tuple(wait for wait in cell.tasks[name].wait if wait.after in kept)
+
     rows = {
-        name: task.model_copy(update={"after": ahead(name) if ordered else ()})
+        name: task.model_copy(
+            update={
+                "after": ahead(name) if ordered else (),
+                "wait": left(name) if ordered else (),
+            }
+        )
         for name, task in cell.tasks.items()
         if name in kept
     }
@@ -366,9 +397,17 @@ def _chain_words(found: Bottleneck, t: Words) -> str:
     return t(
         "floor.chain" if len(found.tasks) > 1 else "floor.alone",
         names=listed(t, found.tasks),
-        parts=" + ".join(t.number(seconds) for seconds in found.least.values()),
+        parts=" + ".join(_parts(found, t)),
         begin=t("floor.from", seconds=t.seconds(found.rest[0])) if found.rest[0] else "",
     )
+
+
+def _parts(found: Bottleneck, t: Words) -> Iterator[str]:
+    """The seconds of a chain, one after the other: each task's, and the waits before them."""
+    for task, seconds in found.least.items():
+        if task in found.waits:
+            yield t("floor.wait", seconds=t.number(found.waits[task]))
+        yield t.number(seconds)
 
 
 def _load_words(found: Bottleneck, t: Words) -> str:

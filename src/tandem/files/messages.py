@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from tandem.cell.model import Cell
 from tandem.cell.names import Known, clean, harm_in
-from tandem.cell.parts import Cost, Operator, Task, Together, Tool, Variant, Zone
+from tandem.cell.parts import Cost, Operator, Task, Together, Tool, Variant, Wait, Zone
 from tandem.cell.written import number
 from tandem.errors import Fault
 
@@ -23,7 +23,8 @@ most.
 """
 MEANT = {
     "predecessors": "after", "depends_on": "after", "needs": "after", "requires": "after",
-    "before": "after",
+    "before": "after", "lag": "wait", "lags": "wait", "waits": "wait", "min": "at_least",
+    "max": "at_most", "least": "at_least", "most": "at_most", "task": "after",
     "duration": "time", "durations": "time", "seconds": "time", "joint": "together", "type": "kind",
     "ergonomics": "stress", "strain": "stress", "due": "deadline", "machines": "operators",
     "agents": "operators",
@@ -105,6 +106,8 @@ def _model(path: Path) -> tuple[type[Any], str]:
             return Operator, f"operator {shown(name)}"
         case ("tasks", name, "together", int(), _, *_):
             return Together, f"task {shown(name)}: together"
+        case ("tasks", name, "wait", int(), _, *_):
+            return Wait, f"task {shown(name)}: wait"
         case ("tasks", name, _, *_):
             return Task, f"task {shown(name)}"
         case ("tools", name, _, *_):
@@ -133,6 +136,8 @@ def _what(path: Path) -> str:
             return f"stress_of_set of {shown(name)}"
         case ("operators" | "tasks" | "tools" | "zones" as table, name):
             return f"{table[:-1]} {shown(name)}"
+        case ("tasks", _, "wait", int(place)):
+            return f"wait {place + 1}"
         case (*_, "breaks", int(place)):
             return f"break {place + 1}"
         case (*_, "breaks", int(place), int(side)):
@@ -201,6 +206,11 @@ def _missing(path: Path, item: Any) -> str:
             return "`kind` is missing. Write `kind: human` or `kind: robot`."
         case ("operators", _, "breaks", _, _):
             return "a break needs two numbers, `[from, to]` in seconds."
+        case ("tasks", _, "wait", _, "after"):
+            return (
+                "`after` is missing: which task is waited for? Write it, as in `{after: 1,"
+                " at_least: 40}`."
+            )
         case ("same_operator", _, _):
             return (
                 "same_operator holds pairs of tasks, such as `[[1, 2]]`; here the second is"
@@ -277,8 +287,9 @@ def _no_choice(path: Path, item: Any) -> str:
             f"format is {shown(value)}, but this version of Tandem reads format 1. A newer version"
             " may read it."
         )
-    near = Known(("human", "robot")).nearest(value) if isinstance(value, str) else None
-    return f"{_what(path)} is {shown(value)}, but must be human or robot." + (
+    allowed = ("end-start", "start-start") if path[-1] == "between" else ("human", "robot")
+    near = Known(allowed).nearest(value) if isinstance(value, str) else None
+    return f"{_what(path)} is {shown(value)}, but must be {' or '.join(allowed)}." + (
         f" Did you mean {near!r}?" if near else ""
     )
 
@@ -290,6 +301,7 @@ def _no_mapping(path: Path, item: Any) -> str:
         "tools": "{driver: {capacity: 1}}",
         "zones": "{press: {capacity: 1}}", "stress_of_set": '{"": 0, "1": 2.5}',
         "difficulty": "{human: 2}", "changeover": "{human: 3}",
+        "wait": "{after: 1, at_least: 40}",
     }  # fmt: skip
     if not path:
         held = "nothing" if item["input"] is None else _of(item["input"])
@@ -303,6 +315,7 @@ def _no_mapping(path: Path, item: Any) -> str:
             str(path[0]), "{capacity: 1}"
         )
     else:
+        key = "wait" if path[-2:-1] == ("wait",) else key
         example = examples.get(key, "{operators: [robot, human], time: 12}")
     return f"{_what(path)} is {_of(item['input'])}, but a mapping is needed, such as `{example}`."
 
@@ -314,6 +327,7 @@ def _no_list(path: Path, item: Any) -> str:
         "operators": "[robot, human]",
         "same_operator": "[[1, 2]]",
         "together": "[{operators: [a, b], time: 12}]",
+        "wait": "[{after: 1, at_least: 40}]",
     }
     key = next((str(step) for step in reversed(path) if isinstance(step, str)), "")
     value = item["input"]

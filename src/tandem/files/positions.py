@@ -85,6 +85,8 @@ class Document:
             elif isinstance(node.value, list) and isinstance(step, int) and step < len(node.value):
                 node = node.value[step]
                 line, column = node.line, node.column
+            elif isinstance(node.value, dict) and isinstance(step, int):
+                continue  # one that stands there without a list around it
             else:
                 break
         return Place(line, column, f"{self.source}:{line}:{column}")
@@ -138,6 +140,8 @@ def _is_name(path: Path, null: bool) -> bool:
     match path:
         case (
             ("tasks", _, "after", _)
+            | ("tasks", _, "wait", "after")
+            | ("tasks", _, "wait", _, "after")
             | ("tasks", _, "together", _, "operators", _)
             | ("same_operator", _, _)
         ):

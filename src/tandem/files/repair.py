@@ -52,6 +52,9 @@ def repaired(data: Mapping[str, Any], flaws: list[Flaw]) -> Repaired | None:
     copy = _copy(data)
     if not isinstance(copy, dict) or not isinstance(copy.get("tasks"), dict) or not copy["tasks"]:
         return None
+    for task in copy["tasks"].values():
+        if isinstance(task, dict) and isinstance(task.get("wait"), dict):
+            task["wait"] = [task["wait"]]
     open_tasks: set[str] = set()
     roomless = False
     for flaw in flaws:
@@ -85,8 +88,8 @@ def _stand_in(flaw: Flaw) -> tuple[Path, Any]:
             return path, {"kind": "human"}
         case ("operators", name, "kind"):
             return path, "human"
-        case ("operators", name, "breaks", place, *_):
-            return ("operators", name, "breaks", place), _GONE
+        case ("operators", _, "breaks", _, *_) | ("tasks", _, "wait", _, *_):
+            return path[:4], _GONE
         case ("tasks", _):
             return path, {}
         case ("tasks", _, "time", _) | ("tasks", _, "together", _, "time"):

@@ -90,6 +90,9 @@ def heads(layout: Layout) -> list[int]:
         arrival = min((max(instance.arrival[o] for o in group) for group in groups), default=0)
         ends = (head[first] + quickest[first] for first in instance.before[task])
         head[task] = max([instance.release[task], arrival, *ends])
+        for lag in instance.lags_into[task] if instance.has_lags else ():
+            own = 0 if lag.from_start else quickest[lag.before]
+            head[task] = max(head[task], head[lag.before] + own + lag.least)
     return head
 
 

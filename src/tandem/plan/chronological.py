@@ -15,6 +15,17 @@ Why nodes can be merged. Two nodes in which the same tasks are appended, the sam
 the same tasks are with humans (where a table of sets counts stress) and the same operators are
 bound to teams differ in their numbers alone; whatever completes one completes, at the same times,
 another that has no larger number.
+
+Where a task must start within a time after another one (a wait with a most), starting as early as
+it can is not enough: the first must not start before the second can follow in time. So when a task
+is appended that comes too late for what it waits for, that one is put off until it is in time, and
+with it whatever was appended behind it, each again as early as it then can; over and over until
+nothing is too early. Since the earliest start of each task only grows with the starts before it,
+this ends with the earliest schedule of this order that keeps the waits, or there is none.
+While such a wait is open, its first task appended and its second not, what was appended since may
+still be put off. Then nothing is needless by a shift to the left, and nodes are merged only if
+what was appended since nothing was open is the very same; no wait spans that moment, so that what
+lies before it stays.
 """
 
 from __future__ import annotations
@@ -41,6 +52,8 @@ class Node(NamedTuple):
       loads: stress per operator. `stress`: their sum.
       humans: bits of the tasks in which humans take part.
       teams: `(team, operators)` of the teams that have begun, sorted.
+      starts: per task appended, its start, of others 0; empty where no wait counts from starts.
+      open: how many tasks were appended since no wait with a most was open; 0 when none is.
       step: `(task, step, start)` that was appended, to `before`; None at the root.
     """
 
@@ -55,6 +68,8 @@ class Node(NamedTuple):
     stress: int
     humans: int
     teams: tuple[tuple[int, tuple[int, ...]], ...]
+    starts: tuple[int, ...]
+    open: int
     step: tuple[int, Step, int] | None
     before: Node | None
 
@@ -72,7 +87,9 @@ class Branching:
         self.layout, self.instance = layout, instance
         self.tasks = range(len(instance.tasks))
         self.operators = range(len(instance.operators))
-        self.full, self.needs = instance.all_tasks, instance.needs
+        self.full, self.needs = instance.all_tasks, instance.begun_first
+        self.from_starts = any(lag.from_start for lag in instance.lags)
+        self.followed = {lag.before for lag, _ in instance.most_lags}
         self.latest_end = latest_end
         self.latest_start = [
             end - own for end, own in zip(latest_end, layout.quickest, strict=True)
@@ -90,6 +107,7 @@ class Branching:
         ]
         self._waited_for: dict[int, tuple[int, ...]] = {}
         self._candidates: dict[int, tuple[int, ...]] = {}
+        self._is_open: dict[int, bool] = {}
 
     def root(self) -> Node:
         """Nothing is appended yet."""
@@ -106,6 +124,8 @@ class Branching:
             stress=0,
             humans=0,
             teams=(),
+            starts=(0,) * len(self.tasks) if self.from_starts else (),
+            open=0,
             step=None,
             before=None,
         )
@@ -116,18 +136,11 @@ class Branching:
 
         A task that starts when another one could already have ended can be left for later, if that
         other one costs nothing to take first: it is in its step of least stress, belongs to no
-        team, and no tool has to change hands.
+        team, nothing must follow it within a time, and no tool has to change hands.
         """
         moves, cutoff = [], horizon + 1
         for task in self.candidates(node.mask):
-            ready = max(
-                [
-                    node.last,
-                    self.instance.release[task],
-                    *(node.ends[first] for first in self.instance.before[task]),
-                ]
-            )
-            soonest = None
+            ready, soonest = self._ready(node, task), None
             # each step is a child of its own: the one that ends first need not be the one to take
             for index, step in enumerate(self.layout.steps[task]):
                 start = self._start(node, task, step, ready)
@@ -137,7 +150,7 @@ class Branching:
                 end = start + step.ticks
                 if end <= self.latest_end[task] and end + self.layout.behind[task] <= horizon:
                     moves.append((task, index, step, start))
-                    if end < cutoff and self.harmless[task][index]:
+                    if end < cutoff and not node.open and self.harmless[task][index]:
                         cutoff = end
             # a task that can no longer come in time rules out the node, not only the child
             if soonest is None or soonest > min(
@@ -147,10 +160,98 @@ class Branching:
         # only now, because the earliest end is known after all have been looked at
         for task, index, step, start in moves:
             if start < cutoff:
-                yield self._appended(node, task, index, step, start)
+                child = self._appended(node, task, index, step, start)
+                if not node.open:
+                    yield child
+                elif (settled := self._drawn_together(child, node.open + 1)) is not None:
+                    yield settled
+
+    def _ready(self, node: Node, task: int) -> int:
+        """The tick before which the task cannot start, whoever does it."""
+        ends, instance = node.ends, self.instance
+        firsts = (ends[first] for first in instance.before[task])
+        ready = max([node.last, instance.release[task], *firsts])
+        for lag in instance.lags_into[task] if instance.has_lags else ():
+            moment = node.starts[lag.before] if lag.from_start else ends[lag.before]
+            ready = max(ready, moment + lag.least)
+        return ready
+
+    def _drawn_together(self, node: Node, count: int) -> Node | None:
+        """The node, the `count` tasks appended last put off where another one would follow too
+        late; None when then one of them cannot end in time.
+        """
+        rows: list[tuple[int, int, Step, int]] = []
+        base = node
+        for _ in range(count):
+            assert base.step is not None
+            assert base.before is not None
+            task, step, start = base.step
+            rows.append((task, self.layout.steps[task].index(step), step, start))
+            base = base.before
+        rows.reverse()
+        begin = {task: start for task, _, _, start in rows}
+        rounds = 0
+        while self._put_off(node, begin):
+            # where starts depend on nothing but sums, a chain of waits has settled by then (the
+            # rounds of Bellman and Ford), or goes round in a circle for ever
+            rounds += 1
+            if rounds == len(self.instance.most_lags) + 1 and self._goes_round(rows):
+                return None
+            node = base
+            for task, index, step, _ in rows:
+                ready = max(begin[task], self._ready(node, task))
+                later = self._start(node, task, step, ready)
+                if later is None or later + step.ticks > self.latest_end[task]:
+                    return None
+                begin[task] = later
+                node = self._appended(node, task, index, step, later)
+        return node
+
+    def _goes_round(self, rows: list[tuple[int, int, Step, int]]) -> bool:
+        """Whether these tasks, in this order, cannot keep their waits even if tools, zones and
+        breaks stood in nobody's way: then each putting off calls for the next.
+        """
+        ticks = {task: step.ticks for task, _, step, _ in rows}
+        begin = dict.fromkeys(ticks, 0)
+        for _ in range(len(self.instance.most_lags) + 1):
+            free, last = [0] * len(self.operators), 0
+            for task, _, step, _ in rows:
+                firsts = [f for f in self.instance.before[task] if f in ticks]
+                start = max([begin[task], last, *(begin[f] + ticks[f] for f in firsts)])
+                for lag in self.instance.lags_into[task]:
+                    if lag.before in ticks:
+                        own = 0 if lag.from_start else ticks[lag.before]
+                        start = max(start, begin[lag.before] + own + lag.least)
+                begin[task] = last = max([start, *(free[o] for o in step.operators)])
+                for operator in step.operators:
+                    free[operator] = last + step.ticks
+            late = [
+                (lag.before, begin[lag.task] - most - (0 if lag.from_start else ticks[lag.before]))
+                for lag, most in self.instance.most_lags
+                if lag.task in ticks and lag.before in ticks
+            ]
+            if not any(soonest > begin[task] for task, soonest in late):
+                return False
+            for task, soonest in late:
+                begin[task] = max(begin[task], soonest)
+        return True
+
+    def _put_off(self, node: Node, begin: dict[int, int]) -> bool:
+        """Puts off, in `begin`, what was appended and is followed too late; whether it found
+        any.
+        """
+        found = False
+        for lag, most in self.instance.most_lags:
+            if lag.task in begin and lag.before in begin:
+                first = begin[lag.before]
+                moment = first if lag.from_start else node.ends[lag.before]
+                late = begin[lag.task] - most - moment
+                if late > 0:
+                    begin[lag.before], found = max(begin[lag.before], first + late), True
+        return found
 
     def candidates(self, mask: int) -> tuple[int, ...]:
-        """Tasks not yet appended whose predecessors are."""
+        """Tasks not yet appended whose predecessors are, and what they wait for."""
         known = self._candidates.get(mask)
         if known is None:
             known = tuple(
@@ -165,10 +266,19 @@ class Branching:
         """Lets go of what was remembered for the sets of tasks so far."""
         self._candidates.clear()
         self._waited_for.clear()
+        self._is_open.clear()
 
     def key(self, node: Node) -> Key:
         """What two nodes must have in common to be compared."""
         table = node.humans if self.instance.stress_of_set is not None else 0
+        if node.open:
+            base, since = node, []
+            for _ in range(node.open):
+                assert base.step is not None
+                assert base.before is not None
+                since.append((base.step[0], base.step[1].way))
+                base = base.before
+            return (tuple(since), id(base))
         return (node.mask, node.hand if self.swaps else (), table, node.teams)
 
     def numbers(self, node: Node) -> tuple[int, ...]:
@@ -185,6 +295,12 @@ class Branching:
         if self.swaps:
             numbers.append(last)
         numbers += [max(node.ends[task], last) for task in self.waited_for(node.mask)]
+        if self.instance.has_lags:
+            numbers += [
+                max((node.starts if lag.from_start else node.ends)[lag.before] + lag.least, last)
+                for lag in self.instance.lags
+                if node.mask >> lag.before & 1 and not node.mask >> lag.task & 1
+            ]
         for places in node.tools:
             numbers += [max(place, last) for place in places]
         for places in node.zones:
@@ -260,12 +376,16 @@ class Branching:
         ends[task] = end
         if tool >= 0:
             hand = tuple(tool if operator in who else held for operator, held in enumerate(hand))
+        starts = node.starts
+        if starts:
+            starts = (*starts[:task], start, *starts[task + 1 :])
+        mask = node.mask | 1 << task
         # the first task of those that need the same operators settles them for the others
         teams = node.teams
         if team >= 0 and all(other != team for other, _ in teams):
             teams = tuple(sorted([*teams, (team, who)]))
         return Node(
-            mask=node.mask | 1 << task,
+            mask=mask,
             last=start,
             free=tuple(free),
             hand=hand,
@@ -276,9 +396,21 @@ class Branching:
             stress=node.stress + step.stress,
             humans=node.humans | self.human[task][index] << task,
             teams=teams,
+            starts=starts,
+            open=node.open + 1 if self.followed and self._waits_open(mask) else 0,
             step=(task, step, start),
             before=node,
         )
+
+    def _waits_open(self, mask: int) -> bool:
+        """Whether a task is appended that another one, not yet appended, must follow in time."""
+        known = self._is_open.get(mask)
+        if known is None:
+            known = self._is_open[mask] = any(
+                mask >> lag.before & 1 and not mask >> lag.task & 1
+                for lag, _ in self.instance.most_lags
+            )
+        return known
 
     def _is_harmless(self, task: int, step: Step) -> bool:
         others = self.layout.steps[task]
@@ -286,6 +418,7 @@ class Branching:
         return (
             least
             and not self.swaps
+            and task not in self.followed
             and self.instance.team[task] < 0
             and (self.instance.stress_of_set is None or len(others) == 1)
         )

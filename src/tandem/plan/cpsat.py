@@ -171,6 +171,16 @@ def predecessors_end_first(plan: Decisions) -> None:
             plan.model.add(plan.end[first] <= plan.start[task])
 
 
+def waits_are_kept(plan: Decisions) -> None:
+    """A task starts at least, and at most, so long after what it waits for has ended or started."""
+    for lag in plan.instance.lags:
+        moment = plan.start[lag.before] if lag.from_start else plan.end[lag.before]
+        if lag.least or lag.from_start:
+            plan.model.add(moment + lag.least <= plan.start[lag.task])
+        if lag.most is not None:
+            plan.model.add(plan.start[lag.task] <= moment + lag.most)
+
+
 def an_operator_does_one_thing_at_a_time(plan: Decisions) -> None:
     """Tasks, breaks and changeovers of an operator do not overlap."""
     for operator in range(len(plan.instance.operators)):
@@ -356,7 +366,7 @@ def the_work_of_an_operator_fits_before_the_end(plan: Decisions) -> None:
         mine = [t for t in range(len(instance.tasks)) if plan.does(t, operator)]
         if len(mine) > 1:
             earliest = min(instance.head[t] for t in mine)
-            after = min(instance.tail[t] - min(way.ticks for way in instance.ways[t]) for t in mine)
+            after = min(instance.rest[t] for t in mine)
             plan.model.add(sum(ticks * x for ticks, x in work) + earliest + after <= plan.makespan)
 
 
@@ -412,6 +422,7 @@ def closure(direct: tuple[tuple[int, ...], ...], order: Iterable[int]) -> list[s
 RULES: tuple[Rule, ...] = (
     deadlines_are_kept,
     predecessors_end_first,
+    waits_are_kept,
     an_operator_does_one_thing_at_a_time,
     a_tool_is_used_as_often_as_it_exists,
     a_zone_holds_as_many_as_it_has_places,

@@ -75,7 +75,7 @@ def _no_longer_kept(standing: Standing, until: float) -> Iterator[str]:
             found = True
             yield f"Without {words} there is a plan."
     if not found:
-        yield "No single deadline or stress limit can be lifted so that there is a plan."
+        yield "No single deadline, wait or stress limit can be lifted so that there is a plan."
 
 
 def _lifted(standing: Standing) -> Iterator[tuple[str, Standing]]:
@@ -87,6 +87,16 @@ def _lifted(standing: Standing) -> Iterator[tuple[str, Standing]]:
             free = replace(standing, stated=replace(stated, deadline=rest))
             seconds = number(stated.seconds(deadline))
             yield f"the deadline of task {stated.tasks[task]} ({seconds} s)", free
+    for place, lag in enumerate(stated.lags):
+        if lag.most is not None and lag.task not in standing.fixed:
+            kept = (*stated.lags[:place], lag._replace(most=None), *stated.lags[place + 1 :])
+            free = replace(standing, stated=replace(stated, lags=kept))
+            first, seconds = stated.tasks[lag.before], number(stated.seconds(lag.most))
+            yield (
+                f"the wait of task {stated.tasks[lag.task]} (at most {seconds} s after task"
+                f" {first} has {'started' if lag.from_start else 'ended'})",
+                free,
+            )
     for operator, limit in enumerate(stated.stress_limit):
         if limit is not None:
             limits = (*stated.stress_limit[:operator], None, *stated.stress_limit[operator + 1 :])

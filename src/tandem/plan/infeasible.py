@@ -14,7 +14,7 @@ from time import monotonic
 from typing import Any
 
 from tandem.cell.model import Cell
-from tandem.cell.parts import Operator, Tool, Zone
+from tandem.cell.parts import Operator, Task, Tool, Wait, Zone
 from tandem.cell.written import number
 from tandem.errors import CellError, InfeasibleError, NothingFoundError
 from tandem.plan import exact
@@ -101,6 +101,27 @@ def _on_who_and_what_is_there(cell: Cell) -> Iterator[Limit]:
         if task.release > 0:
             words = f"the release of task {name} ({number(task.release)} s)"
             yield Limit(words, ("tasks", name, "release"))
+        for place, wait in enumerate(task.wait):
+            if wait.at_most is not None:
+                words = f"that task {name} starts at most {number(wait.at_most)} s after task"
+                yield Limit(
+                    f"{words} {_since(wait)}", ("tasks", name, "wait", str(place), "at_most")
+                )
+            if wait.at_least:
+                words = f"that task {name} waits at least {number(wait.at_least)} s after task"
+                yield Limit(
+                    f"{words} {_since(wait)}", ("tasks", name, "wait", str(place), "at_least")
+                )
+
+
+def _since(wait: Wait) -> str:
+    return f"{wait.after} has {'ended' if wait.between == 'end-start' else 'started'}"
+
+
+def _with_longer_wait(task: Task, place: int, key: str) -> Task:
+    """The task without one end of one of its waits."""
+    free = task.wait[place].model_copy(update={key: Wait.model_fields[key].default})
+    return task.model_copy(update={"wait": (*task.wait[:place], free, *task.wait[place + 1 :])})
 
 
 def _on_room(cell: Cell) -> Iterator[Limit]:
@@ -130,6 +151,8 @@ def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell,
             question = replace(question, **{names[0]: None})  # type: ignore[arg-type]
         elif room == "operators":
             operators[names[0]] = _without_key(operators[names[0]], names[1])
+        elif room == "tasks" and names[1] == "wait":
+            tasks[names[0]] = _with_longer_wait(tasks[names[0]], int(names[2]), names[3])
         elif room == "tasks":
             tasks[names[0]] = tasks[names[0]].model_copy(
                 update={names[1]: 0.0 if names[1] == "release" else None}

@@ -41,6 +41,18 @@ class Way:
         return bits(self.operators)
 
 
+class Lag(NamedTuple):
+    """A wait between two tasks, ticks: `task` starts at least `least` and at most `most` (None: at
+    any time) after `before` has ended, or has started.
+    """
+
+    before: int
+    task: int
+    from_start: bool
+    least: int
+    most: int | None
+
+
 @dataclass(frozen=True)
 class Instance:
     """The cell's numbers; tasks, operators, tools and zones are indices in the cell's order.
@@ -52,7 +64,8 @@ class Instance:
       per_second: ticks in a second, a power of ten that makes every time of the cell whole.
       per_stress: units of stress in 1, likewise.
       ways: per task, every mode of it, in the order of `cell.modes`.
-      before: per task, its direct predecessors.
+      before: per task, its direct predecessors, those of waits from end to start included.
+      lags: the waits.
       release, deadline: ticks per task; a task without a deadline has None.
       tool, zone: per task, an index or None. `tools` and `zones` are their names.
       tool_places, zone_places: capacity per tool and zone.
@@ -86,6 +99,7 @@ class Instance:
     stress_limit: tuple[int | None, ...]
     same_operator: tuple[tuple[int, int], ...]
     stress_of_set: dict[frozenset[int], int] | None
+    lags: tuple[Lag, ...]
 
     @classmethod
     def of(cls, cell: Cell) -> Instance:
@@ -126,6 +140,12 @@ class Instance:
             deadline=tuple(None if ticks is None else ticks * times for ticks in self.deadline),
             changeover=tuple(tuple(ticks * times for ticks in row) for row in self.changeover),
             breaks=tuple(tuple((a * times, b * times) for a, b in row) for row in self.breaks),
+            lags=tuple(
+                lag._replace(
+                    least=lag.least * times, most=None if lag.most is None else lag.most * times
+                )
+                for lag in self.lags
+            ),
         )
 
     def restricted(
@@ -140,8 +160,9 @@ class Instance:
         """These tasks alone as an instance of their own: its task `i` is `tasks[i]` here.
 
         What the other tasks leave behind does not follow from this instance and is handed in: the
-        ways that are still open, releases that stand for what is being waited for, and among
-        `changed` the tools in hand, the breaks and the stress that is left.
+        ways that are still open, releases that stand for what is being waited for (a wait after a
+        task that does not stay is dropped), and among `changed` the tools in hand, the breaks and
+        the stress that is left.
 
         Args:
           ways, release: per task that stays.
@@ -162,6 +183,11 @@ class Instance:
             "same_operator": tuple(
                 (index[a], index[b]) for a, b in self.same_operator if a in index and b in index
             ),
+            "lags": tuple(
+                lag._replace(before=index[lag.before], task=index[lag.task])
+                for lag in self.lags
+                if lag.before in index and lag.task in index
+            ),
             "stress_of_set": None,  # stress by sets of all tasks says nothing about some of them
         }
         return replace(self, **(kept | changed))
@@ -179,8 +205,8 @@ class Instance:
 
     @cached_property
     def order(self) -> tuple[int, ...]:
-        """The tasks so that predecessors come first."""
-        return _topological(self.before, self.behind)
+        """The tasks so that predecessors come first, and what is waited for."""
+        return _topological(self.waits_for, self.begun_behind)
 
     @cached_property
     def needs(self) -> tuple[int, ...]:
@@ -194,8 +220,21 @@ class Instance:
 
     @cached_property
     def tail(self) -> tuple[int, ...]:
-        """Per task, ticks on the longest chain that starts with it, each task at its quickest."""
+        """Per task, ticks on the longest chain that starts with it, each task at its quickest, with
+        the least waits in between.
+        """
         return self.chains([min(way.ticks for way in ways) for ways in self.ways])
+
+    @cached_property
+    def rest(self) -> tuple[int, ...]:
+        """Per task, ticks on the longest chain behind its end, in whatever way it is done."""
+        quickest = [min(way.ticks for way in ways) for ways in self.ways]
+        return self.behind_ends(self.tail, quickest, self.slowest)
+
+    @cached_property
+    def slowest(self) -> tuple[int, ...]:
+        """Per task, ticks of its slowest way."""
+        return tuple(max((way.ticks for way in ways), default=0) for ways in self.ways)
 
     @cached_property
     def head(self) -> tuple[int, ...]:
@@ -211,6 +250,9 @@ class Instance:
                 for first in self.before[task]
             )
             head[task] = max([self.release[task], arrival, *ends])
+            for lag in self.lags_into[task] if self.has_lags else ():
+                own = 0 if lag.from_start else min(way.ticks for way in self.ways[lag.before])
+                head[task] = max(head[task], head[lag.before] + own + lag.least)
         return tuple(head)
 
     def chains(self, ticks: Sequence[int]) -> tuple[int, ...]:
@@ -218,7 +260,90 @@ class Instance:
         tail = [0] * len(self.tasks)
         for task in reversed(self.order):
             tail[task] = ticks[task] + max([tail[after] for after in self.behind[task]], default=0)
+            for lag in self.lags_from[task] if self.has_lags else ():
+                own = 0 if lag.from_start else ticks[task]
+                tail[task] = max(tail[task], own + lag.least + tail[lag.task])
         return tuple(tail)
+
+    def behind_ends(
+        self, tail: Sequence[int], quickest: Sequence[int], slowest: Sequence[int]
+    ) -> tuple[int, ...]:
+        """Per task, ticks that must pass behind its end: its tail in its quickest way less that
+        way, but for waits from its start, of which a slow way leaves less behind its end.
+        """
+        if not self.has_lags:
+            return tuple(whole - own for whole, own in zip(tail, quickest, strict=True))
+        rest = []
+        for task in range(len(self.tasks)):
+            behind = [0, *(tail[after] for after in self.behind[task])]
+            for lag in self.lags_from[task]:
+                own = slowest[task] if lag.from_start else 0
+                behind.append(lag.least + tail[lag.task] - own)
+            rest.append(max(behind))
+        return tuple(rest)
+
+    # ------------------------------------------------------------ waits
+
+    @cached_property
+    def has_lags(self) -> bool:
+        """Some task waits after another one."""
+        return bool(self.lags)
+
+    @cached_property
+    def has_most_lags(self) -> bool:
+        """Some task must start within a time after another one."""
+        return bool(self.most_lags)
+
+    @cached_property
+    def most_lags(self) -> tuple[tuple[Lag, int], ...]:
+        """The waits that have a most, and that most."""
+        return tuple((lag, lag.most) for lag in self.lags if lag.most is not None)
+
+    @cached_property
+    def lags_into(self) -> tuple[tuple[Lag, ...], ...]:
+        """Per task, the waits before it."""
+        rows: list[list[Lag]] = [[] for _ in self.tasks]
+        for lag in self.lags:
+            rows[lag.task].append(lag)
+        return tuple(map(tuple, rows))
+
+    @cached_property
+    def lags_from(self) -> tuple[tuple[Lag, ...], ...]:
+        """Per task, the waits that are counted from it."""
+        rows: list[list[Lag]] = [[] for _ in self.tasks]
+        for lag in self.lags:
+            rows[lag.before].append(lag)
+        return tuple(map(tuple, rows))
+
+    @cached_property
+    def begun_first(self) -> tuple[int, ...]:
+        """Per task, bits of the tasks that it must not start before: its predecessors, and those
+        whose start it waits from.
+        """
+        if not self.has_lags:
+            return self.needs
+        return tuple(
+            need | bits({lag.before for lag in row})
+            for need, row in zip(self.needs, self.lags_into, strict=True)
+        )
+
+    @cached_property
+    def waits_for(self) -> tuple[int, ...]:
+        """Per task, how many tasks it must not start before."""
+        if not self.has_lags:
+            return tuple(map(len, self.before))
+        return tuple(first.bit_count() for first in self.begun_first)
+
+    @cached_property
+    def begun_behind(self) -> tuple[tuple[int, ...], ...]:
+        """Per task, those that must not start before it."""
+        if not self.has_lags:
+            return self.behind
+        waiting = (tuple(lag.task for lag in row) for row in self.lags_from)
+        return tuple(
+            tuple(dict.fromkeys((*direct, *more)))
+            for direct, more in zip(self.behind, waiting, strict=True)
+        )
 
     # ------------------------------------------------------------ sets as bits
 
@@ -309,12 +434,13 @@ class Instance:
     def horizon(self) -> int:
         """Ticks by which everything can end, if it can end at all.
 
-        All tasks one after the other, behind every release and break.
+        All tasks one after the other, with every wait, behind every release and break.
         """
         work = sum(max(way.ticks for way in ways) for ways in self.ways)
         swaps = max((max(row) for row in self.changeover), default=0) * len(self.tasks)
         waits = sum(end for breaks in self.breaks for _, end in breaks)
-        return work + swaps + waits + max(self.release, default=0)
+        lags = sum(lag.least for lag in self.lags)
+        return work + swaps + waits + lags + max(self.release, default=0)
 
     # ------------------------------------------------------------ back into words
 
@@ -391,7 +517,8 @@ def _tasks(cell: Cell, count: _Count) -> dict[str, Any]:
     return {
         "tasks": tuple(cell.tasks),
         "ways": tuple(tuple(_ways(cell, count, name)) for name in cell.tasks),
-        "before": tuple(tuple(dict.fromkeys(index[a] for a in task.after)) for task in tasks),
+        "before": tuple(tuple(index[a] for a in task.predecessors) for task in tasks),
+        "lags": tuple(_lags(cell, count, index)),
         "release": tuple(count.ticks(task.release) for task in tasks),
         "deadline": tuple(
             None if task.deadline is None else count.ticks(task.deadline) for task in tasks
@@ -403,6 +530,19 @@ def _tasks(cell: Cell, count: _Count) -> dict[str, Any]:
             for key, value in table.items()
         },
     }
+
+
+def _lags(cell: Cell, count: _Count, index: dict[str, int]) -> Iterator[Lag]:
+    for name, task in cell.tasks.items():
+        for wait in task.wait:
+            most = None if wait.at_most is None else count.ticks(wait.at_most)
+            yield Lag(
+                index[wait.after],
+                index[name],
+                wait.between == "start-start",
+                count.ticks(wait.at_least),
+                most,
+            )
 
 
 def _ways(cell: Cell, count: _Count, task: str) -> Iterator[Way]:
@@ -461,10 +601,9 @@ def _teams(tasks: int, pairs: Iterable[tuple[int, int]]) -> tuple[int, ...]:
     return tuple(find(task) if task in paired else -1 for task in range(tasks))
 
 
-def _topological(
-    before: Sequence[Sequence[int]], behind: Sequence[Sequence[int]]
-) -> tuple[int, ...]:
-    waiting = [len(firsts) for firsts in before]
+def _topological(waited_for: Sequence[int], behind: Sequence[Sequence[int]]) -> tuple[int, ...]:
+    """The tasks in order, given for how many each waits, and which wait for it."""
+    waiting = list(waited_for)
     ready = [task for task, count in enumerate(waiting) if count == 0]
     for task in ready:
         for after in behind[task]:
@@ -499,6 +638,9 @@ def _times_in(cell: Cell) -> Iterable[float]:
         yield task.release
         if task.deadline is not None:
             yield task.deadline
+        for wait in task.wait:
+            yield wait.at_least
+            yield wait.at_most or 0.0
     for tool in cell.tools.values():
         yield from tool.changeover.values()
     for operator in cell.operators.values():

@@ -251,7 +251,8 @@ class _Search:
             )
         moment = [0] * len(instance.tasks)
         for task in instance.order:
-            needed = max((moment[first] for first in instance.before[task]), default=0)
+            firsts = [*instance.before[task], *(lag.before for lag in instance.lags_into[task])]
+            needed = max((moment[first] for first in firsts), default=0)
             moment[task] = max(needed, old[task].start if task in old else needed)
         place = {task: index for index, task in enumerate(instance.order)}
         return ways, sorted(range(len(ways)), key=lambda task: (moment[task], place[task]))

@@ -63,8 +63,13 @@ class Layout:
 
     @cached_property
     def behind(self) -> tuple[int, ...]:
-        """Per task, ticks on the longest chain behind it."""
-        return tuple(tail - own for tail, own in zip(self.tail, self.quickest, strict=True))
+        """Per task, ticks on the longest chain behind its end."""
+        return self.instance.behind_ends(self.tail, self.quickest, self.slowest)
+
+    @cached_property
+    def slowest(self) -> tuple[int, ...]:
+        """Per task, ticks of its slowest step."""
+        return tuple(max((step.ticks for step in row), default=0) for row in self.steps)
 
     @cached_property
     def easiest(self) -> tuple[int, ...]:
@@ -87,6 +92,10 @@ class Layout:
             deadline = instance.deadline[task]
             afters = (latest[after] - self.quickest[after] for after in instance.behind[task])
             latest[task] = min([most if deadline is None else min(deadline, most), *afters])
+            for lag in instance.lags_from[task] if instance.has_lags else ():
+                moment = latest[lag.task] - self.quickest[lag.task] - lag.least
+                own = self.slowest[task] if lag.from_start else 0
+                latest[task] = min(latest[task], moment + own)
         return latest
 
     def with_humans_at(self, tasks: Collection[int]) -> Layout:
@@ -110,8 +119,8 @@ class PartialSchedule:
       start, end: ticks per task, -1 while it is not placed; `way` its way in `Instance.ways`.
       free: per operator, the end of the last task.
       hand: per operator, the tool in hand, -1 while the first one costs nothing.
-      ready: per task, the latest of its release and the ends of its placed predecessors; `waiting`
-        counts the others.
+      ready: per task, the latest of its release and the ends of its placed predecessors, waits
+        after them included; `waiting` counts the others.
       load: stress per operator so far; `stress` their sum.
       need: per operator, stress that the tasks not yet placed put on them at least.
     """
@@ -134,15 +143,16 @@ class PartialSchedule:
         "zone_free",
     )
 
-    def __init__(self, layout: Layout) -> None:
+    def __init__(self, layout: Layout, release: Sequence[int] | None = None) -> None:
+        """Nothing is placed. `release` in ticks per task; those of the instance when None."""
         instance = layout.instance
         tasks, operators = len(instance.tasks), len(instance.operators)
         self.layout, self.instance = layout, instance
         self.start, self.end, self.way = [-1] * tasks, [-1] * tasks, [-1] * tasks
         self.free = [0] * operators
         self.hand = [-1 if tool is None else tool for tool in instance.in_hand]
-        self.ready = list(instance.release)
-        self.waiting = [len(before) for before in instance.before]
+        self.ready = list(instance.release if release is None else release)
+        self.waiting = list(instance.waits_for)
         self.tool_free = [[0] * places for places in instance.tool_room]
         self.zone_free = [[0] * places for places in instance.zone_room]
         self.operators_of: dict[int, tuple[int, ...]] = {}
@@ -189,7 +199,7 @@ class PartialSchedule:
         return self._behind_breaks(tool, row, step, start) if instance.has_breaks else start
 
     def put(self, task: int, step: Step, start: int) -> list[int]:
-        """Places the task; returns the tasks that have become ready, all their predecessors being
+        """Places the task; returns the tasks that have become ready, all that they wait for being
         placed. Assumes `earliest(task, step) <= start`.
         """
         instance, end = self.instance, start + step.ticks
@@ -213,15 +223,23 @@ class PartialSchedule:
         if instance.has_limits:
             must = self.layout.must[task]
             self.need = [need - own for need, own in zip(self.need, must, strict=True)]
-        # told to the caller, who would otherwise have to look at all tasks again
-        released = []
         for after in instance.behind[task]:
             if self.ready[after] < end:
                 self.ready[after] = end
+        if instance.has_lags:
+            self._pass_on_waits(task, start, end)
+        # told to the caller, who would otherwise have to look at all tasks again
+        released = []
+        for after in instance.begun_behind[task]:
             self.waiting[after] -= 1
             if not self.waiting[after]:
                 released.append(after)
         return released
+
+    def _pass_on_waits(self, task: int, start: int, end: int) -> None:
+        for lag in self.instance.lags_from[task]:
+            moment = (start if lag.from_start else end) + lag.least
+            self.ready[lag.task] = max(self.ready[lag.task], moment)
 
     @property
     def makespan(self) -> int:
@@ -262,10 +280,44 @@ class PartialSchedule:
 
 
 def append_in_order(layout: Layout, order: Sequence[int], steps: Sequence[Step]) -> PartialSchedule:
-    """The tasks appended in this order, task `t` as `steps[t]`. Assumes that predecessors come
-    first; stress limits and teams are not looked at.
+    """The tasks appended in this order, task `t` as `steps[t]`. Assumes that predecessors, and what
+    is waited for, come first; stress limits and teams are not looked at.
+
+    A task that another one must follow within a time is put off as long as that one comes too
+    late: what comes out is the earliest of all schedules of this order that keep such waits. Where
+    there is none they are broken.
     """
-    state = PartialSchedule(layout)
+    state = _appended(layout, order, steps, layout.instance.release)
+    begin = list(layout.instance.release)
+    most_lags = layout.instance.most_lags
+    # a chain of waits needs as many rounds as it has links; breaks and places may need some more
+    for _ in range(4 * len(most_lags) + 4 if most_lags else 0):
+        moved = False
+        for lag, most in most_lags:
+            own = 0 if lag.from_start else steps[lag.before].ticks
+            soonest = state.start[lag.task] - most - own
+            if state.start[lag.before] < soonest:
+                begin[lag.before], moved = soonest, True
+        if not moved:
+            break
+        state = _appended(layout, order, steps, begin)
+    return state
+
+
+def by_start(instance: Instance, starts: Sequence[tuple[int, int]]) -> list[int]:
+    """The tasks by their starts; of those that start together, one comes behind what it waits
+    for.
+    """
+    if not instance.has_lags:
+        return sorted(range(len(starts)), key=lambda task: (starts[task][1], task))
+    place = {task: index for index, task in enumerate(instance.order)}
+    return sorted(range(len(starts)), key=lambda task: (starts[task][1], place[task]))
+
+
+def _appended(
+    layout: Layout, order: Sequence[int], steps: Sequence[Step], release: Sequence[int]
+) -> PartialSchedule:
+    state = PartialSchedule(layout, release)
     earliest, put = state.earliest, state.put
     for task in order:
         put(task, steps[task], earliest(task, steps[task]))

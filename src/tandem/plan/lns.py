@@ -15,7 +15,7 @@ from functools import cached_property
 from ortools.sat.python import cp_model
 
 from tandem.plan.cpsat import formulate
-from tandem.plan.instance import Instance, Way
+from tandem.plan.instance import Instance, Lag, Way
 from tandem.plan.starts import Starts
 
 
@@ -29,6 +29,7 @@ class Stretch:
       instance: the stretch as a cell of its own; operators come in when they are free.
       ways: per task, the index of its ways in the whole instance.
       tails: per task and way, ticks of the longest chain behind it.
+      start_by: per task, ticks by which it must start, for what is fixed before it; or None.
       floor: ticks; whatever the stretch does, the whole cannot end before.
     """
 
@@ -36,6 +37,7 @@ class Stretch:
     instance: Instance
     ways: tuple[tuple[int, ...], ...]
     tails: tuple[tuple[int, ...], ...]
+    start_by: tuple[int | None, ...]
     floor: int
 
 
@@ -78,7 +80,8 @@ def take_out(
         breaks=fixed.breaks(instance),
         stress_limit=_limits_left(cut),
     )
-    return Stretch(cut.free, inside, ways, tails, _floor(cut, fixed, tail))
+    start_by = tuple(cut.start_by(task) for task in cut.free)
+    return Stretch(cut.free, inside, ways, tails, start_by, _floor(cut, fixed, tail))
 
 
 @dataclass(frozen=True)
@@ -106,8 +109,28 @@ class _Cut:
         return frozenset(self.free)
 
     def predecessors_end(self, task: int) -> int:
-        """Ticks by which its predecessors before the stretch have ended."""
-        return max([self.end[p] for p in self.instance.before[task] if p in self.end], default=0)
+        """Ticks by which its predecessors before the stretch have ended, and the least waits after
+        them are over.
+        """
+        ends = [self.end[p] for p in self.instance.before[task] if p in self.end]
+        return max([*ends, *(moment + lag.least for lag, moment in self.waits(task))], default=0)
+
+    def waits(self, task: int) -> list[tuple[Lag, int]]:
+        """The task's waits after tasks before the stretch, and the ticks they are counted from."""
+        if not self.instance.has_lags:
+            return []
+        return [
+            (lag, self.starts[lag.before][1] if lag.from_start else self.end[lag.before])
+            for lag in self.instance.lags_into[task]
+            if lag.before in self.end
+        ]
+
+    def start_by(self, task: int) -> int | None:
+        """Ticks by which the task must start, for its waits after tasks before the stretch."""
+        return min(
+            (moment + lag.most for lag, moment in self.waits(task) if lag.most is not None),
+            default=None,
+        )
 
 
 @dataclass(frozen=True)
@@ -182,6 +205,9 @@ def _longest_behind(
 ) -> int:
     """Ticks of the longest chain behind the task, done in this way, of tasks behind the stretch."""
     successors = [tail[b] for b in cut.instance.behind[task] if b in tail]
+    if cut.instance.has_lags:
+        waits = (lag for lag in cut.instance.lags_from[task] if not lag.from_start)
+        successors += [lag.least + tail[lag.task] for lag in waits if lag.task in tail]
     same_operators = [first_of.get(o, 0) for o in cut.instance.ways[task][way].operators]
     return max([*successors, *same_operators], default=0)
 
@@ -259,6 +285,9 @@ def plan_anew(
             )
             <= plan.makespan
         )
+    for start, latest in zip(plan.start, stretch.start_by, strict=True):
+        if latest is not None:
+            plan.model.add(start <= latest)
     plan.model.add(plan.makespan >= stretch.floor)
     if most_stress is not None:
         plan.model.add(plan.stress <= most_stress)

@@ -8,7 +8,8 @@ tasks can notice. When none is left, u is refuted; when one is complete, it is a
 
 What is kept of a cell: operators, ways, precedence, releases, deadlines, and a limit on the sum of
 stress. Tools, zones, breaks, teams, limits per human and tables of stress are left out. So what is
-refuted here is refuted for the cell, and what is found may break it: the checker decides.
+refuted here is refuted for the cell, and what is found may break it: the checker decides. Of waits
+the least ones count in how long at least a chain of tasks takes, and nowhere else.
 """
 
 from __future__ import annotations
@@ -447,13 +448,16 @@ def _interrupted(jobs: Sequence[tuple[int, int, int]]) -> int:
 
 def _twins(instance: Instance) -> list[tuple[int, ...]]:
     """Per task, the task before it that nothing tells apart from it: same ways, release, deadline,
-    predecessors and successors; or none.
+    predecessors and successors, and neither waits; or none.
     """
     latest: dict[tuple[object, ...], int] = {}
     twins: list[tuple[int, ...]] = []
     for task, ways in enumerate(instance.ways):
         before, behind = frozenset(instance.before[task]), frozenset(instance.behind[task])
         key = (ways, before, behind, instance.release[task], instance.deadline[task])
+        if instance.has_lags and (instance.lags_into[task] or instance.lags_from[task]):
+            twins.append(())
+            continue
         twins.append((latest[key],) if key in latest else ())
         latest[key] = task
     return twins

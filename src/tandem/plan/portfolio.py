@@ -23,11 +23,11 @@ from ortools.sat.python import cp_model
 from tandem.plan import cpsat
 from tandem.plan.cpsat import Decisions, formulate
 from tandem.plan.door import Admitted, Door
-from tandem.plan.list_scheduling import Layout
+from tandem.plan.list_scheduling import Layout, by_start
 from tandem.plan.lns import WORK as STRETCH_WORK
 from tandem.plan.lns import plan_anew, take_out
 from tandem.plan.lower_bound import Proof, prove_makespan
-from tandem.plan.starts import Starts, append, appended, keeps_deadlines, list_schedule, measures
+from tandem.plan.starts import Starts, append, appended, in_time, list_schedule, measures
 from tandem.plan.weights import MOST_COUNTED
 
 
@@ -474,9 +474,9 @@ class Race:
             limit is not None for limit in self.instance.stress_limit
         ):
             return False
-        order = sorted(range(len(starts)), key=lambda task: (starts[task][1], task))
+        order = by_start(self.instance, starts)
         sound = append(self.layout, order, [way for way, _ in starts])
-        return sound is not None and keeps_deadlines(self.instance, sound) and self.found(sound)
+        return sound is not None and in_time(self.instance, sound) and self.found(sound)
 
     def improve(
         self, random: Random, patience: int | None = None, stretches: int | None = None
@@ -527,7 +527,7 @@ class Race:
         """
         instance, goal = self.instance, self.goal
         makespan, stress = measures(instance, current)
-        order = sorted(range(len(current)), key=lambda task: (current[task][1], task))
+        order = by_start(instance, current)
         # the rest keeps its order and its ways, so limits are what the rest leaves of them
         stretch = take_out(instance, current, order, first, count, movers)
         rest = stress - sum(instance.ways[task][current[task][0]].stress for task in stretch.tasks)
@@ -550,7 +550,7 @@ class Race:
         ways = [way for way, _ in current]
         for index, task in enumerate(stretch.tasks):
             ways[task] = stretch.ways[index][fresh[index][0]]
-        middle = sorted(range(len(fresh)), key=lambda index: fresh[index][1])
+        middle = by_start(stretch.instance, fresh)
         order[first : first + count] = [stretch.tasks[index] for index in middle]
         # the tasks behind the stretch may begin at other moments now, so limits and deadlines are
         # asked again
@@ -558,7 +558,7 @@ class Race:
         if (
             starts is None
             or not goal.allows(*measures(instance, starts))
-            or not keeps_deadlines(instance, starts)
+            or not in_time(instance, starts)
         ):
             return None, easy
         return (

@@ -17,7 +17,7 @@ from tandem.plan.bounds import least_makespan, least_stress, load_prices
 from tandem.plan.door import Door
 from tandem.plan.greedy import Score, by_rank, by_score, clockwise
 from tandem.plan.instance import Instance
-from tandem.plan.list_scheduling import Layout, PartialSchedule, Step
+from tandem.plan.list_scheduling import Layout, PartialSchedule, Step, append_in_order, by_start
 from tandem.plan.method import Method, Progress
 from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Result, Status
@@ -85,7 +85,7 @@ def _upward_rank(layout: Layout, _: Random) -> list[float]:
 
 def latest_start(layout: Layout, _: Random) -> list[float]:
     """The tick by which each task must have started if it and all behind it are to keep their
-    deadlines; what has none counts from the horizon.
+    deadlines; what has none counts from the horizon. Waits are not looked at.
     """
     instance = layout.instance
     latest = [float(instance.horizon)] * len(layout.steps)
@@ -174,19 +174,42 @@ def build(
     shake = rule.temperature if temperature is None else temperature
     if shake:
         priority = [p * random.lognormvariate(0.0, shake) for p in priority]
+    if layout.instance.has_most_lags:
+        priority = _urgent_first(layout, priority)
 
     def score(end: int, step: Step) -> float:
         return time * end + weight * step.stress
 
     if not rule.prices:
-        return rule.build(layout, priority, score)
+        return _drawn_together(layout, rule.build(layout, priority, score))
     dear = rule.prices * (random.lognormvariate(0.0, 3 * shake) if shake else 1.0)
     price = [dear * price for price in (load_prices(layout)[1] if prices is None else prices)]
 
     def priced(end: int, step: Step) -> float:
         return score(end, step) + step.ticks * sum(price[operator] for operator in step.operators)
 
-    return rule.build(layout, priority, priced)
+    return _drawn_together(layout, rule.build(layout, priority, priced))
+
+
+def _urgent_first(layout: Layout, priority: Sequence[float]) -> list[float]:
+    """The priorities with the tasks first that must start within a time after another one."""
+    urgent = {lag.task for lag, _ in layout.instance.most_lags}
+    ahead = max(priority) - min(priority) + 1
+    return [p - ahead if task in urgent else p for task, p in enumerate(priority)]
+
+
+def _drawn_together(layout: Layout, state: PartialSchedule | None) -> PartialSchedule | None:
+    """The schedule with every task put off that another one would else follow too late, if its
+    order lets it be.
+    """
+    if state is None or not layout.instance.has_most_lags:
+        return state
+    starts = state.starts()
+    steps = [
+        next(step for step in row if step.way == way)
+        for row, (way, _) in zip(layout.steps, starts, strict=True)
+    ]
+    return append_in_order(layout, by_start(layout.instance, starts), steps)
 
 
 def method(

@@ -228,7 +228,7 @@ def _undone(
                 f"--done {name}: by the old plan it begins at {number(was[name].start)} s, which"
                 f" is not before --at {number(at)}."
             )
-        missing = [first for first in cell.tasks[name].after if first not in over]
+        missing = [first for first in cell.tasks[name].predecessors if first not in over]
         if new := [first for first in missing if first not in was]:
             yield (
                 f"--done {name}: {', '.join(new)} must be done before it and is new in the cell,"
@@ -254,6 +254,12 @@ def _not_begun(standing: Standing) -> Iterator[str]:
                     f"task {names[task]} has {_has(standing.fixed[task].why)}, but task"
                     f" {names[first]}, which must be done before it, {what}."
                 )
+        for lag in standing.stated.lags_into[task]:
+            if lag.from_start and lag.before not in begun:
+                yield (
+                    f"task {names[task]} has {_has(standing.fixed[task].why)}, but task"
+                    f" {names[lag.before]}, from whose start it waits, has not begun."
+                )
 
 
 def _clashes(standing: Standing) -> list[str]:
@@ -263,7 +269,12 @@ def _clashes(standing: Standing) -> list[str]:
     if not names:
         return []
     tasks = {
-        name: task.model_copy(update={"after": tuple(x for x in task.after if x in names)})
+        name: task.model_copy(
+            update={
+                "after": tuple(x for x in task.after if x in names),
+                "wait": tuple(wait for wait in task.wait if wait.after in names),
+            }
+        )
         for name, task in cell.tasks.items()
         if name in names
     }

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from random import Random
 
-from tandem.plan.instance import Instance
-from tandem.plan.list_scheduling import Layout, Step, append_in_order
+from tandem.plan.instance import Instance, Lag
+from tandem.plan.list_scheduling import Layout, Step, append_in_order, by_start
 from tandem.plan.rules import SPECS, build
 
 Starts = tuple[tuple[int, int], ...]
@@ -30,12 +30,21 @@ def measures(instance: Instance, starts: Starts) -> tuple[int, int]:
     return makespan, instance.stress_of_set.get(tasks, 1 << 60)
 
 
-def keeps_deadlines(instance: Instance, starts: Starts) -> bool:
-    """Whether every task ends by its deadline."""
+def in_time(instance: Instance, starts: Starts) -> bool:
+    """Whether every task ends by its deadline, and starts within its waits."""
     return all(
         deadline is None or start + instance.ways[task][way].ticks <= deadline
         for task, ((way, start), deadline) in enumerate(zip(starts, instance.deadline, strict=True))
+    ) and all(
+        starts[lag.task][1] <= _moment(instance, starts, lag) + most
+        for lag, most in instance.most_lags
     )
+
+
+def _moment(instance: Instance, starts: Starts, lag: Lag) -> int:
+    """The tick from which the wait is counted."""
+    way, start = starts[lag.before]
+    return start if lag.from_start else start + instance.ways[lag.before][way].ticks
 
 
 def append(layout: Layout, order: Sequence[int], ways: Sequence[int]) -> Starts | None:
@@ -52,13 +61,13 @@ def appended(layout: Layout, starts: Starts) -> Starts:
     """The schedule with its tasks appended in the order of their starts, in the same ways: none
     comes later, and none waits for nothing but its turn.
     """
-    order = sorted(range(len(starts)), key=lambda task: (starts[task][1], task))
-    return append(layout, order, [way for way, _ in starts]) or starts
+    fresh = append(layout, by_start(layout.instance, starts), [way for way, _ in starts])
+    return fresh if fresh is not None and in_time(layout.instance, fresh) else starts
 
 
 def list_schedule(layout: Layout, ways: Sequence[int]) -> Starts | None:
     """The list schedule by longest tail in which every task is done in the way given; None when
-    limits or deadlines are broken.
+    limits, deadlines or waits are broken.
     """
     steps = [_step(layout, task, way) for task, way in enumerate(ways)]
     if any(step is None for step in steps):
@@ -66,7 +75,7 @@ def list_schedule(layout: Layout, ways: Sequence[int]) -> Starts | None:
     narrow = replace(layout, steps=tuple((step,) for step in steps if step is not None))
     state = build(narrow, SPECS["longest-tail"], Random(0))
     starts = None if state is None else tuple(state.starts())
-    return starts if starts is not None and keeps_deadlines(layout.instance, starts) else None
+    return starts if starts is not None and in_time(layout.instance, starts) else None
 
 
 def _step(layout: Layout, task: int, way: int) -> Step | None:
@@ -108,14 +117,15 @@ def _into_a_gap(layout: Layout, starts: Starts) -> Starts | None:
     instance, ways = layout.instance, [way for way, _ in starts]
     begin = [start for _, start in starts]
     end = [start + instance.ways[task][way].ticks for task, (way, start) in enumerate(starts)]
-    by_start = sorted(range(len(starts)), key=lambda task: (begin[task], task))
-    for task in by_start:
+    in_order = by_start(instance, starts)
+    for task in in_order:
         for moment in _moments_before(instance, task, ways, begin, end):
-            order = sorted(by_start, key=lambda one: moment if one == task else begin[one])
+            order = sorted(in_order, key=lambda one: moment if one == task else begin[one])
             trial = append(layout, order, ways)
             if trial is None or trial[task][1] >= begin[task]:
                 continue
-            if all(new[1] <= old for new, old in zip(trial, begin, strict=True)):
+            earlier = all(new[1] <= old for new, old in zip(trial, begin, strict=True))
+            if earlier and in_time(instance, trial):
                 return trial
     return None
 
@@ -128,6 +138,8 @@ def _moments_before(
     """
     way = instance.ways[task][ways[task]]
     ready = max([instance.release[task], *(end[first] for first in instance.before[task])])
+    for lag in instance.lags_into[task] if instance.has_lags else ():
+        ready = max(ready, (begin if lag.from_start else end)[lag.before] + lag.least)
     busy = [
         (begin[other], end[other])
         for other in range(len(begin))

@@ -320,6 +320,8 @@ def _legend(cell: Cell, result: Result, t: Words) -> str:
     found = [t("plan.legend")]
     found += [t("plan.legend.joint")] if any(len(a.operators) > 1 for a in result.schedule) else []
     rows = lanes(cell, result.schedule, until=result.makespan, critical=False)
+    waits = any(bar.since for lane in rows for bar in lane.bars)
+    found += [t("plan.legend.wait")] if waits else []
     found += [t(f"plan.legend.{kind}") for kind in kinds_shaded(rows)]
     return " ".join(found)
 

@@ -12,10 +12,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from tandem.cell.model import Cell
+from tandem.cell.parts import Wait
 from tandem.draw.style import looks, task_label
 from tandem.plan.result import Result
 from tandem.report.language import Words
 from tandem.report.tables import named
+from tandem.report.waits import kind_of
+from tandem.schedule.critical import links
 from tandem.schedule.measures import changeover_times, exact
 from tandem.schedule.model import Assignment, Schedule
 from tandem.schedule.queues import Kind, places_of, queues
@@ -27,7 +30,9 @@ class Condition:
 
     Attributes:
       kind: "previous", "own", "both" (the step before, predecessors on this sheet, both of them),
-        "break" (the operator's own), "release", "done" (a predecessor that others do), "freed" (a
+        "break" (the operator's own), "release", "lag.end" and "lag.start" (a wait after the end or
+        the start of a task), "hold" (another task must follow this one within a time, and cannot
+        sooner), "done" (a predecessor that others do), "freed" (a
         task of others that holds the tool or the zone until then), "tool.room", "zone.room" (of
         several places, enough are free), "partner"; or "start": there is nothing to wait for.
       says: the sentence.
@@ -135,6 +140,9 @@ class _Sheet:
         self.rows = {a.task: a for a in schedule}
         self.queues = queues(cell, schedule)
         self.own = _Own(cell, schedule, operator)
+        waits = [wait for task in cell.tasks.values() for wait in task.wait]
+        is_bound = any(wait.at_most is not None for wait in waits)
+        self.held = links(cell, schedule) if is_bound else dict.fromkeys(self.rows, ())
 
     def steps(self) -> Iterator[Step]:
         if self.own.tasks and (span := self.cell.operators[self.operator].setting_up) is not None:
@@ -177,17 +185,61 @@ class _Sheet:
 
     def _conditions(self, place: int, a: Assignment, begun: bool) -> Iterator[Condition]:
         """All that must be true before a task begins: one's own part first, then the others'."""
-        before = [name for name in self.cell.tasks[a.task].after if self._is_own(name)]
+        before = [name for name in self._predecessors(a.task) if self._is_own(name)]
         yield from self._own_part(place, before, begun)
         if not self.own.changes[place]:
             yield from self._breaks(self.own.ended(place), a.start)
         if release := self.cell.tasks[a.task].release:
             yield self._when("release", release, release=self.t.seconds(release))
+        for wait in self._waits(a.task):
+            yield self._wait(wait)
         yield from self._others(a)
         yield from self._rooms(a)
+        yield from self._held_back(a)
         for who in self._partners(a):
             ready = _Own(self.cell, self.schedule, who).able(a)
             yield self._when("partner", ready, who=self._label(who))
+
+    def _predecessors(self, task: str) -> list[str]:
+        """Tasks that must have ended, but for those of which a wait says so."""
+        waited = {w.after for w in self._waits(task) if w.between == "end-start"}
+        return [name for name in self.cell.tasks[task].predecessors if name not in waited]
+
+    def _waits(self, task: str) -> list[Wait]:
+        """The task's waits that say more than that another task must have ended."""
+        return [
+            wait
+            for wait in self.cell.tasks[task].wait
+            if wait.at_least or wait.at_most is not None or wait.between == "start-start"
+        ]
+
+    def _wait(self, wait: Wait) -> Condition:
+        first, is_start = self.rows[wait.after], wait.between == "start-start"
+        moment = exact(first.start if is_start else first.end) + exact(wait.at_least)
+        both = wait.at_most is not None and bool(wait.at_least) and wait.at_least != wait.at_most
+        return self._when(
+            "lag.start" if is_start else "lag.end",
+            float(moment),
+            who=self._names(wait.after),
+            task=named(self.cell, wait.after),
+            span=self.t(f"steps.span.{kind_of(wait)}", **self._span(wait)),
+            until=self.t("steps.until", **self._span(wait)) if both else "",
+        )
+
+    def _span(self, wait: Wait) -> dict[str, str]:
+        most = "" if wait.at_most is None else self.t.seconds(wait.at_most)
+        return {"least": self.t.seconds(wait.at_least), "most": most}
+
+    def _held_back(self, a: Assignment) -> Iterator[Condition]:
+        """The task waits for nothing but that another one can follow it in time."""
+        followers = [link.by for link in self.held[a.task] if link.reason == "follower"]
+        if followers:
+            yield self._when(
+                "hold",
+                a.start,
+                start=self.t.seconds(a.start),
+                tasks=", ".join(named(self.cell, name) for name in followers),
+            )
 
     def _own_part(self, place: int, before: list[str], begun: bool) -> Iterator[Condition]:
         """The step before, and the predecessors on this sheet."""
@@ -204,7 +256,7 @@ class _Sheet:
         """Each task of others that must be done before, with the tool and the zone that it leaves
         free.
         """
-        after = [name for name in self.cell.tasks[a.task].after if not self._is_own(name)]
+        after = [name for name in self._predecessors(a.task) if not self._is_own(name)]
         tasks: dict[str, list[str]] = {name: [] for name in after}
         for queue in self.queues[a.task]:
             for _, task in queue.before if not queue.spare else ():
@@ -245,9 +297,13 @@ class _Sheet:
 
     def _then(self, a: Assignment) -> Iterator[str]:
         """All that can begin when the task is done, in the order of the plan."""
-        own = [row.task for row in self.own.tasks if a.task in self.cell.tasks[row.task].after]
+        own = [row.task for row in self.own.tasks if a.task in self._predecessors(row.task)]
         if own:
             yield self.t("steps.then.own", tasks=", ".join(own))
+        for row in self.schedule:
+            for wait in self._waits(row.task):
+                if wait.after == a.task:
+                    yield self._later(row, wait)
         for row in self.schedule:
             if self.operator in row.operators:
                 continue
@@ -259,8 +315,16 @@ class _Sheet:
             said = self._with(self._names(row.task), row.task)
             if freed:
                 yield self.t("steps.then.freed", then=said, freed=", ".join(freed))
-            elif a.task in self.cell.tasks[row.task].after:
+            elif a.task in self._predecessors(row.task):
                 yield said
+
+    def _later(self, row: Assignment, wait: Wait) -> str:
+        """Who can begin the task that waits, and when."""
+        return self.t(
+            "steps.then.begun" if wait.between == "start-start" else "steps.then.wait",
+            then=self._with(self._names(row.task), row.task),
+            span=self.t(f"steps.later.{kind_of(wait)}", **self._span(wait)),
+        )
 
     def _with(self, who: str, task: str) -> str:
         return self.t("steps.with", who=who, task=named(self.cell, task))
@@ -323,7 +387,7 @@ class _Own:
 
 RANK = (
     *("previous", "both", "own", "break", "release", "partner"),
-    *("zone.room", "tool.room", "freed", "done"),
+    *("zone.room", "tool.room", "freed", "done", "lag.start", "lag.end", "hold"),
 )
 """Of several conditions that become true at the same moment, the one whose kind stands last here
 is the one to look out for: others are less sure than one's own hands.

@@ -7,10 +7,12 @@ second of the plan is a minute here; the file's notes say so.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from datetime import datetime, timedelta
 from xml.etree import ElementTree
 
 from tandem.cell.model import Cell
+from tandem.cell.parts import Task
 from tandem.draw.imprint import imprint
 from tandem.draw.style import looks, task_label
 from tandem.plan.result import Result
@@ -25,6 +27,8 @@ START = datetime(2000, 1, 3)
 SCALE = 60
 """Seconds in the file for one second of the plan."""
 CALENDAR = 1
+START_TO_START, TENTHS = "3", 10
+"""A link between starts; tenths of a minute in the file for one second of the plan."""
 FINISH_TO_START, AS_SOON_AS_POSSIBLE, START_NO_EARLIER_THAN, FIXED_DURATION, MINUTES, WORK = (
     "1",
     "0",
@@ -128,13 +132,25 @@ def _tasks(tasks: ElementTree.Element, result: Result, t: Words) -> None:
         if task.deadline is not None:
             _add(entry, "Deadline", _date(task.deadline))
         _add(entry, "Notes", _notes(cell, a, t))
-        for first in task.after:
+        for first, kind, lag in _links(task):
             link = ElementTree.SubElement(entry, "PredecessorLink")
             _add(link, "PredecessorUID", uid[first])
-            _add(link, "Type", FINISH_TO_START)
+            _add(link, "Type", kind)
             _add(link, "CrossProject", "0")
-            _add(link, "LinkLag", "0")
+            _add(link, "LinkLag", str(round(lag * TENTHS)))
             _add(link, "LagFormat", MINUTES)
+
+
+def _links(task: Task) -> Iterator[tuple[str, str, float]]:
+    """Each task that it comes after, how, and the seconds at least in between; what a wait may last
+    at most, MS Project does not know.
+    """
+    least = {(wait.after, wait.between): wait.at_least for wait in task.wait}
+    for first in task.predecessors:
+        yield first, FINISH_TO_START, least.get((first, "end-start"), 0.0)
+    for (first, between), seconds in least.items():
+        if between == "start-start":
+            yield first, START_TO_START, seconds
 
 
 def _notes(cell: Cell, a: Assignment, t: Words) -> str:

@@ -6,6 +6,7 @@ import tandem
 from tandem.draw.style import looks
 from tandem.plan.result import Front, Status
 from tandem.report.language import Words
+from tandem.report.waits import wait_words
 
 
 def assumptions(front: Front, t: Words) -> list[str]:
@@ -69,6 +70,8 @@ def assumptions(front: Front, t: Words) -> list[str]:
         if cell.same_operator
         else []
     )
+    waits = [f"{name} {said}" for name in cell.tasks for said in wait_words(cell, name, t)]
+    found += [t("assume.wait", waits="; ".join(waits))] if waits else []
     found += (
         [t("assume.release")]
         if any(task.release or task.deadline is not None for task in cell.tasks.values())

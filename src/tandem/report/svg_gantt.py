@@ -5,7 +5,7 @@ folded into panels.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from tandem.cell.model import Cell
 from tandem.draw.gantt import wordings
@@ -111,6 +111,7 @@ def _panel(
                         fill=f"url(#fill-{off.shading.fill})",
                     )
                 )
+        pieces += _waits(lane, begin, stop, x, y + 9 + BAR + 3)
         for bar in lane.bars:
             if bar.end > begin and bar.start < stop:
                 pieces.append(
@@ -147,6 +148,18 @@ def _panel(
         class_="gantt",
         xmlns="http://www.w3.org/2000/svg",
     )
+
+
+def _waits(
+    lane: Lane, begin: float, stop: float, x: Callable[[float], float], y: float
+) -> list[Markup]:
+    """A line for each wait before a task, as far as it lies in the panel."""
+    return [
+        tag("line", x1=x(moment), x2=x(bar.start), y1=y, y2=y, class_="wait")
+        for bar in lane.bars
+        for moment in bar.since
+        if moment < stop and bar.start > begin
+    ]
 
 
 def _bar(

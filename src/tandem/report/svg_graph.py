@@ -10,6 +10,7 @@ from tandem.draw.layers import Layers, layers
 from tandem.draw.style import looks, task_label
 from tandem.report.language import Words
 from tandem.report.markup import Markup, figure, fitting, hatch_id, tag, text, width_of
+from tandem.report.waits import wait_words
 
 COLUMN, ROW = 236.0, 88.0
 TILE = (6, 8)
@@ -129,10 +130,11 @@ def _node(cell: Cell, task: str, at: tuple[float, float], t: Words, *, critical:
     x, y = _at(*at)
     half, high = HALF_WIDTH * COLUMN, HALF_HEIGHT * ROW
     label = task_label(cell, task)
-    after = ", ".join(cell.tasks[task].after)
+    after = ", ".join(cell.tasks[task].predecessors)
+    waits = "".join(f"; {said}" for said in wait_words(cell, task, t))
     details = (
         t("graph.node.after", task=label, after=after) if after else t("graph.node", task=label)
-    )
+    ) + waits
     named = f"{task}: {label}" if label != task else task
     pieces = [
         tag("title", details),

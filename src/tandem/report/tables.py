@@ -9,6 +9,7 @@ from tandem.draw.style import Look, looks, task_label
 from tandem.plan.result import Front, Result, Status
 from tandem.report.language import Words
 from tandem.report.markup import Markup, hatch_id, join, tag
+from tandem.report.waits import wait_words
 from tandem.schedule.critical import critical_path, slack
 from tandem.schedule.measures import changing, idle, mode_of, stress_by_human, utilisation, working
 from tandem.schedule.model import Assignment, Schedule
@@ -254,7 +255,7 @@ def tasks(front: Front, t: Words) -> Markup:
             *([tag("td", task.part or "")] if has_part else []),
         ]
         cells += [
-            tag("td", ", ".join(task.after) or "–"),
+            tag("td", ", ".join(task.predecessors) or "–"),
             tag("td", ways(cell, name, shown, t), class_="ways"),
             tag("td", _loads(cell, name, shown, t), class_="number ways"),
         ]
@@ -293,11 +294,12 @@ def pieces(found: Iterable[str]) -> Markup:
 
 
 def conditions(cell: Cell, name: str, t: Words) -> list[str]:
-    """What else holds for a task: tool, zone, earliest start, deadline."""
+    """What else holds for a task: tool, zone, earliest start, waits, deadline."""
     task = cell.tasks[name]
     found = [t("tasks.tool", tool=task.tool)] if task.tool else []
     found += [t("tasks.zone", zone=task.zone)] if task.zone else []
     found += [t("tasks.release", release=t.number(task.release))] if task.release else []
+    found += wait_words(cell, name, t)
     return found + (
         [t("tasks.deadline", deadline=t.number(task.deadline))] if task.deadline is not None else []
     )

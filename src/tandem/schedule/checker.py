@@ -180,13 +180,33 @@ def nothing_starts_before_zero(judged: Judged) -> Iterator[str]:
 
 def predecessors_end_first(judged: Judged) -> Iterator[str]:
     for row in judged.rows:
-        for name in judged.cell.tasks[row.task].after:
+        for name in judged.cell.tasks[row.task].predecessors:
             end = max((first.end for first in judged.of_task.get(name, ())), default=row.start)
             if row.start < end:
                 yield (
                     f"task {row.task!r}: starts at {_s(row.start)}, before task {name!r} has ended,"
                     f" which it comes after: {_s(end)} is the earliest."
                 )
+
+
+def waits_are_kept(judged: Judged) -> Iterator[str]:
+    for row in judged.rows:
+        for wait in judged.cell.tasks[row.task].wait:
+            is_end = wait.between == "end-start"
+            firsts = judged.of_task.get(wait.after, ())
+            if not firsts:
+                continue
+            moment = max(first.end if is_end else first.start for first in firsts)
+            past, least = row.start - moment, exact(wait.at_least)
+            since = f"task {wait.after!r} has {'ended' if is_end else 'started'}"
+            when = f"before {since}" if past < 0 else f"{_s(past)} after {since}"
+            starts = f"task {row.task!r}: starts at {_s(row.start)}, {when}, and must"
+            # that it starts before the other has ended is said by the rule on predecessors
+            if past < least and (past >= 0 or not is_end):
+                yield f"{starts} wait {_s(least)} at least: {_s(moment + least)} is the earliest."
+            if wait.at_most is not None and past > exact(wait.at_most):
+                most = exact(wait.at_most)
+                yield f"{starts} start within {_s(most)}: {_s(moment + most)} is the latest."
 
 
 def an_operator_does_one_task_at_a_time(judged: Judged) -> Iterator[str]:
@@ -362,6 +382,7 @@ RULES: tuple[Callable[[Judged], Iterator[str]], ...] = (
     durations_are_right,
     nothing_starts_before_zero,
     predecessors_end_first,
+    waits_are_kept,
     an_operator_does_one_task_at_a_time,
     releases_are_kept,
     deadlines_are_kept,

@@ -18,10 +18,12 @@ Reason = Literal[
     "break",
     "setup",
     "predecessor",
+    "wait",
     "operator",
     "changeover",
     "tool",
     "zone",
+    "follower",
     "choice",
 ]
 
@@ -34,11 +36,14 @@ class Link:
       assignment: the task.
       reason: why it starts exactly when it does: at the "start" of the assembly (there may be a
         changeover first), at its "release", when a "break" or the "setup" of `by` ends, when its
-        "predecessor" `by` ends, when the "operator" `by` is free, when that operator's "changeover"
-        is done, when a unit of the "tool" or a place in the "zone" `by` is given back; or by
-        "choice": it could have started earlier.
-      by: name of the predecessor, operator, tool or zone; empty otherwise.
-      waited_for: the task before it on the path, which ended then; None at the path's beginning.
+        "predecessor" `by` ends, when its "wait" after task `by` is over, when the "operator" `by`
+        is free, when that operator's "changeover"
+        is done, when a unit of the "tool" or a place in the "zone" `by` is given back, so late that
+        its "follower" `by` still starts within its wait after it; or by "choice": it could have
+        started earlier.
+      by: name of the predecessor, follower, operator, tool or zone; empty otherwise.
+      waited_for: the task before it on the path, which ended then (or some time before, where a
+        wait lies between them); None at the path's beginning.
     """
 
     assignment: Assignment
@@ -53,6 +58,8 @@ class Link:
             "break": f"after a break of {self.by}",
             "setup": f"when {self.by} is set up",
             "predecessor": f"when {self.waited_for} has ended",
+            "wait": f"when its wait after {self.waited_for} is over",
+            "follower": f"no sooner, so that {self.by} follows in time",
             "operator": f"when {self.by} is free from {self.waited_for}",
             "changeover": f"when {self.by} has changed tools after {self.waited_for}",
             "tool": f"when {self.waited_for} gives back tool {self.by}",
@@ -64,7 +71,7 @@ class Link:
 
 def critical_path(cell: Cell, schedule: Schedule) -> tuple[Link, ...]:
     """A chain of tasks from the start, a release or a break to the makespan, each starting exactly
-    when what it waited for ended.
+    when what it waited for ended, or a wait after that was over.
 
     Of several chains, one that reaches back to the start rather than to a task that could have
     started earlier. Assumes a sound schedule; empty for an empty one. In a schedule with gaps that
@@ -75,7 +82,7 @@ def critical_path(cell: Cell, schedule: Schedule) -> tuple[Link, ...]:
     plan = _Plan.of(cell, schedule)
     best: dict[str, Link] = {}
     grounded: dict[str, bool] = {}
-    for a in schedule:
+    for a in _by_start(cell, schedule):
         links = sorted(
             plan.links(a),
             key=lambda link: (
@@ -112,26 +119,50 @@ def slack(cell: Cell, schedule: Schedule) -> dict[str, float]:
     """Task -> seconds by which its end can slip without a later makespan or a missed deadline.
 
     Allocation and order are kept: on every operator, and on every unit of a tool and place in a
-    zone. Tasks that follow may slip along; breaks stay free of work and changeovers. Assumes a
-    sound schedule.
+    zone. Tasks that follow may slip along; breaks stay free of work and changeovers; a task that
+    must start within a time after another one does. Assumes a sound schedule.
     """
     plan = _Plan.of(cell, schedule)
     makespan = max((exact(a.end) for a in schedule), default=Decimal(0))
-    latest: dict[str, Decimal] = {}
-    for a in reversed(schedule.assignments):
+    # per task and task before it: the latest end where that other one slips along
+    latest: dict[str, dict[str, Decimal]] = {}
+    free: dict[str, float] = {}
+    for a in reversed(_by_start(cell, schedule)):
         deadline = cell.tasks[a.task].deadline
         limits = [makespan, *([] if deadline is None else [exact(deadline)])]
         time = exact(a.end) - exact(a.start)
         for after, gap in plan.followers[a.task]:
             row = plan.of_task[after]
-            limits.append(latest[after] - (exact(row.end) - exact(row.start)) - gap)
-        latest[a.task] = plan.latest_end(a, min(limits), time)
-    return {a.task: float(latest[a.task] - exact(a.end)) for a in schedule}
+            end = latest[after].get(a.task, latest[after][""])
+            limits.append(end - (exact(row.end) - exact(row.start)) - gap)
+        caps = plan.caps(a)
+        latest[a.task] = {
+            but: plan.latest_end(
+                a, min([*limits, *(cap for first, cap in caps.items() if first != but)]), time
+            )
+            for but in ("", *caps)
+        }
+        free[a.task] = float(latest[a.task][""] - exact(a.end))
+    return {a.task: free[a.task] for a in schedule}
+
+
+def _by_start(cell: Cell, schedule: Schedule) -> list[Assignment]:
+    """The assignments by start; of those that start together, one comes behind what it waits
+    for.
+    """
+    begin = {a.task: a.start for a in schedule}
+
+    def depth(task: str) -> int:
+        firsts = [w.after for w in cell.tasks[task].wait if begin.get(w.after) == begin[task]]
+        return 1 + max(map(depth, firsts)) if firsts else 0
+
+    return sorted(schedule, key=lambda a: (a.start, depth(a.task), a))
 
 
 _PREFERENCE: tuple[Reason, ...] = (
     "start",
     "predecessor",
+    "wait",
     "operator",
     "changeover",
     "release",
@@ -139,6 +170,7 @@ _PREFERENCE: tuple[Reason, ...] = (
     "setup",
     "tool",
     "zone",
+    "follower",
     "choice",
 )
 
@@ -160,7 +192,8 @@ class _Plan:
     Attributes:
       turns: task -> each operator's part in it.
       followers: task -> (task that cannot start before it has ended, seconds that must lie
-        between).
+        between; less than 0 where the wait counts from its start).
+      bound: task -> (task that must start within a wait after it, from its start or end, the most).
       handed: task -> (reason, tool or zone, task that used the same unit of it directly before).
     """
 
@@ -169,6 +202,7 @@ class _Plan:
     turns: Mapping[str, list[_Turn]]
     followers: Mapping[str, list[tuple[str, Decimal]]]
     handed: Mapping[str, list[tuple[Reason, str, str]]]
+    bound: Mapping[str, list[tuple[str, bool, Decimal]]]
 
     @classmethod
     def of(cls, cell: Cell, schedule: Schedule) -> _Plan:
@@ -176,6 +210,7 @@ class _Plan:
         turns: dict[str, list[_Turn]] = {name: [] for name in of_task}
         followers: dict[str, list[tuple[str, Decimal]]] = {name: [] for name in of_task}
         handed: dict[str, list[tuple[Reason, str, str]]] = {name: [] for name in of_task}
+        bound: dict[str, list[tuple[str, bool, Decimal]]] = {name: [] for name in of_task}
         for name in cell.operators:
             rows = schedule.of(name)
             previous = None
@@ -187,17 +222,56 @@ class _Plan:
                     followers[previous.task].append((a.task, exact(seconds)))
                 previous = a
         for name in of_task:
-            for before in cell.tasks[name].after:
+            for before in cell.tasks[name].predecessors:
                 followers[before].append((name, Decimal(0)))
+            for wait in cell.tasks[name].wait:
+                is_start, first = wait.between == "start-start", of_task[wait.after]
+                time = exact(first.end) - exact(first.start) if is_start else Decimal(0)
+                followers[wait.after].append((name, exact(wait.at_least) - time))
+                if wait.at_most is not None:
+                    bound[wait.after].append((name, is_start, exact(wait.at_most)))
         for reason, place, before, after in _hand_overs(cell, schedule):
             handed[after].append((reason, place, before))
             followers[before].append((after, Decimal(0)))
-        return cls(cell, of_task, turns, followers, handed)
+        return cls(cell, of_task, turns, followers, handed, bound)
+
+    def caps(self, a: Assignment) -> dict[str, Decimal]:
+        """Task before it -> the latest end, for a wait that must not grow longer."""
+        time = exact(a.end) - exact(a.start)
+        caps: dict[str, Decimal] = {}
+        for wait in self.cell.tasks[a.task].wait:
+            if wait.at_most is not None:
+                first = self.of_task[wait.after]
+                moment = exact(first.start if wait.between == "start-start" else first.end)
+                cap = moment + exact(wait.at_most) + time
+                caps[wait.after] = min(cap, caps.get(wait.after, cap))
+        return caps
 
     def links(self, a: Assignment) -> Iterator[Link]:
-        """Every reason for which the task cannot start a moment earlier."""
+        """Every reason for which the task cannot start a moment earlier; that another one must
+        follow it in time where there is no other.
+        """
+        found = [*self._waits(a), *self._links(a)]
+        yield from found
+        if found:
+            return
+        for after, from_start, most in self.bound[a.task]:
+            moment = exact(a.start if from_start else a.end)
+            if exact(self.of_task[after].start) == moment + most:
+                yield Link(a, "follower", after)
+
+    def _waits(self, a: Assignment) -> Iterator[Link]:
+        """The waits after other tasks that are over just when the task starts."""
+        for wait in self.cell.tasks[a.task].wait:
+            first, is_start = self.of_task[wait.after], wait.between == "start-start"
+            moment = exact(first.start if is_start else first.end)
+            over = exact(a.start) == moment + exact(wait.at_least)
+            if over and (wait.at_least or is_start):
+                yield Link(a, "wait", wait.after, wait.after)
+
+    def _links(self, a: Assignment) -> Iterator[Link]:
         start = exact(a.start)
-        for name in self.cell.tasks[a.task].after:
+        for name in self.cell.tasks[a.task].predecessors:
             if exact(self.of_task[name].end) == start:
                 yield Link(a, "predecessor", name, name)
         if start == 0:

@@ -56,7 +56,7 @@ def queues(cell: Cell, schedule: Schedule) -> dict[str, tuple[Queue, ...]]:
     for place, a in enumerate(schedule):
         earlier = schedule.assignments[:place]
         direct = {
-            *cell.tasks[a.task].after,
+            *cell.tasks[a.task].predecessors,
             *(latest[who] for who in a.operators if who in latest),
         }
         found[a.task] = tuple(_queues_of(cell, a, earlier, sure, _closed(direct, sure)))

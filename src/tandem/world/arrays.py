@@ -3,8 +3,8 @@
 
 Axes: `T` tasks and `O` operators in the cell's order; `W` ways, every way of doing every task, in
 the order of the tasks and then of `cell.modes(task)`; `U` tools, `Z` zones, `B` breaks per
-operator, `S` listed sets. What a cell does not say has an axis of length 0, and what it would cost
-is not computed.
+operator, `S` listed sets, `L` waits. What a cell does not say has an axis of length 0, and what it
+would cost is not computed.
 """
 
 from __future__ import annotations
@@ -65,8 +65,10 @@ class Arrays(NamedTuple):
     bool, True where two different tasks must be done by the same operators; `[0, 0]` when there are
     none. sets, set_stress: `[S, T]` bool and `[S]` int32: the cell's `stress_of_set`. undo: `[W]`
     int32, how long the disassembly takes of what was mounted wrongly; `[0]` when nobody makes
-    mistakes. above: `[T, T]` bool, `above[i, j]`: task i comes after task j, directly or not; `[0,
-    0]` when nobody makes mistakes.
+    mistakes. lag_task, lag_before: `[L, T]` bool, the task that waits, and the one whose end, or
+    start where `lag_from_start` `[L]` bool, it waits from; one True each. lag_least, lag_most:
+    `[L]` int32, how long at least and at most; NEVER for no most. above: `[T, T]` bool,
+    `above[i, j]`: task i comes after task j, directly or not; `[0, 0]` when nobody makes mistakes.
     """
 
     way_task: Array
@@ -98,6 +100,11 @@ class Arrays(NamedTuple):
     sets: Array
     set_stress: Array
     undo: Array
+    lag_task: Array
+    lag_before: Array
+    lag_from_start: Array
+    lag_least: Array
+    lag_most: Array
     above: Array
 
 
@@ -350,7 +357,18 @@ def _sets(names: Names, layout: Layout) -> dict[str, Any]:
     }
 
 
-PARTS = (_ways, _tasks, _operators, _places, _sets)
+def _lags(names: Names, layout: Layout) -> dict[str, Any]:
+    lags, tasks = layout.instance.lags, np.arange(len(layout.instance.tasks))
+    return {
+        "lag_task": tasks[None, :] == np.array([lag.task for lag in lags], np.int64)[:, None],
+        "lag_before": tasks[None, :] == np.array([lag.before for lag in lags], np.int64)[:, None],
+        "lag_from_start": np.array([lag.from_start for lag in lags], bool),
+        "lag_least": np.array([lag.least for lag in lags], np.int64),
+        "lag_most": np.array([NEVER if lag.most is None else lag.most for lag in lags], np.int64),
+    }
+
+
+PARTS = (_ways, _tasks, _operators, _places, _sets, _lags)
 
 
 def _undoing(names: Names, layout: Layout, undo: float | None) -> dict[str, Any]:
@@ -380,6 +398,7 @@ def _in_32_bits(part: Array) -> Array:
 def _horizon(instance: Instance) -> float:
     """Seconds by which everything has ended at the latest, with what has a deadline."""
     latest = max([0, *(deadline for deadline in instance.deadline if deadline is not None)])
+    latest = max([latest, *(most for _, most in instance.most_lags)])
     return max(instance.horizon, latest) / instance.per_second
 
 

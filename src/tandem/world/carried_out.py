@@ -3,7 +3,8 @@
 A task waits until every task that is planned to begin before it and wants one of its operators, its
 tool or its zone has begun. So, while times are as stated and people do as they are asked, each task
 begins no later than planned: by induction over the plan, what it needs is free by then. In a
-semi-active plan it then begins exactly as planned.
+semi-active plan it then begins exactly as planned. A task that another one must follow within a
+time does not begin before its planned start.
 """
 
 from __future__ import annotations
@@ -21,12 +22,15 @@ class Plan(NamedTuple):
     """A schedule as the world reads it.
 
     way: `[T]` int32, how each task is done. rank: `[T]` int32, its place in the order of starts.
-    awaits: `[T, T]` bool, the first task may begin only once the second has begun.
+    awaits: `[T, T]` bool, the first task may begin only once the second has begun. not_before:
+    `[T]` int32, ticks before which it is held back; 0 for a task that none must follow within a
+    time.
     """
 
     way: Array
     rank: Array
     awaits: Array
+    not_before: Array
 
     @classmethod
     def of(cls, names: Names, schedule: Schedule) -> Self:
@@ -46,7 +50,15 @@ class Plan(NamedTuple):
                     (mine.operators, cell.tasks[mine.task].tool, cell.tasks[mine.task].zone),
                     (theirs.operators, cell.tasks[theirs.task].tool, cell.tasks[theirs.task].zone),
                 )
-        return cls(way, rank, awaits)
+        not_before = np.zeros(count, np.int32)
+        for lag, _ in names.instance.most_lags:
+            not_before[lag.before] = names.ticks(rows[names.tasks[lag.before]].start)
+        return cls(way, rank, awaits, not_before)
+
+    def held_back(self, arrays: Arrays) -> Arrays:
+        """The cell in which nothing that is held back can begin before its time."""
+        xp = namespace(arrays.release)
+        return arrays._replace(release=xp.maximum(arrays.release, self.not_before))
 
 
 Needs = tuple[tuple[str, ...], str | None, str | None]

@@ -24,7 +24,9 @@ def replay(cell: Cell, schedule: Schedule) -> float:
     names = Names.of(cell)
     arrays = names.arrays()
     state = reset(arrays)
-    for row in sorted(schedule):
+    # of two that start together, one may wait for the other to begin
+    place = {names.instance.tasks[task]: index for index, task in enumerate(names.instance.order)}
+    for row in sorted(schedule, key=lambda row: (row.start, place[row.task])):
         way, due = names.way(row.task, row.operators), names.ticks(row.start)
         while state.clock < due:
             state = advance(arrays, state, np.int32(due))

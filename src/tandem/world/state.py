@@ -7,21 +7,22 @@ Pure functions over an array namespace: NumPy arrays in, NumPy arrays out; under
 letter, so that a sound schedule replays to exactly its makespan and legal play makes sound
 schedules:
 
-- A way may begin when the tasks before it have ended, its release has come, all its operators are
-  free, and its tool and its zone have room.
+- A way may begin when the tasks before it have ended, its waits after other tasks have lasted as
+  long as they must at least, its release has come, all its operators are free, and its tool and its
+  zone have room.
 - Whoever holds another tool must take up the right one first. An operator who was idle has used
   that time for it: the task starts at the later of the clock and, for each operator, the end of its
   last work or break plus the changeover.
 - No break may lie between the beginning of a changeover and the nominal end of the task.
 - Stress limits, `same_operator` and `stress_of_set` rule out what would break them now or, as far
-  as the least stress of the tasks that are left tells, later. Deadlines rule out nothing; `late`
-  reports them.
+  as the least stress of the tasks that are left tells, later. Deadlines, and what a wait may last
+  at most, rule out nothing; `late` reports them.
 
 At one moment the humans decide first, then the robots (`turn`); each sees what has begun before it.
 Who lets a turn pass waits until the next event.
 
-Axes as in `arrays.py`: `T` tasks, `W` ways, `O` operators. `M` is `T` when somebody may make
-mistakes, else 0.
+Axes as in `arrays.py`: `T` tasks, `W` ways, `O` operators. `L` waits, `M` is `T` when somebody may
+make mistakes, else 0.
 """
 
 from __future__ import annotations
@@ -229,7 +230,8 @@ def refuse(arrays: Arrays, state: State, operator: Array, task: Array) -> State:
 
 def next_event(arrays: Arrays, state: State) -> Array:
     """`[]` int32, the next tick at which something happens by itself: work ends, a task is
-    released, a break ends, somebody comes back, a mistake is noticed. NEVER when nothing does.
+    released, a wait has lasted long enough, a break ends, somebody comes back, a mistake is
+    noticed. NEVER when nothing does.
     """
     xp = namespace(state.way)
     moments = [
@@ -240,6 +242,9 @@ def next_event(arrays: Arrays, state: State) -> Array:
     ]
     if arrays.undo.shape[0]:
         moments.append(state.bad_at)
+    if arrays.lag_least.shape[0]:
+        waiting = (arrays.lag_task & (state.way < 0)[None, :]).any(axis=1)
+        moments.append(xp.where(waiting, _waits_over(xp, arrays, state), NEVER))
     ahead = xp.concatenate(moments)
     return xp.where(ahead > state.clock, ahead, NEVER).min().astype(xp.int32)
 
@@ -291,9 +296,37 @@ def stress(arrays: Arrays, state: State) -> Array:
 
 
 def late(arrays: Arrays, state: State) -> Array:
-    """`[T]` int32, ticks by which the task ends after its deadline; 0 while it has not begun."""
+    """`[T]` int32, ticks by which the task ends after its deadline, or starts after the most that
+    it should have waited for another one, whichever is more; 0 while it has not begun.
+    """
     xp = namespace(state.way)
-    return xp.maximum(xp.where(state.way >= 0, state.end_at, 0) - arrays.deadline, 0)
+    late = xp.maximum(xp.where(state.way >= 0, state.end_at, 0) - arrays.deadline, 0)
+    if not arrays.lag_most.shape[0]:
+        return late
+    since = _waited_from(xp, arrays, state)
+    start = xp.where(arrays.lag_task & (state.way >= 0)[None, :], state.start_at[None, :], 0)
+    past = xp.where(since == NEVER, 0, start.max(axis=1) - since)
+    over = xp.maximum(xp.where(arrays.lag_most == NEVER, 0, past - arrays.lag_most), 0)
+    return xp.maximum(late, xp.where(arrays.lag_task, over[:, None], 0).max(axis=0))
+
+
+def _waited_from(xp: Any, arrays: Arrays, state: State) -> Array:
+    """`[L]` int32, the tick from which each wait counts; NEVER while it has not come."""
+    begun = state.way >= 0
+    if arrays.undo.shape[0]:
+        begun = begun & ~state.undoing
+    ended = begun & (state.end_at <= state.clock)
+    start = xp.where(arrays.lag_before & begun[None, :], state.start_at[None, :], NEVER)
+    end = xp.where(arrays.lag_before & ended[None, :], state.end_at[None, :], NEVER)
+    return xp.where(arrays.lag_from_start, start.min(axis=1), end.min(axis=1))
+
+
+def _waits_over(xp: Any, arrays: Arrays, state: State) -> Array:
+    """`[L]` int32, the tick at which each wait has lasted as long as it must; NEVER while what it
+    counts from has not come.
+    """
+    since = _waited_from(xp, arrays, state)
+    return xp.where(since == NEVER, NEVER, xp.where(since == NEVER, 0, since) + arrays.lag_least)
 
 
 def _fitting(arrays: Arrays, state: State, tasks: Array) -> Array:
@@ -324,6 +357,9 @@ def _ready(xp: Any, arrays: Arrays, state: State) -> Array:
     """
     up = mounted(state)
     is_open = (state.way < 0) & (arrays.release <= state.clock)
+    if arrays.lag_least.shape[0]:
+        waits = _waits_over(xp, arrays, state) > state.clock
+        is_open = is_open & ~(arrays.lag_task & waits[:, None]).any(axis=0)
     if not arrays.undo.shape[0]:
         return is_open & ~(arrays.needs & ~up[None, :]).any(axis=1)
     down, begun = to_undo(arrays, state), state.way >= 0

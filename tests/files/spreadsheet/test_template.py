@@ -176,6 +176,8 @@ def _renamed(
             if "stress" in joint:
                 joint["stress"] = by_who(joint["stress"])
         task["after"] = [steps.get(first, first) for first in task.get("after", ())]
+        for wait in task.get("wait", ()):
+            wait["after"] = steps.get(wait["after"], wait["after"])
         tasks[steps.get(name, name)] = {**task, "label": text(), "part": text()}
     for tool in data.get("tools", {}).values():
         tool["changeover"] = by_who(tool.get("changeover", {}))

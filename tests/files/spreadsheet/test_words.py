@@ -34,6 +34,8 @@ from tandem.files.spreadsheet.vocabulary import Meaning, kind_of, meaning
         ("Nachfolger", "before"),
         ("Spätestes Ende [min]", "deadline, min"),
         ("Ressourcennamen", "operator"),
+        ("Wait after [s]", "wait, s"),
+        ("Wartezeit nach [min]", "wait, min"),
         ('time "cycle time" [s]', "time of cycle time, s"),
     ],
 )

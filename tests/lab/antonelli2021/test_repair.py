@@ -153,6 +153,15 @@ def test_a_quicker_way_of_taking_off_counts():
         ),
         ({"tasks": {"a": {"time": {"robot": 3}, "release": 4}}}, "release"),
         ({"tasks": {"a": {"time": {"robot": 3}, "deadline": 4}}}, "deadline"),
+        (
+            {
+                "tasks": {
+                    "a": {"time": {"robot": 3}},
+                    "b": {"time": {"robot": 3}, "wait": {"after": "a", "at_least": 4}},
+                }
+            },
+            "wait",
+        ),
         ({"tasks": {"a": {"time": {"robot": 3}, "tool": "driver"}}}, "tool"),
         (
             {

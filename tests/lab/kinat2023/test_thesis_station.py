@@ -98,6 +98,7 @@ BEYOND = {
     "tasks.a.zone": {"tasks": {"a": {**TASK, "zone": "bench"}}},
     "tasks.a.release": {"tasks": {"a": {**TASK, "release": 3.0}}},
     "tasks.a.deadline": {"tasks": {"a": {**TASK, "deadline": 30.0}}},
+    "tasks.a.wait": {"tasks": {"a": {**TASK, "wait": {"after": "b"}}, "b": TASK}},
     "operators.human.breaks": {
         "operators": {
             "robot": {"kind": "robot"},

@@ -517,7 +517,10 @@ def test_what_cannot_be_expressed_is_named_all_at_once() -> None:
     cell = cell_of(
         {
             "operators": {"ann": {"kind": "human", "stress_limit": 9}, "bob": {"kind": "human"}},
-            "tasks": {"x": {"time": {"ann": 3, "bob": 4}, "deadline": 50}},
+            "tasks": {
+                "x": {"time": {"ann": 3, "bob": 4}, "deadline": 50},
+                "y": {"time": {"ann": 3}, "wait": {"after": "x", "at_least": 5}},
+            },
             "stress_of_set": {"x": 1},
         }
     )
@@ -528,6 +531,7 @@ def test_what_cannot_be_expressed_is_named_all_at_once() -> None:
         "stress_of_set",
         "stress_limit",
         "leave the deadline out",
+        "leave the wait out",
     ):
         assert words in str(error.value)
 

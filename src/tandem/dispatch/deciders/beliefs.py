@@ -13,7 +13,7 @@ from tandem.cell.model import Cell
 from tandem.dispatch.deciders.policy import Start
 from tandem.dispatch.lookahead.objective import Objective
 from tandem.dispatch.lookahead.transitions import Moves, Position
-from tandem.dispatch.situation.legal import lacks, legal
+from tandem.dispatch.situation.legal import lacks, legal, waited_from
 from tandem.dispatch.situation.model import Running, Situation, exact
 from tandem.plan.instance import Instance, bits
 from tandem.plan.list_scheduling import Layout
@@ -177,7 +177,40 @@ def position(moves: Moves, situation: Situation, factor: Mapping[str, float]) ->
         _in_hand(cell, situation) if cell.has_swaps else (),
         _loads(cell, situation) if cell.has_limits else (),
         _teams(cell, situation) if cell.has_teams else (),
+        _waits(cell, situation) if cell.has_lags else (),
     )
+
+
+def _waits(instance: Instance, situation: Situation) -> tuple[tuple[int, int], ...]:
+    """The waits of open tasks that last still."""
+    number = {
+        (lag.before, lag.task, lag.from_start): place for place, lag in enumerate(instance.lags)
+    }
+    index = {name: task for task, name in enumerate(instance.tasks)}
+    found = []
+    for name in situation.open:
+        for wait in situation.cell.tasks[name].wait if name not in situation.wrong else ():
+            moment = waited_from(situation, wait)
+            if moment is not None:
+                left = round((moment + wait.at_least - situation.now) * instance.per_second)
+                key = (index[wait.after], index[name], wait.between == "start-start")
+                if left > 0:
+                    found.append((number[key], left))
+    return tuple(sorted(found))
+
+
+def start_by(instance: Instance, situation: Situation) -> dict[int, int]:
+    """Open task -> ticks from now by which it should start, for the most that it waits after what
+    has ended or started; less than 0 where that is over.
+    """
+    found: dict[int, int] = {}
+    for task, name in enumerate(instance.tasks):
+        for wait in situation.cell.tasks[name].wait if name in situation.open else ():
+            moment = waited_from(situation, wait)
+            if moment is not None and wait.at_most is not None:
+                left = round((moment + wait.at_most - situation.now) * instance.per_second)
+                found[task] = min(left, found.get(task, left))
+    return found
 
 
 def allowed(moves: Moves, situation: Situation) -> frozenset[int]:

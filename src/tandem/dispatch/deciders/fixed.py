@@ -61,7 +61,8 @@ class Fixed:
 
     A task waits until every task planned before it that wants one of its operators, its tool or its
     zone has begun. So, while times are as stated and people do as they are asked, each task
-    begins no later than planned: by induction over the plan, what it needs is free by then.
+    begins no later than planned: by induction over the plan, what it needs is free by then. A task
+    that another one must follow within a time does not begin before its planned start.
 
     Attributes:
       chosen: the plan.
@@ -97,9 +98,25 @@ class Fixed:
     def due(self, moves: Moves, situation: Situation) -> tuple[int, ...] | None:
         """The ways that the plan begins now, perhaps none; None where it leads nowhere any more."""
         begins = self._due(moves, situation)
-        if not begins and _stands_still(situation):
+        if not begins and not self.held_back(situation) and _stands_still(situation):
             return None
         return tuple(sorted(numbered(moves, situation, begins)))
+
+    def held_back(self, situation: Situation) -> dict[str, float]:
+        """Open task that another one must follow within a time -> its planned start, s, while that
+        is to come.
+        """
+        followed = {
+            wait.after
+            for task in situation.cell.tasks.values()
+            for wait in task.wait
+            if wait.at_most is not None
+        }
+        return {
+            a.task: a.start
+            for a in (self.chosen.schedule if followed else ())
+            if a.task in followed and a.task in situation.open and a.start > situation.now
+        }
 
     def unquestioned(
         self, by: str, moves: Moves, situation: Situation, due: tuple[int, ...], began: float
@@ -157,6 +174,7 @@ class Fixed:
             began=began,
             because=because,
             later=self.later(situation),
+            look_again=min(self.held_back(situation).values(), default=None),
         )
 
     def _due(self, moves: Moves, situation: Situation) -> list[Start]:
@@ -167,10 +185,16 @@ class Fixed:
         comes_off = [start for start in reversed(order) if start[0] in situation.wrong]
         begins: list[Start] = []
         awaited: set[Need] = set()
+        held_back = self.held_back(situation)
         for task, planned in [*comes_off, *(start for start in order if start not in comes_off)]:
             start = (task, _willing(situation, task, planned))
             needs = set(_needs(moves, *start))
-            if not needs & awaited and beginning(situation, [*begins, start]) == [*begins, start]:
+            is_due = task not in held_back or task in situation.wrong
+            if (
+                is_due
+                and not needs & awaited
+                and beginning(situation, [*begins, start]) == [*begins, start]
+            ):
                 begins.append(start)
             else:
                 awaited |= needs

@@ -29,6 +29,7 @@ from tandem.dispatch.deciders.beliefs import (
     cost_so_far,
     numbered,
     position,
+    start_by,
 )
 from tandem.dispatch.deciders.by_rule import ByRule
 from tandem.dispatch.deciders.fixed import Fixed, carried_out
@@ -36,7 +37,7 @@ from tandem.dispatch.deciders.policy import Chosen, Decision, Options
 from tandem.dispatch.deciders.reply import reply
 from tandem.dispatch.lookahead.branch_and_bound import NOTHING, BranchAndBound, Known
 from tandem.dispatch.lookahead.objective import Objective
-from tandem.dispatch.lookahead.residual import FIRST, Plan, rest, sketch, solve
+from tandem.dispatch.lookahead.residual import FIRST, Plan, keeps, rest, sketch, solve
 from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.dispatch.lookahead.work import OutOfWorkError, Work
 from tandem.dispatch.situation.model import Situation
@@ -130,7 +131,7 @@ def by_plan(
 
     `began`: the `perf_counter` moment at which deciding began.
     """
-    plan = _planned(policy, moves, here, work)
+    plan = _planned(policy, moves, situation, here, work)
     choice = None if plan is None else starting(moves, here, plan, allowed(moves, situation))
     # there is always an answer: the rule's, when no plan is found or it begins nothing
     if plan is None or choice is None:
@@ -147,6 +148,7 @@ def by_plan(
             because=because,
         )
     # costs are told of the whole assembly, from its beginning
+    look = _put_off(moves, here, plan) if moves.instance.has_most_lags else None
     cost = cost_so_far(policy.objective, situation) + _cost(policy.objective, moves, plan)
     end = situation.now + plan.ticks / moves.instance.per_second
     because = (
@@ -163,12 +165,27 @@ def by_plan(
         began=began,
         because=because,
         later=next_tasks(moves, here, plan),
+        look_again=None if look is None else situation.now + look / moves.instance.per_second,
     )
 
 
-def _planned(policy: Replan | Robust, moves: Moves, here: Position, work: Work) -> Plan | None:
-    """The best plan that the work finds; it makes one list schedule at least."""
-    left = rest(moves, here)
+def _put_off(moves: Moves, here: Position, plan: Plan) -> int | None:
+    """Ticks after which something begins in the plan that could begin now, but that is put off so
+    that another task follows it in time; None where nothing is.
+    """
+    legal = set(moves.legal(here))
+    return min((start for start, way in plan.begins if start > 0 and way in legal), default=None)
+
+
+def _planned(
+    policy: Replan | Robust, moves: Moves, situation: Situation, here: Position, work: Work
+) -> Plan | None:
+    """The best plan that the work finds; it makes one list schedule at least. It keeps what waits
+    may last at most where it still can.
+    """
+    instance = moves.instance
+    by = start_by(instance, situation) if instance.has_most_lags else None
+    left = rest(moves, here, due=by)
     if left is None:
         return None
     weights, seed = _weights(policy.objective, moves), policy.options.seed
@@ -176,10 +193,14 @@ def _planned(policy: Replan | Robust, moves: Moves, here: Position, work: Work) 
     searching_s = CPSAT_S * (work.left - MODEL * sum(map(len, left.ways)) - len(FIRST) * each)
     searches = searching_s > LEAST_S
     samples = len(FIRST) if searches else round(min(max(work.left / each, 1), MOST_SKETCHES))
-    drafted = sketch(moves, here, weights, samples=samples, seed=seed)
+    drafted = sketch(moves, here, weights, samples=samples, seed=seed, due=by)
     if not searches:
         return drafted
-    return solve(left, weights, work_s=searching_s, hint=drafted, seed=seed)
+    plan = solve(left, weights, work_s=searching_s, hint=drafted, seed=seed)
+    if by is None or plan is None or keeps(left, plan):
+        return plan
+    late = rest(moves, here)
+    return plan if late is None else solve(late, weights, work_s=searching_s, seed=seed) or plan
 
 
 def starting(moves: Moves, here: Position, plan: Plan, legal: Set[int]) -> tuple[int, ...] | None:
@@ -261,6 +282,8 @@ class Robust:
                 self.name, moves, situation, here, (), [((), None)], began=began, because=because
             )
         due = None if self.follows is None else self.follows.due(moves, situation)
+        # the values of choices know nothing of what a wait may last at most; a plan does
+        by_plans = is_dear or moves.instance.has_most_lags
         total, ranked = work.limit, None
         for beliefs, share in (
             (paces, ALL_PACES),
@@ -268,7 +291,7 @@ class Robust:
         ):
             work.limit = share * total
             with contextlib.suppress(OutOfWorkError):
-                ranked = None if is_dear else self.ranked(situation, beliefs, work, due)
+                ranked = None if by_plans else self.ranked(situation, beliefs, work, due)
             if ranked is not None:
                 break
         work.limit = total

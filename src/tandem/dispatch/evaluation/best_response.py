@@ -102,7 +102,13 @@ def _as_stated(cell: Cell, objective: Objective) -> float | None:
     """
     free = cell.replace(
         tasks={
-            name: task.model_copy(update={"deadline": None}) for name, task in cell.tasks.items()
+            name: task.model_copy(
+                update={
+                    "deadline": None,
+                    "wait": tuple(w.model_copy(update={"at_most": None}) for w in task.wait),
+                }
+            )
+            for name, task in cell.tasks.items()
         }
     )
     try:

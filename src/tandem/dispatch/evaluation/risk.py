@@ -112,6 +112,7 @@ def _compiled() -> Callable[[Arrays, Scenario, Person, Plan], Played]:
     import jax
 
     def one(arrays: Arrays, scenario: Scenario, person: Person, plan: Plan) -> Played:
+        arrays = plan.held_back(arrays)
         return play(arrays, scenario, crew.crew(arrays, person), partial(carry_on, plan))
 
     return jax.jit(jax.vmap(one, in_axes=(None, 0, 0, None)))

@@ -13,10 +13,10 @@ from ortools.sat.python import cp_model
 
 from tandem.dispatch.lookahead.transitions import Moves, Position
 from tandem.plan.cpsat import formulate
-from tandem.plan.instance import Instance, Way
+from tandem.plan.instance import Instance, Lag, Way
 from tandem.plan.list_scheduling import Layout, PartialSchedule, Step, append_in_order
 from tandem.plan.rules import SPECS, build
-from tandem.plan.starts import Starts, keeps_deadlines
+from tandem.plan.starts import Starts, in_time
 
 SCALE = 1 << 20
 """Weights become whole numbers in units of the larger one divided by this."""
@@ -56,11 +56,22 @@ class Plan:
     proven: bool
 
 
-def rest(moves: Moves, position: Position, *, with_running: bool = True) -> Rest | None:
+def rest(
+    moves: Moves,
+    position: Position,
+    *,
+    with_running: bool = True,
+    due: Mapping[int, int] | None = None,
+) -> Rest | None:
     """What is left; None when nothing is.
 
     Without what runs, operators who are at something have a break instead, and what waits for it a
     release; its tool and zone are forgotten.
+
+    Args:
+      due: task of the cell -> ticks from now by which it should start, for what it waits after.
+        With it, what waits may last at most is kept, so that there may be no plan of the rest; when
+        None, none of that is: for all else, late is better than never.
     """
     left = _Left.of(moves, position, with_running)
     if not left.tasks:
@@ -72,7 +83,8 @@ def rest(moves: Moves, position: Position, *, with_running: bool = True) -> Rest
         [left.release(task) for task in left.tasks],
         before=[() if task in left.fixed else full.before[task] for task in left.tasks],
         # What runs ends when it ends; for all else, late is better than never.
-        deadline=tuple(left.fixed[t][1] if t in left.fixed else None for t in left.tasks),
+        deadline=tuple(left.latest_end(task, due or {}) for task in left.tasks),
+        lags=left.lags(with_most=due is not None),
         in_hand=left.in_hand(),
         breaks=left.breaks(),
         stress_limit=left.stress_limit(),
@@ -149,7 +161,45 @@ class _Left:
             return 0
         instance = self.moves.instance
         ends = [self.ends.get(first, 0) for first in instance.before[task]]
+        if instance.has_lags:
+            ends += [
+                self.ends[lag.before] + lag.least
+                for lag in instance.lags_into[task]
+                if lag.before in self.ends and not lag.from_start
+            ]
+            waits = self.position.waits
+            ends += [left for number, left in waits if instance.lags[number].task == task]
         return max(0, instance.release[task] - self.position.clock, *ends)
+
+    def latest_end(self, task: int, due: Mapping[int, int]) -> int | None:
+        """Ticks from now by which the task must have ended; None where it need not. What is due is
+        so to start, so that a slow way of doing it leaves more time.
+        """
+        if task in self.fixed:
+            return self.fixed[task][1]
+        if due.get(task, -1) < 0:
+            return None
+        return due[task] + max(way.ticks for way, _ in self.open_ways(task))
+
+    def lags(self, *, with_most: bool) -> tuple[Lag, ...]:
+        """The waits between tasks that are to be planned; of what goes on the end alone is still to
+        come.
+        """
+        index = {task: place for place, task in enumerate(self.tasks)}
+        return tuple(
+            Lag(
+                index[lag.before],
+                index[lag.task],
+                lag.from_start,
+                lag.least,
+                lag.most if with_most else None,
+            )
+            for lag in self.moves.instance.lags
+            if lag.before in index
+            and lag.task in index
+            and lag.task not in self.fixed
+            and not (lag.from_start and lag.before in self.fixed)
+        )
 
     def in_hand(self) -> tuple[int | None, ...]:
         """The tool that each operator holds now."""
@@ -184,6 +234,7 @@ def sketch(
     *,
     samples: int,
     seed: int = 0,
+    due: Mapping[int, int] | None = None,
 ) -> Plan | None:
     """The best of a few list schedules of what is left: one by each rule of `FIRST`, then drawn
     ones. None when nothing is left, or limits leave none of them.
@@ -191,8 +242,9 @@ def sketch(
     Args:
       weights: per tick and per unit of stress, what is made small.
       samples: so many schedules are made.
+      due: as in `rest`; a schedule may miss it.
     """
-    left = rest(moves, position, with_running=False)
+    left = rest(moves, position, with_running=False, due=due)
     if left is None:
         return None
     layout, random = Layout.of(left.instance), Random(seed)
@@ -275,6 +327,11 @@ def solve(
     return _plan(left, layout, found, bound * top, status == "OPTIMAL")
 
 
+def keeps(left: Rest, plan: Plan) -> bool:
+    """Whether the plan keeps the deadlines and waits of the rest."""
+    return _appended(left, Layout.of(left.instance), plan) is not None
+
+
 def _appended(left: Rest, layout: Layout, plan: Plan) -> PartialSchedule | None:
     """The plan's tasks in its order, what goes on first of all; None where the rest's limits or
     deadlines do not let it be.
@@ -289,7 +346,7 @@ def _appended(left: Rest, layout: Layout, plan: Plan) -> PartialSchedule | None:
     if any(step is None for step in steps):
         return None
     state = append_in_order(layout, [t for t, _ in order], [one for one in steps if one])
-    return state if keeps_deadlines(left.instance, tuple(state.starts())) else None
+    return state if in_time(left.instance, tuple(state.starts())) else None
 
 
 PRESOLVED_S = 0.05

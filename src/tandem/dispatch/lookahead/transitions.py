@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault
 from tandem.plan.bounds import WorkPrices
-from tandem.plan.instance import Instance, Way
+from tandem.plan.instance import Instance, Way, bits
 from tandem.plan.list_scheduling import Layout
 
 PER_SECOND = 1000
@@ -37,6 +37,8 @@ class Position(NamedTuple):
         nothing.
       load: stress units per operator so far; empty where nobody has a limit.
       teams: `(team, operators)` of the `same_operator` teams that have begun, sorted.
+      waits: `(number of the wait, ticks left)` of the waits after other tasks that last still,
+        sorted; at least 1 tick is left.
     """
 
     done: int
@@ -46,6 +48,7 @@ class Position(NamedTuple):
     hand: tuple[int, ...] = ()
     load: tuple[int, ...] = ()
     teams: tuple[tuple[int, int], ...] = ()
+    waits: tuple[tuple[int, int], ...] = ()
 
 
 def _go_on(sets: int) -> None:
@@ -217,13 +220,34 @@ class Moves:
             load = tuple(units + extra.get(o, 0) for o, units in enumerate(load))
         if team >= 0 and all(other != team for other, _ in teams):
             teams = tuple(sorted([*teams, (team, self.who[way])]))
-        return Position(position.done, running, position.wrong, position.clock, hand, load, teams)
+        waits = position.waits
+        if self.instance.has_lags and way < self.count:
+            waits = self._counted(waits, task, left - self.ticks[way], from_start=True)
+        return Position(
+            position.done, running, position.wrong, position.clock, hand, load, teams, waits
+        )
+
+    def _counted(
+        self, waits: tuple[tuple[int, int], ...], task: int, ticks: int, *, from_start: bool
+    ) -> tuple[tuple[int, int], ...]:
+        """The waits with those that count from the task's start, or end, `ticks` from now."""
+        fresh = {
+            number: ticks + lag.least
+            for number, lag in enumerate(self.instance.lags)
+            if lag.before == task and lag.from_start == from_start
+        }
+        if not fresh:
+            return waits
+        kept = [(number, left) for number, left in waits if number not in fresh]
+        return tuple(sorted([*kept, *((n, left) for n, left in fresh.items() if left > 0)]))
 
     def next_event(self, position: Position) -> int | None:
-        """Ticks until something happens: a task ends, or, where the clock matters, a release or a
-        break comes or goes. None for never.
+        """Ticks until something happens: a task or a wait ends, or, where the clock matters, a
+        release or a break comes or goes. None for never.
         """
         least = min([left for _, left in position.running], default=None)
+        for _, left in position.waits:
+            least = left if least is None else min(least, left)
         if self.timeless:
             return least
         moments = [moment for moment in self._moments if moment > position.clock]
@@ -234,11 +258,16 @@ class Moves:
     def after(self, position: Position, ticks: int) -> Position:
         """Time has run for so many ticks, at most until the next event."""
         done, wrong, running = position.done, position.wrong, []
+        waits = position.waits
+        if waits:
+            waits = tuple((number, left - ticks) for number, left in waits if left > ticks)
         for way, left in position.running:
             if left > ticks:
                 running.append((way, left - ticks))
             elif way < self.count:
                 done |= 1 << self.task[way]
+                if self.instance.has_lags:
+                    waits = self._counted(waits, self.task[way], left - ticks, from_start=False)
             elif way < 2 * self.count:
                 done &= ~(1 << self.task[way])
                 wrong &= ~(1 << self.task[way])
@@ -246,7 +275,7 @@ class Moves:
             return Position(done, tuple(running), wrong)
         clock = 0 if self.timeless else position.clock + ticks
         return Position(
-            done, tuple(running), wrong, clock, position.hand, position.load, position.teams
+            done, tuple(running), wrong, clock, position.hand, position.load, position.teams, waits
         )
 
     def spoiled(self, position: Position, task: int) -> Position:
@@ -299,6 +328,8 @@ class Moves:
             chain = left + behind[task]
             if chain > ticks:
                 ticks = chain
+        for number, left in position.waits:
+            ticks = max(ticks, left + self.layout.tail[self.instance.lags[number].task])
         rest = self._rest.get(begun)
         work, chain, ease = self._of_rest(begun) if rest is None else rest
         if work:
@@ -374,10 +405,12 @@ class Moves:
         yield chosen
 
     def _may(self, position: Position, way: int) -> bool:
-        """Whether clock, breaks, tools, zones, limits and teams allow the way now. Assumes that it
-        is ready and its operators are free.
+        """Whether clock, waits, breaks, tools, zones, limits and teams allow the way now. Assumes
+        that it is ready and its operators are free.
         """
         instance, task, who = self.instance, self.task[way], self.who[way]
+        if instance.has_lags and way < self.count and self._waits(position, task):
+            return False
         if instance.release[task] > position.clock:
             return False
         operators = self.modes[way % self.count].operators
@@ -406,6 +439,22 @@ class Moves:
         if not self._has_place(position, instance.timed_tool, instance.tool_room, task, count):
             return False
         return self._has_place(position, instance.timed_zone, instance.zone_room, task, count)
+
+    def _waits(self, position: Position, task: int) -> bool:
+        """Whether a wait of the task lasts still, or counts from a start that has not come."""
+        lags = self.instance.lags
+        if any(lags[number].task == task for number, _ in position.waits):
+            return True
+        firsts = bits({lag.before for lag in self.instance.lags_into[task] if lag.from_start})
+        if not firsts:
+            return False
+        begun = position.done
+        for way, _ in position.running:
+            if way < self.count:
+                begun |= 1 << self.task[way]
+            elif way < 2 * self.count:
+                begun &= ~(1 << self.task[way])
+        return begun & firsts != firsts
 
     def _has_place(
         self, position: Position, thing: Sequence[int], places: Sequence[int], task: int, count: int
@@ -474,5 +523,5 @@ def _per_way(moves: Moves) -> dict[str, Any]:
 def _rules(at: Instance) -> dict[str, bool]:
     """Which rules matter in this cell."""
     timeless = not any(at.release) and not at.has_breaks
-    free = at.is_plain and not (at.has_swaps or at.has_limits or at.has_teams)
+    free = at.is_plain and not (at.has_swaps or at.has_limits or at.has_teams or at.has_lags)
     return {"timeless": timeless, "plain": timeless and free}

@@ -273,7 +273,7 @@ def _ranks(sheet: Sheet, shake: Array) -> Array:
     weight = sheet.quickest * np.exp(shake)
     for t in sheet.chain:
         rank[:, t] = tail[:, t] + weight[:, t]
-        for first in sheet.before[t]:
+        for first in sheet.firsts[t]:
             if first < len(sheet.tasks):
                 tail[:, first] = np.maximum(tail[:, first], rank[:, t])
     return rank

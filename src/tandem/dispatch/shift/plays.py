@@ -17,6 +17,7 @@ import numpy as np
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.beliefs import AWAY_S, awaited
 from tandem.dispatch.deciders.policy import Start
+from tandem.dispatch.situation.legal import waited_from
 from tandem.dispatch.situation.model import Situation
 
 Array = np.ndarray[Any, Any]
@@ -32,8 +33,9 @@ class Sheet:
       uses: `[W, O]` bool. `crew`: `[W, C]`, its operators, O for nobody; `size`: `[W]`, how many;
         `group`: `[W]`, a number for each set of operators.
       seconds, stress: `[W]`, stated. `sigma`: `[W]`, of the logarithm of the time.
-      before: `[T, P]`, predecessors, T where it has fewer. `chain`: tasks, each before its
-        predecessors. `quickest`: `[T]` s. `release`: `[T]` s.
+      before: `[T, P]`, predecessors, T where it has fewer; `firsts`: with those whose start it
+        waits from. `chain`: tasks, each before its `firsts`. `waits`: (task, the one that it waits
+        after, whether from that one's start, s at least). `quickest`: `[T]` s. `release`: `[T]` s.
       room: `[T, 2]`, its tool and zone as numbers, -1 for none; `columns`: of these the ones that
         say something. `places`: how many each has; `capacity`: the same, 1 for none.
       tool: `[T]`, number of the tool that changeovers look at, -1 for none; `change`: `[O, tools]`.
@@ -55,7 +57,9 @@ class Sheet:
     stress: Array
     sigma: Array
     before: Array
+    firsts: Array
     chain: tuple[int, ...]
+    waits: tuple[tuple[int, int, bool, float], ...]
     quickest: Array
     release: Array
     room: Array
@@ -91,10 +95,8 @@ def _made(cell: Cell) -> Sheet:
     slots = np.full((len(tasks), max(map(len, rows))), -1)
     for t, row in enumerate(rows):
         slots[t, : len(row)] = row
-    needs = [[number[first] for first in task.after] for task in cell.tasks.values()]
-    before = np.full((len(tasks), max(1, *map(len, needs))), len(tasks))
-    for t, row in enumerate(needs):
-        before[t, : len(row)] = row
+    needs = [[number[first] for first in task.predecessors] for task in cell.tasks.values()]
+    firsts = [[number[first] for first in task.begun_first] for task in cell.tasks.values()]
     rooms: dict[tuple[str, str], int] = {}
     room = np.full((len(tasks), 2), -1)
     for t, task in enumerate(cell.tasks.values()):
@@ -129,8 +131,14 @@ def _made(cell: Cell) -> Sheet:
         np.array([float(way.time) for _, way in ways]),
         np.array([float(sum(way.stress.values())) for _, way in ways]),
         np.array([sigma_of(cell, task, way.operators) for task, way in ways]),
-        before,
-        _chain(needs),
+        _table(needs),
+        _table(firsts),
+        _chain(firsts),
+        tuple(
+            (t, number[wait.after], wait.between == "start-start", wait.at_least)
+            for t, task in enumerate(cell.tasks.values())
+            for wait in task.wait
+        ),
         np.array([min(float(way.time) for way in facts.ways[task]) for task in tasks]),
         np.array([float(task.release) for task in cell.tasks.values()]),
         room,
@@ -152,6 +160,14 @@ def _made(cell: Cell) -> Sheet:
             for operator in cell.operators.values()
         ),
     )
+
+
+def _table(needs: Sequence[Sequence[int]]) -> Array:
+    """`[T, P]`, the rows, T where one is shorter."""
+    table = np.full((len(needs), max(1, *map(len, needs))), len(needs))
+    for t, row in enumerate(needs):
+        table[t, : len(row)] = row
+    return table
 
 
 def _chain(needs: Sequence[Sequence[int]]) -> tuple[int, ...]:
@@ -243,6 +259,11 @@ class Rest:
         release = np.maximum(0.0, sheet.release - situation.now)
         for task, back in awaited(situation).items():
             release[number[task]] = max(release[number[task]], back - situation.now)
+        for task, others in ((task, situation.cell.tasks[task].wait) for task in situation.open):
+            for wait in others if task not in situation.wrong else ():
+                if (moment := waited_from(situation, wait)) is not None:
+                    over = moment + wait.at_least - situation.now
+                    release[number[task]] = max(release[number[task]], over)
         now, first = np.full(len(sheet.tasks), -1), np.zeros(len(sheet.tasks))
         way_of = {(task, frozenset(group)): way for way, (task, group) in enumerate(sheet.ways)}
         for place, (task, group) in enumerate(order):
@@ -305,7 +326,7 @@ def played(
         play.going(name, ends)
     for task in orders.T:
         way, start = play.chosen(task, liking, steady)
-        play.put(task, way, start + rest.share[task] * real[play.line, way])
+        play.put(task, way, start, start + rest.share[task] * real[play.line, way])
         stress += sheet.stress[way]
     return np.asarray(play.end.max(axis=0)), stress
 
@@ -329,11 +350,11 @@ def along_the_clock(
     left[list(rest.tasks)] = True
     never, found = np.zeros(real.shape), []
     for _ in rest.tasks:
-        waits = left[sheet.before].any(axis=1) | ~left[:-1]
+        waits = left[sheet.firsts].any(axis=1) | ~left[:-1]
         key = play.earliest(steady) - 1e-6 * rank[:, None] - rest.first[:, None]
         task = np.where(waits, np.inf, key).argmin(axis=0)
         way, start = play.chosen(task, never, steady)
-        play.put(task, way, start + rest.share[task] * real[line, way])
+        play.put(task, way, start, start + rest.share[task] * real[line, way])
         left[task, line] = False
         found.append(task)
     return np.array(found, dtype=int).reshape(len(rest.tasks), len(real)).T
@@ -372,6 +393,9 @@ class _Play:
             self.ready[task] = np.maximum(self.ready[task], ends)
         else:
             self.end[task] = ends
+            for after, first, of_start, least in self.sheet.waits:
+                if first == task and not of_start:
+                    self.ready[after] = np.maximum(self.ready[after], ends + least)
         way = self.sheet.ways.index((name, self.rest.busy[name]))
         self._occupy(np.full(len(ends), task), np.full(len(ends), way), ends)
 
@@ -410,9 +434,12 @@ class _Play:
             begin, best = np.where(better, start, begin), np.where(better, end, best)
         return begin
 
-    def put(self, task: Array, way: Array, end: Array) -> None:
-        """The task is done in this way, until then."""
+    def put(self, task: Array, way: Array, start: Array, end: Array) -> None:
+        """The task is done in this way, from then until then."""
         self.end[task, self.line] = end
+        for after, first, of_start, least in self.sheet.waits:
+            moment = np.where(task == first, (start if of_start else end) + least, -np.inf)
+            self.ready[after] = np.maximum(self.ready[after], moment)
         self._occupy(task, way, end)
         if self.has_teams:
             team = self.sheet.team[task]

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from tandem.cell.parts import Mode
+from tandem.cell.parts import Mode, Wait
 from tandem.dispatch.situation.model import Situation, Stock, exact, mode
 
 
@@ -40,12 +40,12 @@ def legal(situation: Situation) -> list[tuple[str, tuple[str, ...]]]:
     """What may begin now, as (task, operators), in the cell's order. For a task in
     `situation.wrong` it means taking it apart.
 
-    Predecessors have ended (or, to take a task apart, nothing stands on it any more), its release
-    has come, its tool is whole and its part there, all operators are there and at nothing, tool and
-    zone have room, no break falls into
-    changeover or stated time, and refusals, stress limits (as far as the least stress of what is
-    left tells), `same_operator` and `stress_of_set` are kept. Deadlines rule out nothing: late is
-    better than never.
+    Predecessors have ended (or, to take a task apart, nothing stands on it any more), its waits
+    after other tasks have lasted as long as they must, its release has come, its tool is whole and
+    its part there, all operators are there and at nothing, tool and zone have room, no break falls
+    into changeover or stated time, and refusals, stress limits (as far as the least stress of what
+    is left tells), `same_operator` and `stress_of_set` are kept. Deadlines, and what a wait may
+    last at most, rule out nothing: late is better than never.
     """
     idle = frozenset(situation.idle)
     found: dict[tuple[str, tuple[str, ...]], None] = {}
@@ -81,7 +81,20 @@ def is_ready(situation: Situation, task: str) -> bool:
         return False
     if task in situation.wrong:
         return not any(name in above for name in situation.done)
-    return all(first in situation.done for first in situation.cell.tasks[task].after)
+    return all(first in situation.done for first in situation.cell.tasks[task].predecessors)
+
+
+def waited_from(situation: Situation, wait: Wait) -> float | None:
+    """The moment from which the wait counts, s; None while it has not come."""
+    name, running = wait.after, situation.running.get(wait.after)
+    if wait.between == "end-start":
+        work = situation.done.get(name) or (None if running else situation.wrong.get(name))
+        return None if work is None else work.end
+    at = running or situation.done.get(name) or situation.wrong.get(name)
+    if at is None or (running is not None and running.undoing):
+        return None
+    # what was left of a changeover came before the task itself
+    return exact(at.start + at.stated - mode(situation.cell, name, at.operators).time)
 
 
 def hindrances(situation: Situation, task: str, way: Mode) -> Iterator[str]:
@@ -90,6 +103,7 @@ def hindrances(situation: Situation, task: str, way: Mode) -> Iterator[str]:
     """
     for rule in (
         _release,
+        _waits,
         _stock,
         _refusals,
         _times_off,
@@ -102,11 +116,17 @@ def hindrances(situation: Situation, task: str, way: Mode) -> Iterator[str]:
 
 
 def next_change(situation: Situation) -> float | None:
-    """When the clock alone may make something legal, s: a release, the end of a break, the end of a
-    refusal. None when it never will.
+    """When the clock alone may make something legal, s: a release, the end of a wait, of a break,
+    of a refusal. None when it never will.
     """
     cell = situation.cell
     times = [cell.tasks[task].release for task in situation.open]
+    times += [
+        exact(moment + wait.at_least)
+        for task in situation.open
+        for wait in cell.tasks[task].wait
+        if (moment := waited_from(situation, wait)) is not None
+    ]
     times += [back for operator in cell.operators.values() for _, back, _ in operator.times_off]
     times += [until for until in situation.refused.values() if until is not None]
     return min((time for time in times if time > situation.now), default=None)
@@ -144,6 +164,23 @@ def _release(situation: Situation, task: str, way: Mode) -> Iterator[str]:
     release = situation.cell.tasks[task].release
     if situation.now < release:
         yield f"task {task!r} is released at {situation.on_clock(release):g} s"
+
+
+def _waits(situation: Situation, task: str, way: Mode) -> Iterator[str]:
+    """What is taken apart waits for nothing."""
+    for wait in situation.cell.tasks[task].wait if task not in situation.wrong else ():
+        moment = waited_from(situation, wait)
+        if moment is None:
+            # that it has not ended is said by `is_ready`
+            if wait.between == "start-start":
+                yield f"task {task!r} waits for the start of task {wait.after!r}"
+        elif situation.now < exact(moment + wait.at_least):
+            over = situation.on_clock(exact(moment + wait.at_least))
+            said = "ended" if wait.between == "end-start" else "started"
+            yield (
+                f"task {task!r} waits until {over:g} s, {wait.at_least:g} s after task"
+                f" {wait.after!r} {said}"
+            )
 
 
 def lacks(situation: Situation, task: str) -> list[tuple[Stock, str]]:

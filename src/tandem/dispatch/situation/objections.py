@@ -87,7 +87,8 @@ def _not_ready(situation: Situation, task: str) -> str:
             f"task {task!r} is mounted wrongly and cannot be taken apart before"
             f" {_and(map(repr, _above(situation, task)))}"
         )
-    missing = [first for first in situation.cell.tasks[task].after if first not in situation.done]
+    before = situation.cell.tasks[task].predecessors
+    missing = [first for first in before if first not in situation.done]
     if not missing:
         return (
             f"task {task!r} goes below {_and(map(repr, _above(situation, task)))}, begun before its"

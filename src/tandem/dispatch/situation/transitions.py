@@ -249,7 +249,8 @@ def _ended(situation: Situation, task: str, outcome: Outcome, *, wrong: bool = F
         )
     if outcome == "broken off":
         return situation
-    if wrong or any(first not in situation.done for first in situation.cell.tasks[task].after):
+    before = situation.cell.tasks[task].predecessors
+    if wrong or any(first not in situation.done for first in before):
         return replace(situation, wrong={**situation.wrong, task: work})
     return replace(situation, done={**situation.done, task: work})
 

@@ -40,6 +40,7 @@ HEADERS: dict[Language, dict[str, str]] = {
         "joint stress": "stress {who}",
         "joint stress of": "stress {human} with {others}",
         "after": "predecessors",
+        "wait": "wait after [s]",
         "tool": "tool",
         "zone": "zone",
         "difficulty": "difficulty {who}",
@@ -70,6 +71,7 @@ HEADERS: dict[Language, dict[str, str]] = {
         "joint stress": "Belastung {who}",
         "joint stress of": "Belastung {human} mit {others}",
         "after": "Vorgänger",
+        "wait": "Wartezeit nach [s]",
         "tool": "Werkzeug",
         "zone": "Bereich",
         "difficulty": "Schwierigkeit {who}",
@@ -159,6 +161,13 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
             "tool, zone",
             "Optional. Details such as how many there are stand in sheets of their own.",
         ),
+        (
+            "wait after [s]",
+            (
+                "Optional: glue >= 40 <= 60 starts 40 to 60 s after glue has ended, glue (start) >="
+                " 5 counts from its start. Several: with semicolons."
+            ),
+        ),
         ("earliest start, latest end", "Optional, seconds since the start of the assembly."),
         (
             "Further columns",
@@ -224,6 +233,13 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
         (
             "Werkzeug, Bereich",
             "Freiwillig. Einzelheiten wie die Anzahl stehen in eigenen Blättern.",
+        ),
+        (
+            "Wartezeit nach [s]",
+            (
+                "Freiwillig: Kleben >= 40 <= 60 beginnt 40 bis 60 s nach dem Ende von Kleben,"
+                " Kleben (Beginn) >= 5 zählt ab dessen Beginn. Mehrere: mit Semikolon."
+            ),
         ),
         ("frühester Start, spätestes Ende", "Freiwillig, Sekunden seit Beginn der Montage."),
         (

@@ -37,6 +37,7 @@ TASK_WORDS = {
     "release",
     "deadline",
     "same operator",
+    "wait",
     "before",
     "stress",
     "difficulty",
@@ -148,7 +149,9 @@ def _in_unit(told: Meaning | None, unit: str | None) -> Meaning | None:
     itself.
     """
     return (
-        replace(told, unit=told.unit or unit) if told is not None and told.what in TIMED else told
+        replace(told, unit=told.unit or unit)
+        if told is not None and told.what in (*TIMED, "wait")
+        else told
     )
 
 

@@ -43,7 +43,7 @@ ONCE = (
     "milestone",
     "quantity",
 )
-JOINED = ("after", "after rows", "before", *MATRIX.values())
+JOINED = ("after", "after rows", "before", "wait", *MATRIX.values())
 """Lists of tasks: several columns of one kind add to each other."""
 
 

@@ -269,7 +269,7 @@ def _note_summary(
         left_out=left_out if unread else "",
     )
     findings.note("row", said, place)
-    for column in table.having("release", "deadline", "same operator"):
+    for column in table.having("release", "deadline", "same operator", "wait"):
         if not blank(table.grid.value(row.row, column.index)):
             at = table.grid.place(row.row, column.index)
             findings.fault(

@@ -449,15 +449,17 @@ def _only_end_to_start(
         value = shown(grid.value(row, column))
         if key(value) not in END_TO_START:
             findings.fault(
-                f"holds {value!r}: Tandem knows only links from end to start (FS, EA). Leave out"
-                " the link, or write it so.",
+                f"holds {value!r}: a sheet of links knows only links from end to start (FS, EA)."
+                " Write it so, or, for one between two starts, 'glue (start) >= 0' into a column"
+                " 'Wait after' of the task sheet.",
                 grid.place(row, column),
             )
     for column in by_side.get("lag", ()):
         value = shown(grid.value(row, column))
         if value and not re.fullmatch(r"[-–—]|[+-]?0+([.,]0+)?\s*[^\W\d]*\.?", value):
             findings.fault(
-                f"holds {value!r}: Tandem knows no lag between tasks. Add the wait as a task.",
+                f"holds {value!r}: a sheet of links tells no lag between tasks. Write the wait into"
+                " a column 'Wait after' of the task sheet, such as 'glue >= 40'.",
                 grid.place(row, column),
             )
 

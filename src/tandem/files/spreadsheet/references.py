@@ -222,9 +222,10 @@ class References:
             ):
                 return [name]
             if name is not None:
-                only = "Tandem knows only end-to-start (FS) without a lag"
+                only = "a list of predecessors knows only end-to-start (FS) without a lag"
                 raise LagError(
-                    f"holds {part!r}: {only}; write {found[1]!r}, or add the wait as a task"
+                    f"holds {part!r}: {only}; write {found[1]!r}, and the wait into a column 'Wait"
+                    f" after', such as '{found[1]} >= 40'"
                 )
         span = re.fullmatch(r"(.+?)\s*(?:-|–|\.\.|\bbis\b|\bto\b)\s*(.+)", part)
         if span and (between := self._between(span[1], span[2])) is not None:

@@ -32,6 +32,7 @@ from tandem.files.spreadsheet.references import References, UnknownTaskError, ta
 from tandem.files.spreadsheet.rows import task_rows
 from tandem.files.spreadsheet.said import Said, enumerated, say
 from tandem.files.spreadsheet.values import cannot, says_able
+from tandem.files.spreadsheet.waits import read_waits
 
 TEXTS = ("part", "tool", "zone")
 STAND_IN = 1.0
@@ -645,13 +646,41 @@ def _lists(
             findings.note("sheet", said, f"{grid.name}!A1")
         else:
             links += more
-    found.linked = bool(links) or len(findings.faults) > already
+    waits = _waits(table, entries, References(names, known, rows, counted), found, findings)
+    found.linked = bool(links) or waits or len(findings.faults) > already
     for link in between_tasks(links, outline, findings):
         after = found.tasks[link.later].setdefault("after", [])
         if link.first not in after:
             findings.places["tasks", link.later, "after", len(after)] = link.place
             findings.places.setdefault(("tasks", link.later, "after"), link.place)
             after.append(link.first)
+
+
+def _waits(
+    table: Table, entries: list[Entry], references: References, found: Tasks, findings: Findings
+) -> bool:
+    """Reads the waits of all tasks; says whether there are any."""
+    cells = [
+        (entry, row, column)
+        for column in table.having("wait")
+        for entry in entries
+        for row in entry.rows
+        if entry.name in found.tasks
+    ]
+    for entry, row, column in cells:
+        place = table.grid.place(table.grid.origin(row, column.index), column.index)
+        for wait in read_waits(table, row, column, unit_of(table, column), references, findings):
+            if wait["after"] not in found.tasks:
+                findings.fault(
+                    f"holds {wait['after']!r}, which is a summary or a milestone and nobody's work."
+                    " Name the task that is waited for.",
+                    place,
+                )
+                continue
+            waits = entry.data.setdefault("wait", [])
+            findings.places["tasks", entry.name, "wait", len(waits)] = place
+            waits.append(wait)
+    return any("wait" in data for data in found.tasks.values())
 
 
 def _label(table: Table, entry: Entry) -> str:

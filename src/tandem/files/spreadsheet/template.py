@@ -31,6 +31,7 @@ from tandem.files.spreadsheet.outline import LEADING
 from tandem.files.spreadsheet.references import unquoted
 from tandem.files.spreadsheet.rows import is_total
 from tandem.files.spreadsheet.vocabulary import meaning
+from tandem.files.spreadsheet.waits import waits_text
 from tandem.files.spreadsheet.workbook import unpacked
 
 if TYPE_CHECKING:
@@ -205,6 +206,8 @@ def _fields(cell: Cell, lang: Language, every: bool) -> list[Field]:
         )
     fields += _stress_fields(cell, words, groups, every)
     fields.append(Field(words["after"], lambda name, task: _list(task.after), "text", 20))
+    if any_task(lambda t: t.wait):
+        fields.append(Field(words["wait"], lambda name, task: waits_text(task.wait), "text", 24))
     for what in ("tool", "zone"):
         if every or any(getattr(task, what) for task in tasks):
             fields.append(Field(words[what], _value(what), what, 14))

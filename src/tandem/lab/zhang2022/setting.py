@@ -246,6 +246,12 @@ def _only_what_it_knows(cell: Cell) -> Iterator[Fault]:
                 "the two agents may be late and are not told; leave the deadline out.",
                 ("tasks", name, "deadline"),
             )
+        if task.wait:
+            yield Fault(
+                "the two agents are not told how long something has cured or cooled; leave the wait"
+                " out.",
+                ("tasks", name, "wait"),
+            )
 
 
 RULES: tuple[Callable[[Cell], Iterator[Fault]], ...] = (
