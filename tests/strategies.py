@@ -163,12 +163,27 @@ def _add_place_and_tool(
         roomy = [name for name, entry in table.items() if entry["capacity"] >= least]
         if roomy and draw(st.booleans()):
             task[key] = draw(st.sampled_from(roomy))
+        if roomy and key == "tool" and draw(_seldom()):
+            _add_own_tools(draw, task, roomy)
     if draw(_seldom()):
         task["release"] = draw(_seconds(step, 0, 10))
     if draw(_seldom()):
         task["difficulty"] = {name: draw(_stress()) for name in task["time"]}
     if draw(_seldom()):
         task["spread"] = draw(st.sampled_from((0.1, 0.25)))
+
+
+def _add_own_tools(draw: st.DrawFn, task: dict[str, Any], tools: list[str]) -> None:
+    """Tools by operator, and for groups of their own."""
+    everybody = sorted({who for group in _groups(task) for who in group})
+    task["tool"] = draw(
+        st.dictionaries(st.sampled_from(everybody), st.sampled_from(tools), max_size=3)
+    )
+    for joint in task["together"]:
+        if draw(st.booleans()):
+            joint["tool"] = draw(
+                st.dictionaries(st.sampled_from(joint["operators"]), st.sampled_from(tools))
+            )
 
 
 def _put_tools_in_hands(draw: st.DrawFn, operators: dict[str, Any], tools: dict[str, Any]) -> None:

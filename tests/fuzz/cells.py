@@ -50,6 +50,9 @@ def cell(random: Random, sizes: Mapping[int, int] = SMALL, crews: Mapping[int, i
         data["stress_of_set"] = _table(random, tasks, operators)
     elif random.random() < 0.3:
         data["tasks"] = {name: tasks[name] for name in random.sample(names, len(names))}
+    if tools and random.random() < 0.4:
+        for task in tasks.values():
+            _own_tools(random, task, list(tools))
     return data
 
 
@@ -134,6 +137,23 @@ def _together(
     if random.random() < 0.5:
         joint["stress"] = _stress(random, {who: operators[who] for who in group}, fine)
     return joint
+
+
+def _own_tools(random: Random, task: Data, tools: list[str]) -> None:
+    """What one operator needs another one need not; a group may need what nobody needs alone."""
+
+    def drawn(who: list[str]) -> Any:
+        if random.random() < 0.3:
+            return random.choice(tools)
+        return {name: random.choice(tools) for name in who if random.random() < 0.6}
+
+    groups = task.get("together", ())
+    if random.random() < 0.6:
+        everybody = dict.fromkeys((*task["time"], *(who for j in groups for who in j["operators"])))
+        task["tool"] = drawn(list(everybody))
+    for joint in groups:
+        if random.random() < 0.4:
+            joint["tool"] = drawn(joint["operators"])
 
 
 def _stress(random: Random, operators: Data, fine: bool) -> float | dict[str, float]:

@@ -21,11 +21,14 @@ MILLION = 1_000_000
 
 
 class Way(NamedTuple):
-    """One way of doing a task: who, for how long, and the stress on each human who takes part."""
+    """One way of doing a task: who, for how long, the stress on each human who takes part, and who
+    needs which tool.
+    """
 
     who: tuple[str, ...]
     time: int
     strain: dict[str, int]
+    tools: dict[str, str]
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,6 @@ class Job:
     after: tuple[str, ...]
     release: int
     deadline: int | None
-    tool: str | None
     zone: str | None
 
 
@@ -107,15 +109,16 @@ class Plain:
         return min(fits) + long if long else 0
 
     def _job(self, name: str, entry: Mapping[str, Any]) -> Job:
-        stress = entry.get("stress", 0)
+        stress, tool = entry.get("stress", 0), entry.get("tool")
         ways = [
-            Way((who,), _millionths(time), self._strain((who,), stress))
+            Way((who,), _millionths(time), self._strain((who,), stress), _hands((who,), tool))
             for who, time in (entry.get("time") or {}).items()
         ]
         for joint in entry.get("together") or ():
             who = tuple(joint["operators"])
             own = stress if joint.get("stress") is None else joint["stress"]
-            ways.append(Way(who, _millionths(joint["time"]), self._strain(who, own)))
+            hands = _hands(who, tool if joint.get("tool") is None else joint["tool"])
+            ways.append(Way(who, _millionths(joint["time"]), self._strain(who, own), hands))
         deadline = entry.get("deadline")
         return Job(
             name,
@@ -123,7 +126,6 @@ class Plain:
             tuple(str(first) for first in entry.get("after") or ()),
             _millionths(entry.get("release", 0)),
             None if deadline is None else _millionths(deadline),
-            entry.get("tool"),
             entry.get("zone"),
         )
 
@@ -174,7 +176,7 @@ class Plain:
         for step in sorted(
             (step for step in done if who in step.way.who), key=lambda step: step.start
         ):
-            tool = self.jobs[step.name].tool
+            tool = step.way.tools.get(who)
             change = (
                 self.change.get((tool, who), 0)
                 if tool is not None and hand not in (None, tool)
@@ -191,17 +193,22 @@ class Plain:
     def _room_enough(self, kind: str, done: tuple[Step, ...]) -> bool:
         """Counted whenever a step starts: only then can it become too many."""
         for step in done:
-            thing = getattr(self.jobs[step.name], kind)
-            if thing is not None:
-                there = (
-                    len(other.way.who)
-                    for other in done
-                    if getattr(self.jobs[other.name], kind) == thing
-                    and other.start <= step.start < other.end
-                )
-                if sum(there) > self.places[kind].get(thing, 1):
-                    return False
+            there = [
+                thing
+                for other in done
+                if other.start <= step.start < other.end
+                for thing in self._taken(kind, other)
+            ]
+            if any(there.count(thing) > self.places[kind].get(thing, 1) for thing in set(there)):
+                return False
         return True
+
+    def _taken(self, kind: str, step: Step) -> list[str]:
+        """The tools, or the zone, that the step takes: once for each who takes one."""
+        if kind == "tool":
+            return list(step.way.tools.values())
+        zone = self.jobs[step.name].zone
+        return [] if zone is None else [zone] * len(step.way.who)
 
 
 def front_in_order(data: Mapping[str, Any]) -> list[Point]:
@@ -374,7 +381,7 @@ def _appended(plain: Plain, done: tuple[Step, ...], job: Job, way: Way) -> Step 
     ends = {0, job.release, *(step.end for step in done), *there}
     changes = {
         0,
-        *(plain.change.get((job.tool, who), 0) for who in way.who if job.tool is not None),
+        *(plain.change.get((tool, who), 0) for who, tool in way.tools.items()),
     }
     for start in sorted({last, *(end + change for end in ends for change in changes)}):
         if start >= last:
@@ -382,6 +389,12 @@ def _appended(plain: Plain, done: tuple[Step, ...], job: Job, way: Way) -> Step 
             if plain.allows((*done, step)):
                 return step
     return None
+
+
+def _hands(who: tuple[str, ...], tool: str | Mapping[str, str] | None) -> dict[str, str]:
+    if isinstance(tool, Mapping):
+        return {name: tool[name] for name in who if name in tool}
+    return {} if tool is None else dict.fromkeys(who, tool)
 
 
 def _front_of_all(plain: Plain, horizon: int) -> list[Pair]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
@@ -124,14 +125,13 @@ def crowded(cell: Cell, plan: Schedule) -> Damaged:
     for kind, places in (("tool", cell.tools), ("zone", cell.zones)):
         for a in plan:
             for other in plan:
-                place = getattr(cell.tasks[a.task], kind)
-                capacity = places[place].capacity if place in places else 1
-                together = len(a.operators) + len(other.operators)
-                if (
-                    a != other
-                    and place is not None
-                    and place == getattr(cell.tasks[other.task], kind)
-                    and together > capacity
+                mine, theirs = (
+                    Counter(cell.takes(kind, row.task, row.operators).values())
+                    for row in (a, other)
+                )
+                if a != other and any(
+                    mine[name] + theirs[name] > getattr(places.get(name), "capacity", 1)
+                    for name in mine.keys() & theirs.keys()
                 ):
                     yield cell, _with(plan, a, _at(a, other.start)), {}
 

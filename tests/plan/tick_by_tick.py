@@ -85,6 +85,19 @@ def _ready(operator: Operator, step: int) -> int:
     return begin + long if long else 0
 
 
+def _tool(cell: Cell, a: Assignment, name: str) -> str | None:
+    """What the operator needs in hand for it, done by these."""
+    stated = cell.tasks[a.task].tool
+    for joint in cell.tasks[a.task].together:
+        if (
+            joint.tool is not None
+            and len(a.operators) > 1
+            and set(joint.operators) == set(a.operators)
+        ):
+            stated = joint.tool
+    return stated if stated is None or isinstance(stated, str) else stated.get(name)
+
+
 def _moments_fit(cell: Cell, rows: list[Assignment]) -> bool:
     """Everyone does one thing at a time: a task, a changeover or a break; and no tool or zone is
     over its capacity.
@@ -109,7 +122,7 @@ def _moments_fit(cell: Cell, rows: list[Assignment]) -> bool:
         hand = operator.tool
         for a in sorted((a for a in rows if name in a.operators), key=lambda a: a.start):
             occupy(name, _ms(a.start), _ms(a.end))
-            tool = cell.tasks[a.task].tool
+            tool = _tool(cell, a, name)
             if tool is not None and hand is not None and tool != hand and tool in cell.tools:
                 change = _ms(cell.tools[tool].changeover.get(name, 0))
                 if change > _ms(a.start):

@@ -81,7 +81,8 @@ def test_every_step_names_all_that_it_waits_for(cell: Cell, language: str) -> No
                 {exact(task.release)} if task.release else set()
             )
             said = " ".join(row.cells.get("means", []))
-            assert all(name in said for name in (task.tool, task.zone, *partners) if name)
+            tool = cell.tools_for(row.task, who[row.task]).get(one)
+            assert all(name in said for name in (tool, task.zone, *partners) if name)
 
 
 @settings(max_examples=60, **OPTIONS)
@@ -116,10 +117,10 @@ def test_every_break_between_two_steps_and_every_changeover_is_said(
         return
     for one, sheet in on_paper(cell, schedule, language).items():
         own, operator = schedule.of(one), cell.operators[one]
-        changes = changeover_times(cell, one, [a.task for a in own])
+        changes = changeover_times(cell, one, own)
         wanted = [("", exact(operator.setup))] if own and operator.setup else []
         wanted += [
-            (str(cell.tasks[a.task].tool), exact(seconds))
+            (cell.tools_for(a.task, a.operators)[one], exact(seconds))
             for a, seconds in zip(own, changes, strict=True)
             if seconds
         ]

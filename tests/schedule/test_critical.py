@@ -119,7 +119,7 @@ def test_a_task_can_slip_alone_by_its_slack_when_nothing_follows_it(cell):
         alone = not any(name in task.after for task in cell.tasks.values()) and all(
             plan.of(who)[-1] == a for who in a.operators
         )
-        if alone and cell.tasks[name].tool is None and cell.tasks[name].zone is None:
+        if alone and not any(cell.tasks[name].tools_named()) and cell.tasks[name].zone is None:
             moved = replace(
                 a,
                 start=float(exact(a.start) + exact(free[name])),

@@ -5,7 +5,7 @@ said in `soundness.py`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal
 from functools import cached_property, lru_cache
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar
@@ -115,6 +115,17 @@ OneOrEach = Annotated[
     Annotated[Amount, Tag("number")] | Annotated[PerOperator, Tag("table")], Discriminator(_form)
 ]
 """One number for all, or a number for each by name; 0 for who is not named."""
+
+
+def _named(value: object) -> str:
+    return "table" if isinstance(value, Mapping) else "name"
+
+
+ToolPerOperator = Annotated[Mapping[Name, Name], OneEntryAName, AfterValidator(Table)]
+ToolOrEach = Annotated[
+    Annotated[Name, Tag("name")] | Annotated[ToolPerOperator, Tag("table")], Discriminator(_named)
+]
+"""One tool for all, or a tool for each by name; none for who is not named."""
 
 
 class TimeOff(NamedTuple):
@@ -227,6 +238,13 @@ class Together(Frozen):
             " human (0 for who is not named). The task's own when absent."
         ),
     )
+    tool: ToolOrEach | None = Field(
+        default=None,
+        description=(
+            "The tool that each of them needs in hand, or a table of operator to tool (none for who"
+            " is not named; `{}` when nobody needs one). The task's own when absent."
+        ),
+    )
 
 
 class Task(Frozen):
@@ -255,8 +273,12 @@ class Task(Frozen):
     after: tuple[Name, ...] = Field(
         default=(), description="Tasks that must have ended before this one starts."
     )
-    tool: Name | None = Field(
-        default=None, description="The tool that every operator who does the task needs in hand."
+    tool: ToolOrEach | None = Field(
+        default=None,
+        description=(
+            "The tool that every operator who does the task needs in hand, or a table of operator"
+            " to tool; who is not named in it needs none."
+        ),
     )
     zone: Name | None = Field(default=None, description="The shared space in which it is done.")
     difficulty: PerOperator = Field(
@@ -273,11 +295,32 @@ class Task(Frozen):
         ),
     )
 
+    def tools_named(self) -> Iterator[tuple[tuple[str | int, ...], str]]:
+        """Every tool that it names, and the keys that lead to it; a tool may come several times."""
+        stated: list[tuple[tuple[str | int, ...], str | Mapping[str, str] | None]] = [
+            (("tool",), self.tool),
+            *(
+                (("together", place, "tool"), joint.tool)
+                for place, joint in enumerate(self.together)
+            ),
+        ]
+        for path, tool in stated:
+            if isinstance(tool, Mapping):
+                yield from (((*path, who), name) for who, name in tool.items())
+            elif tool is not None:
+                yield path, tool
+
     @property
     def scatters(self) -> bool:
         """Whether a spread of its time is stated."""
         stated = self.spread.values() if isinstance(self.spread, Mapping) else (self.spread,)
         return any(spread > 0 for spread in stated)
+
+
+def tools_of(tool: str | Mapping[str, str] | None, operators: Iterable[str]) -> dict[str, str]:
+    """Operator to tool, of these who need one: each the same, or what the table says."""
+    stated = tool if isinstance(tool, Mapping) else {who: tool for who in operators if tool}
+    return {who: stated[who] for who in operators if who in stated}
 
 
 class Tool(Frozen):
@@ -309,11 +352,13 @@ class Mode:
       operators: who takes part, in the cell's order.
       time: seconds.
       stress: human -> stress on that human; humans who take part only.
+      tools: operator -> the tool that it needs in hand; who needs none is not in it.
     """
 
     operators: tuple[str, ...]
     time: float
     stress: Mapping[str, float]
+    tools: Mapping[str, str] = field(default_factory=dict)
 
 
 class Fields(Frozen):
@@ -375,7 +420,7 @@ class Fields(Frozen):
     def tool_names(self) -> tuple[str, ...]:
         """All tools, those included that are only named: in this order they are counted."""
         named = [
-            *(task.tool for task in self.tasks.values()),
+            *(name for task in self.tasks.values() for _, name in task.tools_named()),
             *self.tools,
             *(operator.tool for operator in self.operators.values()),
         ]
@@ -393,6 +438,25 @@ class Fields(Frozen):
         """
         return self._modes[task]
 
+    def tools_for(self, task: str, operators: Iterable[str]) -> Mapping[str, str]:
+        """Operator to tool, of these who do the task and need one for it. Should they have no way
+        of doing it, the tools that the task states.
+        """
+        who = frozenset(operators)
+        for mode in self._modes[task]:
+            if who == frozenset(mode.operators):
+                return mode.tools
+        return tools_of(self.tasks[task].tool, sorted(who))
+
+    def takes(
+        self, kind: Literal["tool", "zone"], task: str, operators: Iterable[str]
+    ) -> Mapping[str, str]:
+        """Operator to the tool or the zone of which it takes one place while these do the task."""
+        if kind == "tool":
+            return self.tools_for(task, operators)
+        zone = self.tasks[task].zone
+        return {} if zone is None else dict.fromkeys(operators, zone)
+
     @cached_property
     def _modes(self) -> dict[str, tuple[Mode, ...]]:
         return {name: tuple(self._modes_of(task)) for name, task in self.tasks.items()}
@@ -400,13 +464,19 @@ class Fields(Frozen):
     def _modes_of(self, task: Task) -> Iterator[Mode]:
         order = {name: place for place, name in enumerate(self.operators)}
         for name in sorted(task.time, key=order.__getitem__):
-            yield Mode((name,), task.time[name], self._stress((name,), task.stress))
+            yield Mode(
+                (name,),
+                task.time[name],
+                self._stress((name,), task.stress),
+                tools_of(task.tool, (name,)),
+            )
         for joint in task.together:
             operators = tuple(sorted(joint.operators, key=order.__getitem__))
             yield Mode(
                 operators,
                 joint.time,
                 self._stress(operators, task.stress if joint.stress is None else joint.stress),
+                tools_of(task.tool if joint.tool is None else joint.tool, operators),
             )
 
     def _stress(

@@ -331,7 +331,11 @@ def _numbers_of(part: BaseModel, path: Path) -> Iterator[tuple[Path, float]]:
         if isinstance(value, float):
             yield (*path, key), value
         elif isinstance(value, Mapping):
-            yield from (((*path, key, name), number) for name, number in value.items())
+            yield from (
+                ((*path, key, name), number)
+                for name, number in value.items()
+                if isinstance(number, float)
+            )
 
 
 def _values(value: float | Mapping[str, float]) -> list[float]:

@@ -77,8 +77,8 @@ def flaws(error: ValidationError, most: int | None = None) -> list[Flaw]:
 
 
 def _path(loc: Path) -> Path:
-    """Keys of the document alone: without pydantic's signs for a key and for which form of `stress`
-    or `spread` it tried.
+    """Keys of the document alone: without pydantic's signs for a key and for which form of
+    `stress`, `spread` or `tool` it tried.
     """
     path: list[str | int] = []
     skip = False
@@ -93,7 +93,9 @@ def _path(loc: Path) -> Path:
 
 def _has_two_forms(path: Path) -> bool:
     match path:
-        case ("tasks", _, "stress" | "spread") | ("tasks", _, "together", _, "stress"):
+        case ("tasks", _, "stress" | "spread" | "tool"):
+            return True
+        case ("tasks", _, "together", _, "stress" | "tool"):
             return True
     return False
 
@@ -121,9 +123,11 @@ def _subject(path: Path) -> str:
 def _what(path: Path) -> str:
     """What a value is called: "time of 'robot'", "after", "the 2nd break"."""
     match path:
-        case (*_, "time" | "stress" | "difficulty" | "spread" | "changeover" as key, str(who)) if (
-            len(path) > 3
-        ):
+        case (
+            *_,
+            "time" | "stress" | "difficulty" | "spread" | "changeover" | "tool" as key,
+            str(who),
+        ) if len(path) > 3:
             return f"{key} of {shown(who)}"
         case ("stress_of_set", name):
             return f"stress_of_set of {shown(name)}"

@@ -146,6 +146,9 @@ def _is_name(path: Path, null: bool) -> bool:
             ("name",)
             | ("operators", _, "label" | "tool")
             | ("tasks", _, "label" | "part" | "tool" | "zone")
+            | ("tasks", _, "tool", _)
+            | ("tasks", _, "together", _, "tool")
+            | ("tasks", _, "together", _, "tool", _)
         ):
             return not null
     return False

@@ -91,7 +91,7 @@ def _stand_in(flaw: Flaw) -> tuple[Path, Any]:
             return path, {}
         case ("tasks", _, "time", _) | ("tasks", _, "together", _, "time"):
             return path, 1
-        case ("tasks", name, "together", way, *rest) if rest[:1] != ["stress"]:
+        case ("tasks", name, "together", way, *rest) if rest[:1] not in (["stress"], ["tool"]):
             return ("tasks", name, "together", way), _GONE
         case ("zones" | "tools", _):
             return path, {"capacity": ROOM}

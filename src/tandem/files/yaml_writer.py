@@ -49,7 +49,9 @@ def flow(value: Any, name: bool = False) -> str:
     if isinstance(value, Mapping):
         return (
             "{"
-            + ", ".join(f"{_name(key)}: {flow(item, key in NAMES)}" for key, item in value.items())
+            + ", ".join(
+                f"{_name(key)}: {flow(item, name or key in NAMES)}" for key, item in value.items()
+            )
             + "}"
         )
     if isinstance(value, list):

@@ -11,10 +11,10 @@ OR-Tools is pinned to 9.14 because 9.15.6755 answers such models wrongly;
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import version
-from itertools import combinations
+from itertools import permutations
 from typing import NamedTuple
 
 from ortools.sat.python import cp_model
@@ -188,51 +188,78 @@ def _changeovers(plan: Decisions, operator: int) -> list[cp_model.IntervalVar]:
     needs it.
     """
     instance, model = plan.instance, plan.model
-    tasks = [
-        t for t, tool in enumerate(instance.tool) if tool is not None and plan.does(t, operator)
+    needs = [
+        (task, tool, does)
+        for task in range(len(instance.tasks))
+        for tool, does in _by_tool(plan, task, operator).items()
     ]
-    cost = {t: instance.changeover[instance.tool[t]][operator] for t in tasks}  # type: ignore[index]
+    cost = {tool: instance.changeover[tool][operator] for _, tool, _ in needs}
     in_hand = instance.in_hand[operator]
-    kinds = {instance.tool[t] for t in tasks} | ({in_hand} if in_hand is not None else set())
+    kinds = cost.keys() | ({in_hand} if in_hand is not None else set())
     # nothing to take up, or at no cost: no order needs to be decided
     if len(kinds) < 2 or not any(cost.values()):
         return []
-    arcs: list[tuple[int, int, Literal]] = []
-    into: dict[int, list[cp_model.IntVar]] = {t: [] for t in tasks}
-    # the circuit is the order in which the operator does its tasks with tools; it leaves out, by a
-    # loop, those that others do, and all of them when there are none
-    nobody = model.new_bool_var("no tool used")
-    arcs.append((0, 0, nobody))
-    for index, task in enumerate(tasks, start=1):
-        does = any_of(plan, plan.does(task, operator))
-        arcs.append((index, index, does.negated()))
-        first, last = model.new_bool_var(""), model.new_bool_var("")
-        arcs += [(0, index, first), (index, 0, last)]
-        # what is in hand at the beginning is laid down as if a task had needed it
-        if in_hand is not None and in_hand != instance.tool[task]:
-            into[task].append(first)
-        model.add_implication(does, nobody.negated())
-    for (i, first_task), (j, second_task) in combinations(enumerate(tasks, start=1), 2):
-        for a, one, b, two in ((i, first_task, j, second_task), (j, second_task, i, first_task)):
-            follows = model.new_bool_var("")
-            arcs.append((a, b, follows))
-            model.add(plan.end[one] <= plan.start[two]).only_enforce_if(follows)
-            if instance.tool[one] != instance.tool[two]:
-                into[two].append(follows)
-    model.add_circuit(arcs)
+    first, follows = _order(plan, [(task, does) for task, _, does in needs])
     # a changeover lies directly before its task and occupies the operator like work
     swaps = []
-    for task, causes in into.items():
-        if causes and cost[task]:
+    for mine, (task, tool, _) in enumerate(needs):
+        causes = [
+            follows[before, mine]
+            for before, (_, other, _) in enumerate(needs)
+            if other != tool and (before, mine) in follows
+        ]
+        # what is in hand at the beginning is laid down as if a task had needed it
+        if in_hand is not None and in_hand != tool:
+            causes.append(first[mine])
+        if causes and cost[tool]:
             swap = any_of(plan, causes)
-            plan.changeovers.append(Changeover(operator, task, cost[task], swap))
-            model.add(plan.start[task] >= cost[task]).only_enforce_if(swap)
+            plan.changeovers.append(Changeover(operator, task, cost[tool], swap))
+            model.add(plan.start[task] >= cost[tool]).only_enforce_if(swap)
             swaps.append(
                 model.new_optional_fixed_size_interval_var(
-                    plan.start[task] - cost[task], cost[task], swap, ""
+                    plan.start[task] - cost[tool], cost[tool], swap, ""
                 )
             )
     return swaps
+
+
+def _by_tool(plan: Decisions, task: int, operator: int) -> dict[int, list[cp_model.IntVar]]:
+    """Tool -> the literals under which the operator needs it for the task."""
+    found: dict[int, list[cp_model.IntVar]] = defaultdict(list)
+    for x, way in zip(plan.chosen[task], plan.instance.ways[task], strict=True):
+        if operator in way.operators and (tool := way.tool(operator)) is not None:
+            found[tool].append(x)
+    return found
+
+
+def _order(
+    plan: Decisions, visits: Sequence[tuple[int, list[cp_model.IntVar]]]
+) -> tuple[list[cp_model.IntVar], dict[tuple[int, int], cp_model.IntVar]]:
+    """The order in which an operator makes its visits: literals that say which is the first, and
+    which follows directly on which.
+
+    A visit is a task and the literals, of which at most one is true, under which it is made. The
+    circuit leaves out, by a loop, those that are not made, and all of them when none is.
+    """
+    model = plan.model
+    nobody = model.new_bool_var("no visit made")
+    arcs: list[tuple[int, int, Literal]] = [(0, 0, nobody)]
+    first = []
+    for index, (_, literals) in enumerate(visits, start=1):
+        does = any_of(plan, literals)
+        arcs.append((index, index, does.negated()))
+        begins, ends = model.new_bool_var(""), model.new_bool_var("")
+        arcs += [(0, index, begins), (index, 0, ends)]
+        first.append(begins)
+        model.add_implication(does, nobody.negated())
+    follows = {}
+    for (a, (one, _)), (b, (two, _)) in permutations(enumerate(visits), 2):
+        if one != two:
+            literal = follows[a, b] = model.new_bool_var("")
+            arcs.append((a + 1, b + 1, literal))
+            model.add(plan.end[one] <= plan.start[two]).only_enforce_if(literal)
+    model.add_circuit(arcs)
+    return first, follows
 
 
 def any_of(plan: Decisions, literals: list[cp_model.IntVar]) -> cp_model.IntVar:
@@ -246,35 +273,46 @@ def any_of(plan: Decisions, literals: list[cp_model.IntVar]) -> cp_model.IntVar:
 
 def a_tool_is_used_as_often_as_it_exists(plan: Decisions) -> None:
     """At most `capacity` operators work with a tool at once."""
-    _share(plan, plan.instance.tool, plan.instance.tool_places)
+    uses: list[list[Use]] = [[] for _ in plan.instance.tool_places]
+    for task, ways in enumerate(plan.instance.ways):
+        for way, interval in zip(ways, plan.intervals[task], strict=True):
+            for tool, count in way.units:
+                who = [o for o, own in zip(way.operators, way.tools, strict=True) if own == tool]
+                uses[tool].append(Use(interval, count, who))
+    _share(plan, uses, plan.instance.tool_places)
 
 
 def a_zone_holds_as_many_as_it_has_places(plan: Decisions) -> None:
     """At most `capacity` operators are in a zone at once."""
-    _share(plan, plan.instance.zone, plan.instance.zone_places)
-
-
-def _share(plan: Decisions, needs: tuple[int | None, ...], places: tuple[int, ...]) -> None:
-    for thing, capacity in enumerate(places):
-        users = [t for t, need in enumerate(needs) if need == thing]
-        intervals = [interval for t in users for interval in plan.intervals[t]]
-        demands = [len(way.operators) for t in users for way in plan.instance.ways[t]]
-        if (
-            len(
-                {
-                    operator
-                    for t in users
-                    for way in plan.instance.ways[t]
-                    for operator in way.operators
-                }
+    uses: list[list[Use]] = [[] for _ in plan.instance.zone_places]
+    for task, zone in enumerate(plan.instance.zone):
+        if zone is not None:
+            uses[zone] += (
+                Use(interval, len(way.operators), way.operators)
+                for way, interval in zip(
+                    plan.instance.ways[task], plan.intervals[task], strict=True
+                )
             )
-            <= capacity
-        ):
+    _share(plan, uses, plan.instance.zone_places)
+
+
+class Use(NamedTuple):
+    """The operators `who` take `places` while the interval lasts."""
+
+    interval: cp_model.IntervalVar
+    places: int
+    who: Sequence[int]
+
+
+def _share(plan: Decisions, uses: list[list[Use]], places: tuple[int, ...]) -> None:
+    for mine, capacity in zip(uses, places, strict=True):
+        if len({operator for use in mine for operator in use.who}) <= capacity:
             continue
-        if capacity == 1 and max(demands) == 1:
+        intervals = [use.interval for use in mine]
+        if capacity == 1 and max(use.places for use in mine) == 1:
             plan.model.add_no_overlap(intervals)
         else:
-            plan.model.add_cumulative(intervals, demands, capacity)
+            plan.model.add_cumulative(intervals, [use.places for use in mine], capacity)
 
 
 def a_human_stays_within_the_stress_limit(plan: Decisions) -> None:

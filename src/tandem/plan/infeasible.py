@@ -104,11 +104,11 @@ def _on_who_and_what_is_there(cell: Cell) -> Iterator[Limit]:
 
 
 def _on_room(cell: Cell) -> Iterator[Limit]:
-    zones, tools = (
-        {getattr(task, kind) for task in cell.tasks.values()} for kind in ("zone", "tool")
-    )
+    tasks = cell.tasks.values()
+    zones = {task.zone for task in tasks if task.zone is not None}
+    tools = {tool for task in tasks for _, tool in task.tools_named()}
     for kind, used in (("zones", zones), ("tools", tools)):
-        for name in sorted(x for x in used if x):
+        for name in sorted(used):
             shared = getattr(cell, kind).get(name)
             words = f"the {kind[:-1]} {name}, of which there is {shared.capacity if shared else 1}"
             yield Limit(words, (kind, name))

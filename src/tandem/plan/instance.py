@@ -5,6 +5,7 @@ Only solvers read this form. The checker and the measures never do: they judge f
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
@@ -24,11 +25,13 @@ class Way:
       operators: indices.
       ticks: the duration.
       load: the stress per operator, 0 for robots.
+      tools: the tool that each operator needs in hand, or None.
     """
 
     operators: tuple[int, ...]
     ticks: int
     load: tuple[int, ...]
+    tools: tuple[int | None, ...]
 
     @cached_property
     def stress(self) -> int:
@@ -39,6 +42,46 @@ class Way:
     def who(self) -> int:
         """The operators as bits."""
         return bits(self.operators)
+
+    @cached_property
+    def units(self) -> tuple[tuple[int, int], ...]:
+        """`(tool, how many of it)` that are taken, sorted."""
+        count = Counter(tool for tool in self.tools if tool is not None)
+        return tuple(sorted(count.items()))
+
+    def tool(self, operator: int) -> int | None:
+        """The tool that the operator, who takes part, needs in hand."""
+        return self.tools[self.operators.index(operator)]
+
+
+class Setup(dict[int, tuple[int, int]]):
+    """What an operator needs before one kind of work: its stance -> (ticks directly before the
+    work, its stance in the work). Worked out when it is first asked for.
+
+    A stance says in one number which tool somebody has in hand, see `Instance.stance`.
+    """
+
+    __hash__ = object.__hash__  # type: ignore[assignment]
+    __eq__ = object.__eq__
+    __ne__ = object.__ne__
+
+    def __init__(self, tool: int, change: int) -> None:
+        """For work with the tool, -1 for none, that it takes `change` ticks to take up."""
+        super().__init__()
+        self.tool, self.change = tool, change
+
+    def __missing__(self, stance: int) -> tuple[int, int]:
+        ticks, held = 0, stance - 1
+        if self.tool >= 0:
+            ticks += self.change if held not in (-1, self.tool) else 0
+            held = self.tool
+        self[stance] = found = (ticks, held + 1)
+        return found
+
+    @property
+    def lengths(self) -> set[int]:
+        """Every number of ticks that it may take."""
+        return {0, self.change}
 
 
 @dataclass(frozen=True)
@@ -54,7 +97,7 @@ class Instance:
       ways: per task, every mode of it, in the order of `cell.modes`.
       before: per task, its direct predecessors.
       release, deadline: ticks per task; a task without a deadline has None.
-      tool, zone: per task, an index or None. `tools` and `zones` are their names.
+      zone: per task, an index or None. `tools` and `zones` are names.
       tool_places, zone_places: capacity per tool and zone.
       changeover: `[tool][operator]` ticks.
       in_hand: per operator, the tool at the start or None.
@@ -76,7 +119,6 @@ class Instance:
     before: tuple[tuple[int, ...], ...]
     release: tuple[int, ...]
     deadline: tuple[int | None, ...]
-    tool: tuple[int | None, ...]
     zone: tuple[int | None, ...]
     tool_places: tuple[int, ...]
     zone_places: tuple[int, ...]
@@ -116,7 +158,7 @@ class Instance:
         def way(stated: Way) -> Way:
             slowest = max(pace[operator] for operator in stated.operators)
             ticks = stated.ticks * times
-            return Way(stated.operators, max(1, round(ticks * slowest)), stated.load)
+            return replace(stated, ticks=max(1, round(ticks * slowest)))
 
         return replace(
             self,
@@ -157,7 +199,6 @@ class Instance:
             "before": tuple(tuple(index[f] for f in row if f in index) for row in firsts),
             "release": tuple(release),
             "deadline": tuple(self.deadline[task] for task in tasks),
-            "tool": tuple(self.tool[task] for task in tasks),
             "zone": tuple(self.zone[task] for task in tasks),
             "same_operator": tuple(
                 (index[a], index[b]) for a, b in self.same_operator if a in index and b in index
@@ -268,6 +309,54 @@ class Instance:
         return any(self.swap_ticks)
 
     @cached_property
+    def has_setups(self) -> bool:
+        """Somebody may need time directly before a task, to get ready for it."""
+        return self.has_swaps
+
+    @cached_property
+    def stances(self) -> tuple[int, ...]:
+        """Per operator, its stance at the start."""
+        return tuple(map(self.stance, self.in_hand))
+
+    def stance(self, tool: int | None) -> int:
+        """The stance of who has this tool in hand; None while the first one costs nothing."""
+        return 0 if tool is None else tool + 1
+
+    def tool_in(self, stance: int) -> int | None:
+        """The tool in hand in this stance."""
+        return stance - 1 if stance else None
+
+    def setups(self, task: int, way: Way) -> tuple[Setup, ...]:
+        """Per operator of the way, what it needs before the task; empty where nobody needs time to
+        get ready for anything.
+        """
+        if not self.has_setups:
+            return ()
+        return tuple(
+            self._setup(operator, tool)
+            for operator, tool in zip(way.operators, way.tools, strict=True)
+        )
+
+    def _setup(self, operator: int, tool: int | None) -> Setup:
+        known = self._setups.get((operator, tool))
+        if known is None:
+            change = 0 if tool is None else self.changeover[tool][operator]
+            known = Setup(-1 if tool is None else tool, change)
+            self._setups[operator, tool] = known
+        return known
+
+    @cached_property
+    def _setups(self) -> dict[tuple[int, int | None], Setup]:
+        return {}
+
+    @cached_property
+    def longest_setup(self) -> tuple[int, ...]:
+        """Per operator, ticks that it needs at most to get ready for a task."""
+        return tuple(
+            max((row[o] for row in self.changeover), default=0) for o in range(len(self.operators))
+        )
+
+    @cached_property
     def has_breaks(self) -> bool:
         """Somebody is off at some time."""
         return any(self.breaks)
@@ -283,12 +372,16 @@ class Instance:
         return any(team >= 0 for team in self.team)
 
     @cached_property
-    def timed_tool(self) -> tuple[int, ...]:
-        """Per task, its tool where that can matter for times, else -1."""
-        return tuple(
-            -1 if tool is None or not (self.has_swaps or self.tool_room[tool]) else tool
-            for tool in self.tool
-        )
+    def has_tools(self) -> bool:
+        """Some tool can matter for times."""
+        used = {tool for ways in self.ways for way in ways for tool, _ in way.units}
+        return bool(used) and (self.has_swaps or any(self.tool_room[tool] for tool in used))
+
+    def scarce(self, way: Way) -> tuple[tuple[int, int], ...]:
+        """`(tool, how many of it)` that the way takes, of the tools that not all can have at
+        once.
+        """
+        return tuple(unit for unit in way.units if self.tool_room[unit[0]])
 
     @cached_property
     def timed_zone(self) -> tuple[int, ...]:
@@ -298,7 +391,7 @@ class Instance:
     @cached_property
     def is_plain(self) -> bool:
         """Tools, zones and breaks play no part in times."""
-        return not self.has_breaks and max((*self.timed_tool, *self.timed_zone), default=-1) < 0
+        return not (self.has_breaks or self.has_tools) and max(self.timed_zone, default=-1) < 0
 
     @cached_property
     def arrival(self) -> tuple[int, ...]:
@@ -312,7 +405,7 @@ class Instance:
         All tasks one after the other, behind every release and break.
         """
         work = sum(max(way.ticks for way in ways) for ways in self.ways)
-        swaps = max((max(row) for row in self.changeover), default=0) * len(self.tasks)
+        swaps = max(self.longest_setup) * len(self.tasks)
         waits = sum(end for breaks in self.breaks for _, end in breaks)
         return work + swaps + waits + max(self.release, default=0)
 
@@ -407,9 +500,16 @@ def _tasks(cell: Cell, count: _Count) -> dict[str, Any]:
 
 def _ways(cell: Cell, count: _Count, task: str) -> Iterator[Way]:
     number = {name: i for i, name in enumerate(cell.operators)}
+    tool = {name: i for i, name in enumerate(cell.tool_names)}
     for mode in cell.modes(task):
-        loads = tuple(count.units(mode.stress.get(who, 0.0)) for who in mode.operators)
-        yield Way(tuple(number[who] for who in mode.operators), count.ticks(mode.time), loads)
+        yield Way(
+            operators=tuple(number[who] for who in mode.operators),
+            ticks=count.ticks(mode.time),
+            load=tuple(count.units(mode.stress.get(who, 0.0)) for who in mode.operators),
+            tools=tuple(
+                tool[mode.tools[who]] if who in mode.tools else None for who in mode.operators
+            ),
+        )
 
 
 def _places(cell: Cell, count: _Count) -> dict[str, Any]:
@@ -418,7 +518,6 @@ def _places(cell: Cell, count: _Count) -> dict[str, Any]:
     tasks = cell.tasks.values()
     listed = [cell.tools.get(name, Tool()) for name in tools]
     return {
-        "tool": tuple(None if task.tool is None else tools.index(task.tool) for task in tasks),
         "zone": tuple(None if task.zone is None else zones.index(task.zone) for task in tasks),
         "tool_places": tuple(tool.capacity for tool in listed),
         "zone_places": tuple(cell.zones.get(name, Zone()).capacity for name in zones),

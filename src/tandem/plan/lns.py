@@ -131,11 +131,11 @@ class _Fixed:
         tools: dict[int, int] = {}
         zones: dict[int, int] = {}
         for task in cut.before:
-            tool, zone, end = instance.tool[task], instance.zone[task], cut.end[task]
-            for operator in cut.way(task).operators:
+            way, zone, end = cut.way(task), instance.zone[task], cut.end[task]
+            for operator, tool in zip(way.operators, way.tools, strict=True):
                 free[operator] = max(free[operator], end)
                 hand[operator] = hand[operator] if tool is None else tool
-            if tool is not None and instance.tool_room[tool]:
+            for tool, _ in instance.scarce(way):
                 tools[tool] = max(tools.get(tool, 0), end)
             if zone is not None and instance.zone_room[zone]:
                 zones[zone] = max(zones.get(zone, 0), end)
@@ -143,11 +143,15 @@ class _Fixed:
 
     def release(self, cut: _Cut, task: int) -> int:
         """Ticks before which a task of the stretch finds no room, or waits for what is before."""
-        tool, zone = cut.instance.tool[task], cut.instance.zone[task]
+        zone = cut.instance.zone[task]
         return max(
             cut.instance.release[task],
             cut.predecessors_end(task),
-            0 if tool is None else self.tools.get(tool, 0),
+            # in some way its tools are there
+            min(
+                max((self.tools.get(tool, 0) for tool, _ in way.units), default=0)
+                for way in cut.instance.ways[task]
+            ),
             0 if zone is None else self.zones.get(zone, 0),
         )
 

@@ -18,7 +18,7 @@ from tandem.report.language import Words
 from tandem.report.tables import named
 from tandem.schedule.measures import changeover_times, exact
 from tandem.schedule.model import Assignment, Schedule
-from tandem.schedule.queues import Kind, places_of, queues
+from tandem.schedule.queues import KINDS, places_of, queues
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,8 @@ class _Sheet:
 
     def _changeover(self, place: int, a: Assignment, seconds: float, begun: bool) -> Step:
         """Taking up a tool: it needs nobody else."""
-        tool, start = self.cell.tasks[a.task].tool, float(exact(a.start) - exact(seconds))
+        tool = self.cell.tools_for(a.task, a.operators)[self.operator]
+        start = float(exact(a.start) - exact(seconds))
         found = [self._when("previous", self.own.ended(place))] if begun else []
         return Step(
             number=0,
@@ -270,8 +271,8 @@ class _Sheet:
         task = self.cell.tasks[a.task]
         if task.part:
             yield self.t("steps.means.part", part=task.part)
-        kinds: tuple[tuple[Kind, str | None], ...] = (("tool", task.tool), ("zone", task.zone))
-        for kind, name in kinds:
+        for kind in KINDS:
+            name = self.cell.takes(kind, a.task, a.operators).get(self.operator)
             if name is not None:
                 places = places_of(self.cell, kind, name)
                 many = "one" if places == 1 else "other"
@@ -303,7 +304,7 @@ class _Own:
     def __init__(self, cell: Cell, schedule: Schedule, operator: str):
         self.tasks = schedule.of(operator)
         self.breaks = cell.operators[operator].breaks
-        self.changes = changeover_times(cell, operator, [a.task for a in self.tasks])
+        self.changes = changeover_times(cell, operator, self.tasks)
         self.ready = (cell.operators[operator].setting_up or (0.0, 0.0))[1]
 
     def ended(self, place: int) -> float:

@@ -18,7 +18,7 @@ def assumptions(front: Front, t: Words) -> list[str]:
         t("assume.tasks"),
         t("assume.fixed"),
     ]
-    used = {task.tool: None for task in cell.tasks.values() if task.tool}
+    used = dict.fromkeys(tool for task in cell.tasks.values() for _, tool in task.tools_named())
     zones = {task.zone: None for task in cell.tasks.values() if task.zone}
     breaks = [
         f"{shown[o].label} {t.number(a)}–{t.number(b)} s"

@@ -8,13 +8,14 @@ and is tested alone.
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from difflib import get_close_matches
 from math import isfinite, nan
 from operator import attrgetter
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from tandem.cell.model import Cell
 from tandem.cell.parts import Mode, Operator
@@ -385,7 +386,7 @@ class _Change(NamedTuple):
     """
 
     row: Row
-    tool: str | None
+    tool: str
     time: Decimal
     free: Decimal
     after: Row | None
@@ -400,13 +401,11 @@ def _changeovers(judged: Judged) -> Iterator[tuple[str, _Change]]:
         after, free = None, _ready(judged.cell.operators[name])
         rows = judged.of_operator.get(name, [])
         for row, seconds in zip(
-            rows, changeover_times(judged.cell, name, [row.task for row in rows]), strict=True
+            rows, changeover_times(judged.cell, name, [row.given for row in rows]), strict=True
         ):
             if seconds:
-                yield (
-                    name,
-                    _Change(row, judged.cell.tasks[row.task].tool, exact(seconds), free, after),
-                )
+                tool = judged.cell.tools_for(row.task, row.given.operators)[name]
+                yield name, _Change(row, tool, exact(seconds), free, after)
             if row.end > free:
                 after, free = row, row.end
 
@@ -418,28 +417,33 @@ def _needs(name: str, change: _Change) -> str:
     )
 
 
-def _by_place(judged: Judged, kind: str) -> Iterator[tuple[str, list[Row]]]:
-    """Rows of positive length by the tool or zone that their tasks name."""
-    rows: dict[str, list[Row]] = {}
+def _by_place(
+    judged: Judged, kind: Literal["tool", "zone"]
+) -> Iterator[tuple[str, list[tuple[Row, int]]]]:
+    """Rows of positive length by the tool or zone that they need, and how many of it each takes."""
+    rows: dict[str, list[tuple[Row, int]]] = {}
     for row in judged.rows:
-        name = getattr(judged.cell.tasks[row.task], kind)
-        if name is not None and row.start < row.end and row.who:
-            rows.setdefault(name, []).append(row)
+        if row.start < row.end:
+            takes = judged.cell.takes(kind, row.task, row.who)
+            for name, count in Counter(takes.values()).items():
+                rows.setdefault(name, []).append((row, count))
     yield from rows.items()
 
 
-def _crowds(rows: Iterable[Row], places: int) -> Iterator[str]:
+def _crowds(rows: Iterable[tuple[Row, int]], places: int) -> Iterator[str]:
     """A sentence for each span of time in which more operators are there than there are places."""
+    rows = list(rows)
     events = sorted(
-        [(row.end, 0, row) for row in rows] + [(row.start, 1, row) for row in rows],
+        [(row.end, 0, row, count) for row, count in rows]
+        + [(row.start, 1, row, count) for row, count in rows],
         key=lambda event: event[:2],
     )
     present: dict[int, Row] = {}
     used, since, most, crowd = 0, Decimal(0), 0, dict[str, None]()
-    for time, starts, row in events:
+    for time, starts, row, count in events:
         if starts:
             present[id(row)] = row
-            used += len(row.who)
+            used += count
             if used > places:
                 since = since if crowd else time
                 crowd.update(
@@ -450,7 +454,7 @@ def _crowds(rows: Iterable[Row], places: int) -> Iterator[str]:
                 most = max(most, used)
         else:
             del present[id(row)]
-            used -= len(row.who)
+            used -= count
             if crowd and used <= places:
                 yield (
                     f"{most} operators need it at once from {_s(since)} to {_s(time)} (tasks"

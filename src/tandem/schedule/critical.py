@@ -11,6 +11,7 @@ from tandem.cell.model import Cell
 from tandem.cell.written import number
 from tandem.schedule.measures import changeover_times, exact
 from tandem.schedule.model import Assignment, Schedule
+from tandem.schedule.queues import Kind, places_of, taken_by
 
 Reason = Literal[
     "start",
@@ -179,9 +180,7 @@ class _Plan:
         for name in cell.operators:
             rows = schedule.of(name)
             previous = None
-            for a, seconds in zip(
-                rows, changeover_times(cell, name, [a.task for a in rows]), strict=True
-            ):
+            for a, seconds in zip(rows, changeover_times(cell, name, rows), strict=True):
                 turns[a.task].append(_Turn(name, previous, exact(seconds)))
                 if previous is not None:
                     followers[previous.task].append((a.task, exact(seconds)))
@@ -250,25 +249,19 @@ def _hand_overs(cell: Cell, schedule: Schedule) -> Iterator[tuple[Reason, str, s
     Units are given out in order of start. Of those that are free, operators keep the one that they
     had last; else it is the one free the longest.
     """
-    kinds: tuple[tuple[Reason, Mapping[str, object]], ...] = (
-        ("tool", cell.tools),
-        ("zone", cell.zones),
-    )
-    for reason, places in kinds:
-        users: dict[str, list[Assignment]] = {}
-        for a in schedule:
-            name = getattr(cell.tasks[a.task], reason)
-            if name is not None:
-                users.setdefault(name, []).append(a)
-        for name, rows in users.items():
-            units: list[Assignment | None] = [None] * int(getattr(places.get(name), "capacity", 1))
-            for a in rows:
-                units.sort(key=lambda last: _claim(last, a))
-                for unit in range(min(len(a.operators), len(units))):
-                    before = units[unit]
-                    if before is not None:
-                        yield reason, name, before.task, a.task
-                    units[unit] = a
+    users: dict[tuple[Kind, str], list[tuple[Assignment, int]]] = {}
+    for a in schedule:
+        for kind, name, count in taken_by(cell, a):
+            users.setdefault((kind, name), []).append((a, count))
+    for (kind, name), rows in users.items():
+        units: list[Assignment | None] = [None] * places_of(cell, kind, name)
+        for a, count in rows:
+            units.sort(key=lambda last: _claim(last, a))
+            for unit in range(min(count, len(units))):
+                before = units[unit]
+                if before is not None:
+                    yield kind, name, before.task, a.task
+                units[unit] = a
 
 
 def _claim(last: Assignment | None, a: Assignment) -> tuple[bool, bool, Decimal]:

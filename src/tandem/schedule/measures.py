@@ -6,7 +6,7 @@ the nearest float.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 
@@ -145,23 +145,21 @@ def changeovers(cell: Cell, schedule: Schedule) -> tuple[Changeover, ...]:
 def _changeovers_of(
     cell: Cell, operator: str, assignments: tuple[Assignment, ...]
 ) -> Iterator[Changeover]:
-    for a, seconds in zip(
-        assignments, changeover_times(cell, operator, [a.task for a in assignments]), strict=True
-    ):
-        tool = cell.tasks[a.task].tool
+    for a, seconds in zip(assignments, changeover_times(cell, operator, assignments), strict=True):
+        tool = cell.tools_for(a.task, a.operators).get(operator)
         if seconds and tool is not None:
             yield Changeover(
                 operator, tool, a.task, float(exact(a.start) - exact(seconds)), a.start
             )
 
 
-def changeover_times(cell: Cell, operator: str, tasks: list[str]) -> list[float]:
+def changeover_times(cell: Cell, operator: str, assignments: Iterable[Assignment]) -> list[float]:
     """Seconds that the operator needs before each of these tasks, done in this order, to take up
     its tool.
     """
     in_hand, seconds = cell.operators[operator].tool, []
-    for name in tasks:
-        tool = cell.tasks[name].tool if name in cell.tasks else None
+    for a in assignments:
+        tool = cell.tools_for(a.task, a.operators).get(operator) if a.task in cell.tasks else None
         if tool is None:
             seconds.append(0.0)
             continue

@@ -53,11 +53,12 @@ class Arrays(NamedTuple):
     states none. needs: `[T, T]` bool, `needs[i, j]`: task i comes after task j. release, deadline:
     `[T]` int32; a task without a deadline has NEVER. tail: `[T]` int32, the longest chain of tasks
     that starts with the task, each in its quickest way. human: `[O]` bool. rank: `[O]` int32, who
-    decides first at one moment: the humans, then the robots, in the cell's order. way_tool: `[W]`
-    int32, the tool that it needs in hand, -1 for none; `[0]` when tools play no part. swap: `[W,
-    O]` int32, how long the operator takes to take that tool up when it holds another one; `[0, O]`
-    when tools play no part. of_tool, of_zone: `[T, U]`, `[T, Z]` bool, the tool and the zone that
-    the task needs. tool_places, zone_places: `[U]`, `[Z]` int32, how many operators have room.
+    decides first at one moment: the humans, then the robots, in the cell's order. way_tool: `[W,
+    O]` int32, the tool that the operator needs in hand, -1 for none; `[0, O]` when tools play no
+    part. swap: `[W, O]` int32, how long the operator takes to take that tool up when it holds
+    another one; `[0, O]` when tools play no part. takes: `[W, U]` int32, how many of the tool the
+    way needs. of_zone: `[T, Z]` bool, the zone that the task needs. tool_places, zone_places:
+    `[U]`, `[Z]` int32, how many operators have room.
     in_hand: `[O]` int32, the tool in hand at the start, -1 while the first one costs nothing.
     break_from, break_to: `[O, B]` int32, sorted; NEVER where an operator has fewer. limit: `[O]`
     int32, the most stress, NEVER for who has no limit; `[0]` when nobody has one. must: `[T, O]`
@@ -85,7 +86,7 @@ class Arrays(NamedTuple):
     rank: Array
     way_tool: Array
     swap: Array
-    of_tool: Array
+    takes: Array
     tool_places: Array
     of_zone: Array
     zone_places: Array
@@ -299,26 +300,24 @@ def _operators(names: Names, layout: Layout) -> dict[str, Any]:
 
 def _places(names: Names, layout: Layout) -> dict[str, Any]:
     instance, everybody = layout.instance, len(layout.instance.operators)
-    tool, zone = np.array(instance.timed_tool), np.array(instance.timed_zone)
+    zone = np.array(instance.timed_zone)
     # arrays of length 0 switch a rule off: what the cell does not have costs no time
-    tools = len(instance.tools) if (tool >= 0).any() else 0
+    tools = len(instance.tools) if instance.has_tools else 0
     zones = len(instance.zones) if (zone >= 0).any() else 0
-    flat = (
-        [(mine, way) for mine, row in zip(tool, instance.ways, strict=True) for way in row]
-        if tools
-        else []
-    )
+    flat = [way for row in instance.ways for way in row] if tools else []
     # per way, so that no step has to look up whose tool it is
-    swap = np.zeros((len(flat), everybody), np.int64)
-    for row, (mine, way) in zip(swap, flat, strict=True):
-        if mine >= 0:
-            row[list(way.operators)] = [
-                instance.changeover[mine][operator] for operator in way.operators
-            ]
+    hands = np.full((len(flat), everybody), -1, np.int64)
+    swap, takes = np.zeros_like(hands), np.zeros((len(flat), tools), np.int64)
+    for number, way in enumerate(flat):
+        for operator, mine in zip(way.operators, way.tools, strict=True):
+            if mine is not None:
+                hands[number, operator] = mine
+                swap[number, operator] = instance.changeover[mine][operator]
+                takes[number, mine] += 1
     return {
-        "way_tool": np.array([mine for mine, _ in flat], np.int64),
+        "way_tool": hands,
         "swap": swap,
-        "of_tool": np.arange(tools)[None, :] == tool[:, None],
+        "takes": takes,
         "tool_places": np.array(
             [places or everybody for places in instance.tool_room[:tools]], np.int64
         ),

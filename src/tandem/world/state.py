@@ -199,8 +199,8 @@ def assign(
     )
     # without tools these arrays have length 0, and nothing is to be written
     if arrays.swap.shape[0]:
-        tool = xp.where(chosen, arrays.way_tool + 1, 0).sum(dtype=xp.int32) - 1
-        after = after._replace(in_hand=xp.where(who & (tool >= 0), tool, state.in_hand))
+        tool = xp.where(chosen[:, None], arrays.way_tool + 1, 0).sum(axis=0, dtype=xp.int32) - 1
+        after = after._replace(in_hand=xp.where(tool >= 0, tool, state.in_hand))
     # beginning a task that is mounted takes it apart; whether it was wrong then stays as it is
     if arrays.undo.shape[0]:
         comes_off = task & mounted(state)
@@ -353,31 +353,34 @@ def _since(xp: Any, arrays: Arrays, state: State) -> Array:
 
 
 def _changes(xp: Any, arrays: Arrays, state: State) -> Array:
-    """`[W, O]` int32, ticks that the operator needs to take up the way's tool."""
-    other = (state.in_hand[None, :] >= 0) & (state.in_hand[None, :] != arrays.way_tool[:, None])
+    """`[W, O]` int32, ticks that the operator needs to take up its tool for the way."""
+    other = (state.in_hand[None, :] >= 0) & (state.in_hand[None, :] != arrays.way_tool)
     return xp.where(other, arrays.swap, 0)
 
 
 def _has_room(xp: Any, arrays: Arrays, state: State) -> Array | None:
-    """The way's operators find room at its tool and in its zone."""
+    """The way's operators find room at their tools and in its zone."""
     if not arrays.tool_places.shape[0] and not arrays.zone_places.shape[0]:
         return None
-    running = (state.way >= 0) & ~mounted(state)
-    in_hand = xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]
-    crowd = xp.where(
-        running, xp.where(in_hand, arrays.way_size[:, None], 0).sum(axis=0, dtype=xp.int32), 0
-    )
+    # `[W, T]`, the way is the one in which the task is being done
+    at_work = (
+        xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]
+    ) & ((state.way >= 0) & ~mounted(state))[None, :]
     fits = xp.ones(arrays.way_ticks.shape, bool)
-    for of_place, places in (
-        (arrays.of_tool, arrays.tool_places),
-        (arrays.of_zone, arrays.zone_places),
-    ):
-        if places.shape[0]:
-            left = places - xp.where(of_place, crowd[:, None], 0).sum(axis=0, dtype=xp.int32)
-            room = xp.where(of_place, left[None, :], NEVER).min(axis=1)
-            fits = fits & (
-                arrays.way_size <= xp.where(arrays.of_task, room[None, :], NEVER).min(axis=1)
-            )
+    if arrays.tool_places.shape[0]:
+        busy = at_work.any(axis=1)
+        used = xp.where(busy[:, None], arrays.takes, 0).sum(axis=0, dtype=xp.int32)
+        left = arrays.tool_places - used
+        fits = fits & ((arrays.takes <= left[None, :]) | (arrays.takes == 0)).all(axis=1)
+    if arrays.zone_places.shape[0]:
+        crowd = xp.where(at_work, arrays.way_size[:, None], 0).sum(axis=0, dtype=xp.int32)
+        left = arrays.zone_places - xp.where(arrays.of_zone, crowd[:, None], 0).sum(
+            axis=0, dtype=xp.int32
+        )
+        room = xp.where(arrays.of_zone, left[None, :], NEVER).min(axis=1)
+        fits = fits & (
+            arrays.way_size <= xp.where(arrays.of_task, room[None, :], NEVER).min(axis=1)
+        )
     return fits
 
 

@@ -232,7 +232,7 @@ def values(
             ]
         )
     moves = Moves.of(cell, pace)
-    if moves.instance.has_swaps:
+    if moves.instance.has_setups:
         raise CellError(
             [
                 Fault(

@@ -5,7 +5,7 @@ they are, the others are planned anew.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from random import Random
 
@@ -126,7 +126,7 @@ class _Left:
         if task in self.fixed:
             way, ticks = self.fixed[task]
             mode = moves.modes[way]
-            return [(Way(mode.operators, ticks, (0,) * len(mode.operators)), -1)]
+            return [(replace(mode, ticks=ticks, load=(0,) * len(mode.operators)), -1)]
         open_ = moves.ways[task]
         # A team that has begun goes on; where that leaves nothing, anybody is better than nobody.
         team = dict(self.position.teams).get(moves.instance.team[task])
@@ -141,7 +141,7 @@ class _Left:
             apart = self.running[task][1]
         elif self.position.wrong >> task & 1:
             apart = self.moves.ticks[self.moves.count + way]
-        return Way(mode.operators, mode.ticks + apart, mode.load)
+        return replace(mode, ticks=mode.ticks + apart)
 
     def release(self, task: int) -> int:
         """Ticks from now before which the task cannot start, because of what is not planned."""
@@ -153,9 +153,9 @@ class _Left:
 
     def in_hand(self) -> tuple[int | None, ...]:
         """The tool that each operator holds now."""
-        if not self.position.hand:
+        if not self.position.stance:
             return self.moves.instance.in_hand
-        return tuple(None if tool < 0 else tool for tool in self.position.hand)
+        return tuple(map(self.moves.instance.tool_in, self.position.stance))
 
     def breaks(self) -> tuple[tuple[tuple[int, int], ...], ...]:
         """The breaks that are still to come, seen from now, and absences."""

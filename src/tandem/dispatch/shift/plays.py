@@ -7,6 +7,7 @@ end it first. `rows` plays go side by side, each with its own order, paces and t
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -18,6 +19,7 @@ from tandem.cell.model import Cell
 from tandem.dispatch.deciders.beliefs import AWAY_S, awaited
 from tandem.dispatch.deciders.policy import Start
 from tandem.dispatch.situation.model import Situation
+from tandem.schedule.queues import KINDS
 
 Array = np.ndarray[Any, Any]
 
@@ -34,9 +36,10 @@ class Sheet:
       seconds, stress: `[W]`, stated. `sigma`: `[W]`, of the logarithm of the time.
       before: `[T, P]`, predecessors, T where it has fewer. `chain`: tasks, each before its
         predecessors. `quickest`: `[T]` s. `release`: `[T]` s.
-      room: `[T, 2]`, its tool and zone as numbers, -1 for none; `columns`: of these the ones that
-        say something. `places`: how many each has; `capacity`: the same, 1 for none.
-      tool: `[T]`, number of the tool that changeovers look at, -1 for none; `change`: `[O, tools]`.
+      room: `[W, K]`, its zone and its tools as numbers, -1 for none; `takes`: `[W, K]`, how many
+        places of each. `places`: how many each has; `capacity`: the same, 1 for none.
+      tool: `[W, C]`, number of the tool that changeovers look at, -1 for none; `change`:
+        `[O + 1, tools]` s.
       team: `[T]`, tasks of one number are done by the same operators; -1 for none.
       off: per operator, its breaks.
     """
@@ -59,7 +62,7 @@ class Sheet:
     quickest: Array
     release: Array
     room: Array
-    columns: tuple[int, ...]
+    takes: Array
     places: tuple[int, ...]
     capacity: Array
     tool: Array
@@ -96,11 +99,19 @@ def _made(cell: Cell) -> Sheet:
     for t, row in enumerate(needs):
         before[t, : len(row)] = row
     rooms: dict[tuple[str, str], int] = {}
-    room = np.full((len(tasks), 2), -1)
-    for t, task in enumerate(cell.tasks.values()):
-        for column, (kind, name) in enumerate((("tool", task.tool), ("zone", task.zone))):
-            if name is not None:
-                room[t, column] = rooms.setdefault((kind, name), len(rooms))
+    taken = [
+        Counter(
+            (kind, name)
+            for kind in KINDS
+            for name in cell.takes(kind, task, way.operators).values()
+        )
+        for task, way in ways
+    ]
+    room = np.full((len(ways), max(map(len, taken))), -1)
+    takes = np.ones(room.shape, int)
+    for w, things in enumerate(taken):
+        for column, (thing, count) in enumerate(things.items()):
+            room[w, column], takes[w, column] = rooms.setdefault(thing, len(rooms)), count
     tables: dict[str, Mapping[str, Any]] = {"tool": cell.tools, "zone": cell.zones}
     places = [tables[kind][name].capacity if name in tables[kind] else 1 for kind, name in rooms]
     timed = [name for name, tool in cell.tools.items() if any(tool.changeover.values())]
@@ -112,8 +123,16 @@ def _made(cell: Cell) -> Sheet:
         for task in tasks
     ]
     crew = np.full((len(ways), max(len(way.operators) for _, way in ways)), len(operators))
+    tool = np.full(crew.shape, -1)
     for w, (_, way) in enumerate(ways):
-        crew[w, : len(way.operators)] = [operators.index(who) for who in way.operators]
+        for seat, who in enumerate(way.operators):
+            crew[w, seat] = operators.index(who)
+            if way.tools.get(who) in timed:
+                tool[w, seat] = timed.index(way.tools[who])
+    change = np.zeros((len(operators) + 1, len(timed)))
+    change[:-1] = np.array(
+        [[float(cell.tools[name].changeover.get(who, 0.0)) for name in timed] for who in operators]
+    ).reshape(len(operators), len(timed))
     groups: dict[tuple[str, ...], int] = {}
     return Sheet(
         cell,
@@ -134,18 +153,11 @@ def _made(cell: Cell) -> Sheet:
         np.array([min(float(way.time) for way in facts.ways[task]) for task in tasks]),
         np.array([float(task.release) for task in cell.tasks.values()]),
         room,
-        tuple(column for column in (0, 1) if (room[:, column] >= 0).any()),
+        takes,
         tuple(places),
         np.array([*places, 1]),
-        np.array(
-            [timed.index(task.tool) if task.tool in timed else -1 for task in cell.tasks.values()]
-        ),
-        np.array(
-            [
-                [float(cell.tools[tool].changeover.get(who, 0.0)) for tool in timed]
-                for who in operators
-            ]
-        ).reshape(len(operators), len(timed)),
+        tool,
+        change,
         np.array(team),
         tuple(
             tuple((off.start, off.end) for off in operator.times_off)
@@ -379,14 +391,14 @@ class _Play:
         """`[rows]` each: the way in which the task (`[rows]`) is done, and when it starts."""
         sheet, line = self.sheet, self.line
         ready = np.maximum(self.ready[task, line], self.end[sheet.before[task].T, line].max(axis=0))
-        share, hands = self.rest.share[task], self._hands_free(task)
+        share = self.rest.share[task]
         way, begin, best = self.line, ready, np.full(len(line), np.inf)
         for slot in range(sheet.slots.shape[1]):
             one = sheet.slots[task, slot]
             takes, start = share * steady[line, one], ready
-            for crew in sheet.crew[one].T:
-                start = np.maximum(start, hands[crew, line])
-            start = self._behind_breaks(self._with_room(task, one, start), one, takes)
+            for seat, crew in enumerate(sheet.crew[one].T):
+                start = np.maximum(start, self._hands_free(one, seat, crew))
+            start = self._behind_breaks(self._with_room(one, start), one, takes)
             # whoever is not in the team, or refuses, is taken only where nobody else is left
             score = start + takes + liking[line, one] + np.where(self._fits(task, one), 0.0, 1e9)
             better = (one >= 0) & (score < best)
@@ -421,34 +433,35 @@ class _Play:
 
     def _occupy(self, task: Array, way: Array, end: Array) -> None:
         sheet, line = self.sheet, self.line
-        for crew in sheet.crew[way].T:
+        for seat, crew in enumerate(sheet.crew[way].T):
             self.free[crew, line] = end
             if self.has_swaps:
                 self.since[crew, line] = end
-                tool = sheet.tool[task]
+                tool = sheet.tool[way, seat]
                 self.hand[crew, line] = np.where(tool >= 0, tool, self.hand[crew, line])
         self.free[-1] = -np.inf
-        for column in sheet.columns:
-            room = sheet.room[task, column]
+        for room, count in zip(sheet.room[way].T, sheet.takes[way].T, strict=True):
             places = self.taken[room, :, line]
-            fills = np.arange(places.shape[1]) < sheet.size[way][:, None]
+            fills = np.arange(places.shape[1]) < count[:, None]
             self.taken[room, :, line] = np.sort(np.where(fills, end[:, None], places), axis=1)
             self.taken[-1] = -np.inf
 
-    def _hands_free(self, task: Array) -> Array:
-        """`[O + 1, rows]`, when each could begin the task, its tool in hand."""
+    def _hands_free(self, way: Array, seat: int, crew: Array) -> Array:
+        """`[rows]`, when the operators `crew`, who have this seat in the way, could begin it, their
+        tool in hand.
+        """
+        free = self.free[crew, self.line]
         if not self.has_swaps:
-            return self.free
-        tool = self.sheet.tool[task]
-        swaps = (tool >= 0) & (self.hand >= 0) & (self.hand != tool)
-        change = np.zeros(self.free.shape)
-        change[:-1] = self.sheet.change[:, np.maximum(tool, 0)]
-        return np.maximum(self.free, np.where(swaps, self.since + change, -np.inf))
+            return free
+        tool, hand = self.sheet.tool[way, seat], self.hand[crew, self.line]
+        swaps = (tool >= 0) & (hand >= 0) & (hand != tool)
+        change = self.sheet.change[crew, np.maximum(tool, 0)]
+        return np.maximum(free, np.where(swaps, self.since[crew, self.line] + change, -np.inf))
 
-    def _with_room(self, task: Array, way: Array, start: Array) -> Array:
-        for column in self.sheet.columns:
-            room = self.sheet.room[task, column]
-            last = np.minimum(self.sheet.size[way], self.sheet.capacity[room]) - 1
+    def _with_room(self, way: Array, start: Array) -> Array:
+        sheet = self.sheet
+        for room, count in zip(sheet.room[way].T, sheet.takes[way].T, strict=True):
+            last = np.minimum(count, sheet.capacity[room]) - 1
             start = np.maximum(start, self.taken[room, last, self.line])
         return start
 

@@ -4,11 +4,12 @@ functions.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from collections import Counter
+from collections.abc import Iterable, Iterator
 
 from tandem.cell.parts import Mode
 from tandem.dispatch.situation.model import Situation, Stock, exact, mode
+from tandem.schedule.queues import KINDS, places_of
 
 
 def start_of_work(situation: Situation, task: str, operators: Iterable[str]) -> float:
@@ -122,12 +123,10 @@ def _swaps(
     """Operator -> since when they can have been taking up the task's tool, and how long that takes
     (s); only who holds another one.
     """
-    tool = situation.cell.tasks[task].tool
-    if tool is None or tool not in situation.cell.tools:
-        return {}
     swaps = {}
-    for who in operators:
-        if situation.in_hand.get(who, tool) != tool:
+    operators = tuple(operators)
+    for who, tool in situation.cell.tools_for(task, operators).items():
+        if tool in situation.cell.tools and situation.in_hand.get(who, tool) != tool:
             over = [
                 off.end
                 for off in situation.cell.operators[who].times_off
@@ -146,18 +145,20 @@ def _release(situation: Situation, task: str, way: Mode) -> Iterator[str]:
         yield f"task {task!r} is released at {situation.on_clock(release):g} s"
 
 
-def lacks(situation: Situation, task: str) -> list[tuple[Stock, str]]:
-    """What the task needs and is broken or missing. Taking it apart needs its tool only."""
-    wanted = situation.cell.tasks[task]
-    needs: list[tuple[Stock, str | None]] = [("tool", wanted.tool)]
+def lacks(situation: Situation, task: str, operators: Iterable[str]) -> list[tuple[Stock, str]]:
+    """What they need for the task and is broken or missing. Taking it apart needs the tools
+    only.
+    """
+    tools = situation.cell.tools_for(task, operators).values()
+    needs: list[tuple[Stock, str | None]] = [("tool", tool) for tool in dict.fromkeys(tools)]
     if task not in situation.wrong:
-        needs += [("part", wanted.part), ("task", task)]
+        needs += [("part", situation.cell.tasks[task].part), ("task", task)]
     return [(kind, name) for kind, name in needs if name and (kind, name) in situation.stock]
 
 
 def _stock(situation: Situation, task: str, way: Mode) -> Iterator[str]:
     if situation.stock:
-        for kind, name in lacks(situation, task):
+        for kind, name in lacks(situation, task, way.operators):
             yield (
                 f"what task {name!r} needs is missing"
                 if kind == "task"
@@ -194,20 +195,15 @@ def _times_off(situation: Situation, task: str, way: Mode) -> Iterator[str]:
 
 def _room(situation: Situation, task: str, way: Mode) -> Iterator[str]:
     cell = situation.cell
-    wanted = cell.tasks[task]
-    tables: tuple[tuple[str, str | None, Mapping[str, Any]], ...] = (
-        ("tool", wanted.tool, cell.tools),
-        ("zone", wanted.zone, cell.zones),
-    )
-    for kind, name, table in tables:
-        if name is not None:
-            places = table[name].capacity if name in table else 1
+    for kind in KINDS:
+        for name, count in Counter(cell.takes(kind, task, way.operators).values()).items():
+            places = places_of(cell, kind, name)
             taken = sum(
-                len(at.operators)
+                used == name
                 for other, at in situation.running.items()
-                if getattr(cell.tasks[other], kind) == name
+                for used in cell.takes(kind, other, at.operators).values()
             )
-            if taken + len(way.operators) > places:
+            if taken + count > places:
                 yield (
                     f"{kind} {name!r} is taken"
                     if taken

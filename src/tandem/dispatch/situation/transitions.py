@@ -205,7 +205,7 @@ def revoked(before: Situation, now: Situation) -> dict[str, Order]:
 
 
 def _started(situation: Situation, task: str, operators: tuple[str, ...]) -> Situation:
-    now, tool = situation.now, situation.cell.tasks[task].tool
+    now = situation.now
     at = Running(
         operators,
         now,
@@ -224,9 +224,7 @@ def _started(situation: Situation, task: str, operators: tuple[str, ...]) -> Sit
             for pair, until in situation.refused.items()
             if pair[1] != task or pair[0] not in operators
         },
-        in_hand=situation.in_hand
-        if tool is None
-        else {**situation.in_hand, **dict.fromkeys(operators, tool)},
+        in_hand={**situation.in_hand, **situation.cell.tools_for(task, operators)},
     )
 
 
