@@ -54,6 +54,7 @@ class Job:
     release: int
     deadline: int | None
     zone: str | None
+    place: str | None
 
 
 class Plain:
@@ -88,6 +89,8 @@ class Plain:
             for name, entry in tools.items()
             for who, seconds in (entry.get("changeover") or {}).items()
         }
+        self.stands = {name: entry.get("place") for name, entry in data["operators"].items()}
+        self.walk = _walks(data)
         self.pairs = [(str(a), str(b)) for a, b in data.get("same_operator") or ()]
         table = data.get("stress_of_set")
         self.table = table if table is None else {
@@ -127,6 +130,7 @@ class Plain:
             _millionths(entry.get("release", 0)),
             None if deadline is None else _millionths(deadline),
             entry.get("zone"),
+            entry.get("place"),
         )
 
     def _strain(self, who: tuple[str, ...], stress: float | Mapping[str, float]) -> dict[str, int]:
@@ -169,10 +173,10 @@ class Plain:
         return not any(first.name in job.after and step.start < first.end for first in done)
 
     def _one_at_a_time(self, who: str, done: tuple[Step, ...]) -> bool:
-        """Tasks, the changeovers right before them, and breaks, one after the other, when all is
-        set up.
+        """Tasks, the ways to them and the changeovers right before them, and breaks, one after the
+        other, when all is set up.
         """
-        hand, free = self.in_hand[who], self.ready[who]
+        hand, free, at = self.in_hand[who], self.ready[who], self.stands[who]
         for step in sorted(
             (step for step in done if who in step.way.who), key=lambda step: step.start
         ):
@@ -182,6 +186,9 @@ class Plain:
                 if tool is not None and hand not in (None, tool)
                 else 0
             )
+            place = self.jobs[step.name].place
+            if place is not None:
+                change, at = change + self.walk.get((who, at, place), 0), place
             begin = step.start - change
             if begin < free or any(
                 off < step.end and begin < back for off, back in self.breaks[who]
@@ -304,6 +311,7 @@ def latest(plain: Plain) -> int:
     """By when everything can be done one after the other, behind all breaks and releases."""
     work = sum(max(way.time for way in job.ways) for job in plain.jobs.values())
     changes = len(plain.jobs) * max(plain.change.values(), default=0)
+    changes += len(plain.jobs) * max(plain.walk.values(), default=0)
     waits = max(job.release for job in plain.jobs.values())
     waits = max([waits, *plain.ready.values()])
     return (
@@ -383,12 +391,35 @@ def _appended(plain: Plain, done: tuple[Step, ...], job: Job, way: Way) -> Step 
         0,
         *(plain.change.get((tool, who), 0) for who, tool in way.tools.items()),
     }
+    ways = {0, *(seconds for (who, _, to), seconds in plain.walk.items() if to == job.place)}
+    changes = {change + way for change in changes for way in ways}
     for start in sorted({last, *(end + change for end in ends for change in changes)}):
         if start >= last:
             step = Step(job.name, way, start)
             if plain.allows((*done, step)):
                 return step
     return None
+
+
+def _walks(data: Mapping[str, Any]) -> dict[tuple[str, str | None, str], int]:
+    """(operator, from, to) -> millionths. Names of places hold no hyphen here."""
+    found: dict[tuple[str, str | None, str], int] = {}
+    for who, table in (data.get("walk") or {}).items():
+        spots = data.get("places") or {}
+        for one in spots if "speed" in table else ():
+            for other in spots:
+                far = sum((b - a) ** 2 for a, b in zip(spots[one], spots[other], strict=True))
+                tenths = 0
+                while (tenths * Fraction(repr(table["speed"]))) ** 2 < 100 * Fraction(far):
+                    tenths += 1
+                found[who, one, other] = tenths * MILLION // 10
+        for key, seconds in table.items():
+            if key != "speed":
+                one, other = key.split("-")
+                found[who, one, other] = _millionths(seconds)
+                if f"{other}-{one}" not in table:
+                    found[who, other, one] = _millionths(seconds)
+    return found
 
 
 def _hands(who: tuple[str, ...], tool: str | Mapping[str, str] | None) -> dict[str, str]:
@@ -419,7 +450,7 @@ def _everywhere(
         if plain.allows_who((*done, Step(job.name, way, 0))):
             for start in range(0, late - way.time + 1, grid):
                 grown = (*done, Step(job.name, way, start))
-                if plain.allows(grown) or plain.change:
+                if plain.allows(grown) or plain.change or plain.walk:
                     yield from _everywhere(plain, left[1:], grown, horizon, grid)
 
 
@@ -427,7 +458,7 @@ def _grid(plain: Plain) -> int:
     times = [way.time for job in plain.jobs.values() for way in job.ways]
     times += [job.release for job in plain.jobs.values()]
     times += [moment for breaks in plain.breaks.values() for pair in breaks for moment in pair]
-    return gcd(*times, *plain.change.values(), *plain.ready.values())
+    return gcd(*times, *plain.change.values(), *plain.walk.values(), *plain.ready.values())
 
 
 def _unbeaten(points: list[Pair]) -> list[Pair]:

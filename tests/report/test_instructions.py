@@ -25,7 +25,7 @@ from tandem.plan.result import Front
 from tandem.report.html import html
 from tandem.report.markdown import markdown
 from tandem.report.xlsx import xlsx
-from tandem.schedule.measures import changeover_times, exact
+from tandem.schedule.measures import exact, made_ready
 from tandem.schedule.model import Schedule
 
 OPTIONS = {
@@ -117,7 +117,7 @@ def test_every_break_between_two_steps_and_every_changeover_is_said(
         return
     for one, sheet in on_paper(cell, schedule, language).items():
         own, operator = schedule.of(one), cell.operators[one]
-        changes = changeover_times(cell, one, own)
+        changes = made_ready(cell, one, own)
         wanted = [("", exact(operator.setup))] if own and operator.setup else []
         wanted += [
             (cell.tools_for(a.task, a.operators)[one], exact(seconds))

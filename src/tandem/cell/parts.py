@@ -24,6 +24,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from tandem.cell.names import clean, clean_title, harm_in
+from tandem.cell.walking import Pair, walking_times
 
 V = TypeVar("V")
 
@@ -100,6 +101,8 @@ Moment = Annotated[float, Strict(), Field(ge=0, le=1e7, allow_inf_nan=False)]
 """A point on the clock, or a duration that may be 0 s."""
 Amount = Annotated[float, Strict(), Field(ge=0, le=1e7, allow_inf_nan=False)]
 """Ergonomic stress, difficulty or a spread: 0 or more."""
+Metres = Annotated[float, Strict(), Field(ge=-1e4, le=1e4, allow_inf_nan=False)]
+"""A coordinate."""
 MOST_BREAKS = 2_000
 """Times off of one operator: more than a year of shifts has."""
 Places = Annotated[int, Strict(), Field(ge=1, le=10_000)]
@@ -181,6 +184,12 @@ class Operator(Frozen):
         description=(
             "The tool in hand at the start. When absent, the first tool is at hand and costs no"
             " changeover."
+        ),
+    )
+    place: Name | None = Field(
+        default=None,
+        description=(
+            "Where the operator stands at the start. When absent, at the place of its first task."
         ),
     )
 
@@ -281,6 +290,13 @@ class Task(Frozen):
         ),
     )
     zone: Name | None = Field(default=None, description="The shared space in which it is done.")
+    place: Name | None = Field(
+        default=None,
+        description=(
+            "Where it is done. Who stands at another place walks there directly before, as `walk`"
+            " says; a task without a place is done wherever its operators stand."
+        ),
+    )
     difficulty: PerOperator = Field(
         default_factory=Table,
         description="How hard the task is for an operator: operator to a number; 0 when absent.",
@@ -387,6 +403,27 @@ class Fields(Frozen):
             "What is special about a zone. One that is not listed holds one operator at a time."
         ),
     )
+    places: Annotated[
+        Mapping[Name, tuple[Metres, Metres]], OneEntryAName, AfterValidator(Table)
+    ] = Field(
+        default_factory=Table,
+        description=(
+            "Where places are: name to `[x, y]` in metres. Needed where `walk` states a speed."
+        ),
+    )
+    walk: Annotated[
+        Mapping[Name, Annotated[Mapping[Name, Amount], OneEntryAName, AfterValidator(Table)]],
+        OneEntryAName,
+        AfterValidator(Table),
+    ] = Field(
+        default_factory=Table,
+        description=(
+            "How long operators walk between places: operator to a table. `FROM-TO: seconds` counts"
+            " for both directions, unless `TO-FROM` is stated too; `speed`, in metres a second,"
+            " gives the other ways by the coordinates in `places`, rounded up to tenths of a"
+            " second. What is not stated takes 0 s."
+        ),
+    )
     same_operator: tuple[tuple[Name, Name], ...] = Field(
         default=(), description="Pairs of tasks that must be done by the same operators."
     )
@@ -425,6 +462,23 @@ class Fields(Frozen):
             *(operator.tool for operator in self.operators.values()),
         ]
         return tuple(dict.fromkeys(name for name in named if name is not None))
+
+    @cached_property
+    def place_names(self) -> tuple[str, ...]:
+        """All places, those included that are only named: in this order they are counted."""
+        named = [
+            *(task.place for task in self.tasks.values()),
+            *self.places,
+            *(operator.place for operator in self.operators.values()),
+        ]
+        return tuple(dict.fromkeys(name for name in named if name is not None))
+
+    @cached_property
+    def walking(self) -> Mapping[str, Mapping[Pair, float]]:
+        """Operator to seconds from one place to another, pairs of places that take none left
+        out.
+        """
+        return walking_times(self)
 
     @cached_property
     def zone_names(self) -> tuple[str, ...]:

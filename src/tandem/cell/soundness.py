@@ -20,6 +20,7 @@ from tandem.cell.times import (
     exact_planning_can_count_it,
     numbers_have_few_decimals,
 )
+from tandem.cell.walking import RULES as WALKING
 from tandem.cell.written import number
 from tandem.errors import Fault
 
@@ -46,11 +47,11 @@ def operators_are_known(cell: Fields) -> Iterator[Fault]:
 
 
 def names_can_be_told_apart(cell: Fields) -> Iterator[Fault]:
-    """No two tasks, operators, tools or zones look alike though they are made of other signs, such
-    as a Cyrillic letter.
+    """No two tasks, operators, tools, zones or places look alike though they are made of other
+    signs, such as a Cyrillic letter.
     """
-    used: dict[str, dict[str, Path]] = {"operators": {}, "tasks": {}, "tools": {}, "zones": {}}
-    used["tools"], used["zones"] = _tools_and_zones(cell)
+    used: dict[str, dict[str, Path]] = {"operators": {}, "tasks": {}}
+    used |= _things_named(cell)
     for key, named in used.items():
         stated: Mapping[str, object] = getattr(cell, key)
         for first, name in twins([*stated, *named]):
@@ -291,16 +292,16 @@ def sets_are_spelled_in_order(cell: Fields) -> Iterator[Fault]:
         seen.setdefault(right, key)
 
 
-def listed_tools_and_zones_are_not_misspelled(cell: Fields) -> Iterator[Fault]:
-    """A tool or zone that is listed, used by nobody and spelled almost like an unlisted one in use
-    is a slip of the pen.
+def listed_things_are_not_misspelled(cell: Fields) -> Iterator[Fault]:
+    """A tool, zone or place that is listed, used by nobody and spelled almost like an unlisted one
+    in use is a slip of the pen.
 
     One that is listed, unused and like no other is no fault.
     """
-    tools, zones = _tools_and_zones(cell)
-    for key, used, table in (("tools", tools, cell.tools), ("zones", zones, cell.zones)):
-        strays = Known(name for name in used if name not in table)
-        for name in table:
+    for key, used in _things_named(cell).items():
+        listed: Mapping[str, object] = getattr(cell, key)
+        strays = Known(name for name in used if name not in listed)
+        for name in listed:
             if name not in used and (meant := strays.nearest(name)) is not None:
                 yield Fault(
                     f"{key[:-1]} {name!r} is listed but never used, while {meant!r} is used but not"
@@ -309,38 +310,43 @@ def listed_tools_and_zones_are_not_misspelled(cell: Fields) -> Iterator[Fault]:
                 )
 
 
-def tools_and_zones_are_spelled_alike(cell: Fields) -> Iterator[Fault]:
-    """Tools, and zones, that differ by capitals or one letter are one; listing both says that they
-    are two.
+def things_are_spelled_alike(cell: Fields) -> Iterator[Fault]:
+    """Tools, zones, and places, that differ by capitals or one letter are one; listing both says
+    that they are two.
 
     A name that is listed and used by nobody is left to the rule above.
     """
-    tools, zones = _tools_and_zones(cell)
-    for kind, used, listed in (("tool", tools, cell.tools), ("zone", zones, cell.zones)):
+    for key, used in _things_named(cell).items():
+        listed: Mapping[str, object] = getattr(cell, key)
         # a listed name is the one that is meant
         in_order = sorted(used, key=lambda name: name not in listed)
         for name, meant in slips(in_order).items():
             if name not in listed:
+                kind = key[:-1]
+                two = "rename one" if key == "places" else f"list both under `{key}`"
                 yield Fault(
                     f"{kind} {name!r} is spelled almost like {kind} {meant!r}, so that they count"
-                    f" as two. Did you mean {meant!r}? If they are two, list both under `{kind}s`.",
+                    f" as two. Did you mean {meant!r}? If they are two, {two}.",
                     used[name],
                 )
 
 
-def _tools_and_zones(cell: Fields) -> tuple[dict[str, Path], dict[str, Path]]:
-    """Every tool, and every zone, that is named, with the first place where it is."""
-    tools: dict[str, Path] = {}
-    zones: dict[str, Path] = {}
+def _things_named(cell: Fields) -> dict[str, dict[str, Path]]:
+    """Every tool, zone and place that is named, with where it is first."""
+    used: dict[str, dict[str, Path]] = {"tools": {}, "zones": {}, "places": {}}
     for name, task in cell.tasks.items():
         for path, tool in task.tools_named():
-            tools.setdefault(tool, ("tasks", name, *path))
+            used["tools"].setdefault(tool, ("tasks", name, *path))
         if task.zone is not None:
-            zones.setdefault(task.zone, ("tasks", name, "zone"))
+            used["zones"].setdefault(task.zone, ("tasks", name, "zone"))
+        if task.place is not None:
+            used["places"].setdefault(task.place, ("tasks", name, "place"))
     for who, operator in cell.operators.items():
         if operator.tool is not None:
-            tools.setdefault(operator.tool, ("operators", who, "tool"))
-    return tools, zones
+            used["tools"].setdefault(operator.tool, ("operators", who, "tool"))
+        if operator.place is not None:
+            used["places"].setdefault(operator.place, ("operators", who, "place"))
+    return used
 
 
 def _operators_named(cell: Fields) -> Iterator[tuple[Path, str, str]]:
@@ -368,6 +374,7 @@ def _tables_of_operators(cell: Fields) -> Iterator[tuple[Path, Mapping[str, obje
     yield from ((path, stress, f"{what}: stress") for path, stress, what in _stresses(cell))
     for name, tool in cell.tools.items():
         yield ("tools", name, "changeover"), tool.changeover, f"tool {name!r}: changeover"
+    yield ("walk",), cell.walk, "walk"
 
 
 def _tool_tables(name: str, task: Task) -> Iterator[tuple[Path, Mapping[str, str], str]]:
@@ -424,8 +431,9 @@ RULES: tuple[Callable[[Fields], Iterator[Fault]], ...] = (
     a_deadline_can_be_met,
     pairs_have_a_common_way,
     sets_are_spelled_in_order,
-    listed_tools_and_zones_are_not_misspelled,
-    tools_and_zones_are_spelled_alike,
+    listed_things_are_not_misspelled,
+    things_are_spelled_alike,
+    *WALKING,
     numbers_have_few_decimals,
     exact_planning_can_count_it,
 )

@@ -241,6 +241,8 @@ def exact_planning_can_count_it(cell: Fields) -> Iterator[Fault]:
         (seconds for tool in cell.tools.values() for seconds in tool.changeover.values()),
         default=0.0,
     )
+    walks = [seconds for table in cell.walking.values() for seconds in table.values()]
+    ready = changeover + max(walks, default=0.0)
     for task in cell.tasks.values():
         own = [*task.time.values(), *(joint.time for joint in task.together)]
         strain = [
@@ -254,7 +256,7 @@ def exact_planning_can_count_it(cell: Fields) -> Iterator[Fault]:
         ]
         times += [*own, task.release, task.deadline or 0.0]
         stresses += strain
-        longest += max(own, default=0.0) + changeover
+        longest += max(own, default=0.0) + ready
         stressed += max(strain, default=0.0) * len(cell.operators)
     ends = [
         moment
@@ -264,6 +266,7 @@ def exact_planning_can_count_it(cell: Fields) -> Iterator[Fault]:
     ]
     times += [
         *ends,
+        *walks,
         *(seconds for tool in cell.tools.values() for seconds in tool.changeover.values()),
     ]
     longest += max((task.release for task in cell.tasks.values()), default=0.0) + sum(ends)
@@ -320,6 +323,10 @@ def _numbers(cell: Fields) -> Iterator[tuple[Path, float]]:
             yield from _numbers_of(joint, ("tasks", name, "together", place))
     for name, tool in cell.tools.items():
         yield from _numbers_of(tool, ("tools", name))
+    for who, table in cell.walk.items():
+        yield from ((("walk", who, key), value) for key, value in table.items())
+    for name, metres in cell.places.items():
+        yield from ((("places", name, side), value) for side, value in enumerate(metres))
     yield from (
         ((("stress_of_set", key)), value) for key, value in (cell.stress_of_set or {}).items()
     )

@@ -113,6 +113,8 @@ def _model(path: Path) -> tuple[type[Any], str]:
             return Tool, f"tool {shown(name)}"
         case ("zones", name, _, *_):
             return Zone, f"zone {shown(name)}"
+        case ("walk", who, _):
+            return Cell, f"walk of {shown(who)}"
     return Cell, ""
 
 
@@ -129,10 +131,12 @@ def _what(path: Path) -> str:
             str(who),
         ) if len(path) > 3:
             return f"{key} of {shown(who)}"
-        case ("stress_of_set", name):
-            return f"stress_of_set of {shown(name)}"
-        case ("operators" | "tasks" | "tools" | "zones" as table, name):
+        case ("stress_of_set" | "walk" as table, name):
+            return f"{table} of {shown(name)}"
+        case ("operators" | "tasks" | "tools" | "zones" | "places" as table, name):
             return f"{table[:-1]} {shown(name)}"
+        case ("places", name, int(side)):
+            return f"the {'xy'[min(side, 1)]} of place {shown(name)}"
         case (*_, "breaks", int(place)):
             return f"break {place + 1}"
         case (*_, "breaks", int(place), int(side)):
@@ -201,6 +205,8 @@ def _missing(path: Path, item: Any) -> str:
             return "`kind` is missing. Write `kind: human` or `kind: robot`."
         case ("operators", _, "breaks", _, _):
             return "a break needs two numbers, `[from, to]` in seconds."
+        case ("places", name, _):
+            return f"place {shown(name)} needs two numbers, `[x, y]` in metres."
         case ("same_operator", _, _):
             return (
                 "same_operator holds pairs of tasks, such as `[[1, 2]]`; here the second is"
@@ -290,6 +296,7 @@ def _no_mapping(path: Path, item: Any) -> str:
         "tools": "{driver: {capacity: 1}}",
         "zones": "{press: {capacity: 1}}", "stress_of_set": '{"": 0, "1": 2.5}',
         "difficulty": "{human: 2}", "changeover": "{human: 3}",
+        "places": "{bench: [0, 0]}", "walk": "{human: {bench-press: 3}}",
     }  # fmt: skip
     if not path:
         held = "nothing" if item["input"] is None else _of(item["input"])
@@ -299,9 +306,11 @@ def _no_mapping(path: Path, item: Any) -> str:
         )
     key = str(path[-1])
     if len(path) == 2:
-        example = {"operators": "{kind: human}", "tasks": "{time: {human: 10}}"}.get(
-            str(path[0]), "{capacity: 1}"
-        )
+        example = {
+            "operators": "{kind: human}",
+            "tasks": "{time: {human: 10}}",
+            "walk": "{bench-press: 3}",
+        }.get(str(path[0]), "{capacity: 1}")
     else:
         example = examples.get(key, "{operators: [robot, human], time: 12}")
     return f"{_what(path)} is {_of(item['input'])}, but a mapping is needed, such as `{example}`."
@@ -317,6 +326,8 @@ def _no_list(path: Path, item: Any) -> str:
     }
     key = next((str(step) for step in reversed(path) if isinstance(step, str)), "")
     value = item["input"]
+    if path[0] == "places":
+        return f"{_what(path)} is {_of(value)}, but two numbers are needed, `[x, y]` in metres."
     remedy = f"`{key}: {examples.get(key, '[]')}`"
     if key == "after" and isinstance(value, str | int) and not isinstance(value, bool):
         remedy = f"`after: [{_short(str(value))}]`"

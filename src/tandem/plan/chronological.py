@@ -77,7 +77,7 @@ class Branching:
         self.latest_start = [
             end - own for end, own in zip(latest_end, layout.quickest, strict=True)
         ]
-        self.prepares = instance.has_setups
+        self.prepares = instance.has_preparations
         self.limited = [o for o in self.operators if instance.stress_limit[o] is not None]
         self.human = [
             [any(instance.human[o] for o in step.operators) for step in row] for row in layout.steps
@@ -172,13 +172,13 @@ class Branching:
         """What decides between two nodes of one key: the one with no larger number is no worse.
 
         A time before the last start counts as the last start, since no later task can notice the
-        difference; with set-ups, which may lie before the last start, an operator's time counts
+        difference; where preparations may lie before the last start, an operator's time counts
         that much further back. Without them the operators' times imply the last start.
         """
         last = node.last
         numbers = [
-            max(free, last - setup)
-            for free, setup in zip(node.free, self.instance.longest_setup, strict=True)
+            max(free, last - preparation)
+            for free, preparation in zip(node.free, self.instance.longest_preparation, strict=True)
         ]
         if self.prepares:
             numbers.append(last)
@@ -228,8 +228,8 @@ class Branching:
                 return None
         start, zone = ready, self.instance.timed_zone[task]
         needs = [
-            setup[node.stance[operator]][0]
-            for operator, setup in zip(step.operators, step.setups, strict=False)
+            preparation[node.stance[operator]][0]
+            for operator, preparation in zip(step.operators, step.preparations, strict=False)
         ] or [0] * len(step.operators)
         for operator, need in zip(step.operators, needs, strict=True):
             start = max(start, node.free[operator] + need)
@@ -255,8 +255,8 @@ class Branching:
             free[operator] = end
             loads[operator] += load
         ends[task] = end
-        if step.setups:
-            taken_up = dict(zip(who, step.setups, strict=True))
+        if step.preparations:
+            taken_up = dict(zip(who, step.preparations, strict=True))
             stance = tuple(
                 taken_up[operator][held][1] if operator in taken_up else held
                 for operator, held in enumerate(stance)

@@ -27,14 +27,14 @@ SOLVER = f"cp-sat {version('ortools')}"
 Literal = cp_model.LiteralT
 
 
-class Changeover(NamedTuple):
-    """The operator takes up the task's tool, for so many ticks directly before it, when the literal
-    is true.
+class Preparation(NamedTuple):
+    """The operator walks to the task's place or takes up its tool, or both, for so many ticks
+    directly before it, when the literal is true.
     """
 
     operator: int
     task: int
-    ticks: int
+    ticks: cp_model.IntVar | int
     literal: cp_model.IntVar
 
 
@@ -47,7 +47,7 @@ class Decisions:
       chosen: per task and way, a literal; exactly one per task is true.
       intervals: per task and way, present when the way is chosen.
       at: per operator, the intervals that occupy it.
-      changeovers: those that may take place.
+      preparations: those that may take place.
       makespan: ticks; stress: units, in the cell's measure.
     """
 
@@ -59,7 +59,7 @@ class Decisions:
     chosen: list[list[cp_model.IntVar]] = field(default_factory=list)
     intervals: list[list[cp_model.IntervalVar]] = field(default_factory=list)
     at: dict[int, list[cp_model.IntervalVar]] = field(default_factory=lambda: defaultdict(list))
-    changeovers: list[Changeover] = field(default_factory=list)
+    preparations: list[Preparation] = field(default_factory=list)
     makespan: cp_model.IntVar = None  # type: ignore[assignment]
     stress: cp_model.IntVar = None  # type: ignore[assignment]
 
@@ -172,9 +172,9 @@ def predecessors_end_first(plan: Decisions) -> None:
 
 
 def an_operator_does_one_thing_at_a_time(plan: Decisions) -> None:
-    """Tasks, breaks and changeovers of an operator do not overlap."""
+    """Tasks, breaks, and what an operator needs directly before its tasks do not overlap."""
     for operator in range(len(plan.instance.operators)):
-        busy = [*plan.at[operator], *_changeovers(plan, operator)]
+        busy = [*plan.at[operator], *_preparations(plan, operator)]
         busy += [
             plan.model.new_fixed_size_interval_var(begin, end - begin, "")
             for begin, end in plan.instance.breaks[operator]
@@ -183,11 +183,52 @@ def an_operator_does_one_thing_at_a_time(plan: Decisions) -> None:
             plan.model.add_no_overlap(busy)
 
 
-def _changeovers(plan: Decisions, operator: int) -> list[cp_model.IntervalVar]:
-    """The intervals in which the operator takes up another tool, directly before the task that
-    needs it.
+Causes = dict[int, list[tuple[int, cp_model.IntVar]]]
+"""Task -> (ticks that the operator needs before it, literal under which it does so)."""
+
+
+def _preparations(plan: Decisions, operator: int) -> list[cp_model.IntervalVar]:
+    """The intervals in which the operator walks and takes up other tools, each directly before the
+    task for which it does so.
     """
-    instance, model = plan.instance, plan.model
+    changes = _changes(plan, operator)
+    walks = _walks(plan, operator) if plan.instance.walks[operator] else {}
+    found = []
+    for task in sorted(changes.keys() | walks.keys()):
+        if task in walks:
+            found.append(_walked(plan, operator, task, [*walks[task], *changes.get(task, ())]))
+            continue
+        # a way of doing the task has one tool, so that at most one of these takes place
+        for ticks, swap in changes[task]:
+            plan.preparations.append(Preparation(operator, task, ticks, swap))
+            plan.model.add(plan.start[task] >= ticks).only_enforce_if(swap)
+            found.append(
+                plan.model.new_optional_fixed_size_interval_var(
+                    plan.start[task] - ticks, ticks, swap, ""
+                )
+            )
+    return found
+
+
+def _walked(
+    plan: Decisions, operator: int, task: int, causes: list[tuple[int, cp_model.IntVar]]
+) -> cp_model.IntervalVar:
+    """One interval for all that the operator needs before the task; walking and taking up a tool
+    add up.
+    """
+    model, start = plan.model, plan.start[task]
+    some = model.new_bool_var(f"prepares {task} {operator}")
+    model.add_max_equality(some, [literal for _, literal in causes])
+    ticks = model.new_int_var(0, plan.instance.longest_preparation[operator], "")
+    model.add(ticks == sum(ticks * literal for ticks, literal in causes))
+    begin = model.new_int_var(0, plan.upper, "")
+    plan.preparations.append(Preparation(operator, task, ticks, some))
+    return model.new_optional_interval_var(begin, ticks, start, some, "")
+
+
+def _changes(plan: Decisions, operator: int) -> Causes:
+    """What taking up another tool than the one in hand costs, where it costs anything."""
+    instance = plan.instance
     needs = [
         (task, tool, does)
         for task in range(len(instance.tasks))
@@ -198,10 +239,9 @@ def _changeovers(plan: Decisions, operator: int) -> list[cp_model.IntervalVar]:
     kinds = cost.keys() | ({in_hand} if in_hand is not None else set())
     # nothing to take up, or at no cost: no order needs to be decided
     if len(kinds) < 2 or not any(cost.values()):
-        return []
+        return {}
     first, follows = _order(plan, [(task, does) for task, _, does in needs])
-    # a changeover lies directly before its task and occupies the operator like work
-    swaps = []
+    found: Causes = defaultdict(list)
     for mine, (task, tool, _) in enumerate(needs):
         causes = [
             follows[before, mine]
@@ -212,15 +252,32 @@ def _changeovers(plan: Decisions, operator: int) -> list[cp_model.IntervalVar]:
         if in_hand is not None and in_hand != tool:
             causes.append(first[mine])
         if causes and cost[tool]:
-            swap = any_of(plan, causes)
-            plan.changeovers.append(Changeover(operator, task, cost[tool], swap))
-            model.add(plan.start[task] >= cost[tool]).only_enforce_if(swap)
-            swaps.append(
-                model.new_optional_fixed_size_interval_var(
-                    plan.start[task] - cost[tool], cost[tool], swap, ""
-                )
-            )
-    return swaps
+            found[task].append((cost[tool], any_of(plan, causes)))
+    return found
+
+
+def _walks(plan: Decisions, operator: int) -> Causes:
+    """What the way from the place before costs, where it costs anything."""
+    instance = plan.instance
+    visits = [
+        (task, place, does)
+        for task, place in enumerate(instance.place)
+        if place is not None and (does := plan.does(task, operator))
+    ]
+    walk, stands = instance.walk[operator], instance.stands[operator]
+    places = {place for _, place, _ in visits} | ({stands} if stands is not None else set())
+    if not any(walk[one][other] for one, other in permutations(places, 2)):
+        return {}
+    first, follows = _order(plan, [(task, does) for task, _, does in visits])
+    found: Causes = defaultdict(list)
+    for (before, mine), literal in follows.items():
+        (_, one, _), (task, other, _) = visits[before], visits[mine]
+        if walk[one][other]:
+            found[task].append((walk[one][other], literal))
+    for (task, place, _), literal in zip(visits, first, strict=True):
+        if stands is not None and walk[stands][place]:
+            found[task].append((walk[stands][place], literal))
+    return found
 
 
 def _by_tool(plan: Decisions, task: int, operator: int) -> dict[int, list[cp_model.IntVar]]:

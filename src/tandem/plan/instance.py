@@ -54,34 +54,45 @@ class Way:
         return self.tools[self.operators.index(operator)]
 
 
-class Setup(dict[int, tuple[int, int]]):
+class Preparation(dict[int, tuple[int, int]]):
     """What an operator needs before one kind of work: its stance -> (ticks directly before the
     work, its stance in the work). Worked out when it is first asked for.
 
-    A stance says in one number which tool somebody has in hand, see `Instance.stance`.
+    First it walks, then it takes up its tool. A stance says in one number which tool somebody has
+    in hand and where it stands, see `Instance.stance`.
     """
 
     __hash__ = object.__hash__  # type: ignore[assignment]
     __eq__ = object.__eq__
     __ne__ = object.__ne__
 
-    def __init__(self, tool: int, change: int) -> None:
-        """For work with the tool, -1 for none, that it takes `change` ticks to take up."""
+    def __init__(self, tool: int, change: int, place: int, walk: tuple[int, ...]) -> None:
+        """For work at the place with the tool, -1 for none.
+
+        Args:
+          change: ticks to take the tool up.
+          walk: ticks from each place of the cell to this one.
+        """
         super().__init__()
-        self.tool, self.change = tool, change
+        self.tool, self.change, self.place, self.walk = tool, change, place, walk
 
     def __missing__(self, stance: int) -> tuple[int, int]:
-        ticks, held = 0, stance - 1
+        held, at = divmod(stance, len(self.walk) + 1)
+        ticks = 0
         if self.tool >= 0:
-            ticks += self.change if held not in (-1, self.tool) else 0
-            held = self.tool
-        self[stance] = found = (ticks, held + 1)
+            ticks += self.change if held not in (0, self.tool + 1) else 0
+            held = self.tool + 1
+        if self.place >= 0:
+            ticks += self.walk[at - 1] if at else 0
+            at = self.place + 1
+        self[stance] = found = (ticks, held * (len(self.walk) + 1) + at)
         return found
 
     @property
     def lengths(self) -> set[int]:
         """Every number of ticks that it may take."""
-        return {0, self.change}
+        walks = {0, *self.walk} if self.place >= 0 else {0}
+        return walks | {walk + self.change for walk in walks}
 
 
 @dataclass(frozen=True)
@@ -97,10 +108,11 @@ class Instance:
       ways: per task, every mode of it, in the order of `cell.modes`.
       before: per task, its direct predecessors.
       release, deadline: ticks per task; a task without a deadline has None.
-      zone: per task, an index or None. `tools` and `zones` are names.
+      zone, place: per task, an index or None. `tools`, `zones` and `places` are names.
       tool_places, zone_places: capacity per tool and zone.
       changeover: `[tool][operator]` ticks.
-      in_hand: per operator, the tool at the start or None.
+      in_hand, stands: per operator, the tool and the place at the start, or None.
+      walk: `[operator][from][to]` ticks.
       breaks: per operator, `(from, to)` ticks in which it does nothing, sorted, disjoint.
       stress_limit: per operator, units or None.
       same_operator: pairs of tasks.
@@ -114,16 +126,20 @@ class Instance:
     tasks: tuple[str, ...]
     tools: tuple[str, ...]
     zones: tuple[str, ...]
+    places: tuple[str, ...]
     human: tuple[bool, ...]
     ways: tuple[tuple[Way, ...], ...]
     before: tuple[tuple[int, ...], ...]
     release: tuple[int, ...]
     deadline: tuple[int | None, ...]
     zone: tuple[int | None, ...]
+    place: tuple[int | None, ...]
     tool_places: tuple[int, ...]
     zone_places: tuple[int, ...]
     changeover: tuple[tuple[int, ...], ...]
     in_hand: tuple[int | None, ...]
+    stands: tuple[int | None, ...]
+    walk: tuple[tuple[tuple[int, ...], ...], ...]
     breaks: tuple[tuple[tuple[int, int], ...], ...]
     stress_limit: tuple[int | None, ...]
     same_operator: tuple[tuple[int, int], ...]
@@ -139,6 +155,7 @@ class Instance:
             per_stress=count.per_stress,
             tools=cell.tool_names,
             zones=cell.zone_names,
+            places=cell.place_names,
             **_tasks(cell, count),
             **_places(cell, count),
             **_operators(cell, count),
@@ -167,6 +184,9 @@ class Instance:
             release=tuple(ticks * times for ticks in self.release),
             deadline=tuple(None if ticks is None else ticks * times for ticks in self.deadline),
             changeover=tuple(tuple(ticks * times for ticks in row) for row in self.changeover),
+            walk=tuple(
+                tuple(tuple(ticks * times for ticks in row) for row in table) for table in self.walk
+            ),
             breaks=tuple(tuple((a * times, b * times) for a, b in row) for row in self.breaks),
         )
 
@@ -200,6 +220,7 @@ class Instance:
             "release": tuple(release),
             "deadline": tuple(self.deadline[task] for task in tasks),
             "zone": tuple(self.zone[task] for task in tasks),
+            "place": tuple(self.place[task] for task in tasks),
             "same_operator": tuple(
                 (index[a], index[b]) for a, b in self.same_operator if a in index and b in index
             ),
@@ -309,51 +330,69 @@ class Instance:
         return any(self.swap_ticks)
 
     @cached_property
-    def has_setups(self) -> bool:
-        """Somebody may need time directly before a task, to get ready for it."""
-        return self.has_swaps
+    def walks(self) -> tuple[bool, ...]:
+        """Per operator, whether some way costs it time."""
+        return tuple(any(map(any, table)) for table in self.walk)
+
+    @cached_property
+    def has_preparations(self) -> bool:
+        """Somebody may need time directly before a task, to walk there or to take up its tool."""
+        return self.has_swaps or any(self.walks)
 
     @cached_property
     def stances(self) -> tuple[int, ...]:
         """Per operator, its stance at the start."""
-        return tuple(map(self.stance, self.in_hand))
+        return tuple(map(self.stance, self.in_hand, self.stands))
 
-    def stance(self, tool: int | None) -> int:
-        """The stance of who has this tool in hand; None while the first one costs nothing."""
-        return 0 if tool is None else tool + 1
+    def stance(self, tool: int | None, place: int | None) -> int:
+        """The stance of who has this tool in hand and stands there; None while the first one costs
+        nothing.
+        """
+        held, at = (0 if one is None else one + 1 for one in (tool, place))
+        return held * (len(self.places) + 1) + at
 
-    def tool_in(self, stance: int) -> int | None:
-        """The tool in hand in this stance."""
-        return stance - 1 if stance else None
+    def read(self, stance: int) -> tuple[int | None, int | None]:
+        """The tool in hand and the place in this stance."""
+        held, at = divmod(stance, len(self.places) + 1)
+        return (held - 1 if held else None, at - 1 if at else None)
 
-    def setups(self, task: int, way: Way) -> tuple[Setup, ...]:
+    def preparations(self, task: int, way: Way) -> tuple[Preparation, ...]:
         """Per operator of the way, what it needs before the task; empty where nobody needs time to
         get ready for anything.
         """
-        if not self.has_setups:
+        if not self.has_preparations:
             return ()
         return tuple(
-            self._setup(operator, tool)
+            self._preparation(operator, tool, self.place[task])
             for operator, tool in zip(way.operators, way.tools, strict=True)
         )
 
-    def _setup(self, operator: int, tool: int | None) -> Setup:
-        known = self._setups.get((operator, tool))
+    def _preparation(self, operator: int, tool: int | None, place: int | None) -> Preparation:
+        known = self._preparations.get((operator, tool, place))
         if known is None:
-            change = 0 if tool is None else self.changeover[tool][operator]
-            known = Setup(-1 if tool is None else tool, change)
-            self._setups[operator, tool] = known
+            # what costs nothing is not told apart, so that searches see what is alike
+            tool_counts = tool is not None and self.has_swaps
+            place_counts = place is not None and self.walks[operator]
+            known = Preparation(
+                tool if tool is not None and tool_counts else -1,
+                self.changeover[tool][operator] if tool is not None else 0,
+                place if place is not None and place_counts else -1,
+                tuple(0 if place is None else row[place] for row in self.walk[operator]),
+            )
+            self._preparations[operator, tool, place] = known
         return known
 
     @cached_property
-    def _setups(self) -> dict[tuple[int, int | None], Setup]:
+    def _preparations(self) -> dict[tuple[int, int | None, int | None], Preparation]:
         return {}
 
     @cached_property
-    def longest_setup(self) -> tuple[int, ...]:
+    def longest_preparation(self) -> tuple[int, ...]:
         """Per operator, ticks that it needs at most to get ready for a task."""
         return tuple(
-            max((row[o] for row in self.changeover), default=0) for o in range(len(self.operators))
+            max((row[o] for row in self.changeover), default=0)
+            + max((ticks for row in self.walk[o] for ticks in row), default=0)
+            for o in range(len(self.operators))
         )
 
     @cached_property
@@ -405,7 +444,7 @@ class Instance:
         All tasks one after the other, behind every release and break.
         """
         work = sum(max(way.ticks for way in ways) for ways in self.ways)
-        swaps = max(self.longest_setup) * len(self.tasks)
+        swaps = max(self.longest_preparation) * len(self.tasks)
         waits = sum(end for breaks in self.breaks for _, end in breaks)
         return work + swaps + waits + max(self.release, default=0)
 
@@ -515,10 +554,13 @@ def _ways(cell: Cell, count: _Count, task: str) -> Iterator[Way]:
 def _places(cell: Cell, count: _Count) -> dict[str, Any]:
     """A tool or a zone that the cell does not list exists once and costs nothing."""
     tools, zones = cell.tool_names, cell.zone_names
+    place = {name: i for i, name in enumerate(cell.place_names)}
     tasks = cell.tasks.values()
     listed = [cell.tools.get(name, Tool()) for name in tools]
     return {
         "zone": tuple(None if task.zone is None else zones.index(task.zone) for task in tasks),
+        "place": tuple(None if task.place is None else place[task.place] for task in tasks),
+        "walk": tuple(_walk(cell, count, who) for who in cell.operators),
         "tool_places": tuple(tool.capacity for tool in listed),
         "zone_places": tuple(cell.zones.get(name, Zone()).capacity for name in zones),
         "changeover": tuple(
@@ -528,12 +570,23 @@ def _places(cell: Cell, count: _Count) -> dict[str, Any]:
     }
 
 
+def _walk(cell: Cell, count: _Count, who: str) -> tuple[tuple[int, ...], ...]:
+    """Ticks from each place to each."""
+    places, times = cell.place_names, cell.walking.get(who)
+    if not times:
+        return ((0,) * len(places),) * len(places)
+    return tuple(
+        tuple(count.ticks(times.get((one, other), 0.0)) for other in places) for one in places
+    )
+
+
 def _operators(cell: Cell, count: _Count) -> dict[str, Any]:
-    tools, operators = cell.tool_names, cell.operators.values()
+    tools, places, operators = cell.tool_names, cell.place_names, cell.operators.values()
     return {
         "operators": tuple(cell.operators),
         "human": tuple(operator.kind == "human" for operator in operators),
         "in_hand": tuple(None if x.tool is None else tools.index(x.tool) for x in operators),
+        "stands": tuple(None if x.place is None else places.index(x.place) for x in operators),
         "breaks": tuple(
             tuple((count.ticks(off.start), count.ticks(off.end)) for off in operator.times_off)
             for operator in operators
@@ -600,6 +653,8 @@ def _times_in(cell: Cell) -> Iterable[float]:
             yield task.deadline
     for tool in cell.tools.values():
         yield from tool.changeover.values()
+    for table in cell.walking.values():
+        yield from table.values()
     for operator in cell.operators.values():
         for off in operator.times_off:
             yield from (off.start, off.end)

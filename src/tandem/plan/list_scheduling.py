@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from tandem.plan.instance import Instance, Setup, Way
+from tandem.plan.instance import Instance, Preparation, Way
 
 
 class Step(NamedTuple):
@@ -23,7 +23,7 @@ class Step(NamedTuple):
     Attributes:
       way: its index in `Instance.ways`.
       operators: indices; `ticks` its duration; `stress` the sum of `load`, the stress per operator.
-      setups: per operator, what it needs before the task; empty where nobody needs any time.
+      preparations: per operator, what it needs before the task; empty where nobody needs any time.
       scarce: `(tool, how many of it)`, of the tools that not all can have at once.
     """
 
@@ -32,7 +32,7 @@ class Step(NamedTuple):
     ticks: int
     stress: int
     load: tuple[int, ...]
-    setups: tuple[Setup, ...]
+    preparations: tuple[Preparation, ...]
     scarce: tuple[tuple[int, int], ...]
 
 
@@ -182,8 +182,8 @@ class PartialSchedule:
         for operator in step.operators:
             if free[operator] > start:
                 start = free[operator]
-        for operator, setup in zip(step.operators, step.setups, strict=False):
-            begin = free[operator] + setup[stance[operator]][0]
+        for operator, preparation in zip(step.operators, step.preparations, strict=False):
+            begin = free[operator] + preparation[stance[operator]][0]
             if begin > start:
                 start = begin
         for tool, count in step.scarce:
@@ -202,8 +202,8 @@ class PartialSchedule:
         for operator, load in zip(step.operators, step.load, strict=True):
             self.free[operator] = end
             self.load[operator] += load
-        for operator, setup in zip(step.operators, step.setups, strict=False):
-            self.stance[operator] = setup[self.stance[operator]][1]
+        for operator, preparation in zip(step.operators, step.preparations, strict=False):
+            self.stance[operator] = preparation[self.stance[operator]][1]
         self.stress += step.stress
         # tools and zones with room for all are never full, so nobody counts their places
         for tool, count in step.scarce:
@@ -252,7 +252,8 @@ class PartialSchedule:
     def _behind_breaks(self, step: Step, start: int) -> int:
         breaks, moved = self.instance.breaks, True
         needs = [
-            setup[self.stance[o]][0] for o, setup in zip(step.operators, step.setups, strict=False)
+            preparation[self.stance[o]][0]
+            for o, preparation in zip(step.operators, step.preparations, strict=False)
         ]
         needs = needs or [0] * len(step.operators)
         while moved:
@@ -292,7 +293,7 @@ def _steps(instance: Instance, task: int) -> list[Step]:
                 ticks=way.ticks,
                 stress=way.stress,
                 load=way.load,
-                setups=instance.setups(task, way),
+                preparations=instance.preparations(task, way),
                 scarce=instance.scarce(way),
             )
     return list(best.values())

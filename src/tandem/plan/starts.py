@@ -141,7 +141,7 @@ def _moments_before(
         if (zone >= 0 and instance.timed_zone[other] == zone)
         or (instance.has_tools and tools & {t for t, _ in instance.ways[other][ways[other]].units})
     ]
-    swaps = {0}.union(*(setup.lengths for setup in instance.setups(task, way)))
+    swaps = {0}.union(*(preparation.lengths for preparation in instance.preparations(task, way)))
     ends = [0, ready, *shared, *(off for _, off in busy)]
     moments = {moment + swap for moment in ends for swap in swaps}
     return sorted(

@@ -16,7 +16,7 @@ from tandem.draw.style import looks, task_label
 from tandem.plan.result import Result
 from tandem.report.language import Words
 from tandem.report.tables import named
-from tandem.schedule.measures import changeover_times, exact
+from tandem.schedule.measures import exact, made_ready
 from tandem.schedule.model import Assignment, Schedule
 from tandem.schedule.queues import KINDS, places_of, queues
 
@@ -304,7 +304,7 @@ class _Own:
     def __init__(self, cell: Cell, schedule: Schedule, operator: str):
         self.tasks = schedule.of(operator)
         self.breaks = cell.operators[operator].breaks
-        self.changes = changeover_times(cell, operator, self.tasks)
+        self.changes = made_ready(cell, operator, self.tasks)
         self.ready = (cell.operators[operator].setting_up or (0.0, 0.0))[1]
 
     def ended(self, place: int) -> float:

@@ -60,6 +60,10 @@ class Arrays(NamedTuple):
     way needs. of_zone: `[T, Z]` bool, the zone that the task needs. tool_places, zone_places:
     `[U]`, `[Z]` int32, how many operators have room.
     in_hand: `[O]` int32, the tool in hand at the start, -1 while the first one costs nothing.
+    stands: `[O]` int32, the place where it stands at the start, -1 while the way to the first one
+    costs nothing. place: `[T]` int32, where the task is done, -1 for anywhere; `[0]` when nobody
+    needs time to walk. walk: `[O, P, P]` int32, how long the operator takes from the first to the
+    second of `P` places; `[O, 0, 0]` when nobody needs time to walk.
     break_from, break_to: `[O, B]` int32, sorted; NEVER where an operator has fewer. limit: `[O]`
     int32, the most stress, NEVER for who has no limit; `[0]` when nobody has one. must: `[T, O]`
     int32, the least stress that the task puts on the operator in any of its ways. same: `[T, T]`
@@ -91,6 +95,9 @@ class Arrays(NamedTuple):
     of_zone: Array
     zone_places: Array
     in_hand: Array
+    stands: Array
+    place: Array
+    walk: Array
     break_from: Array
     break_to: Array
     limit: Array
@@ -158,6 +165,11 @@ class Names:
     def tools(self) -> tuple[str, ...]:
         """The tools' names, as `in_hand` counts them."""
         return self.cell.tool_names
+
+    @property
+    def places(self) -> tuple[str, ...]:
+        """The places' names, as `stands` counts them."""
+        return self.cell.place_names
 
     @cached_property
     def tasks(self) -> tuple[str, ...]:
@@ -291,6 +303,7 @@ def _operators(names: Names, layout: Layout) -> dict[str, Any]:
         "human": np.array(instance.human),
         "rank": np.argsort(order),
         "in_hand": np.array([-1 if tool is None else tool for tool in instance.in_hand]),
+        "stands": np.array([-1 if place is None else place for place in instance.stands]),
         "break_from": rest[..., 0],
         "break_to": rest[..., 1],
         "limit": np.array([NEVER if limit is None else limit for limit in limits], np.int64),
@@ -349,7 +362,20 @@ def _sets(names: Names, layout: Layout) -> dict[str, Any]:
     }
 
 
-PARTS = (_ways, _tasks, _operators, _places, _sets)
+def _walks(names: Names, layout: Layout) -> dict[str, Any]:
+    instance = layout.instance
+    if not any(instance.walks):
+        return {
+            "place": np.zeros(0, np.int64),
+            "walk": np.zeros((len(instance.operators), 0, 0), np.int64),
+        }
+    return {
+        "place": np.array([-1 if place is None else place for place in instance.place]),
+        "walk": np.array(instance.walk, np.int64),
+    }
+
+
+PARTS = (_ways, _tasks, _operators, _places, _walks, _sets)
 
 
 def _undoing(names: Names, layout: Layout, undo: float | None) -> dict[str, Any]:

@@ -209,7 +209,7 @@ def position(moves: Moves, situation: Situation, factor: Mapping[str, float]) ->
         tuple(sorted(running)),
         wrong & done,
         0 if moves.timeless else round(situation.now * cell.per_second),
-        _stances(cell, situation) if cell.has_setups else (),
+        _stances(cell, situation) if cell.has_preparations else (),
         _loads(cell, situation) if cell.has_limits else (),
         _teams(cell, situation) if cell.has_teams else (),
     )

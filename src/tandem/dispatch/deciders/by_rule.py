@@ -110,8 +110,10 @@ class ByRule:
 
 def _begins(layout: Layout, task: int, way: int, start: int) -> bool:
     """The task starts now, but for what its operators need first to get ready."""
-    setups = layout.instance.setups(task, layout.instance.ways[task][way])
-    return start == 0 or 0 < start <= max((max(setup.lengths) for setup in setups), default=0)
+    preparations = layout.instance.preparations(task, layout.instance.ways[task][way])
+    return start == 0 or 0 < start <= max(
+        (max(preparation.lengths) for preparation in preparations), default=0
+    )
 
 
 def _apart(moves: Moves, here: Position, way: int) -> int:

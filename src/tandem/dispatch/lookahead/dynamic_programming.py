@@ -232,7 +232,7 @@ def values(
             ]
         )
     moves = Moves.of(cell, pace)
-    if moves.instance.has_setups:
+    if moves.instance.has_preparations:
         raise CellError(
             [
                 Fault(

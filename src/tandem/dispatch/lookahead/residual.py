@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import inf
 from random import Random
+from typing import Any
 
 from ortools.sat.python import cp_model
 
@@ -73,7 +74,7 @@ def rest(moves: Moves, position: Position, *, with_running: bool = True) -> Rest
         before=[() if task in left.fixed else full.before[task] for task in left.tasks],
         # What runs ends when it ends; for all else, late is better than never.
         deadline=tuple(left.fixed[t][1] if t in left.fixed else None for t in left.tasks),
-        in_hand=left.in_hand(),
+        **left.stances(),
         breaks=left.breaks(),
         stress_limit=left.stress_limit(),
     )
@@ -151,11 +152,14 @@ class _Left:
         ends = [self.ends.get(first, 0) for first in instance.before[task]]
         return max(0, instance.release[task] - self.position.clock, *ends)
 
-    def in_hand(self) -> tuple[int | None, ...]:
-        """The tool that each operator holds now."""
-        if not self.position.stance:
-            return self.moves.instance.in_hand
-        return tuple(map(self.moves.instance.tool_in, self.position.stance))
+    def stances(self) -> dict[str, Any]:
+        """The tool that each operator holds now, and where it stands."""
+        instance = self.moves.instance
+        read = [instance.read(stance) for stance in self.position.stance or instance.stances]
+        return {
+            "in_hand": tuple(tool for tool, _ in read),
+            "stands": tuple(place for _, place in read),
+        }
 
     def breaks(self) -> tuple[tuple[tuple[int, int], ...], ...]:
         """The breaks that are still to come, seen from now, and absences."""

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault
 from tandem.plan.bounds import WorkPrices
-from tandem.plan.instance import Instance, Setup, Way
+from tandem.plan.instance import Instance, Preparation, Way
 from tandem.plan.list_scheduling import Layout
 
 PER_SECOND = 1000
@@ -70,7 +70,7 @@ class Moves:
         it.
       ticks: per way, how long it takes; how long somebody is away is known to the position alone.
       price: per way, the prices of its operators together.
-      setups: per way of doing and of taking apart, what each of its operators needs before.
+      preparations: per way of doing and of taking apart, what each of its operators needs before.
       scarce: per way of doing and of taking apart, `Instance.scarce`.
       timeless: no rule looks at the clock.
       plain: ways of different tasks and operators never stand in each other's way.
@@ -89,7 +89,7 @@ class Moves:
     loads: tuple[tuple[tuple[int, int], ...], ...] = field(init=False, repr=False)
     units: tuple[int, ...] = field(init=False, repr=False)
     price: tuple[int, ...] = field(init=False, repr=False)
-    setups: tuple[tuple[Setup, ...], ...] = field(init=False, repr=False)
+    preparations: tuple[tuple[Preparation, ...], ...] = field(init=False, repr=False)
     scarce: tuple[tuple[tuple[int, int], ...], ...] = field(init=False, repr=False)
     timeless: bool = field(init=False, repr=False)
     plain: bool = field(init=False, repr=False)
@@ -149,7 +149,7 @@ class Moves:
     def root(self) -> Position:
         """Nothing has begun."""
         operators = len(self.instance.operators)
-        stance = self.instance.stances if self.instance.has_setups else ()
+        stance = self.instance.stances if self.instance.has_preparations else ()
         return Position(0, (), 0, 0, stance, (0,) * operators if self.instance.has_limits else ())
 
     def is_over(self, position: Position) -> bool:
@@ -208,15 +208,17 @@ class Moves:
     def begin(self, position: Position, way: int) -> Position:
         """The way begins now. Assumes that it is legal."""
         left = self.ticks[way]
-        if self.setups[way]:
-            left += self._setup(position, way)
+        if self.preparations[way]:
+            left += self._preparation(position, way)
         running = tuple(sorted([*position.running, (way, left)]))
         if self.plain:
             return Position(position.done, running, position.wrong)
         stance, load, teams = position.stance, position.load, position.teams
         team = self.instance.team[self.task[way]]
         if stance:
-            ready = dict(zip(self.modes[way % self.count].operators, self.setups[way], strict=True))
+            ready = dict(
+                zip(self.modes[way % self.count].operators, self.preparations[way], strict=True)
+            )
             stance = tuple(ready[o][now][1] if o in ready else now for o, now in enumerate(stance))
         if load:
             extra = dict(self.loads[way])
@@ -395,9 +397,9 @@ class Moves:
                 limit = instance.stress_limit[operator]
                 if limit is not None and position.load[operator] + units > limit:
                     return False
-        # work and the set-up before it lie in one piece between two breaks
+        # work and the preparation before it lie in one piece between two breaks
         if not self.timeless:
-            end = position.clock + self.ticks[way] + self._setup(position, way)
+            end = position.clock + self.ticks[way] + self._preparation(position, way)
             if any(
                 off < end and position.clock < back
                 for o in operators
@@ -435,13 +437,16 @@ class Moves:
         """What runs without the absences, which take no place."""
         return ((way, left) for way, left in position.running if way < 2 * self.count)
 
-    def _setup(self, position: Position, way: int) -> int:
+    def _preparation(self, position: Position, way: int) -> int:
         """Ticks that the operators need first to get ready."""
-        setups, stance = self.setups[way], position.stance
-        if not setups:
+        preparations, stance = self.preparations[way], position.stance
+        if not preparations:
             return 0
         operators = self.modes[way % self.count].operators
-        return max(setup[stance[o]][0] for o, setup in zip(operators, setups, strict=True))
+        return max(
+            preparation[stance[o]][0]
+            for o, preparation in zip(operators, preparations, strict=True)
+        )
 
 
 def _limits(instance: Instance, max_stress: float | None) -> tuple[int | None, ...]:
@@ -473,8 +478,10 @@ def _per_way(moves: Moves) -> dict[str, Any]:
     units = [way.stress for way in modes]
     prices = moves.prices.of_operator
     price = [sum(prices[operator] for operator in way.operators) for way in modes]
-    setups = [
-        instance.setups(number, way) for number, row in enumerate(instance.ways) for way in row
+    preparations = [
+        instance.preparations(number, way)
+        for number, row in enumerate(instance.ways)
+        for way in row
     ]
     scarce = [instance.scarce(way) for way in modes]
     return {
@@ -487,7 +494,7 @@ def _per_way(moves: Moves) -> dict[str, Any]:
         "loads": (*loads, *loads, *(() for _ in away)),
         "units": (*units, *units, *(0 for _ in away)),
         "price": (*price, *price, *prices),
-        "setups": (*setups, *setups),
+        "preparations": (*preparations, *preparations),
         "scarce": (*scarce, *scarce),
     }
 
@@ -495,5 +502,5 @@ def _per_way(moves: Moves) -> dict[str, Any]:
 def _rules(at: Instance) -> dict[str, bool]:
     """Which rules matter in this cell."""
     timeless = not any(at.release) and not at.has_breaks
-    free = at.is_plain and not (at.has_setups or at.has_limits or at.has_teams)
+    free = at.is_plain and not (at.has_preparations or at.has_limits or at.has_teams)
     return {"timeless": timeless, "plain": timeless and free}
