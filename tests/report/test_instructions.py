@@ -82,7 +82,7 @@ def test_every_step_names_all_that_it_waits_for(cell: Cell, language: str) -> No
             )
             said = " ".join(row.cells.get("means", []))
             tool = cell.tools_for(row.task, who[row.task]).get(one)
-            assert all(name in said for name in (tool, task.zone, *partners) if name)
+            assert all(name in said for name in (tool, task.zone, task.place, *partners) if name)
 
 
 @settings(max_examples=60, **OPTIONS)
@@ -117,13 +117,10 @@ def test_every_break_between_two_steps_and_every_changeover_is_said(
         return
     for one, sheet in on_paper(cell, schedule, language).items():
         own, operator = schedule.of(one), cell.operators[one]
-        changes = made_ready(cell, one, own)
         wanted = [("", exact(operator.setup))] if own and operator.setup else []
-        wanted += [
-            (cell.tools_for(a.task, a.operators)[one], exact(seconds))
-            for a, seconds in zip(own, changes, strict=True)
-            if seconds
-        ]
+        for ready in made_ready(cell, one, own):
+            walk = (f"{ready.origin} -> {ready.place}", exact(ready.walk))
+            wanted += [pair for pair in (walk, (ready.tool, exact(ready.change))) if pair[1]]
         assert [row.change for row in sheet.rows if row.change] == wanted
         said = [tuple(map(number, span)) for row in sheet.rows for span in row.told("break")]
         begun = [tuple(number(row.cells[key][0]) for key in ("start", "end")) for row in sheet.rows]

@@ -429,8 +429,10 @@ class Instance:
 
     @cached_property
     def is_plain(self) -> bool:
-        """Tools, zones and breaks play no part in times."""
-        return not (self.has_breaks or self.has_tools) and max(self.timed_zone, default=-1) < 0
+        """Tools, zones, breaks and walking play no part in times."""
+        if self.has_breaks or self.has_tools or self.has_preparations:
+            return False
+        return max(self.timed_zone, default=-1) < 0
 
     @cached_property
     def arrival(self) -> tuple[int, ...]:

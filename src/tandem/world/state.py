@@ -178,8 +178,8 @@ def assign(
     ticks: Array | None = None,
     noticed: Array | None = None,
 ) -> State:
-    """The way begins now, after what walks and changeovers need. Assumes `legal(arrays, state)[way]`; a `way`
-    of -1 changes nothing.
+    """The way begins now, after what walks and changeovers need. Assumes
+    `legal(arrays, state)[way]`; a `way` of -1 changes nothing.
 
     Args:
       way: `[]` int.

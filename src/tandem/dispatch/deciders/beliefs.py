@@ -266,9 +266,13 @@ def cost_so_far(objective: Objective, situation: Situation) -> float:
 
 
 def _stances(instance: Instance, situation: Situation) -> tuple[int, ...]:
-    held = situation.in_hand
+    held, stands = situation.in_hand, situation.stands
+    places = {name: number for number, name in enumerate(instance.places)}
     return tuple(
-        instance.stance(instance.tools.index(held[name]) if name in held else None)
+        instance.stance(
+            instance.tools.index(held[name]) if name in held else None,
+            places.get(stands.get(name, "")),
+        )
         for name in instance.operators
     )
 

@@ -40,6 +40,8 @@ class Sheet:
         places of each. `places`: how many each has; `capacity`: the same, 1 for none.
       tool: `[W, C]`, number of the tool that changeovers look at, -1 for none; `change`:
         `[O + 1, tools]` s.
+      place: `[T]`, where it is done, -1 for anywhere; `walk`: `[O + 1, P, P]` s, from the first
+        place to the second.
       team: `[T]`, tasks of one number are done by the same operators; -1 for none.
       off: per operator, its breaks.
     """
@@ -67,6 +69,8 @@ class Sheet:
     capacity: Array
     tool: Array
     change: Array
+    place: Array
+    walk: Array
     team: Array
     off: tuple[tuple[tuple[float, float], ...], ...]
 
@@ -133,6 +137,11 @@ def _made(cell: Cell) -> Sheet:
     change[:-1] = np.array(
         [[float(cell.tools[name].changeover.get(who, 0.0)) for name in timed] for who in operators]
     ).reshape(len(operators), len(timed))
+    spots = {name: number for number, name in enumerate(cell.place_names)} if cell.walk else {}
+    walk = np.zeros((len(operators) + 1, len(spots), len(spots)))
+    for who, ways_of in cell.walking.items():
+        for (one, other), seconds in ways_of.items():
+            walk[operators.index(who), spots[one], spots[other]] = seconds
     groups: dict[tuple[str, ...], int] = {}
     return Sheet(
         cell,
@@ -158,6 +167,8 @@ def _made(cell: Cell) -> Sheet:
         np.array([*places, 1]),
         tool,
         change,
+        np.array([spots.get(task.place or "", -1) for task in cell.tasks.values()]),
+        walk,
         np.array(team),
         tuple(
             tuple((off.start, off.end) for off in operator.times_off)
@@ -199,8 +210,8 @@ class Rest:
       open: `[W]` bool, ways that are open. `share`: `[T]`, the share of its time that it takes,
         more than 1 where it comes apart before.
       release: `[T]`. `free`: `[O]`, when those who are away are back.
-      hand: `[O]`, the timed tool in hand, -1 for none. `since`: `[O]`, when they have been able to
-        take up another one.
+      hand: `[O]`, the timed tool in hand, -1 for none; `at`: `[O]`, the place, -1 for anywhere.
+        `since`: `[O]`, when they have been able to get ready for other work.
       team: `[teams]`, the crew that does it, -1 before it has begun.
       off: operator and their breaks, where there are any.
     """
@@ -214,6 +225,7 @@ class Rest:
     release: Array
     free: Array
     hand: Array
+    at: Array
     since: Array
     team: Array
     off: tuple[tuple[int, tuple[tuple[float, float], ...]], ...]
@@ -266,6 +278,11 @@ class Rest:
         gone = situation.absent | situation.failed
         timed = [name for name, tool in sheet.cell.tools.items() if any(tool.changeover.values())]
         held = [situation.in_hand.get(who) for who in sheet.operators]
+        spots = {name: number for number, name in enumerate(sheet.cell.place_names)}
+        at = [
+            spots.get(situation.stands.get(who, ""), -1) if sheet.cell.walk else -1
+            for who in sheet.operators
+        ]
         begun = {task: one.operators for task, one in situation.done.items()}
         begun |= {task: one.operators for task, one in situation.running.items()}
         team = np.full(int(sheet.team.max()) + 1, -1)
@@ -284,6 +301,7 @@ class Rest:
             release,
             np.array([AWAY_S if who in gone else 0.0 for who in sheet.operators]),
             np.array([timed.index(tool) if tool in timed else -1 for tool in held]),
+            np.array(at),
             np.array([situation.since.get(who, 0.0) - situation.now for who in sheet.operators]),
             team,
             tuple(
@@ -360,7 +378,8 @@ class _Play:
       free: `[O + 1, rows]`, when each operator is free.
       taken: `[R + 1, places, rows]`, until when each place of a tool or zone is taken, sorted, for
         ever where it has fewer places; the last row stands for neither and is always free.
-      hand: `[O + 1, rows]`, the timed tool in hand; `since`: when they could take up another one.
+      hand, at: `[O + 1, rows]`, the timed tool in hand and the place; `since`: when they could get
+        ready for other work.
       team: `[teams, rows]`, the crew of each, -1 before it has begun.
     """
 
@@ -374,7 +393,9 @@ class _Play:
         for number, places in enumerate(sheet.places):
             self.taken[number, :places], self.taken[number, places:] = 0.0, np.inf
         self.hand, self.since = _with_nobody(rest.hand, rows), _with_nobody(rest.since, rows)
+        self.at = _with_nobody(rest.at, rows)
         self.has_teams, self.has_swaps = bool((sheet.team >= 0).any()), sheet.change.shape[1] > 0
+        self.has_walks = sheet.walk.shape[1] > 0
         self.team = np.repeat(rest.team[:, None], rows, axis=1)
 
     def going(self, name: str, ends: Array) -> None:
@@ -435,10 +456,14 @@ class _Play:
         sheet, line = self.sheet, self.line
         for seat, crew in enumerate(sheet.crew[way].T):
             self.free[crew, line] = end
-            if self.has_swaps:
+            if self.has_swaps or self.has_walks:
                 self.since[crew, line] = end
+            if self.has_swaps:
                 tool = sheet.tool[way, seat]
                 self.hand[crew, line] = np.where(tool >= 0, tool, self.hand[crew, line])
+            if self.has_walks:
+                place = sheet.place[task]
+                self.at[crew, line] = np.where(place >= 0, place, self.at[crew, line])
         self.free[-1] = -np.inf
         for room, count in zip(sheet.room[way].T, sheet.takes[way].T, strict=True):
             places = self.taken[room, :, line]
@@ -447,16 +472,26 @@ class _Play:
             self.taken[-1] = -np.inf
 
     def _hands_free(self, way: Array, seat: int, crew: Array) -> Array:
-        """`[rows]`, when the operators `crew`, who have this seat in the way, could begin it, their
-        tool in hand.
+        """`[rows]`, when the operators `crew`, who have this seat in the way, could begin it: where
+        it is done, and their tool in hand.
         """
         free = self.free[crew, self.line]
-        if not self.has_swaps:
+        if not self.has_swaps and not self.has_walks:
             return free
-        tool, hand = self.sheet.tool[way, seat], self.hand[crew, self.line]
-        swaps = (tool >= 0) & (hand >= 0) & (hand != tool)
-        change = self.sheet.change[crew, np.maximum(tool, 0)]
-        return np.maximum(free, np.where(swaps, self.since[crew, self.line] + change, -np.inf))
+        sheet, before = self.sheet, np.zeros(len(self.line))
+        if self.has_swaps:
+            tool, hand = sheet.tool[way, seat], self.hand[crew, self.line]
+            swaps = (tool >= 0) & (hand >= 0) & (hand != tool)
+            before += np.where(swaps, sheet.change[crew, np.maximum(tool, 0)], 0.0)
+        if self.has_walks:
+            place, at = (
+                sheet.place[sheet.task[way]],
+                np.maximum(self.at[crew, self.line], -1).astype(int),
+            )
+            there = sheet.walk[crew, np.maximum(at, 0), np.maximum(place, 0)]
+            before += np.where((place >= 0) & (at >= 0), there, 0.0)
+        ready = self.since[crew, self.line] + before
+        return np.maximum(free, np.where(before > 0, ready, -np.inf))
 
     def _with_room(self, way: Array, start: Array) -> Array:
         sheet = self.sheet
