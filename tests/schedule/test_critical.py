@@ -102,7 +102,8 @@ def test_a_path_explains_every_moment_of_a_schedule_by_rules(cell, rule):
     assert path[0].reason in ("start", "release", "break", "setup")
     for before, link in itertools.pairwise(path):
         assert link.waited_for == before.assignment.task
-        assert link.reason == "changeover" or before.assignment.end == link.assignment.start
+        ready = link.reason in ("walk", "changeover", "preparation")
+        assert ready or before.assignment.end == link.assignment.start
 
 
 @settings(deadline=None, max_examples=60)
