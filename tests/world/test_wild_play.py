@@ -85,19 +85,11 @@ def test_nothing_is_used_twice_at_once_and_every_episode_ends(cell: Cell, seed: 
     for kind, table in (("tool", cell.tools), ("zone", cell.zones)):
         for name in cell.tool_names if kind == "tool" else cell.zone_names:
             places = table[name].capacity if name in table else 1
+            taken = ((a, cell.takes(kind, a.task, a.operators)) for a in episode.work)
             users = (
-                (
-                    a,
-                    [
-                        who
-                        for who, thing in cell.takes(kind, a.task, a.operators).items()
-                        if thing == name
-                    ],
-                )
-                for a in episode.work
+                replace(a, operators=tuple(who for who in takes if takes[who] == name))
+                for a, takes in taken
             )
-            assert not crowded(
-                (replace(a, operators=tuple(who)) for a, who in users if who), places
-            )
+            assert not crowded((a for a in users if a.operators), places)
     if episode.done:
         assert {a.task for a in episode.work} == set(cell.tasks)
