@@ -97,6 +97,9 @@ def _on_who_and_what_is_there(cell: Cell) -> Iterator[Limit]:
         for key in KEEP_AWAY:
             if getattr(operator, key):
                 yield Limit(f"the {key} of {name}", ("operators", name, key))
+    for name, times in cell.walking.items():
+        if times:
+            yield Limit(f"the time that {name} takes to walk", ("walk", name))
     for name, task in cell.tasks.items():
         if task.release > 0:
             words = f"the release of task {name} ({number(task.release)} s)"
@@ -123,7 +126,7 @@ def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell,
     operators, tasks = dict(cell.operators), dict(cell.tasks)
     changes: dict[str, Any] = {}
     same = list(cell.same_operator)
-    tools, zones = dict(cell.tools), dict(cell.zones)
+    tools, zones, walk = dict(cell.tools), dict(cell.zones), dict(cell.walk)
     for limit in lifted:
         room, *names = limit.where
         if room == "question":
@@ -136,6 +139,8 @@ def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell,
             )
         elif room == "same_operator":
             same.remove((names[0], names[1]))
+        elif room == "walk":
+            del walk[names[0]]
         elif room == "zones":
             zones[names[0]] = Zone(capacity=max(len(operators), 1))
         elif room == "tools":
@@ -149,6 +154,7 @@ def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell,
             same_operator=tuple(same),
             tools=tools,
             zones=zones,
+            walk=walk,
             **changes,
         ),
         question,

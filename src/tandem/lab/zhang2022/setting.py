@@ -264,6 +264,10 @@ def _only_what_it_knows(cell: Cell) -> Iterator[Fault]:
                 " know no limit. Leave it out.",
                 ("operators", name, "stress_limit"),
             )
+    if cell.walk:
+        yield Fault(
+            "the two agents have all at hand and know no ways to walk. Leave walk out.", ("walk",)
+        )
     for name, task in cell.tasks.items():
         if task.deadline is not None:
             yield Fault(
