@@ -51,6 +51,8 @@ def cells(
     }
     if rich:
         _put_tools_in_hands(draw, operators, tools)
+        if draw(_seldom()):
+            data |= _add_places(draw, operators, tasks, step)
         data["same_operator"] = draw(_pairs(tasks))
         if draw(_seldom()):
             data["stress_of_set"] = draw(_table(tasks, operators))
@@ -165,6 +167,8 @@ def _add_place_and_tool(
         roomy = [name for name, entry in table.items() if entry["capacity"] >= least]
         if roomy and draw(st.booleans()):
             task[key] = draw(st.sampled_from(roomy))
+        if roomy and key == "tool" and draw(_seldom()):
+            _add_own_tools(draw, task, roomy)
     if draw(_seldom()):
         task["release"] = draw(_seconds(step, 0, 10))
     if draw(_seldom()):
@@ -173,10 +177,51 @@ def _add_place_and_tool(
         task["spread"] = draw(st.sampled_from((0.1, 0.25)))
 
 
+def _add_own_tools(draw: st.DrawFn, task: dict[str, Any], tools: list[str]) -> None:
+    """Tools by operator, and for groups of their own."""
+    everybody = sorted({who for group in _groups(task) for who in group})
+    task["tool"] = draw(
+        st.dictionaries(st.sampled_from(everybody), st.sampled_from(tools), max_size=3)
+    )
+    for joint in task["together"]:
+        if draw(st.booleans()):
+            joint["tool"] = draw(
+                st.dictionaries(st.sampled_from(joint["operators"]), st.sampled_from(tools))
+            )
+
+
 def _put_tools_in_hands(draw: st.DrawFn, operators: dict[str, Any], tools: dict[str, Any]) -> None:
     for operator in operators.values():
         if tools and draw(_seldom()):
             operator["tool"] = draw(st.sampled_from(list(tools)))
+
+
+def _add_places(
+    draw: st.DrawFn, operators: dict[str, Any], tasks: dict[str, Any], step: float
+) -> dict[str, Any]:
+    """Where tasks are done: seconds between two places, or a speed between three."""
+    spots = {"bench": (0, 0), "press": (3, 4), "shelf": (-1.5, 2)}
+    far = draw(st.booleans())
+    names = list(spots)[: 3 if far else 2]
+    for part in tasks.values():
+        if draw(st.booleans()):
+            part["place"] = draw(st.sampled_from(names))
+    for part in operators.values():
+        if draw(_seldom()):
+            part["place"] = draw(st.sampled_from(names))
+    used = {part.get("place") for part in (*tasks.values(), *operators.values())} - {None}
+    if not far and used != {"bench", "press"}:
+        return {}
+    walk = {
+        who: {"speed": draw(st.sampled_from((1.0, 2.5)))}
+        if far
+        else {
+            key: draw(_seconds(step, 0, 4))
+            for key in draw(st.sampled_from((("bench-press",), ("bench-press", "press-bench"))))
+        }
+        for who in draw(st.lists(st.sampled_from(list(operators)), unique=True, min_size=1))
+    }
+    return {"walk": walk, "places": spots if far else {}}
 
 
 def _groups(task: dict[str, Any]) -> set[frozenset[str]]:

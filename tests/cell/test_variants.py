@@ -67,7 +67,10 @@ def test_variants_are_part_of_the_file(cell: Cell, tmp_path):
 @pytest.mark.parametrize(
     ("variants", "said"),
     [
-        ({"v": {"share": 0}}, r"^- variants.v.share: variant 'v': share is 0, but must be more than 0"),
+        (
+            {"v": {"share": 0}},
+            r"^- variants.v.share: variant 'v': share is 0, but must be more than 0",
+        ),
         ({"v": {"tasks": {"9": None}}}, r"variants.v.tasks.9: .*takes out task '9'"),
         (
             {"v": {"tasks": {"6": {"time": {"humn": 9}}}}},

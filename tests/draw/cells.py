@@ -11,7 +11,7 @@ from tandem.cell.model import Cell
 from tandem.cell.parts import Mode
 from tandem.files.load import load
 from tandem.plan.result import Bound, Front, Result, Status
-from tandem.schedule.measures import changeover_times, exact, stress
+from tandem.schedule.measures import exact, made_ready, stress
 from tandem.schedule.model import Assignment, Schedule
 
 THESIS = {
@@ -254,7 +254,7 @@ def greedy(cell: Cell, *, dislike: float = 0.0) -> Schedule:
     """
     free = dict.fromkeys(cell.operators, Decimal(0))
     ended: dict[str, Decimal] = {}
-    done: dict[str, list[str]] = {name: [] for name in cell.operators}
+    done: dict[str, list[Assignment]] = {name: [] for name in cell.operators}
     found: list[Assignment] = []
 
     def start_of(task: str, mode: Mode) -> Decimal:
@@ -262,7 +262,11 @@ def greedy(cell: Cell, *, dislike: float = 0.0) -> Schedule:
             [exact(cell.tasks[task].release), *(ended[first] for first in cell.tasks[task].after)]
         )
         change = {
-            who: exact(changeover_times(cell, who, [*done[who], task])[-1])
+            who: exact(
+                made_ready(cell, who, [*done[who], Assignment(0, 0, task, mode.operators)])[
+                    -1
+                ].seconds
+            )
             for who in mode.operators
         }
         start = max([ready, *(free[who] + change[who] for who in mode.operators)])
@@ -299,7 +303,7 @@ def greedy(cell: Cell, *, dislike: float = 0.0) -> Schedule:
         ended[name] = end
         for who in mode.operators:
             free[who] = end
-            done[who].append(name)
+            done[who].append(found[-1])
     return Schedule(tuple(found))
 
 

@@ -164,11 +164,11 @@ UNFIT = {
         "same_operator": [["a", "b"]],
     },
     "sets_are_spelled_in_order": {"stress_of_set": {"": 0, "b,a": 1}},
-    "listed_tools_and_zones_are_not_misspelled": {
+    "listed_things_are_not_misspelled": {
         "tasks": {"a": {"time": {"h": 1}, "tool": "driver"}},
         "tools": {"drivr": {}},
     },
-    "tools_and_zones_are_spelled_alike": {
+    "things_are_spelled_alike": {
         "tasks": {
             "a": {"time": {"h": 1}, "tool": "driver"},
             "b": {"time": {"h": 1}, "tool": "drivr"},

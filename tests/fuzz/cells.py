@@ -52,6 +52,8 @@ def cell(random: Random, sizes: Mapping[int, int] = SMALL, crews: Mapping[int, i
         data["tasks"] = {name: tasks[name] for name in random.sample(names, len(names))}
     if len(names) > 1 and random.random() < 0.25:
         _waits(random, clock, names, tasks, fine)
+    _own_tools(random, data)
+    _places(random, clock, data)
     return data
 
 
@@ -136,6 +138,58 @@ def _together(
     if random.random() < 0.5:
         joint["stress"] = _stress(random, {who: operators[who] for who in group}, fine)
     return joint
+
+
+def _own_tools(random: Random, data: Data) -> None:
+    """In some cells, what one operator needs another one need not; a group may need what nobody
+    needs alone.
+    """
+    if data["tools"] and random.random() < 0.4:
+        for task in data["tasks"].values():
+            _own_tools_of(random, task, list(data["tools"]))
+
+
+def _own_tools_of(random: Random, task: Data, tools: list[str]) -> None:
+    def drawn(who: list[str]) -> Any:
+        if random.random() < 0.3:
+            return random.choice(tools)
+        return {name: random.choice(tools) for name in who if random.random() < 0.6}
+
+    groups = task.get("together", ())
+    if random.random() < 0.6:
+        everybody = dict.fromkeys((*task["time"], *(who for j in groups for who in j["operators"])))
+        task["tool"] = drawn(list(everybody))
+    for joint in groups:
+        if random.random() < 0.4:
+            joint["tool"] = drawn(joint["operators"])
+
+
+def _places(random: Random, clock: _Clock, data: Data) -> None:
+    """In some cells, where tasks are done, and how long it takes who to walk there; never longer
+    than by another place.
+    """
+    if random.random() < 0.7:
+        return
+    names = ["bench", "press", "shelf"][: random.choice((2, 2, 3))]
+    for part in (*data["tasks"].values(), *data["operators"].values()):
+        if random.random() < (0.7 if "kind" not in part else 0.3):
+            part["place"] = random.choice(names)
+    used = {part.get("place") for table in ("tasks", "operators") for part in data[table].values()}
+    names = [name for name in names if name in used]
+    walk: Data = {}
+    for who in data["operators"]:
+        if len(names) < 2 or random.random() < 0.25:
+            continue
+        ways = {(a, b): clock.seconds(0, 0.5) for a in names for b in names if a != b}
+        if random.random() < 0.6:
+            ways |= {(b, a): ways[a, b] for a, b in ways if a < b}
+        for by in names:
+            for a, b in ways:
+                if by not in (a, b):
+                    ways[a, b] = min(ways[a, b], round(ways[a, by] + ways[by, b], 6))
+        walk[who] = {f"{a}-{b}": seconds for (a, b), seconds in ways.items()}
+    if walk:
+        data["walk"] = walk
 
 
 def _stress(random: Random, operators: Data, fine: bool) -> float | dict[str, float]:

@@ -122,13 +122,17 @@ def drawn(seed: int, key: str | None) -> tuple[Random, dict[str, Any]]:
 
 def uses(data: Mapping[str, Any], key: str) -> bool:
     """Whether the cell says something with this key, be it its own or that of an operator, a task,
-    a tool or a zone.
+    a tool or a zone; "own_tools" stands for tools by operator or by group.
     """
     parts = [
         entry
         for table in ("operators", "tasks", "tools", "zones")
         for entry in data[table].values()
     ]
+    if key == "own_tools":
+        return any(isinstance(task.get("tool"), dict) for task in data["tasks"].values()) or any(
+            "tool" in joint for task in data["tasks"].values() for joint in task.get("together", ())
+        )
     return any(part.get(key) for part in (data, *parts))
 
 
@@ -381,7 +385,10 @@ def main() -> int:
         "--seed", type=int, default=1, help="seed of the first cell; the others follow (1)"
     )
     parser.add_argument(
-        "--with", dest="key", metavar="KEY", help="draw only cells that use this key, such as setup"
+        "--with",
+        dest="key",
+        metavar="KEY",
+        help="draw only cells that use this key, such as setup or own_tools",
     )
     parser.add_argument("--minutes", type=float, default=600.0, help="stop after so many minutes")
     parser.add_argument("--workers", type=int, default=1, help="processes (1)")

@@ -16,6 +16,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
+from itertools import permutations
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -37,9 +38,12 @@ CREWS = {1: 1, 2: 4, 3: 5, 4: 3}
 SHIFTS = 3
 """So often the crew works by the same sheets, every time with other delays."""
 SLOWEST, QUICKEST = 3.0, 0.3
+WALK = " -> "
+"""What stands between two places, in a step that leads from one to the other."""
 FEATURES = (
-    *("together", "tool", "zone", "capacity", "changeover", "breaks", "setup", "release"),
-    *("deadline", "same_operator", "stress_of_set", "stress_limit", "after", "wait", "label"),
+    *("together", "tool", "zone", "capacity", "changeover", "place", "walk", "breaks", "setup"),
+    *("release", "deadline", "same_operator", "stress_of_set", "stress_limit", "after", "wait"),
+    "label",
 )
 FOUND = Path("tandem-out", "fuzz")
 
@@ -139,6 +143,8 @@ def wrong(cell: Cell, schedule: Schedule, sheets: Mapping[str, Sheet], random: R
 
     def factor(*key: str) -> Decimal:
         drawn = Decimal(random.uniform(QUICKEST, SLOWEST)).quantize(Decimal("0.01"))
+        if key[-1] == WALK:  # all ways alike and exactly, so that no detour becomes shorter
+            drawn = Decimal(random.choice((1, 2, 3)))
         return factors.setdefault(key, drawn)
 
     lengths = {a.task: exact(a.end) - exact(a.start) for a in schedule}
@@ -147,7 +153,7 @@ def wrong(cell: Cell, schedule: Schedule, sheets: Mapping[str, Sheet], random: R
         if row.change is None:
             return stretched(lengths[row.task], factor("task", row.task))
         tool, length = row.change
-        return stretched(length, factor(who, tool))
+        return stretched(length, factor(who, WALK if WALK in tool else tool))
 
     try:
         worked = work_by(sheets, seconds)
@@ -189,12 +195,21 @@ def judged(
         entry["changeover"] = {
             who: took(seconds, who, tool) for who, seconds in entry.get("changeover", {}).items()
         }
+    data["walk"] = {
+        who: {
+            f"{a}-{b}": took(table.get((a, b), 0.0), who, WALK)
+            for a, b in permutations(cell.place_names, 2)
+        }
+        for who, table in cell.walking.items()
+    }
     for a in schedule:
         task, length = data["tasks"][a.task], float(done[a.task].end - done[a.task].start)
-        for key in ("deadline", "together", "time", "stress", "difficulty"):
+        tools = dict(cell.tools_for(a.task, a.operators))
+        for key in ("deadline", "together", "time", "stress", "difficulty", "tool"):
             task.pop(key, None)
         for wait in task.get("wait", ()):
             wait.pop("at_most", None)  # no sheet can force it on who is slow
+        task["tool"] = tools
         if len(a.operators) > 1:
             task["together"] = [{"operators": list(a.operators), "time": length}]
         else:

@@ -21,11 +21,14 @@ MILLION = 1_000_000
 
 
 class Way(NamedTuple):
-    """One way of doing a task: who, for how long, and the stress on each human who takes part."""
+    """One way of doing a task: who, for how long, the stress on each human who takes part, and who
+    needs which tool.
+    """
 
     who: tuple[str, ...]
     time: int
     strain: dict[str, int]
+    tools: dict[str, str]
 
 
 @dataclass(frozen=True)
@@ -59,8 +62,8 @@ class Job:
     after: tuple[str, ...]
     release: int
     deadline: int | None
-    tool: str | None
     zone: str | None
+    place: str | None
     gaps: tuple[Gap, ...] = ()
 
     @property
@@ -101,6 +104,8 @@ class Plain:
             for name, entry in tools.items()
             for who, seconds in (entry.get("changeover") or {}).items()
         }
+        self.stands = {name: entry.get("place") for name, entry in data["operators"].items()}
+        self.walk = _walks(data)
         self.pairs = [(str(a), str(b)) for a, b in data.get("same_operator") or ()]
         table = data.get("stress_of_set")
         self.table = table if table is None else {
@@ -122,15 +127,16 @@ class Plain:
         return min(fits) + long if long else 0
 
     def _job(self, name: str, entry: Mapping[str, Any]) -> Job:
-        stress = entry.get("stress", 0)
+        stress, tool = entry.get("stress", 0), entry.get("tool")
         ways = [
-            Way((who,), _millionths(time), self._strain((who,), stress))
+            Way((who,), _millionths(time), self._strain((who,), stress), _hands((who,), tool))
             for who, time in (entry.get("time") or {}).items()
         ]
         for joint in entry.get("together") or ():
             who = tuple(joint["operators"])
             own = stress if joint.get("stress") is None else joint["stress"]
-            ways.append(Way(who, _millionths(joint["time"]), self._strain(who, own)))
+            hands = _hands(who, tool if joint.get("tool") is None else joint["tool"])
+            ways.append(Way(who, _millionths(joint["time"]), self._strain(who, own), hands))
         deadline = entry.get("deadline")
         return Job(
             name,
@@ -138,8 +144,8 @@ class Plain:
             tuple(str(first) for first in entry.get("after") or ()),
             _millionths(entry.get("release", 0)),
             None if deadline is None else _millionths(deadline),
-            entry.get("tool"),
             entry.get("zone"),
+            entry.get("place"),
             tuple(_gaps(entry.get("wait") or ())),
         )
 
@@ -194,19 +200,22 @@ class Plain:
         return gap.least <= past and (gap.most is None or past <= gap.most)
 
     def _one_at_a_time(self, who: str, done: tuple[Step, ...]) -> bool:
-        """Tasks, the changeovers right before them, and breaks, one after the other, when all is
-        set up.
+        """Tasks, the ways to them and the changeovers right before them, and breaks, one after the
+        other, when all is set up.
         """
-        hand, free = self.in_hand[who], self.ready[who]
+        hand, free, at = self.in_hand[who], self.ready[who], self.stands[who]
         for step in sorted(
             (step for step in done if who in step.way.who), key=lambda step: step.start
         ):
-            tool = self.jobs[step.name].tool
+            tool = step.way.tools.get(who)
             change = (
                 self.change.get((tool, who), 0)
                 if tool is not None and hand not in (None, tool)
                 else 0
             )
+            place = self.jobs[step.name].place
+            if place is not None:
+                change, at = change + self.walk.get((who, at, place), 0), place
             begin = step.start - change
             if begin < free or any(
                 off < step.end and begin < back for off, back in self.breaks[who]
@@ -218,17 +227,22 @@ class Plain:
     def _room_enough(self, kind: str, done: tuple[Step, ...]) -> bool:
         """Counted whenever a step starts: only then can it become too many."""
         for step in done:
-            thing = getattr(self.jobs[step.name], kind)
-            if thing is not None:
-                there = (
-                    len(other.way.who)
-                    for other in done
-                    if getattr(self.jobs[other.name], kind) == thing
-                    and other.start <= step.start < other.end
-                )
-                if sum(there) > self.places[kind].get(thing, 1):
-                    return False
+            there = [
+                thing
+                for other in done
+                if other.start <= step.start < other.end
+                for thing in self._taken(kind, other)
+            ]
+            if any(there.count(thing) > self.places[kind].get(thing, 1) for thing in set(there)):
+                return False
         return True
+
+    def _taken(self, kind: str, step: Step) -> list[str]:
+        """The tools, or the zone, that the step takes: once for each who takes one."""
+        if kind == "tool":
+            return list(step.way.tools.values())
+        zone = self.jobs[step.name].zone
+        return [] if zone is None else [zone] * len(step.way.who)
 
 
 def front_in_order(data: Mapping[str, Any]) -> list[Point]:
@@ -325,6 +339,7 @@ def latest(plain: Plain) -> int:
     """By when everything can be done one after the other, behind all breaks and releases."""
     work = sum(max(way.time for way in job.ways) for job in plain.jobs.values())
     changes = len(plain.jobs) * max(plain.change.values(), default=0)
+    changes += len(plain.jobs) * max(plain.walk.values(), default=0)
     waits = max(job.release for job in plain.jobs.values())
     waits = max([waits, *plain.ready.values()])
     gaps = sum(gap.least for job in plain.jobs.values() for gap in job.gaps)
@@ -408,8 +423,10 @@ def _appended(
     ends = {0, job.release, *(step.end for step in done), *there}
     changes = {
         0,
-        *(plain.change.get((job.tool, who), 0) for who in way.who if job.tool is not None),
+        *(plain.change.get((tool, who), 0) for who, tool in way.tools.items()),
     }
+    ways = {0, *(seconds for (who, _, to), seconds in plain.walk.items() if to == job.place)}
+    changes = {change + way for change in changes for way in ways}
     for gap in job.gaps:
         for first in done:
             if first.name == gap.first:
@@ -429,6 +446,33 @@ def _appended(
                 yield step
                 if not is_followed:
                     return
+
+
+def _walks(data: Mapping[str, Any]) -> dict[tuple[str, str | None, str], int]:
+    """(operator, from, to) -> millionths. Names of places hold no hyphen here."""
+    found: dict[tuple[str, str | None, str], int] = {}
+    for who, table in (data.get("walk") or {}).items():
+        spots = data.get("places") or {}
+        for one in spots if "speed" in table else ():
+            for other in spots:
+                far = sum((b - a) ** 2 for a, b in zip(spots[one], spots[other], strict=True))
+                tenths = 0
+                while (tenths * Fraction(repr(table["speed"]))) ** 2 < 100 * Fraction(far):
+                    tenths += 1
+                found[who, one, other] = tenths * MILLION // 10
+        for key, seconds in table.items():
+            if key != "speed":
+                one, other = key.split("-")
+                found[who, one, other] = _millionths(seconds)
+                if f"{other}-{one}" not in table:
+                    found[who, other, one] = _millionths(seconds)
+    return found
+
+
+def _hands(who: tuple[str, ...], tool: str | Mapping[str, str] | None) -> dict[str, str]:
+    if isinstance(tool, Mapping):
+        return {name: tool[name] for name in who if name in tool}
+    return {} if tool is None else dict.fromkeys(who, tool)
 
 
 def _front_of_all(plain: Plain, horizon: int) -> list[Pair]:
@@ -453,7 +497,7 @@ def _everywhere(
         if plain.allows_who((*done, Step(job.name, way, 0))):
             for start in range(0, late - way.time + 1, grid):
                 grown = (*done, Step(job.name, way, start))
-                if plain.allows(grown) or plain.change:
+                if plain.allows(grown) or plain.change or plain.walk:
                     yield from _everywhere(plain, left[1:], grown, horizon, grid)
 
 
@@ -463,7 +507,7 @@ def _grid(plain: Plain) -> int:
     times += [moment for breaks in plain.breaks.values() for pair in breaks for moment in pair]
     for job in plain.jobs.values():
         times += [number for gap in job.gaps for number in (gap.least, gap.most or 0)]
-    return gcd(*times, *plain.change.values(), *plain.ready.values())
+    return gcd(*times, *plain.change.values(), *plain.walk.values(), *plain.ready.values())
 
 
 def _gaps(waits: Any) -> Iterator[Gap]:

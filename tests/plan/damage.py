@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from tandem.cell.model import Cell
-from tandem.schedule.measures import changeovers, exact, makespan, stress
+from tandem.schedule.measures import exact, made_ready, makespan, stress
 from tandem.schedule.model import Assignment, Schedule
 
 Damaged = Iterator[tuple[Cell, Schedule, dict[str, float]]]
@@ -118,35 +119,30 @@ def put_into_a_break(cell: Cell, plan: Schedule) -> Damaged:
                 yield cell, _with(plan, a, _at(a, float((exact(start) + exact(end)) / 2))), {}
 
 
-def begun_during_the_changeover(cell: Cell, plan: Schedule) -> Damaged:
-    """Right behind the task before, with half of the changeover's time in between."""
-    for change in changeovers(cell, plan):
-        rows = plan.of(change.operator)
-        place = [a.task for a in rows].index(change.task)
-        free = exact(rows[place - 1].end) if place else exact(0)
-        yield (
-            cell,
-            _with(
-                plan,
-                rows[place],
-                _at(rows[place], float(free + (exact(change.end) - exact(change.start)) / 2)),
-            ),
-            {},
-        )
+def begun_before_all_is_at_hand(cell: Cell, plan: Schedule) -> Damaged:
+    """Right behind the task before, with half the time in between that walking and the changeover
+    take.
+    """
+    for name in cell.operators:
+        rows = plan.of(name)
+        for place, ready in enumerate(made_ready(cell, name, rows)):
+            if ready.seconds:
+                free = exact(rows[place - 1].end) if place else exact(0)
+                half = float(free + exact(ready.seconds) / 2)
+                yield cell, _with(plan, rows[place], _at(rows[place], half)), {}
 
 
 def crowded(cell: Cell, plan: Schedule) -> Damaged:
     for kind, places in (("tool", cell.tools), ("zone", cell.zones)):
         for a in plan:
             for other in plan:
-                place = getattr(cell.tasks[a.task], kind)
-                capacity = places[place].capacity if place in places else 1
-                together = len(a.operators) + len(other.operators)
-                if (
-                    a != other
-                    and place is not None
-                    and place == getattr(cell.tasks[other.task], kind)
-                    and together > capacity
+                mine, theirs = (
+                    Counter(cell.takes(kind, row.task, row.operators).values())
+                    for row in (a, other)
+                )
+                if a != other and any(
+                    mine[name] + theirs[name] > getattr(places.get(name), "capacity", 1)
+                    for name in mine.keys() & theirs.keys()
                 ):
                     yield cell, _with(plan, a, _at(a, other.start)), {}
 
@@ -213,7 +209,7 @@ DAMAGES: tuple[Callable[[Cell, Schedule], Damaged], ...] = (
     begun_before_the_release,
     ended_after_the_deadline,
     put_into_a_break,
-    begun_during_the_changeover,
+    begun_before_all_is_at_hand,
     crowded,
     over_a_stress_limit,
     a_pair_apart,

@@ -81,7 +81,10 @@ def test_a_restricted_instance_is_that_of_the_cell_without_the_other_tasks(
     assert [[w.stress for w in row] for row in rest.ways] == [
         [w.stress * units for w in row] for row in smaller.ways
     ]
-    assert [None if u is None else order[full.tools[u]] for u in rest.tool] == list(smaller.tool)
+    assert [
+        [[None if u is None else order[full.tools[u]] for u in w.tools] for w in row]
+        for row in rest.ways
+    ] == [[list(w.tools) for w in row] for row in smaller.ways]
     assert [None if z is None else zones[full.zones[z]] for z in rest.zone] == list(smaller.zone)
     assert rest.same_operator == smaller.same_operator
     assert rest.team == smaller.team

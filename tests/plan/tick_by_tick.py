@@ -93,14 +93,28 @@ def _ready(operator: Operator, step: int) -> int:
     return begin + long if long else 0
 
 
+def _tool(cell: Cell, a: Assignment, name: str) -> str | None:
+    """What the operator needs in hand for it, done by these."""
+    stated = cell.tasks[a.task].tool
+    for joint in cell.tasks[a.task].together:
+        if (
+            joint.tool is not None
+            and len(a.operators) > 1
+            and set(joint.operators) == set(a.operators)
+        ):
+            stated = joint.tool
+    return stated if stated is None or isinstance(stated, str) else stated.get(name)
+
+
 def _moments_fit(cell: Cell, rows: list[Assignment]) -> bool:
-    """Everyone does one thing at a time: a task, a changeover or a break; and no tool or zone is
-    over its capacity.
+    """Everyone does one thing at a time: a task, a walk, a changeover or a break; and no tool or
+    zone is over its capacity.
     """
     times = [_ms(time) for a in rows for time in (a.start, a.end)]
     times += [_ms(time) for o in cell.operators.values() for pause in o.breaks for time in pause]
     times += [_ms(o.setup) for o in cell.operators.values()]
     times += [_ms(time) for tool in cell.tools.values() for time in tool.changeover.values()]
+    times += [_ms(time) for table in cell.walking.values() for time in table.values()]
     step = gcd(*times) or 1000
     doing: Counter[tuple[str, int]] = Counter()
     used: Counter[tuple[str, str, int]] = Counter()
@@ -114,15 +128,18 @@ def _moments_fit(cell: Cell, rows: list[Assignment]) -> bool:
         for moment in range(0, _ready(operator, step), step):
             if not doing[name, moment]:
                 occupy(name, moment, moment + step)
-        hand = operator.tool
+        hand, at = operator.tool, operator.place
         for a in sorted((a for a in rows if name in a.operators), key=lambda a: a.start):
             occupy(name, _ms(a.start), _ms(a.end))
-            tool = cell.tasks[a.task].tool
+            tool, place, before = _tool(cell, a, name), cell.tasks[a.task].place, 0
             if tool is not None and hand is not None and tool != hand and tool in cell.tools:
-                change = _ms(cell.tools[tool].changeover.get(name, 0))
-                if change > _ms(a.start):
-                    return False
-                occupy(name, _ms(a.start) - change, _ms(a.start))
+                before = _ms(cell.tools[tool].changeover.get(name, 0))
+            if place is not None:
+                before += _ms(cell.walking.get(name, {}).get((at, place), 0) if at else 0)
+                at = place
+            if before > _ms(a.start):
+                return False
+            occupy(name, _ms(a.start) - before, _ms(a.start))
             hand = hand if tool is None else tool
             for kind, place in (("tool", tool), ("zone", cell.tasks[a.task].zone)):
                 if place is not None:

@@ -53,6 +53,7 @@ SAID = {
         ),
         "change": r"change over to (.+): (\S+) s",
         "setup": r"set up: (\S+) s",
+        "walk": r"go from (.+) to (.+): (\S+) s",
     },
     "de": {
         "title": r"Anweisung für (.+)",
@@ -95,6 +96,7 @@ SAID = {
         ),
         "change": r"wechseln auf (.+): (\S+) s",
         "setup": r"rüsten: (\S+) s",
+        "walk": r"von (.+) zu (.+) gehen: (\S+) s",
     },
 }
 CONDITIONS = (
@@ -133,8 +135,9 @@ class Row:
     """One step as it is printed.
 
     Attributes:
-      task: its name, empty for a changeover and for setting up.
-      change: (tool, seconds) of a changeover; the tool is empty for setting up.
+      task: its name, empty for a walk, a changeover and for setting up.
+      change: (tool, seconds) of a changeover, ("FROM -> TO", seconds) of a walk; the tool is empty
+        for setting up.
       cells: column -> its lines.
       conditions: kind -> what the places in the sentences of that kind hold.
       bold: the sentences in bold, and the kind of each.
@@ -318,6 +321,8 @@ def _row(head: list[str], row: list[list[str]], bold: set[str], language: str) -
     found = Row(what if cells["task"] else "", None, cells)
     if match := re.fullmatch(SAID[language]["change"], what):
         found.task, found.change = "", (match[1], number(match[2]))
+    elif match := re.fullmatch(SAID[language]["walk"], what):
+        found.task, found.change = "", (f"{match[1]} -> {match[2]}", number(match[3]))
     elif match := re.fullmatch(SAID[language]["setup"], what):
         found.task, found.change = "", ("", number(match[1]))
     for sentence in cells["begin"]:
@@ -361,7 +366,7 @@ class Worked:
     """One step as people did it by their sheets: moments in seconds, and who.
 
     Attributes:
-      task: empty for a changeover and for setting up.
+      task: empty for a walk, a changeover and for setting up.
     """
 
     task: str

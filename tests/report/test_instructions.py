@@ -28,7 +28,7 @@ from tandem.plan.result import Front
 from tandem.report.html import html
 from tandem.report.markdown import markdown
 from tandem.report.xlsx import xlsx
-from tandem.schedule.measures import changeover_times, exact
+from tandem.schedule.measures import exact, made_ready
 from tandem.schedule.model import Schedule
 
 OPTIONS = {
@@ -87,7 +87,8 @@ def test_every_step_names_all_that_it_waits_for(cell: Cell, language: str) -> No
                 {exact(task.release)} if task.release else set()
             )
             said = " ".join(row.cells.get("means", []))
-            assert all(name in said for name in (task.tool, task.zone, *partners) if name)
+            tool = cell.tools_for(row.task, who[row.task]).get(one)
+            assert all(name in said for name in (tool, task.zone, task.place, *partners) if name)
 
 
 Lags = set[tuple[str, str, Decimal, Decimal | None]]
@@ -139,13 +140,10 @@ def test_every_break_between_two_steps_and_every_changeover_is_said(
         return
     for one, sheet in on_paper(cell, schedule, language).items():
         own, operator = schedule.of(one), cell.operators[one]
-        changes = changeover_times(cell, one, [a.task for a in own])
         wanted = [("", exact(operator.setup))] if own and operator.setup else []
-        wanted += [
-            (str(cell.tasks[a.task].tool), exact(seconds))
-            for a, seconds in zip(own, changes, strict=True)
-            if seconds
-        ]
+        for ready in made_ready(cell, one, own):
+            walk = (f"{ready.origin} -> {ready.place}", exact(ready.walk))
+            wanted += [pair for pair in (walk, (ready.tool, exact(ready.change))) if pair[1]]
         assert [row.change for row in sheet.rows if row.change] == wanted
         said = [tuple(map(number, span)) for row in sheet.rows for span in row.told("break")]
         begun = [tuple(number(row.cells[key][0]) for key in ("start", "end")) for row in sheet.rows]

@@ -126,7 +126,7 @@ def test_a_path_explains_every_moment_of_a_schedule_by_rules(cell, rule):
     assert path[0].reason in ("start", "release", "break", "setup", "follower")
     for before, link in itertools.pairwise(path):
         assert link.waited_for == before.assignment.task
-        between = link.reason in ("changeover", "wait")
+        between = link.reason in ("walk", "changeover", "preparation", "wait")
         assert between or before.assignment.end == link.assignment.start
 
 
@@ -144,7 +144,7 @@ def test_a_task_can_slip_alone_by_its_slack_when_nothing_follows_it(cell):
         alone = not any(name in task.begun_first for task in cell.tasks.values()) and all(
             plan.of(who)[-1] == a for who in a.operators
         )
-        if alone and cell.tasks[name].tool is None and cell.tasks[name].zone is None:
+        if alone and not any(cell.tasks[name].tools_named()) and cell.tasks[name].zone is None:
             moved = replace(
                 a,
                 start=float(exact(a.start) + exact(free[name])),

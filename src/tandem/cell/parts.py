@@ -5,7 +5,7 @@ said in `soundness.py`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal
 from functools import cached_property, lru_cache
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar
@@ -24,6 +24,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from tandem.cell.names import clean, clean_title, harm_in
+from tandem.cell.walking import Pair, walking_times
 
 V = TypeVar("V")
 
@@ -100,6 +101,8 @@ Moment = Annotated[float, Strict(), Field(ge=0, le=1e7, allow_inf_nan=False)]
 """A point on the clock, or a duration that may be 0 s."""
 Amount = Annotated[float, Strict(), Field(ge=0, le=1e7, allow_inf_nan=False)]
 """Ergonomic stress, difficulty or a spread: 0 or more."""
+Metres = Annotated[float, Strict(), Field(ge=-1e4, le=1e4, allow_inf_nan=False)]
+"""A coordinate."""
 MOST_BREAKS = 2_000
 """Times off of one operator: more than a year of shifts has."""
 Places = Annotated[int, Strict(), Field(ge=1, le=10_000)]
@@ -115,6 +118,17 @@ OneOrEach = Annotated[
     Annotated[Amount, Tag("number")] | Annotated[PerOperator, Tag("table")], Discriminator(_form)
 ]
 """One number for all, or a number for each by name; 0 for who is not named."""
+
+
+def _named(value: object) -> str:
+    return "table" if isinstance(value, Mapping) else "name"
+
+
+ToolPerOperator = Annotated[Mapping[Name, Name], OneEntryAName, AfterValidator(Table)]
+ToolOrEach = Annotated[
+    Annotated[Name, Tag("name")] | Annotated[ToolPerOperator, Tag("table")], Discriminator(_named)
+]
+"""One tool for all, or a tool for each by name; none for who is not named."""
 
 
 class TimeOff(NamedTuple):
@@ -172,6 +186,12 @@ class Operator(Frozen):
             " changeover."
         ),
     )
+    place: Name | None = Field(
+        default=None,
+        description=(
+            "Where the operator stands at the start. When absent, at the place of its first task."
+        ),
+    )
 
     @property
     def setting_up(self) -> tuple[float, float] | None:
@@ -225,6 +245,13 @@ class Together(Frozen):
         description=(
             "Stress on each human who takes part: one number for each of them, or a number per"
             " human (0 for who is not named). The task's own when absent."
+        ),
+    )
+    tool: ToolOrEach | None = Field(
+        default=None,
+        description=(
+            "The tool that each of them needs in hand, or a table of operator to tool (none for who"
+            " is not named; `{}` when nobody needs one). The task's own when absent."
         ),
     )
 
@@ -297,10 +324,21 @@ class Task(Frozen):
             " list of them."
         ),
     )
-    tool: Name | None = Field(
-        default=None, description="The tool that every operator who does the task needs in hand."
+    tool: ToolOrEach | None = Field(
+        default=None,
+        description=(
+            "The tool that every operator who does the task needs in hand, or a table of operator"
+            " to tool; who is not named in it needs none."
+        ),
     )
     zone: Name | None = Field(default=None, description="The shared space in which it is done.")
+    place: Name | None = Field(
+        default=None,
+        description=(
+            "Where it is done. Who stands at another place walks there directly before, as `walk`"
+            " says; a task without a place is done wherever its operators stand."
+        ),
+    )
     difficulty: PerOperator = Field(
         default_factory=Table,
         description="How hard the task is for an operator: operator to a number; 0 when absent.",
@@ -314,6 +352,21 @@ class Task(Frozen):
             " operator."
         ),
     )
+
+    def tools_named(self) -> Iterator[tuple[tuple[str | int, ...], str]]:
+        """Every tool that it names, and the keys that lead to it; a tool may come several times."""
+        stated: list[tuple[tuple[str | int, ...], str | Mapping[str, str] | None]] = [
+            (("tool",), self.tool),
+            *(
+                (("together", place, "tool"), joint.tool)
+                for place, joint in enumerate(self.together)
+            ),
+        ]
+        for path, tool in stated:
+            if isinstance(tool, Mapping):
+                yield from (((*path, who), name) for who, name in tool.items())
+            elif tool is not None:
+                yield path, tool
 
     @property
     def predecessors(self) -> tuple[str, ...]:
@@ -339,6 +392,12 @@ class Task(Frozen):
         """Whether a spread of its time is stated."""
         stated = self.spread.values() if isinstance(self.spread, Mapping) else (self.spread,)
         return any(spread > 0 for spread in stated)
+
+
+def tools_of(tool: str | Mapping[str, str] | None, operators: Iterable[str]) -> dict[str, str]:
+    """Operator to tool, of these who need one: each the same, or what the table says."""
+    stated = tool if isinstance(tool, Mapping) else {who: tool for who in operators if tool}
+    return {who: stated[who] for who in operators if who in stated}
 
 
 class Tool(Frozen):
@@ -418,11 +477,13 @@ class Mode:
       operators: who takes part, in the cell's order.
       time: seconds.
       stress: human -> stress on that human; humans who take part only.
+      tools: operator -> the tool that it needs in hand; who needs none is not in it.
     """
 
     operators: tuple[str, ...]
     time: float
     stress: Mapping[str, float]
+    tools: Mapping[str, str] = field(default_factory=dict)
 
 
 class Fields(Frozen):
@@ -449,6 +510,27 @@ class Fields(Frozen):
         default_factory=Table,
         description=(
             "What is special about a zone. One that is not listed holds one operator at a time."
+        ),
+    )
+    places: Annotated[
+        Mapping[Name, tuple[Metres, Metres]], OneEntryAName, AfterValidator(Table)
+    ] = Field(
+        default_factory=Table,
+        description=(
+            "Where places are: name to `[x, y]` in metres. Needed where `walk` states a speed."
+        ),
+    )
+    walk: Annotated[
+        Mapping[Name, Annotated[Mapping[Name, Amount], OneEntryAName, AfterValidator(Table)]],
+        OneEntryAName,
+        AfterValidator(Table),
+    ] = Field(
+        default_factory=Table,
+        description=(
+            "How long operators walk between places: operator to a table. `FROM-TO: seconds` counts"
+            " for both directions, unless `TO-FROM` is stated too; `speed`, in metres a second,"
+            " gives the other ways by the coordinates in `places`, rounded up to tenths of a"
+            " second. What is not stated takes 0 s."
         ),
     )
     same_operator: tuple[tuple[Name, Name], ...] = Field(
@@ -493,11 +575,28 @@ class Fields(Frozen):
     def tool_names(self) -> tuple[str, ...]:
         """All tools, those included that are only named: in this order they are counted."""
         named = [
-            *(task.tool for task in self.tasks.values()),
+            *(name for task in self.tasks.values() for _, name in task.tools_named()),
             *self.tools,
             *(operator.tool for operator in self.operators.values()),
         ]
         return tuple(dict.fromkeys(name for name in named if name is not None))
+
+    @cached_property
+    def place_names(self) -> tuple[str, ...]:
+        """All places, those included that are only named: in this order they are counted."""
+        named = [
+            *(task.place for task in self.tasks.values()),
+            *self.places,
+            *(operator.place for operator in self.operators.values()),
+        ]
+        return tuple(dict.fromkeys(name for name in named if name is not None))
+
+    @cached_property
+    def walking(self) -> Mapping[str, Mapping[Pair, float]]:
+        """Operator to seconds from one place to another, pairs of places that take none left
+        out.
+        """
+        return walking_times(self)
 
     @cached_property
     def zone_names(self) -> tuple[str, ...]:
@@ -511,6 +610,25 @@ class Fields(Frozen):
         """
         return self._modes[task]
 
+    def tools_for(self, task: str, operators: Iterable[str]) -> Mapping[str, str]:
+        """Operator to tool, of these who do the task and need one for it. Should they have no way
+        of doing it, the tools that the task states.
+        """
+        who = frozenset(operators)
+        for mode in self._modes[task]:
+            if who == frozenset(mode.operators):
+                return mode.tools
+        return tools_of(self.tasks[task].tool, sorted(who))
+
+    def takes(
+        self, kind: Literal["tool", "zone"], task: str, operators: Iterable[str]
+    ) -> Mapping[str, str]:
+        """Operator to the tool or the zone of which it takes one place while these do the task."""
+        if kind == "tool":
+            return self.tools_for(task, operators)
+        zone = self.tasks[task].zone
+        return {} if zone is None else dict.fromkeys(operators, zone)
+
     @cached_property
     def _modes(self) -> dict[str, tuple[Mode, ...]]:
         return {name: tuple(self._modes_of(task)) for name, task in self.tasks.items()}
@@ -518,13 +636,19 @@ class Fields(Frozen):
     def _modes_of(self, task: Task) -> Iterator[Mode]:
         order = {name: place for place, name in enumerate(self.operators)}
         for name in sorted(task.time, key=order.__getitem__):
-            yield Mode((name,), task.time[name], self._stress((name,), task.stress))
+            yield Mode(
+                (name,),
+                task.time[name],
+                self._stress((name,), task.stress),
+                tools_of(task.tool, (name,)),
+            )
         for joint in task.together:
             operators = tuple(sorted(joint.operators, key=order.__getitem__))
             yield Mode(
                 operators,
                 joint.time,
                 self._stress(operators, task.stress if joint.stress is None else joint.stress),
+                tools_of(task.tool if joint.tool is None else joint.tool, operators),
             )
 
     def _stress(

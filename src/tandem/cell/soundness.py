@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from tandem.cell.names import Known, difference, twins
+from tandem.cell.parts import tools_of
 from tandem.cell.precedence import no_task_waits_for_itself
 from tandem.cell.slips import slips
 from tandem.cell.times import (
@@ -19,11 +20,12 @@ from tandem.cell.times import (
     exact_planning_can_count_it,
     numbers_have_few_decimals,
 )
+from tandem.cell.walking import RULES as WALKING
 from tandem.cell.written import number
 from tandem.errors import Fault
 
 if TYPE_CHECKING:
-    from tandem.cell.parts import Fields, Task
+    from tandem.cell.parts import Fields, Task, Together, Tool, Zone
 
 Path = tuple[str | int, ...]
 
@@ -47,18 +49,11 @@ def operators_are_known(cell: Fields) -> Iterator[Fault]:
 
 
 def names_can_be_told_apart(cell: Fields) -> Iterator[Fault]:
-    """No two tasks, operators, tools or zones look alike though they are made of other signs, such
-    as a Cyrillic letter.
+    """No two tasks, operators, tools, zones or places look alike though they are made of other
+    signs, such as a Cyrillic letter.
     """
-    used: dict[str, dict[str, Path]] = {"operators": {}, "tasks": {}, "tools": {}, "zones": {}}
-    for name, task in cell.tasks.items():
-        if task.tool is not None:
-            used["tools"].setdefault(task.tool, ("tasks", name, "tool"))
-        if task.zone is not None:
-            used["zones"].setdefault(task.zone, ("tasks", name, "zone"))
-    for who, operator in cell.operators.items():
-        if operator.tool is not None:
-            used["tools"].setdefault(operator.tool, ("operators", who, "tool"))
+    used: dict[str, dict[str, Path]] = {"operators": {}, "tasks": {}}
+    used |= _things_named(cell)
     for key, named in used.items():
         stated: Mapping[str, object] = getattr(cell, key)
         for first, name in twins([*stated, *named]):
@@ -190,24 +185,55 @@ def someone_can_do_each_task(cell: Fields) -> Iterator[Fault]:
 
 
 def _room_for_a_group(cell: Fields, name: str, task: Task) -> Iterator[Fault]:
-    smallest = min(task.together, key=lambda joint: len(set(joint.operators)))
-    size = len(set(smallest.operators))
-    for key, used, table in (("zone", task.zone, cell.zones), ("tool", task.tool, cell.tools)):
-        if used is None:
-            continue
-        capacity = table[used].capacity if used in table else 1
-        if size > capacity:
-            room = (
-                f"zone {used!r} holds {capacity} at a time"
-                if key == "zone"
-                else f"there is {capacity} of tool {used!r}"
-            )
-            yield Fault(
-                f"task {name!r}: {_listed(smallest.operators)} can only do it together, but {room},"
-                f" so they never meet. State `{key}s: {{{used}: {{capacity: {size}}}}}`, or let one"
-                " operator do it alone.",
-                ("tasks", name, key),
-            )
+    """Should no group find room: why the smallest one finds none."""
+    groups = sorted(task.together, key=lambda joint: len(set(joint.operators)))
+    crowded = [list(_crowded(cell, task, joint)) for joint in groups]
+    if not all(crowded):
+        return
+    for key, used, size, capacity in crowded[0]:
+        room = (
+            f"zone {used!r} holds {capacity} at a time"
+            if key == "zone"
+            else f"there is {capacity} of tool {used!r}"
+        )
+        yield Fault(
+            f"task {name!r}: {_listed(groups[0].operators)} can only do it together, but {room},"
+            f" so they never meet. State `{key}s: {{{used}: {{capacity: {size}}}}}`, or let one"
+            " operator do it alone.",
+            ("tasks", name, key),
+        )
+
+
+def _crowded(cell: Fields, task: Task, joint: Together) -> Iterator[tuple[str, str, int, int]]:
+    """(kind, name, places that the group needs, places that there are) where they are too few."""
+    who = dict.fromkeys(joint.operators)
+    tools = tools_of(task.tool if joint.tool is None else joint.tool, who)
+    zones = {} if task.zone is None else dict.fromkeys(who, task.zone)
+    tables: tuple[tuple[str, Mapping[str, str], Mapping[str, Tool | Zone]], ...] = (
+        ("zone", zones, cell.zones),
+        ("tool", tools, cell.tools),
+    )
+    for kind, used, table in tables:
+        for name, size in Counter(used.values()).items():
+            capacity = table[name].capacity if name in table else 1
+            if size > capacity:
+                yield kind, name, size, capacity
+
+
+def a_tool_of_a_group_is_used_by_its_members(cell: Fields) -> Iterator[Fault]:
+    """A group's tools are stated for those who take part; one for anybody else would count for
+    nobody.
+    """
+    for name, task in cell.tasks.items():
+        for place, joint in enumerate(task.together):
+            for who in joint.tool if isinstance(joint.tool, Mapping) else ():
+                if who in cell.operators and who not in joint.operators:
+                    yield Fault(
+                        f"task {name!r}: together: a tool is stated for {who!r}, who takes no part."
+                        f" Taking part are {_listed(joint.operators)}; take {who!r} out of the"
+                        " tools, or into the group.",
+                        ("tasks", name, "together", place, "tool", who),
+                    )
 
 
 def stress_is_put_on_humans(cell: Fields) -> Iterator[Fault]:
@@ -307,19 +333,16 @@ def sets_are_spelled_in_order(cell: Fields) -> Iterator[Fault]:
         seen.setdefault(right, key)
 
 
-def listed_tools_and_zones_are_not_misspelled(cell: Fields) -> Iterator[Fault]:
-    """A tool or zone that is listed, used by nobody and spelled almost like an unlisted one in use
-    is a slip of the pen.
+def listed_things_are_not_misspelled(cell: Fields) -> Iterator[Fault]:
+    """A tool, zone or place that is listed, used by nobody and spelled almost like an unlisted one
+    in use is a slip of the pen.
 
     One that is listed, unused and like no other is no fault.
     """
-    tools = {task.tool for task in cell.tasks.values()} | {
-        operator.tool for operator in cell.operators.values()
-    }
-    zones = {task.zone for task in cell.tasks.values()}
-    for key, used, table in (("tools", tools, cell.tools), ("zones", zones, cell.zones)):
-        strays = Known(name for name in used if name is not None and name not in table)
-        for name in table:
+    for key, used in _things_named(cell).items():
+        listed: Mapping[str, object] = getattr(cell, key)
+        strays = Known(name for name in used if name not in listed)
+        for name in listed:
             if name not in used and (meant := strays.nearest(name)) is not None:
                 yield Fault(
                     f"{key[:-1]} {name!r} is listed but never used, while {meant!r} is used but not"
@@ -328,53 +351,81 @@ def listed_tools_and_zones_are_not_misspelled(cell: Fields) -> Iterator[Fault]:
                 )
 
 
-def tools_and_zones_are_spelled_alike(cell: Fields) -> Iterator[Fault]:
-    """Tools, and zones, that differ by capitals or one letter are one; listing both says that they
-    are two.
+def things_are_spelled_alike(cell: Fields) -> Iterator[Fault]:
+    """Tools, zones, and places, that differ by capitals or one letter are one; listing both says
+    that they are two.
 
     A name that is listed and used by nobody is left to the rule above.
     """
-    tools: dict[str, Path] = {}
-    zones: dict[str, Path] = {}
-    for name, task in cell.tasks.items():
-        if task.tool is not None:
-            tools.setdefault(task.tool, ("tasks", name, "tool"))
-        if task.zone is not None:
-            zones.setdefault(task.zone, ("tasks", name, "zone"))
-    for who, operator in cell.operators.items():
-        if operator.tool is not None:
-            tools.setdefault(operator.tool, ("operators", who, "tool"))
-    for kind, used, listed in (("tool", tools, cell.tools), ("zone", zones, cell.zones)):
+    for key, used in _things_named(cell).items():
+        listed: Mapping[str, object] = getattr(cell, key)
         # a listed name is the one that is meant
         in_order = sorted(used, key=lambda name: name not in listed)
         for name, meant in slips(in_order).items():
             if name not in listed:
+                kind = key[:-1]
+                two = "rename one" if key == "places" else f"list both under `{key}`"
                 yield Fault(
                     f"{kind} {name!r} is spelled almost like {kind} {meant!r}, so that they count"
-                    f" as two. Did you mean {meant!r}? If they are two, list both under `{kind}s`.",
+                    f" as two. Did you mean {meant!r}? If they are two, {two}.",
                     used[name],
                 )
+
+
+def _things_named(cell: Fields) -> dict[str, dict[str, Path]]:
+    """Every tool, zone and place that is named, with where it is first."""
+    used: dict[str, dict[str, Path]] = {"tools": {}, "zones": {}, "places": {}}
+    for name, task in cell.tasks.items():
+        for path, tool in task.tools_named():
+            used["tools"].setdefault(tool, ("tasks", name, *path))
+        if task.zone is not None:
+            used["zones"].setdefault(task.zone, ("tasks", name, "zone"))
+        if task.place is not None:
+            used["places"].setdefault(task.place, ("tasks", name, "place"))
+    for who, operator in cell.operators.items():
+        if operator.tool is not None:
+            used["tools"].setdefault(operator.tool, ("operators", who, "tool"))
+        if operator.place is not None:
+            used["places"].setdefault(operator.place, ("operators", who, "place"))
+    return used
 
 
 def _operators_named(cell: Fields) -> Iterator[tuple[Path, str, str]]:
     for name, task in cell.tasks.items():
         here: Path = ("tasks", name)
-        for who in task.time:
-            yield (*here, "time", who), who, f"task {name!r}: time"
         for place, joint in enumerate(task.together):
             for seat, who in enumerate(joint.operators):
                 yield (*here, "together", place, "operators", seat), who, f"task {name!r}: together"
-        for who in task.difficulty:
-            yield (*here, "difficulty", who), who, f"task {name!r}: difficulty"
-        if isinstance(task.spread, Mapping):
-            for who in task.spread:
-                yield (*here, "spread", who), who, f"task {name!r}: spread"
-    for path, stress, what in _stresses(cell):
-        for who in stress:
-            yield (*path, who), who, f"{what}: stress"
+    for path, table, what in _tables_of_operators(cell):
+        for who in table:
+            yield (*path, who), who, what
+
+
+def _tables_of_operators(cell: Fields) -> Iterator[tuple[Path, Mapping[str, object], str]]:
+    """Every table by operators: where it stands, and what messages call it."""
+    for name, task in cell.tasks.items():
+        here: Path = ("tasks", name)
+        tables = (("time", task.time), ("difficulty", task.difficulty), ("spread", task.spread))
+        for key, table in tables:
+            if isinstance(table, Mapping):
+                yield (*here, key), table, f"task {name!r}: {key}"
+        yield from (
+            (path, tools, f"{what}: tool") for path, tools, what in _tool_tables(name, task)
+        )
+    yield from ((path, stress, f"{what}: stress") for path, stress, what in _stresses(cell))
     for name, tool in cell.tools.items():
-        for who in tool.changeover:
-            yield ("tools", name, "changeover", who), who, f"tool {name!r}: changeover"
+        yield ("tools", name, "changeover"), tool.changeover, f"tool {name!r}: changeover"
+    yield ("walk",), cell.walk, "walk"
+
+
+def _tool_tables(name: str, task: Task) -> Iterator[tuple[Path, Mapping[str, str], str]]:
+    """Every table of operators to tools of the task."""
+    if isinstance(task.tool, Mapping):
+        yield ("tasks", name, "tool"), task.tool, f"task {name!r}"
+    for place, joint in enumerate(task.together):
+        if isinstance(joint.tool, Mapping):
+            path: Path = ("tasks", name, "together", place, "tool")
+            yield path, joint.tool, f"task {name!r}: together"
 
 
 def invested_money_is_spread_over_hours(cell: Fields) -> Iterator[Fault]:
@@ -429,12 +480,14 @@ RULES: tuple[Callable[[Fields], Iterator[Fault]], ...] = (
     someone_can_do_each_task,
     stress_is_put_on_humans,
     stress_of_a_group_is_put_on_its_members,
+    a_tool_of_a_group_is_used_by_its_members,
     breaks_are_apart,
     a_deadline_can_be_met,
     pairs_have_a_common_way,
     sets_are_spelled_in_order,
-    listed_tools_and_zones_are_not_misspelled,
-    tools_and_zones_are_spelled_alike,
+    listed_things_are_not_misspelled,
+    things_are_spelled_alike,
+    *WALKING,
     numbers_have_few_decimals,
     exact_planning_can_count_it,
     invested_money_is_spread_over_hours,

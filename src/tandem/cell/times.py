@@ -249,6 +249,8 @@ def exact_planning_can_count_it(cell: Fields) -> Iterator[Fault]:
         (seconds for tool in cell.tools.values() for seconds in tool.changeover.values()),
         default=0.0,
     )
+    walks = [seconds for table in cell.walking.values() for seconds in table.values()]
+    ready = changeover + max(walks, default=0.0)
     for task in cell.tasks.values():
         own = [*task.time.values(), *(joint.time for joint in task.together)]
         strain = [
@@ -264,7 +266,7 @@ def exact_planning_can_count_it(cell: Fields) -> Iterator[Fault]:
         times += [seconds for wait in task.wait for seconds in (wait.at_least, wait.at_most or 0.0)]
         longest += sum(wait.at_least for wait in task.wait)
         stresses += strain
-        longest += max(own, default=0.0) + changeover
+        longest += max(own, default=0.0) + ready
         stressed += max(strain, default=0.0) * len(cell.operators)
     ends = [
         moment
@@ -274,6 +276,7 @@ def exact_planning_can_count_it(cell: Fields) -> Iterator[Fault]:
     ]
     times += [
         *ends,
+        *walks,
         *(seconds for tool in cell.tools.values() for seconds in tool.changeover.values()),
     ]
     longest += max((task.release for task in cell.tasks.values()), default=0.0) + sum(ends)
@@ -332,6 +335,10 @@ def _numbers(cell: Fields) -> Iterator[tuple[Path, float]]:
             yield from _numbers_of(wait, ("tasks", name, "wait", place))
     for name, tool in cell.tools.items():
         yield from _numbers_of(tool, ("tools", name))
+    for who, table in cell.walk.items():
+        yield from ((("walk", who, key), value) for key, value in table.items())
+    for name, metres in cell.places.items():
+        yield from ((("places", name, side), value) for side, value in enumerate(metres))
     yield from (
         ((("stress_of_set", key)), value) for key, value in (cell.stress_of_set or {}).items()
     )
@@ -343,7 +350,11 @@ def _numbers_of(part: BaseModel, path: Path) -> Iterator[tuple[Path, float]]:
         if isinstance(value, float):
             yield (*path, key), value
         elif isinstance(value, Mapping):
-            yield from (((*path, key, name), number) for name, number in value.items())
+            yield from (
+                ((*path, key, name), number)
+                for name, number in value.items()
+                if isinstance(number, float)
+            )
 
 
 def _values(value: float | Mapping[str, float]) -> list[float]:

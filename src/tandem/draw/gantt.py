@@ -40,8 +40,8 @@ def plot_gantt(
     """Draws the schedule and returns the axes.
 
     Tasks on the critical path have a bold outline and are joined by a line; a joint task stands in
-    the lane of everyone who takes part, joined by a bracket; breaks and changeovers are shaded; a
-    task's own deadline is a mark in its lane.
+    the lane of everyone who takes part, joined by a bracket; breaks, walks and changeovers are
+    shaded; a task's own deadline is a mark in its lane.
 
     Args:
       schedule: a sound schedule of the cell.
@@ -86,15 +86,15 @@ def axis_end(schedule: Schedule, limit: float | None = None) -> float:
 def draw_lanes(
     ax: Axes, rows: Sequence[Lane], t: Words, *, at: float = 0.0, deadlines: bool = True
 ) -> None:
-    """Bars, breaks and changeovers of every lane, the first lane at height `at`; a dotted line for
-    a wait before a task, and from a task's end to its deadline a line if wanted.
+    """Bars, breaks, walks and changeovers of every lane, the first lane at height `at`; a dotted
+    line for a wait before a task, and from a task's end to its deadline a line if wanted.
     """
     for place, lane in enumerate(rows):
         y = at + place
         ax.axhspan(y - HALF - 0.08, y + HALF + 0.08, color="#F6F7F8", zorder=0, lw=0)
         for off in lane.shaded:
             _shaded(
-                ax, off.start, off.end, y, off.tool or t(f"picture.{off.kind}"), off.shading.hatch
+                ax, off.start, off.end, y, off.what or t(f"picture.{off.kind}"), off.shading.hatch
             )
         for bar in lane.bars:
             _bar(ax, lane, bar, y)

@@ -9,7 +9,7 @@ from typing import Literal
 from tandem.cell.model import Cell
 from tandem.draw.style import Look, looks, task_label
 from tandem.schedule.critical import critical_path
-from tandem.schedule.measures import changeovers, utilisation, working
+from tandem.schedule.measures import changeovers, utilisation, walks, working
 from tandem.schedule.model import Assignment, Schedule
 
 
@@ -34,17 +34,18 @@ class Shading:
     """How a time without a task is shown.
 
     Attributes:
-      fill: of what kind it looks: "break" or "changeover".
+      fill: of what kind it looks: "break", "changeover" or "walk".
       hatch: matplotlib's notation for that.
     """
 
-    fill: Literal["break", "changeover"]
+    fill: Literal["break", "changeover", "walk"]
     hatch: str
 
 
 SHADINGS = {
     "break": Shading("break", "xxxx"),
     "setup": Shading("changeover", "...."),
+    "walk": Shading("walk", "----"),
     "changeover": Shading("changeover", "...."),
 }
 """Kind of time off -> how it is shown; each has the words `picture.KIND` and `gantt.KIND`."""
@@ -56,13 +57,13 @@ class Shaded:
 
     Attributes:
       kind: a key of `SHADINGS`.
-      tool: what is taken up; empty when it is no changeover.
+      what: the tool that is taken up, or the place to which somebody walks; else empty.
     """
 
     start: float
     end: float
     kind: str
-    tool: str = ""
+    what: str = ""
 
     @property
     def shading(self) -> Shading:
@@ -91,11 +92,14 @@ def lanes(
       critical: whether bars on the critical path are marked.
     """
     path = {link.assignment.task for link in critical_path(cell, schedule)} if critical else set()
-    changes, busy, used = (
-        changeovers(cell, schedule),
-        working(cell, schedule),
-        utilisation(cell, schedule),
-    )
+    busy, used = working(cell, schedule), utilisation(cell, schedule)
+    before = [
+        *((w.operator, Shaded(w.start, w.end, "walk", w.place)) for w in walks(cell, schedule)),
+        *(
+            (c.operator, Shaded(c.start, c.end, "changeover", c.tool))
+            for c in changeovers(cell, schedule)
+        ),
+    ]
     rows = {a.task: a for a in schedule}
     found = []
     for name, look in looks(cell).items():
@@ -117,9 +121,7 @@ def lanes(
             for start, end in cell.operators[name].breaks
             if start < until
         ]
-        shaded += [
-            Shaded(c.start, c.end, "changeover", c.tool) for c in changes if c.operator == name
-        ]
+        shaded += [piece for who, piece in before if who == name]
         if bars and (span := cell.operators[name].setting_up) is not None:
             shaded.append(Shaded(*span, "setup"))
         found.append(Lane(look, bars, tuple(shaded), busy[name], used[name]))

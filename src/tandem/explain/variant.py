@@ -214,9 +214,9 @@ def _leave_out(data: dict[str, Any], name: str) -> None:
             way for way in task.get("together", ()) if name not in map(str, way["operators"])
         ]
         for holder in (task, *task["together"]):
-            for key in ("time", "stress", "difficulty", "spread"):
-                if isinstance(holder.get(key), dict):
-                    holder[key].pop(name, None)
+            for key in ("time", "stress", "difficulty", "spread", "tool"):
+                if isinstance(holder.get(key), dict) and name in holder[key]:
+                    del holder[key][name]
                     if not holder[key]:
                         del holder[key]
         if not task["together"]:
@@ -225,6 +225,7 @@ def _leave_out(data: dict[str, Any], name: str) -> None:
         if isinstance(tool.get("changeover"), dict):
             tool["changeover"].pop(name, None)
     data.get("cost", {}).get("operators", {}).pop(name, None)
+    data.get("walk", {}).pop(name, None)
 
 
 def _leave_out_sets(data: dict[str, Any]) -> None:

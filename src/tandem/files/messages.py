@@ -78,8 +78,8 @@ def flaws(error: ValidationError, most: int | None = None) -> list[Flaw]:
 
 
 def _path(loc: Path) -> Path:
-    """Keys of the document alone: without pydantic's signs for a key and for which form of `stress`
-    or `spread` it tried.
+    """Keys of the document alone: without pydantic's signs for a key and for which form of
+    `stress`, `spread` or `tool` it tried.
     """
     path: list[str | int] = []
     skip = False
@@ -94,7 +94,9 @@ def _path(loc: Path) -> Path:
 
 def _has_two_forms(path: Path) -> bool:
     match path:
-        case ("tasks", _, "stress" | "spread") | ("tasks", _, "together", _, "stress"):
+        case ("tasks", _, "stress" | "spread" | "tool"):
+            return True
+        case ("tasks", _, "together", _, "stress" | "tool"):
             return True
     return False
 
@@ -118,6 +120,8 @@ def _model(path: Path) -> tuple[type[Any], str]:
             return Cost, "cost"
         case ("variants", name, _, *_):
             return Variant, f"variant {shown(name)}"
+        case ("walk", who, _):
+            return Cell, f"walk of {shown(who)}"
     return Cell, ""
 
 
@@ -128,16 +132,20 @@ def _subject(path: Path) -> str:
 def _what(path: Path) -> str:
     """What a value is called: "time of 'robot'", "after", "the 2nd break"."""
     match path:
-        case (*_, "time" | "stress" | "difficulty" | "spread" | "changeover" as key, str(who)) if (
-            len(path) > 3
-        ):
+        case (
+            *_,
+            "time" | "stress" | "difficulty" | "spread" | "changeover" | "tool" as key,
+            str(who),
+        ) if len(path) > 3:
             return f"{key} of {shown(who)}"
-        case ("stress_of_set", name):
-            return f"stress_of_set of {shown(name)}"
-        case ("operators" | "tasks" | "tools" | "zones" as table, name):
+        case ("stress_of_set" | "walk" as table, name):
+            return f"{table} of {shown(name)}"
+        case ("operators" | "tasks" | "tools" | "zones" | "places" as table, name):
             return f"{table[:-1]} {shown(name)}"
         case ("tasks", _, "wait", int(place)):
             return f"wait {place + 1}"
+        case ("places", name, int(side)):
+            return f"the {'xy'[min(side, 1)]} of place {shown(name)}"
         case (*_, "breaks", int(place)):
             return f"break {place + 1}"
         case (*_, "breaks", int(place), int(side)):
@@ -211,6 +219,8 @@ def _missing(path: Path, item: Any) -> str:
                 "`after` is missing: which task is waited for? Write it, as in `{after: 1,"
                 " at_least: 40}`."
             )
+        case ("places", name, _):
+            return f"place {shown(name)} needs two numbers, `[x, y]` in metres."
         case ("same_operator", _, _):
             return (
                 "same_operator holds pairs of tasks, such as `[[1, 2]]`; here the second is"
@@ -302,6 +312,7 @@ def _no_mapping(path: Path, item: Any) -> str:
         "zones": "{press: {capacity: 1}}", "stress_of_set": '{"": 0, "1": 2.5}',
         "difficulty": "{human: 2}", "changeover": "{human: 3}",
         "wait": "{after: 1, at_least: 40}",
+        "places": "{bench: [0, 0]}", "walk": "{human: {bench-press: 3}}",
     }  # fmt: skip
     if not path:
         held = "nothing" if item["input"] is None else _of(item["input"])
@@ -311,9 +322,11 @@ def _no_mapping(path: Path, item: Any) -> str:
         )
     key = str(path[-1])
     if len(path) == 2:
-        example = {"operators": "{kind: human}", "tasks": "{time: {human: 10}}"}.get(
-            str(path[0]), "{capacity: 1}"
-        )
+        example = {
+            "operators": "{kind: human}",
+            "tasks": "{time: {human: 10}}",
+            "walk": "{bench-press: 3}",
+        }.get(str(path[0]), "{capacity: 1}")
     else:
         key = "wait" if path[-2:-1] == ("wait",) else key
         example = examples.get(key, "{operators: [robot, human], time: 12}")
@@ -331,6 +344,8 @@ def _no_list(path: Path, item: Any) -> str:
     }
     key = next((str(step) for step in reversed(path) if isinstance(step, str)), "")
     value = item["input"]
+    if path[0] == "places":
+        return f"{_what(path)} is {_of(value)}, but two numbers are needed, `[x, y]` in metres."
     remedy = f"`{key}: {examples.get(key, '[]')}`"
     if key == "after" and isinstance(value, str | int) and not isinstance(value, bool):
         remedy = f"`after: [{_short(str(value))}]`"

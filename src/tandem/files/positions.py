@@ -148,8 +148,11 @@ def _is_name(path: Path, null: bool) -> bool:
             return True
         case (
             ("name",)
-            | ("operators", _, "label" | "tool")
-            | ("tasks", _, "label" | "part" | "tool" | "zone")
+            | ("operators", _, "label" | "tool" | "place")
+            | ("tasks", _, "label" | "part" | "tool" | "zone" | "place")
+            | ("tasks", _, "tool", _)
+            | ("tasks", _, "together", _, "tool")
+            | ("tasks", _, "together", _, "tool", _)
         ):
             return not null
     return False

@@ -83,6 +83,8 @@ def _stand_in(flaw: Flaw) -> tuple[Path, Any]:
     path = flaw.path
     if flaw.kind in ("key", "comma", "extra_forbidden"):
         return path, _GONE
+    if path[0] in ("places", "walk", "stress_of_set"):
+        return _in_a_table(path)
     match path:
         case ("operators", name):
             return path, {"kind": "human"}
@@ -94,7 +96,7 @@ def _stand_in(flaw: Flaw) -> tuple[Path, Any]:
             return path, {}
         case ("tasks", _, "time", _) | ("tasks", _, "together", _, "time"):
             return path, 1
-        case ("tasks", name, "together", way, *rest) if rest[:1] != ["stress"]:
+        case ("tasks", name, "together", way, *rest) if rest[:1] not in (["stress"], ["tool"]):
             return ("tasks", name, "together", way), _GONE
         case ("zones" | "tools", _):
             return path, {"capacity": ROOM}
@@ -102,9 +104,17 @@ def _stand_in(flaw: Flaw) -> tuple[Path, Any]:
             return path, ROOM
         case ("same_operator", pair, *_):
             return ("same_operator", pair), _GONE
+    return path, _GONE
+
+
+def _in_a_table(path: Path) -> tuple[Path, Any]:
+    """Nothing is far from anything, and no set of tasks is hard."""
+    match path:
+        case ("places", name, *_):
+            return ("places", name), [0.0, 0.0]
         case ("stress_of_set", _):
             return path, 0
-    return path, _GONE
+    return (path[0],), _GONE
 
 
 def _may_be_a_way(flaw: Flaw) -> bool:

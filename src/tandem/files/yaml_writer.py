@@ -18,7 +18,10 @@ PLAIN = re.compile(r"[^\W_](?:[\w ./()+-]*[\w)])?")
 
 UNSEEN = re.compile(r"[\x7f-\xa0\u2028\u2029\ufeff\ufffe\uffff]")
 
-NAMES = ("after", "same_operator", "operators", "tool", "zone", "label", "part", "name")
+NAMES = (
+    *("after", "same_operator", "operators", "tool", "zone", "place"),
+    *("label", "part", "name"),
+)
 """Keys whose values are names: these are read as they are written, so digits need no quotes."""
 
 
@@ -49,7 +52,9 @@ def flow(value: Any, name: bool = False) -> str:
     if isinstance(value, Mapping):
         return (
             "{"
-            + ", ".join(f"{_name(key)}: {flow(item, key in NAMES)}" for key, item in value.items())
+            + ", ".join(
+                f"{_name(key)}: {flow(item, name or key in NAMES)}" for key, item in value.items()
+            )
             + "}"
         )
     if isinstance(value, list):

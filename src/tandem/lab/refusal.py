@@ -35,6 +35,8 @@ def beyond(
         yield from (("operators", name, key) for key in _stated(one, operator))
     for name, step in cell.tasks.items():
         yield from (("tasks", name, key) for key in _stated(step, task))
+        if "tool" not in task and step.tool is None and any(step.tools_named()):
+            yield ("tasks", name, "tool")
     yield from ((key,) for key in _stated(cell, TABLES))
 
 

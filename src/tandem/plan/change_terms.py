@@ -25,14 +25,14 @@ def rules(standing: Standing) -> tuple[cpsat.Rule, ...]:
 
 
 def nothing_is_begun_in_the_past(plan: Decisions, standing: Standing) -> None:
-    """Changeovers too begin now or later, unless they had begun; and a task that may stay where the
-    old plan had it, before now, stays there or begins later.
+    """Walking and changeovers too begin now or later, unless they had begun; and a task that may
+    stay where the old plan had it, before now, stays there or begins later.
     """
     now, model = standing.now, plan.model
-    for change in plan.changeovers:
-        if not standing.may_be_prepared_early(change.operator, change.task):
-            begin = plan.start[change.task] - change.ticks
-            model.add(begin >= now).only_enforce_if(change.literal)
+    for before in plan.preparations:
+        if not standing.may_be_prepared_early(before.operator, before.task):
+            begin = plan.start[before.task] - before.ticks
+            model.add(begin >= now).only_enforce_if(before.literal)
     if not standing.may_stay:
         return
     for task, old in standing.old.items():

@@ -44,8 +44,8 @@ class Node(NamedTuple):
     Attributes:
       mask: bits of the tasks appended.
       last: start of the task appended last.
-      free: per operator, the end of their last task. `hand`: the tool in hand, -1 while the first
-        one costs nothing.
+      free: per operator, the end of their last task. `stance`: what they have in hand, see
+        `Instance.stance`.
       ends: per task appended, its end; of others 0.
       tools, zones: per tool or zone, the moments at which its places are free, sorted; empty where
         the capacity never binds.
@@ -60,7 +60,7 @@ class Node(NamedTuple):
     mask: int
     last: int
     free: tuple[int, ...]
-    hand: tuple[int, ...]
+    stance: tuple[int, ...]
     ends: tuple[int, ...]
     tools: tuple[tuple[int, ...], ...]
     zones: tuple[tuple[int, ...], ...]
@@ -94,10 +94,7 @@ class Branching:
         self.latest_start = [
             end - own for end, own in zip(latest_end, layout.quickest, strict=True)
         ]
-        self.swaps = instance.has_swaps
-        self.longest_swap = [
-            max((row[o] for row in instance.changeover), default=0) for o in self.operators
-        ]
+        self.prepares = instance.has_preparations
         self.limited = [o for o in self.operators if instance.stress_limit[o] is not None]
         self.human = [
             [any(instance.human[o] for o in step.operators) for step in row] for row in layout.steps
@@ -116,7 +113,7 @@ class Branching:
             mask=0,
             last=0,
             free=(0,) * operators,
-            hand=tuple(-1 if tool is None else tool for tool in self.instance.in_hand),
+            stance=self.instance.stances,
             ends=(0,) * len(self.tasks),
             tools=tuple((0,) * places for places in self.instance.tool_room),
             zones=tuple((0,) * places for places in self.instance.zone_room),
@@ -136,7 +133,7 @@ class Branching:
 
         A task that starts when another one could already have ended can be left for later, if that
         other one costs nothing to take first: it is in its step of least stress, belongs to no
-        team, nothing must follow it within a time, and no tool has to change hands.
+        team, nothing must follow it within a time, and nobody needs time to get ready for a task.
         """
         moves, cutoff = [], horizon + 1
         for task in self.candidates(node.mask):
@@ -279,20 +276,21 @@ class Branching:
                 since.append((base.step[0], base.step[1].way))
                 base = base.before
             return (tuple(since), id(base))
-        return (node.mask, node.hand if self.swaps else (), table, node.teams)
+        return (node.mask, node.stance if self.prepares else (), table, node.teams)
 
     def numbers(self, node: Node) -> tuple[int, ...]:
         """What decides between two nodes of one key: the one with no larger number is no worse.
 
         A time before the last start counts as the last start, since no later task can notice the
-        difference; with changeovers, which may lie before the last start, an operator's time counts
+        difference; where preparations may lie before the last start, an operator's time counts
         that much further back. Without them the operators' times imply the last start.
         """
         last = node.last
         numbers = [
-            max(free, last - swap) for free, swap in zip(node.free, self.longest_swap, strict=True)
+            max(free, last - preparation)
+            for free, preparation in zip(node.free, self.instance.longest_preparation, strict=True)
         ]
-        if self.swaps:
+        if self.prepares:
             numbers.append(last)
         numbers += [max(node.ends[task], last) for task in self.waited_for(node.mask)]
         if self.instance.has_lags:
@@ -344,38 +342,44 @@ class Branching:
             limit = self.instance.stress_limit[operator]
             if limit is not None and node.loads[operator] + load > limit:
                 return None
-        start, tool, zone = ready, self.instance.timed_tool[task], self.instance.timed_zone[task]
-        changes = [(operator, self._change(node, tool, operator)) for operator in step.operators]
-        for operator, change in changes:
-            start = max(start, node.free[operator] + change)
-        if tool >= 0 and node.tools[tool]:
-            start = max(start, node.tools[tool][len(step.operators) - 1])
+        start, zone = ready, self.instance.timed_zone[task]
+        needs = [
+            preparation[node.stance[operator]][0]
+            for operator, preparation in zip(step.operators, step.preparations, strict=False)
+        ] or [0] * len(step.operators)
+        for operator, need in zip(step.operators, needs, strict=True):
+            start = max(start, node.free[operator] + need)
+        for tool, count in step.scarce:
+            start = max(start, node.tools[tool][count - 1])
         if zone >= 0 and node.zones[zone]:
             start = max(start, node.zones[zone][len(step.operators) - 1])
         moved = self.instance.has_breaks
         while moved:
             moved = False
-            for operator, change in changes:
+            for operator, need in zip(step.operators, needs, strict=True):
                 for off, back in self.instance.breaks[operator]:
-                    if off < start + step.ticks and start - change < back:
-                        start, moved = back + change, True
+                    if off < start + step.ticks and start - need < back:
+                        start, moved = back + need, True
         return start
-
-    def _change(self, node: Node, tool: int, operator: int) -> int:
-        row = self.instance.swap_ticks[tool] if tool >= 0 else None
-        return 0 if row is None or node.hand[operator] in (-1, tool) else row[operator]
 
     def _appended(self, node: Node, task: int, index: int, step: Step, start: int) -> Node:
         instance, end, who = self.instance, start + step.ticks, step.operators
-        tool, zone, team = instance.timed_tool[task], instance.timed_zone[task], instance.team[task]
+        zone, team = instance.timed_zone[task], instance.team[task]
         # nodes share what did not change: the tuples of the parent are taken over
-        free, loads, ends, hand = list(node.free), list(node.loads), list(node.ends), node.hand
+        free, loads, ends, stance = list(node.free), list(node.loads), list(node.ends), node.stance
         for operator, load in zip(who, step.load, strict=True):
             free[operator] = end
             loads[operator] += load
         ends[task] = end
-        if tool >= 0:
-            hand = tuple(tool if operator in who else held for operator, held in enumerate(hand))
+        if step.preparations:
+            taken_up = dict(zip(who, step.preparations, strict=True))
+            stance = tuple(
+                taken_up[operator][held][1] if operator in taken_up else held
+                for operator, held in enumerate(stance)
+            )
+        tools = node.tools
+        for tool, count in step.scarce:
+            tools = _taken(tools, tool, count, end)
         starts = node.starts
         if starts:
             starts = (*starts[:task], start, *starts[task + 1 :])
@@ -388,9 +392,9 @@ class Branching:
             mask=mask,
             last=start,
             free=tuple(free),
-            hand=hand,
+            stance=stance,
             ends=tuple(ends),
-            tools=_taken(node.tools, tool, len(who), end),
+            tools=tools,
             zones=_taken(node.zones, zone, len(who), end),
             loads=tuple(loads),
             stress=node.stress + step.stress,
@@ -417,7 +421,7 @@ class Branching:
         least = all(_is_no_harder(step, other) for other in others)
         return (
             least
-            and not self.swaps
+            and not self.prepares
             and task not in self.followed
             and self.instance.team[task] < 0
             and (self.instance.stress_of_set is None or len(others) == 1)

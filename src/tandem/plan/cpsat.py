@@ -11,10 +11,10 @@ OR-Tools is pinned to 9.14 because 9.15.6755 answers such models wrongly;
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import version
-from itertools import combinations
+from itertools import permutations
 from typing import NamedTuple
 
 from ortools.sat.python import cp_model
@@ -27,14 +27,14 @@ SOLVER = f"cp-sat {version('ortools')}"
 Literal = cp_model.LiteralT
 
 
-class Changeover(NamedTuple):
-    """The operator takes up the task's tool, for so many ticks directly before it, when the literal
-    is true.
+class Preparation(NamedTuple):
+    """The operator walks to the task's place or takes up its tool, or both, for so many ticks
+    directly before it, when the literal is true.
     """
 
     operator: int
     task: int
-    ticks: int
+    ticks: cp_model.IntVar | int
     literal: cp_model.IntVar
 
 
@@ -47,7 +47,7 @@ class Decisions:
       chosen: per task and way, a literal; exactly one per task is true.
       intervals: per task and way, present when the way is chosen.
       at: per operator, the intervals that occupy it.
-      changeovers: those that may take place.
+      preparations: those that may take place.
       makespan: ticks; stress: units, in the cell's measure.
     """
 
@@ -59,7 +59,7 @@ class Decisions:
     chosen: list[list[cp_model.IntVar]] = field(default_factory=list)
     intervals: list[list[cp_model.IntervalVar]] = field(default_factory=list)
     at: dict[int, list[cp_model.IntervalVar]] = field(default_factory=lambda: defaultdict(list))
-    changeovers: list[Changeover] = field(default_factory=list)
+    preparations: list[Preparation] = field(default_factory=list)
     makespan: cp_model.IntVar = None  # type: ignore[assignment]
     stress: cp_model.IntVar = None  # type: ignore[assignment]
 
@@ -182,9 +182,9 @@ def waits_are_kept(plan: Decisions) -> None:
 
 
 def an_operator_does_one_thing_at_a_time(plan: Decisions) -> None:
-    """Tasks, breaks and changeovers of an operator do not overlap."""
+    """Tasks, breaks, and what an operator needs directly before its tasks do not overlap."""
     for operator in range(len(plan.instance.operators)):
-        busy = [*plan.at[operator], *_changeovers(plan, operator)]
+        busy = [*plan.at[operator], *_preparations(plan, operator)]
         busy += [
             plan.model.new_fixed_size_interval_var(begin, end - begin, "")
             for begin, end in plan.instance.breaks[operator]
@@ -193,56 +193,140 @@ def an_operator_does_one_thing_at_a_time(plan: Decisions) -> None:
             plan.model.add_no_overlap(busy)
 
 
-def _changeovers(plan: Decisions, operator: int) -> list[cp_model.IntervalVar]:
-    """The intervals in which the operator takes up another tool, directly before the task that
-    needs it.
+Causes = dict[int, list[tuple[int, cp_model.IntVar]]]
+"""Task -> (ticks that the operator needs before it, literal under which it does so)."""
+
+
+def _preparations(plan: Decisions, operator: int) -> list[cp_model.IntervalVar]:
+    """The intervals in which the operator walks and takes up other tools, each directly before the
+    task for which it does so.
     """
-    instance, model = plan.instance, plan.model
-    tasks = [
-        t for t, tool in enumerate(instance.tool) if tool is not None and plan.does(t, operator)
-    ]
-    cost = {t: instance.changeover[instance.tool[t]][operator] for t in tasks}  # type: ignore[index]
-    in_hand = instance.in_hand[operator]
-    kinds = {instance.tool[t] for t in tasks} | ({in_hand} if in_hand is not None else set())
-    # nothing to take up, or at no cost: no order needs to be decided
-    if len(kinds) < 2 or not any(cost.values()):
-        return []
-    arcs: list[tuple[int, int, Literal]] = []
-    into: dict[int, list[cp_model.IntVar]] = {t: [] for t in tasks}
-    # the circuit is the order in which the operator does its tasks with tools; it leaves out, by a
-    # loop, those that others do, and all of them when there are none
-    nobody = model.new_bool_var("no tool used")
-    arcs.append((0, 0, nobody))
-    for index, task in enumerate(tasks, start=1):
-        does = any_of(plan, plan.does(task, operator))
-        arcs.append((index, index, does.negated()))
-        first, last = model.new_bool_var(""), model.new_bool_var("")
-        arcs += [(0, index, first), (index, 0, last)]
-        # what is in hand at the beginning is laid down as if a task had needed it
-        if in_hand is not None and in_hand != instance.tool[task]:
-            into[task].append(first)
-        model.add_implication(does, nobody.negated())
-    for (i, first_task), (j, second_task) in combinations(enumerate(tasks, start=1), 2):
-        for a, one, b, two in ((i, first_task, j, second_task), (j, second_task, i, first_task)):
-            follows = model.new_bool_var("")
-            arcs.append((a, b, follows))
-            model.add(plan.end[one] <= plan.start[two]).only_enforce_if(follows)
-            if instance.tool[one] != instance.tool[two]:
-                into[two].append(follows)
-    model.add_circuit(arcs)
-    # a changeover lies directly before its task and occupies the operator like work
-    swaps = []
-    for task, causes in into.items():
-        if causes and cost[task]:
-            swap = any_of(plan, causes)
-            plan.changeovers.append(Changeover(operator, task, cost[task], swap))
-            model.add(plan.start[task] >= cost[task]).only_enforce_if(swap)
-            swaps.append(
-                model.new_optional_fixed_size_interval_var(
-                    plan.start[task] - cost[task], cost[task], swap, ""
+    changes = _changes(plan, operator)
+    walks = _walks(plan, operator) if plan.instance.walks[operator] else {}
+    found = []
+    for task in sorted(changes.keys() | walks.keys()):
+        if task in walks:
+            found.append(_walked(plan, operator, task, [*walks[task], *changes.get(task, ())]))
+            continue
+        # a way of doing the task has one tool, so that at most one of these takes place
+        for ticks, swap in changes[task]:
+            plan.preparations.append(Preparation(operator, task, ticks, swap))
+            plan.model.add(plan.start[task] >= ticks).only_enforce_if(swap)
+            found.append(
+                plan.model.new_optional_fixed_size_interval_var(
+                    plan.start[task] - ticks, ticks, swap, ""
                 )
             )
-    return swaps
+    return found
+
+
+def _walked(
+    plan: Decisions, operator: int, task: int, causes: list[tuple[int, cp_model.IntVar]]
+) -> cp_model.IntervalVar:
+    """One interval for all that the operator needs before the task; walking and taking up a tool
+    add up.
+    """
+    model, start = plan.model, plan.start[task]
+    some = model.new_bool_var(f"prepares {task} {operator}")
+    model.add_max_equality(some, [literal for _, literal in causes])
+    ticks = model.new_int_var(0, plan.instance.longest_preparation[operator], "")
+    model.add(ticks == sum(ticks * literal for ticks, literal in causes))
+    begin = model.new_int_var(0, plan.upper, "")
+    plan.preparations.append(Preparation(operator, task, ticks, some))
+    return model.new_optional_interval_var(begin, ticks, start, some, "")
+
+
+def _changes(plan: Decisions, operator: int) -> Causes:
+    """What taking up another tool than the one in hand costs, where it costs anything."""
+    instance = plan.instance
+    needs = [
+        (task, tool, does)
+        for task in range(len(instance.tasks))
+        for tool, does in _by_tool(plan, task, operator).items()
+    ]
+    cost = {tool: instance.changeover[tool][operator] for _, tool, _ in needs}
+    in_hand = instance.in_hand[operator]
+    kinds = cost.keys() | ({in_hand} if in_hand is not None else set())
+    # nothing to take up, or at no cost: no order needs to be decided
+    if len(kinds) < 2 or not any(cost.values()):
+        return {}
+    first, follows = _order(plan, [(task, does) for task, _, does in needs])
+    found: Causes = defaultdict(list)
+    for mine, (task, tool, _) in enumerate(needs):
+        causes = [
+            follows[before, mine]
+            for before, (_, other, _) in enumerate(needs)
+            if other != tool and (before, mine) in follows
+        ]
+        # what is in hand at the beginning is laid down as if a task had needed it
+        if in_hand is not None and in_hand != tool:
+            causes.append(first[mine])
+        if causes and cost[tool]:
+            found[task].append((cost[tool], any_of(plan, causes)))
+    return found
+
+
+def _walks(plan: Decisions, operator: int) -> Causes:
+    """What the way from the place before costs, where it costs anything."""
+    instance = plan.instance
+    visits = [
+        (task, place, does)
+        for task, place in enumerate(instance.place)
+        if place is not None and (does := plan.does(task, operator))
+    ]
+    walk, stands = instance.walk[operator], instance.stands[operator]
+    places = {place for _, place, _ in visits} | ({stands} if stands is not None else set())
+    if not any(walk[one][other] for one, other in permutations(places, 2)):
+        return {}
+    first, follows = _order(plan, [(task, does) for task, _, does in visits])
+    found: Causes = defaultdict(list)
+    for (before, mine), literal in follows.items():
+        (_, one, _), (task, other, _) = visits[before], visits[mine]
+        if walk[one][other]:
+            found[task].append((walk[one][other], literal))
+    for (task, place, _), literal in zip(visits, first, strict=True):
+        if stands is not None and walk[stands][place]:
+            found[task].append((walk[stands][place], literal))
+    return found
+
+
+def _by_tool(plan: Decisions, task: int, operator: int) -> dict[int, list[cp_model.IntVar]]:
+    """Tool -> the literals under which the operator needs it for the task."""
+    found: dict[int, list[cp_model.IntVar]] = defaultdict(list)
+    for x, way in zip(plan.chosen[task], plan.instance.ways[task], strict=True):
+        if operator in way.operators and (tool := way.tool(operator)) is not None:
+            found[tool].append(x)
+    return found
+
+
+def _order(
+    plan: Decisions, visits: Sequence[tuple[int, list[cp_model.IntVar]]]
+) -> tuple[list[cp_model.IntVar], dict[tuple[int, int], cp_model.IntVar]]:
+    """The order in which an operator makes its visits: literals that say which is the first, and
+    which follows directly on which.
+
+    A visit is a task and the literals, of which at most one is true, under which it is made. The
+    circuit leaves out, by a loop, those that are not made, and all of them when none is.
+    """
+    model = plan.model
+    nobody = model.new_bool_var("no visit made")
+    arcs: list[tuple[int, int, Literal]] = [(0, 0, nobody)]
+    first = []
+    for index, (_, literals) in enumerate(visits, start=1):
+        does = any_of(plan, literals)
+        arcs.append((index, index, does.negated()))
+        begins, ends = model.new_bool_var(""), model.new_bool_var("")
+        arcs += [(0, index, begins), (index, 0, ends)]
+        first.append(begins)
+        model.add_implication(does, nobody.negated())
+    follows = {}
+    for (a, (one, _)), (b, (two, _)) in permutations(enumerate(visits), 2):
+        if one != two:
+            literal = follows[a, b] = model.new_bool_var("")
+            arcs.append((a + 1, b + 1, literal))
+            model.add(plan.end[one] <= plan.start[two]).only_enforce_if(literal)
+    model.add_circuit(arcs)
+    return first, follows
 
 
 def any_of(plan: Decisions, literals: list[cp_model.IntVar]) -> cp_model.IntVar:
@@ -256,35 +340,46 @@ def any_of(plan: Decisions, literals: list[cp_model.IntVar]) -> cp_model.IntVar:
 
 def a_tool_is_used_as_often_as_it_exists(plan: Decisions) -> None:
     """At most `capacity` operators work with a tool at once."""
-    _share(plan, plan.instance.tool, plan.instance.tool_places)
+    uses: list[list[Use]] = [[] for _ in plan.instance.tool_places]
+    for task, ways in enumerate(plan.instance.ways):
+        for way, interval in zip(ways, plan.intervals[task], strict=True):
+            for tool, count in way.units:
+                who = [o for o, own in zip(way.operators, way.tools, strict=True) if own == tool]
+                uses[tool].append(Use(interval, count, who))
+    _share(plan, uses, plan.instance.tool_places)
 
 
 def a_zone_holds_as_many_as_it_has_places(plan: Decisions) -> None:
     """At most `capacity` operators are in a zone at once."""
-    _share(plan, plan.instance.zone, plan.instance.zone_places)
-
-
-def _share(plan: Decisions, needs: tuple[int | None, ...], places: tuple[int, ...]) -> None:
-    for thing, capacity in enumerate(places):
-        users = [t for t, need in enumerate(needs) if need == thing]
-        intervals = [interval for t in users for interval in plan.intervals[t]]
-        demands = [len(way.operators) for t in users for way in plan.instance.ways[t]]
-        if (
-            len(
-                {
-                    operator
-                    for t in users
-                    for way in plan.instance.ways[t]
-                    for operator in way.operators
-                }
+    uses: list[list[Use]] = [[] for _ in plan.instance.zone_places]
+    for task, zone in enumerate(plan.instance.zone):
+        if zone is not None:
+            uses[zone] += (
+                Use(interval, len(way.operators), way.operators)
+                for way, interval in zip(
+                    plan.instance.ways[task], plan.intervals[task], strict=True
+                )
             )
-            <= capacity
-        ):
+    _share(plan, uses, plan.instance.zone_places)
+
+
+class Use(NamedTuple):
+    """The operators `who` take `places` while the interval lasts."""
+
+    interval: cp_model.IntervalVar
+    places: int
+    who: Sequence[int]
+
+
+def _share(plan: Decisions, uses: list[list[Use]], places: tuple[int, ...]) -> None:
+    for mine, capacity in zip(uses, places, strict=True):
+        if len({operator for use in mine for operator in use.who}) <= capacity:
             continue
-        if capacity == 1 and max(demands) == 1:
+        intervals = [use.interval for use in mine]
+        if capacity == 1 and max(use.places for use in mine) == 1:
             plan.model.add_no_overlap(intervals)
         else:
-            plan.model.add_cumulative(intervals, demands, capacity)
+            plan.model.add_cumulative(intervals, [use.places for use in mine], capacity)
 
 
 def a_human_stays_within_the_stress_limit(plan: Decisions) -> None:

@@ -97,6 +97,9 @@ def _on_who_and_what_is_there(cell: Cell) -> Iterator[Limit]:
         for key in KEEP_AWAY:
             if getattr(operator, key):
                 yield Limit(f"the {key} of {name}", ("operators", name, key))
+    for name, times in cell.walking.items():
+        if times:
+            yield Limit(f"the time that {name} takes to walk", ("walk", name))
     for name, task in cell.tasks.items():
         if task.release > 0:
             words = f"the release of task {name} ({number(task.release)} s)"
@@ -125,11 +128,11 @@ def _with_longer_wait(task: Task, place: int, key: str) -> Task:
 
 
 def _on_room(cell: Cell) -> Iterator[Limit]:
-    zones, tools = (
-        {getattr(task, kind) for task in cell.tasks.values()} for kind in ("zone", "tool")
-    )
+    tasks = cell.tasks.values()
+    zones = {task.zone for task in tasks if task.zone is not None}
+    tools = {tool for task in tasks for _, tool in task.tools_named()}
     for kind, used in (("zones", zones), ("tools", tools)):
-        for name in sorted(x for x in used if x):
+        for name in sorted(used):
             shared = getattr(cell, kind).get(name)
             words = f"the {kind[:-1]} {name}, of which there is {shared.capacity if shared else 1}"
             yield Limit(words, (kind, name))
@@ -144,7 +147,7 @@ def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell,
     operators, tasks = dict(cell.operators), dict(cell.tasks)
     changes: dict[str, Any] = {}
     same = list(cell.same_operator)
-    tools, zones = dict(cell.tools), dict(cell.zones)
+    tools, zones, walk = dict(cell.tools), dict(cell.zones), dict(cell.walk)
     for limit in lifted:
         room, *names = limit.where
         if room == "question":
@@ -159,6 +162,8 @@ def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell,
             )
         elif room == "same_operator":
             same.remove((names[0], names[1]))
+        elif room == "walk":
+            del walk[names[0]]
         elif room == "zones":
             zones[names[0]] = Zone(capacity=max(len(operators), 1))
         elif room == "tools":
@@ -172,6 +177,7 @@ def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell,
             same_operator=tuple(same),
             tools=tools,
             zones=zones,
+            walk=walk,
             **changes,
         ),
         question,

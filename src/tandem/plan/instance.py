@@ -5,6 +5,7 @@ Only solvers read this form. The checker and the measures never do: they judge f
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
@@ -24,11 +25,13 @@ class Way:
       operators: indices.
       ticks: the duration.
       load: the stress per operator, 0 for robots.
+      tools: the tool that each operator needs in hand, or None.
     """
 
     operators: tuple[int, ...]
     ticks: int
     load: tuple[int, ...]
+    tools: tuple[int | None, ...]
 
     @cached_property
     def stress(self) -> int:
@@ -39,6 +42,57 @@ class Way:
     def who(self) -> int:
         """The operators as bits."""
         return bits(self.operators)
+
+    @cached_property
+    def units(self) -> tuple[tuple[int, int], ...]:
+        """`(tool, how many of it)` that are taken, sorted."""
+        count = Counter(tool for tool in self.tools if tool is not None)
+        return tuple(sorted(count.items()))
+
+    def tool(self, operator: int) -> int | None:
+        """The tool that the operator, who takes part, needs in hand."""
+        return self.tools[self.operators.index(operator)]
+
+
+class Preparation(dict[int, tuple[int, int]]):
+    """What an operator needs before one kind of work: its stance -> (ticks directly before the
+    work, its stance in the work). Worked out when it is first asked for.
+
+    First it walks, then it takes up its tool. A stance says in one number which tool somebody has
+    in hand and where it stands, see `Instance.stance`.
+    """
+
+    __hash__ = object.__hash__  # type: ignore[assignment]
+    __eq__ = object.__eq__
+    __ne__ = object.__ne__
+
+    def __init__(self, tool: int, change: int, place: int, walk: tuple[int, ...]) -> None:
+        """For work at the place with the tool, -1 for none.
+
+        Args:
+          change: ticks to take the tool up.
+          walk: ticks from each place of the cell to this one.
+        """
+        super().__init__()
+        self.tool, self.change, self.place, self.walk = tool, change, place, walk
+
+    def __missing__(self, stance: int) -> tuple[int, int]:
+        held, at = divmod(stance, len(self.walk) + 1)
+        ticks = 0
+        if self.tool >= 0:
+            ticks += self.change if held not in (0, self.tool + 1) else 0
+            held = self.tool + 1
+        if self.place >= 0:
+            ticks += self.walk[at - 1] if at else 0
+            at = self.place + 1
+        self[stance] = found = (ticks, held * (len(self.walk) + 1) + at)
+        return found
+
+    @property
+    def lengths(self) -> set[int]:
+        """Every number of ticks that it may take."""
+        walks = {0, *self.walk} if self.place >= 0 else {0}
+        return walks | {walk + self.change for walk in walks}
 
 
 class Lag(NamedTuple):
@@ -67,10 +121,11 @@ class Instance:
       before: per task, its direct predecessors, those of waits from end to start included.
       lags: the waits.
       release, deadline: ticks per task; a task without a deadline has None.
-      tool, zone: per task, an index or None. `tools` and `zones` are their names.
+      zone, place: per task, an index or None. `tools`, `zones` and `places` are names.
       tool_places, zone_places: capacity per tool and zone.
       changeover: `[tool][operator]` ticks.
-      in_hand: per operator, the tool at the start or None.
+      in_hand, stands: per operator, the tool and the place at the start, or None.
+      walk: `[operator][from][to]` ticks.
       breaks: per operator, `(from, to)` ticks in which it does nothing, sorted, disjoint.
       stress_limit: per operator, units or None.
       same_operator: pairs of tasks.
@@ -84,17 +139,20 @@ class Instance:
     tasks: tuple[str, ...]
     tools: tuple[str, ...]
     zones: tuple[str, ...]
+    places: tuple[str, ...]
     human: tuple[bool, ...]
     ways: tuple[tuple[Way, ...], ...]
     before: tuple[tuple[int, ...], ...]
     release: tuple[int, ...]
     deadline: tuple[int | None, ...]
-    tool: tuple[int | None, ...]
     zone: tuple[int | None, ...]
+    place: tuple[int | None, ...]
     tool_places: tuple[int, ...]
     zone_places: tuple[int, ...]
     changeover: tuple[tuple[int, ...], ...]
     in_hand: tuple[int | None, ...]
+    stands: tuple[int | None, ...]
+    walk: tuple[tuple[tuple[int, ...], ...], ...]
     breaks: tuple[tuple[tuple[int, int], ...], ...]
     stress_limit: tuple[int | None, ...]
     same_operator: tuple[tuple[int, int], ...]
@@ -111,6 +169,7 @@ class Instance:
             per_stress=count.per_stress,
             tools=cell.tool_names,
             zones=cell.zone_names,
+            places=cell.place_names,
             **_tasks(cell, count),
             **_places(cell, count),
             **_operators(cell, count),
@@ -130,7 +189,7 @@ class Instance:
         def way(stated: Way) -> Way:
             slowest = max(pace[operator] for operator in stated.operators)
             ticks = stated.ticks * times
-            return Way(stated.operators, max(1, round(ticks * slowest)), stated.load)
+            return replace(stated, ticks=max(1, round(ticks * slowest)))
 
         return replace(
             self,
@@ -139,6 +198,9 @@ class Instance:
             release=tuple(ticks * times for ticks in self.release),
             deadline=tuple(None if ticks is None else ticks * times for ticks in self.deadline),
             changeover=tuple(tuple(ticks * times for ticks in row) for row in self.changeover),
+            walk=tuple(
+                tuple(tuple(ticks * times for ticks in row) for row in table) for table in self.walk
+            ),
             breaks=tuple(tuple((a * times, b * times) for a, b in row) for row in self.breaks),
             lags=tuple(
                 lag._replace(
@@ -178,8 +240,8 @@ class Instance:
             "before": tuple(tuple(index[f] for f in row if f in index) for row in firsts),
             "release": tuple(release),
             "deadline": tuple(self.deadline[task] for task in tasks),
-            "tool": tuple(self.tool[task] for task in tasks),
             "zone": tuple(self.zone[task] for task in tasks),
+            "place": tuple(self.place[task] for task in tasks),
             "same_operator": tuple(
                 (index[a], index[b]) for a, b in self.same_operator if a in index and b in index
             ),
@@ -393,6 +455,72 @@ class Instance:
         return any(self.swap_ticks)
 
     @cached_property
+    def walks(self) -> tuple[bool, ...]:
+        """Per operator, whether some way costs it time."""
+        return tuple(any(map(any, table)) for table in self.walk)
+
+    @cached_property
+    def has_preparations(self) -> bool:
+        """Somebody may need time directly before a task, to walk there or to take up its tool."""
+        return self.has_swaps or any(self.walks)
+
+    @cached_property
+    def stances(self) -> tuple[int, ...]:
+        """Per operator, its stance at the start."""
+        return tuple(map(self.stance, self.in_hand, self.stands))
+
+    def stance(self, tool: int | None, place: int | None) -> int:
+        """The stance of who has this tool in hand and stands there; None while the first one costs
+        nothing.
+        """
+        held, at = (0 if one is None else one + 1 for one in (tool, place))
+        return held * (len(self.places) + 1) + at
+
+    def read(self, stance: int) -> tuple[int | None, int | None]:
+        """The tool in hand and the place in this stance."""
+        held, at = divmod(stance, len(self.places) + 1)
+        return (held - 1 if held else None, at - 1 if at else None)
+
+    def preparations(self, task: int, way: Way) -> tuple[Preparation, ...]:
+        """Per operator of the way, what it needs before the task; empty where nobody needs time to
+        get ready for anything.
+        """
+        if not self.has_preparations:
+            return ()
+        return tuple(
+            self._preparation(operator, tool, self.place[task])
+            for operator, tool in zip(way.operators, way.tools, strict=True)
+        )
+
+    def _preparation(self, operator: int, tool: int | None, place: int | None) -> Preparation:
+        known = self._preparations.get((operator, tool, place))
+        if known is None:
+            # what costs nothing is not told apart, so that searches see what is alike
+            tool_counts = tool is not None and self.has_swaps
+            place_counts = place is not None and self.walks[operator]
+            known = Preparation(
+                tool if tool is not None and tool_counts else -1,
+                self.changeover[tool][operator] if tool is not None else 0,
+                place if place is not None and place_counts else -1,
+                tuple(0 if place is None else row[place] for row in self.walk[operator]),
+            )
+            self._preparations[operator, tool, place] = known
+        return known
+
+    @cached_property
+    def _preparations(self) -> dict[tuple[int, int | None, int | None], Preparation]:
+        return {}
+
+    @cached_property
+    def longest_preparation(self) -> tuple[int, ...]:
+        """Per operator, ticks that it needs at most to get ready for a task."""
+        return tuple(
+            max((row[o] for row in self.changeover), default=0)
+            + max((ticks for row in self.walk[o] for ticks in row), default=0)
+            for o in range(len(self.operators))
+        )
+
+    @cached_property
     def has_breaks(self) -> bool:
         """Somebody is off at some time."""
         return any(self.breaks)
@@ -408,12 +536,16 @@ class Instance:
         return any(team >= 0 for team in self.team)
 
     @cached_property
-    def timed_tool(self) -> tuple[int, ...]:
-        """Per task, its tool where that can matter for times, else -1."""
-        return tuple(
-            -1 if tool is None or not (self.has_swaps or self.tool_room[tool]) else tool
-            for tool in self.tool
-        )
+    def has_tools(self) -> bool:
+        """Some tool can matter for times."""
+        used = {tool for ways in self.ways for way in ways for tool, _ in way.units}
+        return bool(used) and (self.has_swaps or any(self.tool_room[tool] for tool in used))
+
+    def scarce(self, way: Way) -> tuple[tuple[int, int], ...]:
+        """`(tool, how many of it)` that the way takes, of the tools that not all can have at
+        once.
+        """
+        return tuple(unit for unit in way.units if self.tool_room[unit[0]])
 
     @cached_property
     def timed_zone(self) -> tuple[int, ...]:
@@ -422,8 +554,10 @@ class Instance:
 
     @cached_property
     def is_plain(self) -> bool:
-        """Tools, zones and breaks play no part in times."""
-        return not self.has_breaks and max((*self.timed_tool, *self.timed_zone), default=-1) < 0
+        """Tools, zones, breaks and walking play no part in times."""
+        if self.has_breaks or self.has_tools or self.has_preparations:
+            return False
+        return max(self.timed_zone, default=-1) < 0
 
     @cached_property
     def arrival(self) -> tuple[int, ...]:
@@ -437,7 +571,7 @@ class Instance:
         All tasks one after the other, with every wait, behind every release and break.
         """
         work = sum(max(way.ticks for way in ways) for ways in self.ways)
-        swaps = max((max(row) for row in self.changeover), default=0) * len(self.tasks)
+        swaps = max(self.longest_preparation) * len(self.tasks)
         waits = sum(end for breaks in self.breaks for _, end in breaks)
         lags = sum(lag.least for lag in self.lags)
         return work + swaps + waits + lags + max(self.release, default=0)
@@ -547,19 +681,28 @@ def _lags(cell: Cell, count: _Count, index: dict[str, int]) -> Iterator[Lag]:
 
 def _ways(cell: Cell, count: _Count, task: str) -> Iterator[Way]:
     number = {name: i for i, name in enumerate(cell.operators)}
+    tool = {name: i for i, name in enumerate(cell.tool_names)}
     for mode in cell.modes(task):
-        loads = tuple(count.units(mode.stress.get(who, 0.0)) for who in mode.operators)
-        yield Way(tuple(number[who] for who in mode.operators), count.ticks(mode.time), loads)
+        yield Way(
+            operators=tuple(number[who] for who in mode.operators),
+            ticks=count.ticks(mode.time),
+            load=tuple(count.units(mode.stress.get(who, 0.0)) for who in mode.operators),
+            tools=tuple(
+                tool[mode.tools[who]] if who in mode.tools else None for who in mode.operators
+            ),
+        )
 
 
 def _places(cell: Cell, count: _Count) -> dict[str, Any]:
     """A tool or a zone that the cell does not list exists once and costs nothing."""
     tools, zones = cell.tool_names, cell.zone_names
+    place = {name: i for i, name in enumerate(cell.place_names)}
     tasks = cell.tasks.values()
     listed = [cell.tools.get(name, Tool()) for name in tools]
     return {
-        "tool": tuple(None if task.tool is None else tools.index(task.tool) for task in tasks),
         "zone": tuple(None if task.zone is None else zones.index(task.zone) for task in tasks),
+        "place": tuple(None if task.place is None else place[task.place] for task in tasks),
+        "walk": tuple(_walk(cell, count, who) for who in cell.operators),
         "tool_places": tuple(tool.capacity for tool in listed),
         "zone_places": tuple(cell.zones.get(name, Zone()).capacity for name in zones),
         "changeover": tuple(
@@ -569,12 +712,23 @@ def _places(cell: Cell, count: _Count) -> dict[str, Any]:
     }
 
 
+def _walk(cell: Cell, count: _Count, who: str) -> tuple[tuple[int, ...], ...]:
+    """Ticks from each place to each."""
+    places, times = cell.place_names, cell.walking.get(who)
+    if not times:
+        return ((0,) * len(places),) * len(places)
+    return tuple(
+        tuple(count.ticks(times.get((one, other), 0.0)) for other in places) for one in places
+    )
+
+
 def _operators(cell: Cell, count: _Count) -> dict[str, Any]:
-    tools, operators = cell.tool_names, cell.operators.values()
+    tools, places, operators = cell.tool_names, cell.place_names, cell.operators.values()
     return {
         "operators": tuple(cell.operators),
         "human": tuple(operator.kind == "human" for operator in operators),
         "in_hand": tuple(None if x.tool is None else tools.index(x.tool) for x in operators),
+        "stands": tuple(None if x.place is None else places.index(x.place) for x in operators),
         "breaks": tuple(
             tuple((count.ticks(off.start), count.ticks(off.end)) for off in operator.times_off)
             for operator in operators
@@ -643,6 +797,8 @@ def _times_in(cell: Cell) -> Iterable[float]:
             yield wait.at_most or 0.0
     for tool in cell.tools.values():
         yield from tool.changeover.values()
+    for table in cell.walking.values():
+        yield from table.values()
     for operator in cell.operators.values():
         for off in operator.times_off:
             yield from (off.start, off.end)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from tandem.plan.instance import Instance
+from tandem.plan.instance import Instance, Preparation, Way
 
 
 class Step(NamedTuple):
@@ -23,6 +23,8 @@ class Step(NamedTuple):
     Attributes:
       way: its index in `Instance.ways`.
       operators: indices; `ticks` its duration; `stress` the sum of `load`, the stress per operator.
+      preparations: per operator, what it needs before the task; empty where nobody needs any time.
+      scarce: `(tool, how many of it)`, of the tools that not all can have at once.
     """
 
     way: int
@@ -30,6 +32,8 @@ class Step(NamedTuple):
     ticks: int
     stress: int
     load: tuple[int, ...]
+    preparations: tuple[Preparation, ...]
+    scarce: tuple[tuple[int, int], ...]
 
 
 @dataclass(frozen=True)
@@ -118,7 +122,7 @@ class PartialSchedule:
     Attributes:
       start, end: ticks per task, -1 while it is not placed; `way` its way in `Instance.ways`.
       free: per operator, the end of the last task.
-      hand: per operator, the tool in hand, -1 while the first one costs nothing.
+      stance: per operator, what it has in hand, see `Instance.stance`.
       ready: per task, the latest of its release and the ends of its placed predecessors, waits
         after them included; `waiting` counts the others.
       load: stress per operator so far; `stress` their sum.
@@ -128,13 +132,13 @@ class PartialSchedule:
     __slots__ = (
         "end",
         "free",
-        "hand",
         "instance",
         "layout",
         "load",
         "need",
         "operators_of",
         "ready",
+        "stance",
         "start",
         "stress",
         "tool_free",
@@ -150,7 +154,7 @@ class PartialSchedule:
         self.layout, self.instance = layout, instance
         self.start, self.end, self.way = [-1] * tasks, [-1] * tasks, [-1] * tasks
         self.free = [0] * operators
-        self.hand = [-1 if tool is None else tool for tool in instance.in_hand]
+        self.stance = list(instance.stances)
         self.ready = list(instance.release if release is None else release)
         self.waiting = list(instance.waits_for)
         self.tool_free = [[0] * places for places in instance.tool_room]
@@ -184,19 +188,19 @@ class PartialSchedule:
                 if free[operator] > start:
                     start = free[operator]
             return start
-        tool, zone = instance.timed_tool[task], instance.timed_zone[task]
-        row = instance.swap_ticks[tool] if tool >= 0 else None
+        stance, zone = self.stance, instance.timed_zone[task]
         for operator in step.operators:
-            begin = free[operator]
-            if row is not None and self.hand[operator] != tool and self.hand[operator] >= 0:
-                begin += row[operator]
+            if free[operator] > start:
+                start = free[operator]
+        for operator, preparation in zip(step.operators, step.preparations, strict=False):
+            begin = free[operator] + preparation[stance[operator]][0]
             if begin > start:
                 start = begin
-        if tool >= 0 and instance.tool_room[tool]:
-            start = max(start, self.tool_free[tool][len(step.operators) - 1])
+        for tool, count in step.scarce:
+            start = max(start, self.tool_free[tool][count - 1])
         if zone >= 0:
             start = max(start, self.zone_free[zone][len(step.operators) - 1])
-        return self._behind_breaks(tool, row, step, start) if instance.has_breaks else start
+        return self._behind_breaks(step, start) if instance.has_breaks else start
 
     def put(self, task: int, step: Step, start: int) -> list[int]:
         """Places the task; returns the tasks that have become ready, all that they wait for being
@@ -204,16 +208,16 @@ class PartialSchedule:
         """
         instance, end = self.instance, start + step.ticks
         self.start[task], self.end[task], self.way[task] = start, end, step.way
-        tool, zone, team = instance.timed_tool[task], instance.timed_zone[task], instance.team[task]
+        zone, team = instance.timed_zone[task], instance.team[task]
         for operator, load in zip(step.operators, step.load, strict=True):
             self.free[operator] = end
             self.load[operator] += load
-            if tool >= 0:
-                self.hand[operator] = tool
+        for operator, preparation in zip(step.operators, step.preparations, strict=False):
+            self.stance[operator] = preparation[self.stance[operator]][1]
         self.stress += step.stress
         # tools and zones with room for all are never full, so nobody counts their places
-        if tool >= 0 and instance.tool_room[tool]:
-            _take(self.tool_free[tool], len(step.operators), end)
+        for tool, count in step.scarce:
+            _take(self.tool_free[tool], count, end)
         if zone >= 0:
             _take(self.zone_free[zone], len(step.operators), end)
         # the first task of those that need the same operators settles them for the others
@@ -263,19 +267,19 @@ class PartialSchedule:
                 return False
         return True
 
-    def _behind_breaks(self, tool: int, row: tuple[int, ...] | None, step: Step, start: int) -> int:
+    def _behind_breaks(self, step: Step, start: int) -> int:
         breaks, moved = self.instance.breaks, True
+        needs = [
+            preparation[self.stance[o]][0]
+            for o, preparation in zip(step.operators, step.preparations, strict=False)
+        ]
+        needs = needs or [0] * len(step.operators)
         while moved:
             moved = False
-            for operator in step.operators:
-                change = (
-                    row[operator]
-                    if row is not None and self.hand[operator] != tool and self.hand[operator] >= 0
-                    else 0
-                )
+            for operator, need in zip(step.operators, needs, strict=True):
                 for off, back in breaks[operator]:
-                    if off < start + step.ticks and start - change < back:
-                        start, moved = back + change, True
+                    if off < start + step.ticks and start - need < back:
+                        start, moved = back + need, True
         return start
 
 
@@ -331,15 +335,27 @@ def _take(places: list[int], count: int, end: int) -> None:
 
 
 def _steps(instance: Instance, task: int) -> list[Step]:
-    tool, zone = instance.tool[task], instance.zone[task]
-    places = min([instance.tool_places[tool]] if tool is not None else [len(instance.operators)])
-    places = min(places, instance.zone_places[zone]) if zone is not None else places
     best: dict[tuple[tuple[int, ...], int], Step] = {}
     for index, way in enumerate(instance.ways[task]):
         key = (way.operators, way.ticks)
-        if len(way.operators) <= places and (key not in best or way.stress < best[key].stress):
-            best[key] = Step(index, way.operators, way.ticks, way.stress, way.load)
+        if _has_room(instance, task, way) and (key not in best or way.stress < best[key].stress):
+            best[key] = Step(
+                way=index,
+                operators=way.operators,
+                ticks=way.ticks,
+                stress=way.stress,
+                load=way.load,
+                preparations=instance.preparations(task, way),
+                scarce=instance.scarce(way),
+            )
     return list(best.values())
+
+
+def _has_room(instance: Instance, task: int, way: Way) -> bool:
+    zone = instance.zone[task]
+    if zone is not None and len(way.operators) > instance.zone_places[zone]:
+        return False
+    return all(count <= instance.tool_places[tool] for tool, count in way.units)
 
 
 def _shared_by_teams(team: Sequence[int], steps: list[list[Step]]) -> list[list[Step]]:

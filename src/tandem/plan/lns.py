@@ -77,6 +77,7 @@ def take_out(
         [fixed.release(cut, task) for task in cut.free],
         before=[dict.fromkeys((*instance.before[t], *chain.get(t, ()))) for t in cut.free],
         in_hand=fixed.in_hand,
+        stands=fixed.stands,
         breaks=fixed.breaks(instance),
         stress_limit=_limits_left(cut),
     )
@@ -138,12 +139,13 @@ class _Fixed:
     """What the tasks before a stretch leave behind.
 
     Attributes:
-      free: per operator, when they are free. `in_hand`: their tools.
+      free: per operator, when they are free. `in_hand`: their tools; `stands`: where they are.
       tools, zones: when those are free that do not have room for all.
     """
 
     free: tuple[int, ...]
     in_hand: tuple[int | None, ...]
+    stands: tuple[int | None, ...]
     tools: dict[int, int]
     zones: dict[int, int]
 
@@ -151,26 +153,33 @@ class _Fixed:
     def of(cls, cut: _Cut) -> _Fixed:
         instance = cut.instance
         free, hand = [0] * len(instance.operators), list(instance.in_hand)
+        stands = list(instance.stands)
         tools: dict[int, int] = {}
         zones: dict[int, int] = {}
         for task in cut.before:
-            tool, zone, end = instance.tool[task], instance.zone[task], cut.end[task]
-            for operator in cut.way(task).operators:
+            way, zone, end = cut.way(task), instance.zone[task], cut.end[task]
+            place = instance.place[task]
+            for operator, tool in zip(way.operators, way.tools, strict=True):
                 free[operator] = max(free[operator], end)
                 hand[operator] = hand[operator] if tool is None else tool
-            if tool is not None and instance.tool_room[tool]:
+                stands[operator] = stands[operator] if place is None else place
+            for tool, _ in instance.scarce(way):
                 tools[tool] = max(tools.get(tool, 0), end)
             if zone is not None and instance.zone_room[zone]:
                 zones[zone] = max(zones.get(zone, 0), end)
-        return cls(tuple(free), tuple(hand), tools, zones)
+        return cls(tuple(free), tuple(hand), tuple(stands), tools, zones)
 
     def release(self, cut: _Cut, task: int) -> int:
         """Ticks before which a task of the stretch finds no room, or waits for what is before."""
-        tool, zone = cut.instance.tool[task], cut.instance.zone[task]
+        zone = cut.instance.zone[task]
         return max(
             cut.instance.release[task],
             cut.predecessors_end(task),
-            0 if tool is None else self.tools.get(tool, 0),
+            # in some way its tools are there
+            min(
+                max((self.tools.get(tool, 0) for tool, _ in way.units), default=0)
+                for way in cut.instance.ways[task]
+            ),
             0 if zone is None else self.zones.get(zone, 0),
         )
 

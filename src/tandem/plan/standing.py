@@ -17,7 +17,7 @@ from tandem.cell.written import number
 from tandem.errors import InfeasibleError, UsageError
 from tandem.plan.instance import Instance
 from tandem.schedule.checker import faults
-from tandem.schedule.measures import changeovers, exact
+from tandem.schedule.measures import Ready, exact, made_ready
 from tandem.schedule.model import Assignment, Schedule
 
 FINEST = 6
@@ -92,19 +92,26 @@ class Standing:
 
     @cached_property
     def under_way(self) -> frozenset[tuple[int, int]]:
-        """Operator and task of each changeover that the old plan began before `now`: it need not be
-        begun again.
+        """Operator and task of each walk or changeover that the old plan began before `now`: it
+        need not be begun again.
         """
         rows = tuple(a for a in self.before if a.task in self.stated.tasks)
         return frozenset(
-            (self.stated.operators.index(change.operator), self.stated.tasks.index(change.task))
-            for change in changeovers(self.cell, Schedule(rows))
-            if exact(change.start) * self.stated.per_second < self.now
+            (operator, task) for _, operator, task in self._begun_early(Schedule(rows))
         )
 
+    def _begun_early(self, schedule: Schedule) -> Iterator[tuple[Ready, int, int]]:
+        """What is begun before `now` to be ready for a task, with its operator and its task."""
+        for operator, who in enumerate(self.stated.operators):
+            rows = schedule.of(who)
+            for a, ready in zip(rows, made_ready(self.cell, who, rows), strict=True):
+                begin = exact(a.start) - exact(ready.seconds)
+                if ready.seconds and begin * self.stated.per_second < self.now:
+                    yield ready, operator, self.stated.tasks.index(a.task)
+
     def may_be_prepared_early(self, operator: int, task: int) -> bool:
-        """Whether the operator may take up the tool for the task before `now`: the task has begun,
-        or the changeover had.
+        """Whether the operator may get ready for the task before `now`: the task has begun, or the
+        walk or the changeover had.
         """
         begun = task in self.fixed and self.fixed[task].start < self.now
         return begun or (operator, task) in self.under_way
@@ -114,12 +121,11 @@ class Standing:
         cell alone, so this is asked beside it.
         """
         moment = number(self.stated.seconds(self.now))
-        for change in changeovers(self.cell, schedule):
-            operator = self.stated.operators.index(change.operator)
-            task = self.stated.tasks.index(change.task)
-            early = exact(change.start) * self.stated.per_second < self.now
-            if early and not self.may_be_prepared_early(operator, task):
-                yield f"{change.operator} changes tools for task {change.task!r} before {moment} s."
+        for ready, operator, task in self._begun_early(schedule):
+            if not self.may_be_prepared_early(operator, task):
+                does = "sets out" if ready.walk else "changes tools"
+                who, what = self.stated.operators[operator], self.stated.tasks[task]
+                yield f"{who} {does} for task {what!r} before {moment} s."
         rows = {a.task: a for a in schedule}
         was = {a.task: a for a in self.before}
         for index, name in enumerate(self.stated.tasks):
@@ -279,9 +285,9 @@ def _clashes(standing: Standing) -> list[str]:
         if name in names
     }
     pairs = tuple(pair for pair in cell.same_operator if names.issuperset(pair))
-    # what lies between two of them decides which tool is in hand
+    # what lies between two of them decides which tool is in hand, and where somebody stands
     tools = {name: tool.model_copy(update={"changeover": {}}) for name, tool in cell.tools.items()}
-    alone = cell.replace(tasks=tasks, same_operator=pairs, stress_of_set=None, tools=tools)
+    alone = cell.replace(tasks=tasks, same_operator=pairs, stress_of_set=None, tools=tools, walk={})
     rows = (
         _placed(stated, task, fixed.way, fixed.start)
         for task, fixed in sorted(standing.fixed.items())

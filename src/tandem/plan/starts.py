@@ -146,16 +146,14 @@ def _moments_before(
         if other != task and instance.ways[other][ways[other]].who & way.who
     ]
     busy += [off for operator in way.operators for off in instance.breaks[operator]]
-    tool, zone = instance.timed_tool[task], instance.timed_zone[task]
+    zone, tools = instance.timed_zone[task], {tool for tool, _ in way.units}
     shared = [
         end[other]
         for other in range(len(begin))
-        if (tool >= 0 and instance.timed_tool[other] == tool)
-        or (zone >= 0 and instance.timed_zone[other] == zone)
+        if (zone >= 0 and instance.timed_zone[other] == zone)
+        or (instance.has_tools and tools & {t for t, _ in instance.ways[other][ways[other]].units})
     ]
-    swaps = {0}
-    if tool >= 0:
-        swaps |= {instance.changeover[tool][operator] for operator in way.operators}
+    swaps = {0}.union(*(preparation.lengths for preparation in instance.preparations(task, way)))
     ends = [0, ready, *shared, *(off for _, off in busy)]
     moments = {moment + swap for moment in ends for swap in swaps}
     return sorted(

@@ -2,8 +2,8 @@
 can begin then.
 
 A sheet holds on paper too, where nobody is on the planned second: a step names every condition, not
-only the one that binds in the plan. Changeovers and setting up are steps of their own. The same
-steps, from here, stand in the page, in the workbook and in Markdown, for people and for robots.
+only the one that binds in the plan. Walks, changeovers and setting up are steps of their own. The
+same steps, from here, stand in the page, in the workbook and in Markdown, for people and robots.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from tandem.report.language import Words
 from tandem.report.tables import named
 from tandem.report.waits import kind_of
 from tandem.schedule.critical import links
-from tandem.schedule.measures import changeover_times, exact
+from tandem.schedule.measures import exact, made_ready
 from tandem.schedule.model import Assignment, Schedule
-from tandem.schedule.queues import Kind, places_of, queues
+from tandem.schedule.queues import KINDS, places_of, queues
 
 
 @dataclass(frozen=True)
@@ -48,14 +48,15 @@ class Condition:
 
 @dataclass(frozen=True)
 class Step:
-    """One row of a sheet: a task, a changeover before it, or setting up.
+    """One row of a sheet: a task, a walk or a changeover before it, or setting up.
 
     Attributes:
       number: counted from 1.
-      task: its name; empty for a changeover and for setting up.
-      does: the task's label, empty when it has none; or what the operator changes to or sets up.
-      means: the part, the tool, the zone and who takes part too, each a short sentence; of a tool
-        and a zone also how many there are, or have room.
+      task: its name; empty for a walk, a changeover and for setting up.
+      does: the task's label, empty when it has none; or where the operator walks, what it changes
+        to or sets up.
+      means: the part, the place, the tool, the zone and who takes part too, each a short sentence;
+        of a tool and a zone also how many there are, or have room.
       begin: everything that must be true before.
       then: who can begin what when it is done, each a short sentence: all tasks that come after
         it, and whoever waits for its tool or its place.
@@ -151,22 +152,24 @@ class _Sheet:
             yield Step(0, "", does, *span, _with_last([*self._breaks(0.0, span[0])], self.t))
         for place, a in enumerate(self.own.tasks):
             begun = bool(place or self.own.ready)
-            if seconds := self.own.changes[place]:
-                yield self._changeover(place, a, seconds, begun)
-            yield self._task(place, a, begun or bool(seconds))
+            yield from self._preparation(place, a, begun)
+            yield self._task(place, a, begun or bool(self.own.before[place].seconds))
 
-    def _changeover(self, place: int, a: Assignment, seconds: float, begun: bool) -> Step:
-        """Taking up a tool: it needs nobody else."""
-        tool, start = self.cell.tasks[a.task].tool, float(exact(a.start) - exact(seconds))
-        found = [self._when("previous", self.own.ended(place))] if begun else []
-        return Step(
-            number=0,
-            task="",
-            does=self.t("steps.take_up", tool=tool, seconds=self.t.seconds(seconds)),
-            start=start,
-            end=a.start,
-            begin=_with_last([*found, *self._breaks(self.own.ended(place), start)], self.t),
-        )
+    def _preparation(self, place: int, a: Assignment, begun: bool) -> Iterator[Step]:
+        """Walking to the task and taking up a tool: neither needs anybody else."""
+        walk, origin, there, change, tool = self.own.before[place]
+        ended, there_at = self.own.ended(place), float(exact(a.start) - exact(change))
+        start = float(exact(there_at) - exact(walk))
+        found = [self._when("previous", ended)] if begun else []
+        begin = _with_last([*found, *self._breaks(ended, start)], self.t)
+        if walk:
+            seconds = self.t.seconds(walk)
+            does = self.t("steps.walk", origin=origin, place=there, seconds=seconds)
+            yield Step(0, "", does, start, there_at, begin)
+            begin = _with_last([self._when("previous", there_at)], self.t)
+        if change:
+            does = self.t("steps.take_up", tool=tool, seconds=self.t.seconds(change))
+            yield Step(0, "", does, there_at, a.start, begin)
 
     def _task(self, place: int, a: Assignment, begun: bool) -> Step:
         task = self.cell.tasks[a.task]
@@ -187,7 +190,7 @@ class _Sheet:
         """All that must be true before a task begins: one's own part first, then the others'."""
         before = [name for name in self._predecessors(a.task) if self._is_own(name)]
         yield from self._own_part(place, before, begun)
-        if not self.own.changes[place]:
+        if not self.own.before[place].seconds:
             yield from self._breaks(self.own.ended(place), a.start)
         if release := self.cell.tasks[a.task].release:
             yield self._when("release", release, release=self.t.seconds(release))
@@ -244,7 +247,7 @@ class _Sheet:
     def _own_part(self, place: int, before: list[str], begun: bool) -> Iterator[Condition]:
         """The step before, and the predecessors on this sheet."""
         tasks = ", ".join(before)
-        if self.own.changes[place]:
+        if self.own.before[place].seconds:
             kind = "both" if before else "previous"
             yield self._when(kind, self.own.able(self.own.tasks[place]), tasks=tasks)
         elif place and self.own.tasks[place - 1].task in before:
@@ -334,8 +337,10 @@ class _Sheet:
         task = self.cell.tasks[a.task]
         if task.part:
             yield self.t("steps.means.part", part=task.part)
-        kinds: tuple[tuple[Kind, str | None], ...] = (("tool", task.tool), ("zone", task.zone))
-        for kind, name in kinds:
+        if task.place:
+            yield self.t("steps.means.place", place=task.place)
+        for kind in KINDS:
+            name = self.cell.takes(kind, a.task, a.operators).get(self.operator)
             if name is not None:
                 places = places_of(self.cell, kind, name)
                 many = "one" if places == 1 else "other"
@@ -360,14 +365,14 @@ class _Own:
     """What an operator does before each of its tasks, by itself.
 
     Attributes:
-      tasks: in order; `changes`: seconds of the changeover before each.
+      tasks: in order; `before`: the walk and the changeover before each.
       ready: when it is set up, seconds; 0 when it need not be.
     """
 
     def __init__(self, cell: Cell, schedule: Schedule, operator: str):
         self.tasks = schedule.of(operator)
         self.breaks = cell.operators[operator].breaks
-        self.changes = changeover_times(cell, operator, [a.task for a in self.tasks])
+        self.before = made_ready(cell, operator, self.tasks)
         self.ready = (cell.operators[operator].setting_up or (0.0, 0.0))[1]
 
     def ended(self, place: int) -> float:
@@ -376,13 +381,13 @@ class _Own:
 
     def able(self, a: Assignment) -> float:
         """When the operator itself is ready for its task: what came before has ended, the breaks
-        until then are over, and the changeover is done as soon as it can be.
+        until then are over, and walk and changeover are done as soon as they can be.
         """
         place = self.tasks.index(a)
-        begin = float(exact(a.start) - exact(self.changes[place]))
+        begin = float(exact(a.start) - exact(self.before[place].seconds))
         free = self.ended(place)
         free = max([free, *(back for off, back in self.breaks if free <= off and back <= begin)])
-        return float(exact(free) + exact(self.changes[place]))
+        return float(exact(free) + exact(self.before[place].seconds))
 
 
 RANK = (

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import tandem
+from tandem.cell.model import Cell
+from tandem.cell.walking import SPEED
 from tandem.draw.style import looks
 from tandem.plan.result import Front, Status
 from tandem.report.language import Words
@@ -19,7 +23,7 @@ def assumptions(front: Front, t: Words) -> list[str]:
         t("assume.tasks"),
         t("assume.fixed"),
     ]
-    used = {task.tool: None for task in cell.tasks.values() if task.tool}
+    used = dict.fromkeys(tool for task in cell.tasks.values() for _, tool in task.tools_named())
     zones = {task.zone: None for task in cell.tasks.values() if task.zone}
     breaks = [
         f"{shown[o].label} {t.number(a)}–{t.number(b)} s"
@@ -62,7 +66,10 @@ def assumptions(front: Front, t: Words) -> list[str]:
                 ),
             )
         )
-    found += [t("assume.breaks", breaks=", ".join(breaks))] if breaks else []
+    if cell.walking:
+        found.append(t("assume.walk", walks=", ".join(_walks(cell, t))))
+    about_breaks = "assume.breaks.walk" if cell.walking else "assume.breaks"
+    found += [t(about_breaks, breaks=", ".join(breaks))] if breaks else []
     found += [t("assume.setup", setups=", ".join(setups))] if setups else []
     found += [t("assume.limits", limits=", ".join(limits))] if limits else []
     found += (
@@ -83,6 +90,22 @@ def assumptions(front: Front, t: Words) -> list[str]:
         t("proof.complete") if front.complete else t("proof.partial", proven=proven, n=len(front)),
     ]
     return found
+
+
+def _walks(cell: Cell, t: Words) -> Iterator[str]:
+    """How long walking takes whom: by a speed, or pair by pair; both directions at once where they
+    take the same.
+    """
+    for who, times in cell.walking.items():
+        name = looks(cell)[who].label
+        if SPEED in cell.walk[who]:
+            yield t("assume.walk.speed", who=name, speed=t.number(cell.walk[who][SPEED]))
+            continue
+        for (origin, place), time in times.items():
+            back = times.get((place, origin), 0.0)
+            if time != back or cell.place_names.index(origin) < cell.place_names.index(place):
+                seconds = t.seconds(time)
+                yield t("assume.walk.pair", who=name, origin=origin, place=place, seconds=seconds)
 
 
 def made(front: Front, t: Words, command: str = "", date: str = "") -> list[tuple[str, str]]:

@@ -96,7 +96,7 @@ def _panel(
             if off.end > begin and off.start < stop:
                 words = t(
                     f"gantt.{off.kind}",
-                    why=off.tool,
+                    why=off.what,
                     start=t.number(off.start),
                     end=t.number(off.end),
                 )

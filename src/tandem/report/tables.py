@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from tandem.cell.model import Cell
 from tandem.draw.style import Look, looks, task_label
@@ -148,7 +148,7 @@ def balance(cell: Cell, schedule: Schedule, t: Words) -> Markup:
         "kind",
         "tasks",
         "busy",
-        "changeover",
+        between(cell),
         "break",
         "idle",
         "utilisation",
@@ -166,9 +166,15 @@ def balance(cell: Cell, schedule: Schedule, t: Words) -> Markup:
             if limit is None
             else t("balance.limit", stress=t.number(loads[name]), limit=t.number(limit))
         )
-        bar = _spent(
-            look, (busy[name], swaps[name], off, free[name]), total, t, hatch_id(look, looks(cell))
+        words = t(
+            "balance.bar.walking" if cell.walking else "balance.bar",
+            busy=t.number(busy[name]),
+            changeover=t.number(swaps[name]),
+            off=t.number(off),
+            idle=t.number(free[name]),
         )
+        parts = (busy[name], swaps[name], off)
+        bar = _spent(parts, total, words, hatch_id(look, looks(cell)))
         cells = [
             tag("th", look.label, scope="row"),
             tag("td", t(look.kind)),
@@ -181,22 +187,12 @@ def balance(cell: Cell, schedule: Schedule, t: Words) -> Markup:
     return table(heads, rows, t("balance.title"))
 
 
-def _spent(
-    look: Look, parts: tuple[float, float, float, float], total: float, t: Words, fill: str
-) -> Markup:
-    """How an operator spends the makespan as a small bar: busy, changeovers, breaks, idle."""
-    busy, swap, off, free = parts
-    words, x, pieces = (
-        t(
-            "balance.bar",
-            busy=t.number(busy),
-            changeover=t.number(swap),
-            off=t.number(off),
-            idle=t.number(free),
-        ),
-        0.0,
-        [],
-    )
+def _spent(parts: tuple[float, float, float], total: float, words: str, fill: str) -> Markup:
+    """How an operator spends the makespan as a small bar: busy, walks and changeovers, breaks,
+    idle; in words for who does not see it.
+    """
+    busy, swap, off = parts
+    x, pieces = 0.0, []
     for value, paint in (
         (busy, f"url(#{fill})"),
         (swap, "url(#fill-changeover)"),
@@ -293,16 +289,37 @@ def pieces(found: Iterable[str]) -> Markup:
     )
 
 
+def between(cell: Cell) -> str:
+    """The column of a balance for what operators do between their tasks."""
+    return "walking" if cell.walking else "changeover"
+
+
 def conditions(cell: Cell, name: str, t: Words) -> list[str]:
-    """What else holds for a task: tool, zone, earliest start, waits, deadline."""
+    """What else holds for a task: place, tools, zone, earliest start, waits, deadline."""
     task = cell.tasks[name]
-    found = [t("tasks.tool", tool=task.tool)] if task.tool else []
+    found = [t("tasks.place", place=task.place)] if task.place else []
+    found += _tools(cell, name, t)
     found += [t("tasks.zone", zone=task.zone)] if task.zone else []
     found += [t("tasks.release", release=t.number(task.release))] if task.release else []
     found += wait_words(cell, name, t)
     return found + (
         [t("tasks.deadline", deadline=t.number(task.deadline))] if task.deadline is not None else []
     )
+
+
+def _tools(cell: Cell, name: str, t: Words) -> list[str]:
+    """The tool of a task; where it depends on who does it, each with those who need it."""
+    task, shown, who_needs = cell.tasks[name], looks(cell), dict[str, list[str]]()
+    if not isinstance(task.tool, Mapping) and all(way.tool is None for way in task.together):
+        return [t("tasks.tool", tool=task.tool)] if task.tool else []
+    for mode in cell.modes(name):
+        for who, tool in mode.tools.items():
+            others = [shown[other].label for other in mode.operators if other != who]
+            said = shown[who].label
+            if others:
+                said = t("tasks.tool.with", who=said, others=" + ".join(others))
+            who_needs.setdefault(tool, []).append(said)
+    return [t("tasks.tool.of", tool=tool, who=", ".join(who)) for tool, who in who_needs.items()]
 
 
 def _loads(cell: Cell, task: str, shown: dict[str, Look], t: Words) -> Markup | str:

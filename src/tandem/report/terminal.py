@@ -249,7 +249,7 @@ class GanttText:
     when tasks would get too narrow.
 
     A bar begins with an edge and the task's name; humans' bars are solid, robots' shaded. `x` is a
-    break, `~` a tool changeover.
+    break, `~` a tool changeover, `>` walking.
     """
 
     def __init__(
@@ -356,12 +356,12 @@ class _Marks:
         self.human, self.robot = ("#", "=") if plain else ("█", "░")
         self.bar, self.edge = ("[", "|") if plain else ("▐", "│")
         self.arrow, self.ellipsis = ("->", "..") if plain else ("→", "…")
-        self.pause, self.swap = ("x", "~") if plain else ("╳", "~")
+        self.pause, self.swap, self.walk = ("x", "~", ">") if plain else ("╳", "~", "›")
 
     @property
     def shaded(self) -> dict[str, str]:
         """The sign of each fill of a time without a task."""
-        return {"break": self.pause, "changeover": self.swap}
+        return {"break": self.pause, "changeover": self.swap, "walk": self.walk}
 
 
 def _can_print(encoding: str | None, marks: _Marks) -> bool:

@@ -19,7 +19,7 @@ from tandem.report.instructions import Step, columns, origin, rules, steps
 from tandem.report.language import Words, words
 from tandem.report.risk import is_told, risk_heads, risk_note, risk_values
 from tandem.report.sources import assumptions, made
-from tandem.report.tables import named, shown_plans, status
+from tandem.report.tables import between, named, shown_plans, status
 from tandem.schedule.critical import critical_path, slack
 from tandem.schedule.measures import (
     changing,
@@ -219,7 +219,7 @@ def _plan(book: Workbook, result: Result, place: int, t: Words) -> None:
 
 
 def _balance(sheet: Worksheet, top: int, cell: Cell, schedule: Schedule, t: Words) -> None:
-    keys = ("operator", "kind", "busy", "changeover", "break", "idle", "stress")
+    keys = ("operator", "kind", "busy", between(cell), "break", "idle", "stress")
     _put(sheet, top - 1, 1, t("balance.title"), bold=True)
     _header(sheet, top, [t(f"balance.{key}") for key in keys], [])
     busy, swaps, free = working(cell, schedule), changing(cell, schedule), idle(cell, schedule)

@@ -8,17 +8,25 @@ and is tested alone.
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from difflib import get_close_matches
 from math import isfinite, nan
 from operator import attrgetter
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from tandem.cell.model import Cell
 from tandem.cell.parts import Mode, Operator
-from tandem.schedule.measures import changeover_times, exact, mode_of, stress_of_tasks, unlisted_set
+from tandem.schedule.measures import (
+    Ready,
+    exact,
+    made_ready,
+    mode_of,
+    stress_of_tasks,
+    unlisted_set,
+)
 from tandem.schedule.model import Assignment, Schedule
 
 
@@ -265,32 +273,34 @@ def operators_are_set_up_first(judged: Judged) -> Iterator[str]:
                 )
 
 
-def tools_change_hands_in_time(judged: Judged) -> Iterator[str]:
-    for name, change in _changeovers(judged):
-        if change.free > change.row.start:
+def operators_are_at_hand_in_time(judged: Judged) -> Iterator[str]:
+    """Before a task there is time to walk to it and to take up its tool."""
+    for name, before in _preparations(judged):
+        if before.free > before.row.start:
             continue  # the tasks themselves overlap, which another rule says
-        if change.start < change.free:
+        if before.start < before.free:
             since = (
-                f"task {change.after.task!r}"
-                if change.after
+                f"task {before.after.task!r}"
+                if before.after
                 else "it is set up"
-                if change.free
+                if before.free
                 else "the beginning"
             )
             yield (
-                f"{_needs(name, change)}, which starts only {_s(change.row.start - change.free)}"
-                f" after {since}; {_s(change.free + change.time)} is the earliest."
+                f"{_needs(name, before)}, which starts only"
+                f" {_s(before.row.start - before.free)} after {since};"
+                f" {_s(before.free + before.time)} is the earliest."
             )
 
 
-def breaks_are_free_of_changeovers(judged: Judged) -> Iterator[str]:
+def breaks_are_free_of_walks_and_changeovers(judged: Judged) -> Iterator[str]:
     breaks_of = dict(_breaks(judged.cell))
-    for name, change in _changeovers(judged):
-        for start, end in _overlapping(breaks_of.get(name, []), change.start, change.row.start):
+    for name, before in _preparations(judged):
+        for start, end in _overlapping(breaks_of.get(name, []), before.start, before.row.start):
             yield (
-                f"{_needs(name, change)}; from {_s(change.start)} to {_s(change.row.start)} that"
+                f"{_needs(name, before)}; from {_s(before.start)} to {_s(before.row.start)} that"
                 f" runs into the break from {_s(start)} to {_s(end)}; after it,"
-                f" {_s(end + change.time)} is the earliest."
+                f" {_s(end + before.time)} is the earliest."
             )
 
 
@@ -388,8 +398,8 @@ RULES: tuple[Callable[[Judged], Iterator[str]], ...] = (
     deadlines_are_kept,
     breaks_are_free_of_work,
     operators_are_set_up_first,
-    tools_change_hands_in_time,
-    breaks_are_free_of_changeovers,
+    operators_are_at_hand_in_time,
+    breaks_are_free_of_walks_and_changeovers,
     tools_are_enough,
     zones_are_wide_enough,
     stress_limits_are_kept,
@@ -400,67 +410,75 @@ RULES: tuple[Callable[[Judged], Iterator[str]], ...] = (
 )
 
 
-class _Change(NamedTuple):
-    """A changeover to the tool that `row` needs: `time` long, directly before it; the operator is
+class _Preparation(NamedTuple):
+    """What the operator does directly before `row`: it walks there, then takes up its tool. It is
     free from `free` on, when `after` has ended.
     """
 
     row: Row
-    tool: str | None
-    time: Decimal
+    ready: Ready
     free: Decimal
     after: Row | None
+
+    @property
+    def time(self) -> Decimal:
+        return exact(self.ready.walk) + exact(self.ready.change)
 
     @property
     def start(self) -> Decimal:
         return self.row.start - self.time
 
 
-def _changeovers(judged: Judged) -> Iterator[tuple[str, _Change]]:
+def _preparations(judged: Judged) -> Iterator[tuple[str, _Preparation]]:
+    """Those that take time."""
     for name in judged.cell.operators:
         after, free = None, _ready(judged.cell.operators[name])
         rows = judged.of_operator.get(name, [])
-        for row, seconds in zip(
-            rows, changeover_times(judged.cell, name, [row.task for row in rows]), strict=True
-        ):
-            if seconds:
-                yield (
-                    name,
-                    _Change(row, judged.cell.tasks[row.task].tool, exact(seconds), free, after),
-                )
+        ready = made_ready(judged.cell, name, [row.given for row in rows])
+        for row, before in zip(rows, ready, strict=True):
+            if before.seconds:
+                yield name, _Preparation(row, before, free, after)
             if row.end > free:
                 after, free = row, row.end
 
 
-def _needs(name: str, change: _Change) -> str:
-    return (
-        f"operator {name!r}: needs {_s(change.time)} to take up tool {change.tool!r} before task"
-        f" {change.row.task!r}"
-    )
+def _needs(name: str, before: _Preparation) -> str:
+    walk, origin, place, change, tool = before.ready
+    parts = [
+        f"{_s(exact(walk))} to walk from {origin!r} to {place!r}" if walk else "",
+        f"{_s(exact(change))} to take up tool {tool!r}" if change else "",
+    ]
+    needs = " and ".join(filter(None, parts))
+    return f"operator {name!r}: needs {needs} before task {before.row.task!r}"
 
 
-def _by_place(judged: Judged, kind: str) -> Iterator[tuple[str, list[Row]]]:
-    """Rows of positive length by the tool or zone that their tasks name."""
-    rows: dict[str, list[Row]] = {}
+def _by_place(
+    judged: Judged, kind: Literal["tool", "zone"]
+) -> Iterator[tuple[str, list[tuple[Row, int]]]]:
+    """Rows of positive length by the tool or zone that they need, and how many of it each takes."""
+    rows: dict[str, list[tuple[Row, int]]] = {}
     for row in judged.rows:
-        name = getattr(judged.cell.tasks[row.task], kind)
-        if name is not None and row.start < row.end and row.who:
-            rows.setdefault(name, []).append(row)
+        if row.start < row.end:
+            takes = judged.cell.takes(kind, row.task, row.who)
+            for name, count in Counter(takes.values()).items():
+                rows.setdefault(name, []).append((row, count))
     yield from rows.items()
 
 
-def _crowds(rows: Iterable[Row], places: int) -> Iterator[str]:
+def _crowds(rows: Iterable[tuple[Row, int]], places: int) -> Iterator[str]:
     """A sentence for each span of time in which more operators are there than there are places."""
+    rows = list(rows)
     events = sorted(
-        [(row.end, 0, row) for row in rows] + [(row.start, 1, row) for row in rows],
+        [(row.end, 0, row, count) for row, count in rows]
+        + [(row.start, 1, row, count) for row, count in rows],
         key=lambda event: event[:2],
     )
     present: dict[int, Row] = {}
     used, since, most, crowd = 0, Decimal(0), 0, dict[str, None]()
-    for time, starts, row in events:
+    for time, starts, row, count in events:
         if starts:
             present[id(row)] = row
-            used += len(row.who)
+            used += count
             if used > places:
                 since = since if crowd else time
                 crowd.update(
@@ -471,7 +489,7 @@ def _crowds(rows: Iterable[Row], places: int) -> Iterator[str]:
                 most = max(most, used)
         else:
             del present[id(row)]
-            used -= len(row.who)
+            used -= count
             if crowd and used <= places:
                 yield (
                     f"{most} operators need it at once from {_s(since)} to {_s(time)} (tasks"

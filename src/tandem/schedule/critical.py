@@ -9,8 +9,9 @@ from typing import Literal, NamedTuple
 
 from tandem.cell.model import Cell
 from tandem.cell.written import number
-from tandem.schedule.measures import changeover_times, exact
+from tandem.schedule.measures import Ready, exact, made_ready
 from tandem.schedule.model import Assignment, Schedule
+from tandem.schedule.queues import Kind, places_of, taken_by
 
 Reason = Literal[
     "start",
@@ -20,7 +21,9 @@ Reason = Literal[
     "predecessor",
     "wait",
     "operator",
+    "walk",
     "changeover",
+    "preparation",
     "tool",
     "zone",
     "follower",
@@ -35,12 +38,12 @@ class Link:
     Attributes:
       assignment: the task.
       reason: why it starts exactly when it does: at the "start" of the assembly (there may be a
-        changeover first), at its "release", when a "break" or the "setup" of `by` ends, when its
-        "predecessor" `by` ends, when its "wait" after task `by` is over, when the "operator" `by`
-        is free, when that operator's "changeover"
-        is done, when a unit of the "tool" or a place in the "zone" `by` is given back, so late that
-        its "follower" `by` still starts within its wait after it; or by "choice": it could have
-        started earlier.
+        walk or a changeover first), at its "release", when a "break" or the "setup" of `by` ends,
+        when its "predecessor" `by` ends, when its "wait" after task `by` is over, when the
+        "operator" `by` is free, when that operator's "walk" or "changeover" is done, or both of
+        them ("preparation"), when a unit of the "tool" or a place in the "zone" `by` is given back,
+        so late that its "follower" `by` still starts within its wait after it; or by "choice": it
+        could have started earlier.
       by: name of the predecessor, follower, operator, tool or zone; empty otherwise.
       waited_for: the task before it on the path, which ended then (or some time before, where a
         wait lies between them); None at the path's beginning.
@@ -61,7 +64,10 @@ class Link:
             "wait": f"when its wait after {self.waited_for} is over",
             "follower": f"no sooner, so that {self.by} follows in time",
             "operator": f"when {self.by} is free from {self.waited_for}",
+            "walk": f"when {self.by} has walked there after {self.waited_for}",
             "changeover": f"when {self.by} has changed tools after {self.waited_for}",
+            "preparation": f"when {self.by} has walked there and changed tools after"
+            f" {self.waited_for}",
             "tool": f"when {self.waited_for} gives back tool {self.by}",
             "zone": f"when {self.waited_for} leaves zone {self.by}",
             "choice": "later than it could",
@@ -119,8 +125,8 @@ def slack(cell: Cell, schedule: Schedule) -> dict[str, float]:
     """Task -> seconds by which its end can slip without a later makespan or a missed deadline.
 
     Allocation and order are kept: on every operator, and on every unit of a tool and place in a
-    zone. Tasks that follow may slip along; breaks stay free of work and changeovers; a task that
-    must start within a time after another one does. Assumes a sound schedule.
+    zone. Tasks that follow may slip along; breaks stay free of work, walks and changeovers; a task
+    that must start within a time after another one does. Assumes a sound schedule.
     """
     plan = _Plan.of(cell, schedule)
     makespan = max((exact(a.end) for a in schedule), default=Decimal(0))
@@ -164,7 +170,9 @@ _PREFERENCE: tuple[Reason, ...] = (
     "predecessor",
     "wait",
     "operator",
+    "walk",
     "changeover",
+    "preparation",
     "release",
     "break",
     "setup",
@@ -176,13 +184,27 @@ _PREFERENCE: tuple[Reason, ...] = (
 
 
 class _Turn(NamedTuple):
-    """One operator's part in a task: what the operator did before, and the changeover (seconds)
-    directly before it.
+    """One operator's part in a task: what the operator did before, and what it does directly before
+    it to be ready.
     """
 
     operator: str
     previous: Assignment | None
-    change: Decimal
+    ready: Ready
+
+    @property
+    def time(self) -> Decimal:
+        """Seconds for getting ready."""
+        return exact(self.ready.seconds)
+
+    @property
+    def reason(self) -> Reason:
+        """What lies between the task before and this one."""
+        if self.ready.walk and self.ready.change:
+            return "preparation"
+        if self.ready.walk:
+            return "walk"
+        return "changeover" if self.ready.change else "operator"
 
 
 @dataclass(frozen=True)
@@ -214,12 +236,10 @@ class _Plan:
         for name in cell.operators:
             rows = schedule.of(name)
             previous = None
-            for a, seconds in zip(
-                rows, changeover_times(cell, name, [a.task for a in rows]), strict=True
-            ):
-                turns[a.task].append(_Turn(name, previous, exact(seconds)))
+            for a, ready in zip(rows, made_ready(cell, name, rows), strict=True):
+                turns[a.task].append(_Turn(name, previous, ready))
                 if previous is not None:
-                    followers[previous.task].append((a.task, exact(seconds)))
+                    followers[previous.task].append((a.task, exact(ready.seconds)))
                 previous = a
         for name in of_task:
             for before in cell.tasks[name].predecessors:
@@ -279,14 +299,9 @@ class _Plan:
         elif start == exact(self.cell.tasks[a.task].release):
             yield Link(a, "release")
         for turn in self.turns[a.task]:
-            begin = start - turn.change
+            begin = start - turn.time
             if turn.previous is not None and exact(turn.previous.end) == begin:
-                yield Link(
-                    a,
-                    "changeover" if turn.change else "operator",
-                    turn.operator,
-                    turn.previous.task,
-                )
+                yield Link(a, turn.reason, turn.operator, turn.previous.task)
             elif begin == 0:
                 yield Link(a, "start")
             else:
@@ -301,19 +316,19 @@ class _Plan:
                 yield Link(a, reason, place, before)
 
     def latest_end(self, a: Assignment, limit: Decimal, time: Decimal) -> Decimal:
-        """The latest end up to the limit at which neither the task nor its changeovers run into a
-        break.
+        """The latest end up to the limit at which neither the task nor what is needed before it
+        runs into a break.
         """
         blocks = [
-            (exact(off.start), exact(off.end), turn.change)
+            (exact(off.start), exact(off.end), turn.time)
             for turn in self.turns[a.task]
             for off in self.cell.operators[turn.operator].times_off
         ]
         end, moved = limit, True
         while moved:
             moved = False
-            for off, back, change in blocks:
-                if off < end and end - time - change < back:
+            for off, back, before in blocks:
+                if off < end and end - time - before < back:
                     end, moved = off, True
         return max(end, exact(a.end))
 
@@ -324,25 +339,19 @@ def _hand_overs(cell: Cell, schedule: Schedule) -> Iterator[tuple[Reason, str, s
     Units are given out in order of start. Of those that are free, operators keep the one that they
     had last; else it is the one free the longest.
     """
-    kinds: tuple[tuple[Reason, Mapping[str, object]], ...] = (
-        ("tool", cell.tools),
-        ("zone", cell.zones),
-    )
-    for reason, places in kinds:
-        users: dict[str, list[Assignment]] = {}
-        for a in schedule:
-            name = getattr(cell.tasks[a.task], reason)
-            if name is not None:
-                users.setdefault(name, []).append(a)
-        for name, rows in users.items():
-            units: list[Assignment | None] = [None] * int(getattr(places.get(name), "capacity", 1))
-            for a in rows:
-                units.sort(key=lambda last: _claim(last, a))
-                for unit in range(min(len(a.operators), len(units))):
-                    before = units[unit]
-                    if before is not None:
-                        yield reason, name, before.task, a.task
-                    units[unit] = a
+    users: dict[tuple[Kind, str], list[tuple[Assignment, int]]] = {}
+    for a in schedule:
+        for kind, name, count in taken_by(cell, a):
+            users.setdefault((kind, name), []).append((a, count))
+    for (kind, name), rows in users.items():
+        units: list[Assignment | None] = [None] * places_of(cell, kind, name)
+        for a, count in rows:
+            units.sort(key=lambda last: _claim(last, a))
+            for unit in range(min(count, len(units))):
+                before = units[unit]
+                if before is not None:
+                    yield kind, name, before.task, a.task
+                units[unit] = a
 
 
 def _claim(last: Assignment | None, a: Assignment) -> tuple[bool, bool, Decimal]:

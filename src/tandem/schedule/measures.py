@@ -6,9 +6,10 @@ the nearest float.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
+from typing import NamedTuple
 
 from tandem.cell.model import Cell
 from tandem.cell.parts import Mode
@@ -91,15 +92,15 @@ def utilisation(cell: Cell, schedule: Schedule) -> dict[str, float]:
 
 
 def changing(cell: Cell, schedule: Schedule) -> dict[str, float]:
-    """Seconds that each operator spends on getting ready, if it does anything at all, and on
-    changeovers.
+    """Seconds that each operator spends on getting ready, if it does anything at all, on walking
+    and on changeovers.
     """
     return {name: float(seconds) for name, seconds in _changing(cell, schedule).items()}
 
 
 def idle(cell: Cell, schedule: Schedule) -> dict[str, float]:
-    """Seconds until the makespan in which an operator neither works, nor changes tools, nor has a
-    break.
+    """Seconds until the makespan in which an operator neither works, nor walks, nor changes tools,
+    nor has a break.
     """
     total = exact(makespan(schedule))
     busy, swaps = _working(cell, schedule), _changing(cell, schedule)
@@ -115,8 +116,8 @@ def _changing(cell: Cell, schedule: Schedule) -> dict[str, Decimal]:
         name: exact(operator.setup) if schedule.of(name) else Decimal(0)
         for name, operator in cell.operators.items()
     }
-    for change in changeovers(cell, schedule):
-        seconds[change.operator] += exact(change.end) - exact(change.start)
+    for name, _, ready in _all_ready(cell, schedule):
+        seconds[name] += exact(ready.seconds)
     return seconds
 
 
@@ -133,42 +134,93 @@ class Changeover:
     end: float
 
 
+@dataclass(frozen=True)
+class Walk:
+    """An operator walks to the place of a task, before the changeover should there be one; `start`
+    and `end` in seconds, `task` is what it goes there for.
+    """
+
+    operator: str
+    origin: str
+    place: str
+    task: str
+    start: float
+    end: float
+
+
 def changeovers(cell: Cell, schedule: Schedule) -> tuple[Changeover, ...]:
     """Every changeover that takes time, in the cell's order of operators and then in time."""
     return tuple(
-        change
-        for name in cell.operators
-        for change in _changeovers_of(cell, name, schedule.of(name))
+        Changeover(name, ready.tool, a.task, float(exact(a.start) - exact(ready.change)), a.start)
+        for name, a, ready in _all_ready(cell, schedule)
+        if ready.change
     )
 
 
-def _changeovers_of(
-    cell: Cell, operator: str, assignments: tuple[Assignment, ...]
-) -> Iterator[Changeover]:
-    for a, seconds in zip(
-        assignments, changeover_times(cell, operator, [a.task for a in assignments]), strict=True
-    ):
-        tool = cell.tasks[a.task].tool
-        if seconds and tool is not None:
-            yield Changeover(
-                operator, tool, a.task, float(exact(a.start) - exact(seconds)), a.start
-            )
+def walks(cell: Cell, schedule: Schedule) -> tuple[Walk, ...]:
+    """Every walk that takes time, in the cell's order of operators and then in time."""
+    return tuple(
+        Walk(
+            name,
+            ready.origin,
+            ready.place,
+            a.task,
+            float(exact(a.start) - exact(ready.seconds)),
+            float(exact(a.start) - exact(ready.change)),
+        )
+        for name, a, ready in _all_ready(cell, schedule)
+        if ready.walk
+    )
 
 
-def changeover_times(cell: Cell, operator: str, tasks: list[str]) -> list[float]:
-    """Seconds that the operator needs before each of these tasks, done in this order, to take up
-    its tool.
+def _all_ready(cell: Cell, schedule: Schedule) -> Iterator[tuple[str, Assignment, Ready]]:
+    for name in cell.operators:
+        rows = schedule.of(name)
+        for a, ready in zip(rows, made_ready(cell, name, rows), strict=True):
+            yield name, a, ready
+
+
+class Ready(NamedTuple):
+    """What an operator does directly before a task, without a pause: it walks, then it takes up a
+    tool.
+
+    Attributes:
+      walk: seconds from `origin` to `place`; 0 where it need not walk.
+      change: seconds to take up `tool`; 0 where it need not.
     """
-    in_hand, seconds = cell.operators[operator].tool, []
-    for name in tasks:
-        tool = cell.tasks[name].tool if name in cell.tasks else None
-        if tool is None:
-            seconds.append(0.0)
-            continue
-        swaps = in_hand not in (None, tool) and tool in cell.tools
-        seconds.append(cell.tools[tool].changeover.get(operator, 0.0) if swaps else 0.0)
-        in_hand = tool
-    return seconds
+
+    walk: float = 0.0
+    origin: str = ""
+    place: str = ""
+    change: float = 0.0
+    tool: str = ""
+
+    @property
+    def seconds(self) -> float:
+        """Walking and the changeover together."""
+        return float(exact(self.walk) + exact(self.change)) if self.walk else self.change
+
+
+def made_ready(cell: Cell, operator: str, assignments: Iterable[Assignment]) -> list[Ready]:
+    """What the operator does before each of these tasks, done in this order."""
+    in_hand, at = cell.operators[operator].tool, cell.operators[operator].place
+    ways = cell.walking.get(operator, {})
+    found = []
+    for a in assignments:
+        place = cell.tasks[a.task].place if a.task in cell.tasks else None
+        tool = cell.tools_for(a.task, a.operators).get(operator) if a.task in cell.tasks else None
+        ready = Ready()
+        if place is not None:
+            if at is not None and (walk := ways.get((at, place))):
+                ready = Ready(walk, at, place)
+            at = place
+        if tool is not None:
+            if in_hand not in (None, tool) and tool in cell.tools:
+                change = cell.tools[tool].changeover.get(operator, 0.0)
+                ready = ready._replace(change=change, tool=tool)
+            in_hand = tool
+        found.append(ready)
+    return found
 
 
 def mode_of(cell: Cell, assignment: Assignment) -> Mode | None:

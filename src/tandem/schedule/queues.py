@@ -4,6 +4,7 @@ however late the others are.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
@@ -12,6 +13,7 @@ from tandem.schedule.measures import exact
 from tandem.schedule.model import Assignment, Schedule
 
 Kind = Literal["tool", "zone"]
+KINDS: tuple[Kind, ...] = ("tool", "zone")
 
 
 class Queue(NamedTuple):
@@ -80,21 +82,14 @@ def _queues_of(
     """The queues of one task; `sure`: task -> what is over whenever it begins, `over`: the same of
     this task without its queues.
     """
-    kinds: tuple[tuple[Kind, str | None], ...] = (
-        ("tool", cell.tasks[a.task].tool),
-        ("zone", cell.tasks[a.task].zone),
-    )
-    for kind, name in kinds:
-        if name is None:
-            continue
+    for kind, name, count in taken_by(cell, a):
         places = places_of(cell, kind, name)
-        spare = max(places - len(a.operators), 0)
+        spare = max(places - count, 0)
         last = {
             who: row
             for row in earlier
-            if getattr(cell.tasks[row.task], kind) == name
-            for who in row.operators
-            if who not in a.operators
+            for who, used in cell.takes(kind, row.task, row.operators).items()
+            if used == name and who not in a.operators
         }
         if spare:
             last = {who: row for who, row in last.items() if row.task not in over}
@@ -112,6 +107,13 @@ def _queues_of(
                 tuple((who, row.task) for who, row in order),
                 float(ends[len(ends) - spare - 1]),
             )
+
+
+def taken_by(cell: Cell, a: Assignment) -> Iterator[tuple[Kind, str, int]]:
+    """The tools and the zone that its operators take, and how many places of each."""
+    for kind in KINDS:
+        count = Counter(cell.takes(kind, a.task, a.operators).values())
+        yield from ((kind, name, places) for name, places in count.items())
 
 
 def places_of(cell: Cell, kind: Kind, name: str) -> int:

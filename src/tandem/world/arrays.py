@@ -53,12 +53,17 @@ class Arrays(NamedTuple):
     states none. needs: `[T, T]` bool, `needs[i, j]`: task i comes after task j. release, deadline:
     `[T]` int32; a task without a deadline has NEVER. tail: `[T]` int32, the longest chain of tasks
     that starts with the task, each in its quickest way. human: `[O]` bool. rank: `[O]` int32, who
-    decides first at one moment: the humans, then the robots, in the cell's order. way_tool: `[W]`
-    int32, the tool that it needs in hand, -1 for none; `[0]` when tools play no part. swap: `[W,
-    O]` int32, how long the operator takes to take that tool up when it holds another one; `[0, O]`
-    when tools play no part. of_tool, of_zone: `[T, U]`, `[T, Z]` bool, the tool and the zone that
-    the task needs. tool_places, zone_places: `[U]`, `[Z]` int32, how many operators have room.
+    decides first at one moment: the humans, then the robots, in the cell's order. way_tool: `[W,
+    O]` int32, the tool that the operator needs in hand, -1 for none; `[0, O]` when tools play no
+    part. swap: `[W, O]` int32, how long the operator takes to take that tool up when it holds
+    another one; `[0, O]` when tools play no part. takes: `[W, U]` int32, how many of the tool the
+    way needs. of_zone: `[T, Z]` bool, the zone that the task needs. tool_places, zone_places:
+    `[U]`, `[Z]` int32, how many operators have room.
     in_hand: `[O]` int32, the tool in hand at the start, -1 while the first one costs nothing.
+    stands: `[O]` int32, the place where it stands at the start, -1 while the way to the first one
+    costs nothing. place: `[T]` int32, where the task is done, -1 for anywhere; `[0]` when nobody
+    needs time to walk. walk: `[O, P, P]` int32, how long the operator takes from the first to the
+    second of `P` places; `[O, 0, 0]` when nobody needs time to walk.
     break_from, break_to: `[O, B]` int32, sorted; NEVER where an operator has fewer. limit: `[O]`
     int32, the most stress, NEVER for who has no limit; `[0]` when nobody has one. must: `[T, O]`
     int32, the least stress that the task puts on the operator in any of its ways. same: `[T, T]`
@@ -87,11 +92,14 @@ class Arrays(NamedTuple):
     rank: Array
     way_tool: Array
     swap: Array
-    of_tool: Array
+    takes: Array
     tool_places: Array
     of_zone: Array
     zone_places: Array
     in_hand: Array
+    stands: Array
+    place: Array
+    walk: Array
     break_from: Array
     break_to: Array
     limit: Array
@@ -164,6 +172,11 @@ class Names:
     def tools(self) -> tuple[str, ...]:
         """The tools' names, as `in_hand` counts them."""
         return self.cell.tool_names
+
+    @property
+    def places(self) -> tuple[str, ...]:
+        """The places' names, as `stands` counts them."""
+        return self.cell.place_names
 
     @cached_property
     def tasks(self) -> tuple[str, ...]:
@@ -297,6 +310,7 @@ def _operators(names: Names, layout: Layout) -> dict[str, Any]:
         "human": np.array(instance.human),
         "rank": np.argsort(order),
         "in_hand": np.array([-1 if tool is None else tool for tool in instance.in_hand]),
+        "stands": np.array([-1 if place is None else place for place in instance.stands]),
         "break_from": rest[..., 0],
         "break_to": rest[..., 1],
         "limit": np.array([NEVER if limit is None else limit for limit in limits], np.int64),
@@ -306,26 +320,24 @@ def _operators(names: Names, layout: Layout) -> dict[str, Any]:
 
 def _places(names: Names, layout: Layout) -> dict[str, Any]:
     instance, everybody = layout.instance, len(layout.instance.operators)
-    tool, zone = np.array(instance.timed_tool), np.array(instance.timed_zone)
+    zone = np.array(instance.timed_zone)
     # arrays of length 0 switch a rule off: what the cell does not have costs no time
-    tools = len(instance.tools) if (tool >= 0).any() else 0
+    tools = len(instance.tools) if instance.has_tools else 0
     zones = len(instance.zones) if (zone >= 0).any() else 0
-    flat = (
-        [(mine, way) for mine, row in zip(tool, instance.ways, strict=True) for way in row]
-        if tools
-        else []
-    )
+    flat = [way for row in instance.ways for way in row] if tools else []
     # per way, so that no step has to look up whose tool it is
-    swap = np.zeros((len(flat), everybody), np.int64)
-    for row, (mine, way) in zip(swap, flat, strict=True):
-        if mine >= 0:
-            row[list(way.operators)] = [
-                instance.changeover[mine][operator] for operator in way.operators
-            ]
+    hands = np.full((len(flat), everybody), -1, np.int64)
+    swap, takes = np.zeros_like(hands), np.zeros((len(flat), tools), np.int64)
+    for number, way in enumerate(flat):
+        for operator, mine in zip(way.operators, way.tools, strict=True):
+            if mine is not None:
+                hands[number, operator] = mine
+                swap[number, operator] = instance.changeover[mine][operator]
+                takes[number, mine] += 1
     return {
-        "way_tool": np.array([mine for mine, _ in flat], np.int64),
+        "way_tool": hands,
         "swap": swap,
-        "of_tool": np.arange(tools)[None, :] == tool[:, None],
+        "takes": takes,
         "tool_places": np.array(
             [places or everybody for places in instance.tool_room[:tools]], np.int64
         ),
@@ -368,7 +380,20 @@ def _lags(names: Names, layout: Layout) -> dict[str, Any]:
     }
 
 
-PARTS = (_ways, _tasks, _operators, _places, _sets, _lags)
+def _walks(names: Names, layout: Layout) -> dict[str, Any]:
+    instance = layout.instance
+    if not any(instance.walks):
+        return {
+            "place": np.zeros(0, np.int64),
+            "walk": np.zeros((len(instance.operators), 0, 0), np.int64),
+        }
+    return {
+        "place": np.array([-1 if place is None else place for place in instance.place]),
+        "walk": np.array(instance.walk, np.int64),
+    }
+
+
+PARTS = (_ways, _tasks, _operators, _places, _walks, _sets, _lags)
 
 
 def _undoing(names: Names, layout: Layout, undo: float | None) -> dict[str, Any]:

@@ -230,7 +230,7 @@ def _unknown_weight(kind: str, key: str, names: Names) -> list[str]:
     known: dict[str, set[str | None]] = {
         "task": {*tasks},
         "part": {task.part for task in tasks.values()},
-        "tool": {task.tool for task in tasks.values()},
+        "tool": {tool for task in tasks.values() for _, tool in task.tools_named()},
     }
     if what not in known:
         return [f"{kind}: {key!r} weighs nothing. Write task.NAME, part.NAME or tool.NAME."]
@@ -269,7 +269,7 @@ def _prefers(made: Made) -> dict[str, Any]:
 
 def _utility(made: Made) -> dict[str, Any]:
     """Minus weight times time and stress, each in units of its mean over the ways, plus the weights
-    of the task, its part and its tool.
+    of the task, its part and the tools that humans take in hand for it.
     """
     ticks, load = (
         made.arrays.way_ticks.astype(float),
@@ -278,12 +278,15 @@ def _utility(made: Made) -> dict[str, Any]:
     taste = -made.numbers["time"] * ticks / ticks.mean() - made.numbers["stress"] * load / (
         load.mean() or 1.0
     )
-    for way, (name, _) in enumerate(made.names.ways):
-        task = made.names.cell.tasks[name]
-        taste[way] += sum(
-            made.weights.get(key, 0.0)
-            for key in (f"task.{name}", f"part.{task.part}", f"tool.{task.tool}")
+    cell = made.names.cell
+    for way, (name, mode) in enumerate(made.names.ways):
+        tools = {tool for who, tool in mode.tools.items() if who in cell.humans}
+        keys = (
+            f"task.{name}",
+            f"part.{cell.tasks[name].part}",
+            *(f"tool.{tool}" for tool in sorted(tools)),
         )
+        taste[way] += sum(made.weights.get(key, 0.0) for key in keys)
     follow = made.numbers["follow"]
     return {"taste": taste, "follows": follow, "obeys": float(follow > 0)}
 

@@ -13,7 +13,9 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from tandem.schedule.model import Schedule
+from tandem.cell.model import Cell
+from tandem.schedule.model import Assignment, Schedule
+from tandem.schedule.queues import taken_by
 from tandem.world.arrays import Array, Arrays, Names, namespace
 from tandem.world.episode import Shift
 
@@ -46,9 +48,8 @@ class Plan(NamedTuple):
             for other in order[:place]:
                 theirs = rows[names.tasks[other]]
                 # those that begin at the same moment have room beside each other, in either order
-                awaits[one, other] = theirs.start < mine.start and _share(
-                    (mine.operators, cell.tasks[mine.task].tool, cell.tasks[mine.task].zone),
-                    (theirs.operators, cell.tasks[theirs.task].tool, cell.tasks[theirs.task].zone),
+                awaits[one, other] = theirs.start < mine.start and bool(
+                    _needs(cell, mine) & _needs(cell, theirs)
                 )
         not_before = np.zeros(count, np.int32)
         for lag, _ in names.instance.most_lags:
@@ -61,14 +62,11 @@ class Plan(NamedTuple):
         return arrays._replace(release=xp.maximum(arrays.release, self.not_before))
 
 
-Needs = tuple[tuple[str, ...], str | None, str | None]
-"""A task's operators, tool and zone."""
-
-
-def _share(mine: Needs, theirs: Needs) -> bool:
-    return bool(set(mine[0]) & set(theirs[0])) or any(
-        one is not None and one == other for one, other in zip(mine[1:], theirs[1:], strict=True)
-    )
+def _needs(cell: Cell, row: Assignment) -> set[tuple[str, str]]:
+    """Its operators, their tools and its zone."""
+    return {("operator", who) for who in row.operators} | {
+        (kind, name) for kind, name, _ in taken_by(cell, row)
+    }
 
 
 def carry_on(plan: Plan, arrays: Arrays, shift: Shift) -> Array:

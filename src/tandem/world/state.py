@@ -10,10 +10,11 @@ schedules:
 - A way may begin when the tasks before it have ended, its waits after other tasks have lasted as
   long as they must at least, its release has come, all its operators are free, and its tool and its
   zone have room.
-- Whoever holds another tool must take up the right one first. An operator who was idle has used
-  that time for it: the task starts at the later of the clock and, for each operator, the end of its
-  last work or break plus the changeover.
-- No break may lie between the beginning of a changeover and the nominal end of the task.
+- Whoever stands at another place must walk there, and whoever holds another tool must take up the
+  right one, first. An operator who was idle has used that time for it: the task starts at the later
+  of the clock and, for each operator, the end of its last work or break plus the way and the
+  changeover.
+- No break may lie between the beginning of a walk or a changeover and the nominal end of the task.
 - Stress limits, `same_operator` and `stress_of_set` rule out what would break them now or, as far
   as the least stress of the tasks that are left tells, later. Deadlines, and what a wait may last
   at most, rule out nothing; `late` reports them.
@@ -37,13 +38,15 @@ class State(NamedTuple):
 
     clock: `[]` int32.
     way: `[T]` int32, the way in which the task is or was done, -1 while it is open.
-    start_at, end_at: `[T]` int32, of the work in hand or done; changeovers come before `start_at`.
+    start_at, end_at: `[T]` int32, of the work in hand or done; walks and changeovers come before
+    `start_at`.
     The deciders must not look at an `end_at` that
       is still to come: it is what really will be.
     free_at: `[O]` int32, the operator works until then.
     away_until: `[O]` int32, it is not there until then: broken down, or called away.
     waits: `[O]` bool, it has let its turn pass until the next event.
     in_hand: `[O]` int32, the tool in hand; -1 while the first one costs nothing.
+    stands: `[O]` int32, the place where it stands; -1 while the way to the first one costs nothing.
     load: `[O]` int32, units of stress of what it has begun.
     refused: `[W]` bool, somebody who takes part will not do it.
     bad_at: `[M]` int32, when it is noticed that the task was done wrongly; NEVER while it is right.
@@ -59,6 +62,7 @@ class State(NamedTuple):
     away_until: Array
     waits: Array
     in_hand: Array
+    stands: Array
     load: Array
     refused: Array
     bad_at: Array
@@ -79,6 +83,7 @@ def reset(arrays: Arrays) -> State:
         away_until=xp.zeros(operators, xp.int32),
         waits=xp.zeros(operators, bool),
         in_hand=arrays.in_hand,
+        stands=arrays.stands,
         load=xp.zeros(operators, xp.int32),
         refused=xp.zeros(arrays.way_ticks.shape[0], bool),
         bad_at=xp.full(mistakes, NEVER, xp.int32),
@@ -147,14 +152,13 @@ def may_wait(arrays: Arrays, state: State, mask: Array, operator: Array) -> Arra
 
 def starts(arrays: Arrays, state: State) -> Array:
     """`[W]` int32, the tick at which each way would start if it were begun now: the clock, or later
-    when a tool must be taken up first.
+    when somebody must walk there or take up a tool first.
     """
     xp = namespace(state.way)
-    if not arrays.swap.shape[0]:
+    before = _preparations(xp, arrays, state)
+    if before is None:
         return xp.broadcast_to(state.clock, arrays.way_ticks.shape)
-    since = xp.where(
-        arrays.way_uses, _since(xp, arrays, state)[None, :] + _changes(xp, arrays, state), 0
-    )
+    since = xp.where(arrays.way_uses, _since(xp, arrays, state)[None, :] + before, 0)
     return xp.maximum(state.clock, since.max(axis=1))
 
 
@@ -175,8 +179,8 @@ def assign(
     ticks: Array | None = None,
     noticed: Array | None = None,
 ) -> State:
-    """The way begins now, after what changeovers need. Assumes `legal(arrays, state)[way]`; a `way`
-    of -1 changes nothing.
+    """The way begins now, after what walks and changeovers need. Assumes
+    `legal(arrays, state)[way]`; a `way` of -1 changes nothing.
 
     Args:
       way: `[]` int.
@@ -188,7 +192,7 @@ def assign(
     chosen = xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32) == way
     task = (arrays.of_task & chosen[:, None]).any(axis=0)
     who = (arrays.way_uses & chosen[:, None]).any(axis=0)
-    # idle time before counts for the changeover, so the start may already lie at the clock
+    # idle time before counts for walk and changeover, so the start may already lie at the clock
     start = _at(xp, starts(arrays, state), chosen)
     end = start + (_at(xp, nominal(arrays, state), chosen) if ticks is None else ticks)
     after = state._replace(
@@ -200,8 +204,11 @@ def assign(
     )
     # without tools these arrays have length 0, and nothing is to be written
     if arrays.swap.shape[0]:
-        tool = xp.where(chosen, arrays.way_tool + 1, 0).sum(dtype=xp.int32) - 1
-        after = after._replace(in_hand=xp.where(who & (tool >= 0), tool, state.in_hand))
+        tool = xp.where(chosen[:, None], arrays.way_tool + 1, 0).sum(axis=0, dtype=xp.int32) - 1
+        after = after._replace(in_hand=xp.where(tool >= 0, tool, state.in_hand))
+    if arrays.place.shape[0]:
+        place = _at(xp, arrays.place + 1, task) - 1
+        after = after._replace(stands=xp.where(who & (place >= 0), place, state.stands))
     # beginning a task that is mounted takes it apart; whether it was wrong then stays as it is
     if arrays.undo.shape[0]:
         comes_off = task & mounted(state)
@@ -380,50 +387,69 @@ def _at(xp: Any, numbers: Array, chosen: Array) -> Array:
 
 
 def _since(xp: Any, arrays: Arrays, state: State) -> Array:
-    """`[O]` int32, since when the operator could have taken up a tool: the end of its work and of
-    its last break.
+    """`[O]` int32, since when the operator could have got ready for its next work: the end of its
+    work and of its last break.
     """
     over = xp.where(arrays.break_to <= state.clock, arrays.break_to, 0)
     rested = xp.maximum(state.free_at, over.max(axis=1)) if over.shape[1] else state.free_at
     return xp.maximum(rested, state.away_until)
 
 
-def _changes(xp: Any, arrays: Arrays, state: State) -> Array:
-    """`[W, O]` int32, ticks that the operator needs to take up the way's tool."""
-    other = (state.in_hand[None, :] >= 0) & (state.in_hand[None, :] != arrays.way_tool[:, None])
-    return xp.where(other, arrays.swap, 0)
+def _preparations(xp: Any, arrays: Arrays, state: State) -> Array | None:
+    """`[W, O]` int32, ticks that the operator needs to be ready for the way: to walk there and to
+    take up its tool. None when nobody ever needs any.
+    """
+    found = None
+    if arrays.swap.shape[0]:
+        other = (state.in_hand[None, :] >= 0) & (state.in_hand[None, :] != arrays.way_tool)
+        found = xp.where(other, arrays.swap, 0)
+    if arrays.place.shape[0]:
+        # `[O, P]`, from where it stands to each place
+        places = xp.arange(arrays.walk.shape[1], dtype=xp.int32)
+        here = (state.stands[:, None] == places[None, :])[:, :, None]
+        far = xp.where(here, arrays.walk, 0).sum(axis=1, dtype=xp.int32)
+        there = (arrays.place[arrays.way_task][:, None] == places[None, :])[:, None, :]
+        walk = xp.where(there, far[None, :, :], 0).sum(axis=2, dtype=xp.int32)
+        found = walk if found is None else found + walk
+    return found
 
 
 def _has_room(xp: Any, arrays: Arrays, state: State) -> Array | None:
-    """The way's operators find room at its tool and in its zone."""
+    """The way's operators find room at their tools and in its zone."""
     if not arrays.tool_places.shape[0] and not arrays.zone_places.shape[0]:
         return None
-    running = (state.way >= 0) & ~mounted(state)
-    in_hand = xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]
-    crowd = xp.where(
-        running, xp.where(in_hand, arrays.way_size[:, None], 0).sum(axis=0, dtype=xp.int32), 0
-    )
+    # `[W, T]`, the way is the one in which the task is being done
+    at_work = (
+        xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]
+    ) & ((state.way >= 0) & ~mounted(state))[None, :]
     fits = xp.ones(arrays.way_ticks.shape, bool)
-    for of_place, places in (
-        (arrays.of_tool, arrays.tool_places),
-        (arrays.of_zone, arrays.zone_places),
-    ):
-        if places.shape[0]:
-            left = places - xp.where(of_place, crowd[:, None], 0).sum(axis=0, dtype=xp.int32)
-            room = xp.where(of_place, left[None, :], NEVER).min(axis=1)
-            fits = fits & (
-                arrays.way_size <= xp.where(arrays.of_task, room[None, :], NEVER).min(axis=1)
-            )
+    if arrays.tool_places.shape[0]:
+        busy = at_work.any(axis=1)
+        used = xp.where(busy[:, None], arrays.takes, 0).sum(axis=0, dtype=xp.int32)
+        left = arrays.tool_places - used
+        fits = fits & ((arrays.takes <= left[None, :]) | (arrays.takes == 0)).all(axis=1)
+    if arrays.zone_places.shape[0]:
+        crowd = xp.where(at_work, arrays.way_size[:, None], 0).sum(axis=0, dtype=xp.int32)
+        left = arrays.zone_places - xp.where(arrays.of_zone, crowd[:, None], 0).sum(
+            axis=0, dtype=xp.int32
+        )
+        room = xp.where(arrays.of_zone, left[None, :], NEVER).min(axis=1)
+        fits = fits & (
+            arrays.way_size <= xp.where(arrays.of_task, room[None, :], NEVER).min(axis=1)
+        )
     return fits
 
 
 def _is_clear_of_breaks(xp: Any, arrays: Arrays, state: State) -> Array | None:
-    """No break of an operator lies between the beginning of its changeover and the nominal end."""
+    """No break of an operator lies between the beginning of its walk or changeover and the nominal
+    end.
+    """
     if not arrays.break_from.shape[1]:
         return None
     start = starts(arrays, state)
     end = start + nominal(arrays, state)
-    begin = start[:, None] - (_changes(xp, arrays, state) if arrays.swap.shape[0] else 0)
+    before = _preparations(xp, arrays, state)
+    begin = start[:, None] - (0 if before is None else before)
     inside = (arrays.break_from[None, :, :] < end[:, None, None]) & (
         arrays.break_to[None, :, :] > xp.broadcast_to(begin[..., None], (*begin.shape, 1))
     )

@@ -61,6 +61,8 @@ def test_the_template_checks_what_is_typed(tmp_path: Path) -> None:
         "Operators",
         "Tools",
         "Zones",
+        "Places",
+        "Walking",
         "Cell",
         "Help",
     ]
@@ -168,13 +170,14 @@ def _renamed(
 
     tasks = {}
     for name, task in data["tasks"].items():
-        for what in ("time", "stress", "difficulty", "spread"):
+        for what in ("time", "stress", "difficulty", "spread", "tool"):
             if what in task:
                 task[what] = by_who(task[what])
         for joint in task.get("together", ()):
             joint["operators"] = [people.get(who, who) for who in joint["operators"]]
-            if "stress" in joint:
-                joint["stress"] = by_who(joint["stress"])
+            for what in ("stress", "tool"):
+                if what in joint:
+                    joint[what] = by_who(joint[what])
         task["after"] = [steps.get(first, first) for first in task.get("after", ())]
         for wait in task.get("wait", ()):
             wait["after"] = steps.get(wait["after"], wait["after"])
@@ -185,6 +188,7 @@ def _renamed(
     return {
         **data,
         "operators": by_who(data["operators"]),
+        "walk": by_who(data.get("walk", {})),
         "tasks": tasks,
         "same_operator": [
             [steps.get(name, name) for name in pair] for pair in data.get("same_operator", ())
@@ -204,13 +208,20 @@ def spelled_out(cell: Cell) -> Any:
     data = {**cell.to_dict(), "same_operator": sorted(map(tuple, cell.same_operator))}
     for name, task in data["tasks"].items():
         task["ways"] = sorted(
-            (sorted(mode.operators), mode.time, sorted(mode.stress.items()))
+            (
+                sorted(mode.operators),
+                mode.time,
+                sorted(mode.stress.items()),
+                sorted(mode.tools.items()),
+            )
             for mode in cell.modes(name)
         )
-        for what in ("time", "together", "stress"):
+        for what in ("time", "together", "stress", "tool"):
             task.pop(what, None)
         if not task.get("spread"):
             task.pop("spread", None)
+    data["walk"] = {who: sorted(times.items()) for who, times in cell.walking.items() if times}
+    data["speeds"] = {who: table["speed"] for who, table in cell.walk.items() if "speed" in table}
     return data
 
 

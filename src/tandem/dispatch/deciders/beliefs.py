@@ -69,10 +69,13 @@ class Models:
             moves = self._made(dict(self.factors(factor)), situation.taking_apart)
             if waits := awaited(situation):
                 moves = _later(moves, waits)
-            if refused := _refused(situation):
+            refused, lacking = _refused(situation), _lacking(situation)
+            if refused or lacking:
                 named = ((way, *moves.named(way)) for row in moves.ways for way in row)
                 moves = moves.without(
-                    way for way, task, who in named if any((one, task) in refused for one in who)
+                    way
+                    for way, task, who in named
+                    if (task, who) in lacking or any((one, task) in refused for one in who)
                 )
         # what was not asked for longest goes first
         self._kept[key] = moves
@@ -81,7 +84,8 @@ class Models:
     def key(self, situation: Situation, factor: float | Mapping[str, float]) -> Key:
         """Of the model that `of` gives: equal keys, equal moves."""
         waits = tuple(sorted(awaited(situation).items()))
-        return (self.factors(factor), situation.taking_apart, _refused(situation), waits)
+        closed = (_refused(situation), _lacking(situation))
+        return (self.factors(factor), situation.taking_apart, closed, waits)
 
     @property
     def count(self) -> int:
@@ -120,18 +124,49 @@ class Models:
 
 
 def awaited(situation: Situation) -> dict[str, float]:
-    """Task that needs what is broken or missing -> when that is taken to be there again, s since
-    the product's beginning. It stays the same while time runs up to it, so that models can be kept.
+    """Task that can be done in no way without what is broken or missing -> when that is taken to be
+    there again, s since the product's beginning. It stays the same while time runs up to it, so
+    that models can be kept.
     """
     found = {}
     for task in situation.cell.tasks if situation.stock else ():
-        since = [situation.stock[name] for name in lacks(situation, task)]
-        if since:
-            ahead = BACK_S
-            while max(since) + ahead <= situation.clock:
-                ahead *= 2
-            found[task] = exact(max(since) + ahead - situation.began)
+        since = _lacking_since(situation, task).values()
+        if since and None not in since:
+            found[task] = min(_back(one, situation) for one in since if one is not None)
     return found
+
+
+def _lacking(situation: Situation) -> frozenset[tuple[str, tuple[str, ...]]]:
+    """Ways, as (task, operators), for which something is broken or missing while their task can be
+    done in another one.
+    """
+    return frozenset(
+        (task, operators)
+        for task in (situation.cell.tasks if situation.stock else ())
+        if None in (ways := _lacking_since(situation, task)).values()
+        for operators, since in ways.items()
+        if since is not None
+    )
+
+
+def _lacking_since(situation: Situation, task: str) -> dict[tuple[str, ...], float | None]:
+    """Who can do the task -> since when something that they need for it is broken or missing, s of
+    the shift's clock; None where they have it all.
+    """
+    stock = situation.stock
+    return {
+        way.operators: max(
+            (stock[thing] for thing in lacks(situation, task, way.operators)), default=None
+        )
+        for way in situation.facts.ways[task]
+    }
+
+
+def _back(since: float, situation: Situation) -> float:
+    ahead = BACK_S
+    while since + ahead <= situation.clock:
+        ahead *= 2
+    return exact(since + ahead - situation.began)
 
 
 def _later(moves: Moves, waits: Mapping[str, float]) -> Moves:
@@ -174,7 +209,7 @@ def position(moves: Moves, situation: Situation, factor: Mapping[str, float]) ->
         tuple(sorted(running)),
         wrong & done,
         0 if moves.timeless else round(situation.now * cell.per_second),
-        _in_hand(cell, situation) if cell.has_swaps else (),
+        _stances(cell, situation) if cell.has_preparations else (),
         _loads(cell, situation) if cell.has_limits else (),
         _teams(cell, situation) if cell.has_teams else (),
         _waits(cell, situation) if cell.has_lags else (),
@@ -263,10 +298,15 @@ def cost_so_far(objective: Objective, situation: Situation) -> float:
     return objective.cost(situation.now, situation.stress)
 
 
-def _in_hand(instance: Instance, situation: Situation) -> tuple[int, ...]:
-    held = situation.in_hand
+def _stances(instance: Instance, situation: Situation) -> tuple[int, ...]:
+    held, stands = situation.in_hand, situation.stands
+    places = {name: number for number, name in enumerate(instance.places)}
     return tuple(
-        instance.tools.index(held[name]) if name in held else -1 for name in instance.operators
+        instance.stance(
+            instance.tools.index(held[name]) if name in held else None,
+            places.get(stands.get(name, "")),
+        )
+        for name in instance.operators
     )
 
 

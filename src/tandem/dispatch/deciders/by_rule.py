@@ -90,7 +90,7 @@ class ByRule:
         begins = tuple(
             left.ways[t][way]
             for t, (way, start) in enumerate(best.starts())
-            if _begins(layout, best, t, start)
+            if _begins(layout, t, way, start)
         )
         # the plan may begin what the situation does not allow, or what no longer fits together
         kept = _compatible(moves, here, [_apart(moves, here, way) for way in begins], legal)
@@ -108,11 +108,12 @@ class ByRule:
         )
 
 
-def _begins(layout: Layout, state: PartialSchedule, task: int, start: int) -> bool:
-    """The task starts now, but for the changeover that comes first."""
-    tool = layout.instance.timed_tool[task]
-    swap = layout.instance.swap_ticks[tool] if tool >= 0 else None
-    return start == 0 or (swap is not None and 0 < start <= max(swap))
+def _begins(layout: Layout, task: int, way: int, start: int) -> bool:
+    """The task starts now, but for what its operators need first to get ready."""
+    preparations = layout.instance.preparations(task, layout.instance.ways[task][way])
+    return start == 0 or 0 < start <= max(
+        (max(preparation.lengths) for preparation in preparations), default=0
+    )
 
 
 def _apart(moves: Moves, here: Position, way: int) -> int:

@@ -232,9 +232,8 @@ def _needs(moves: Moves, task: str, operators: tuple[str, ...]) -> Iterator[Need
     """
     yield from (("operator", who) for who in operators)
     number, instance = moves.instance.tasks.index(task), moves.instance
-    tool, zone = instance.tool[number], instance.zone[number]
-    if tool is not None and moves.instance.tool_room[tool]:
-        yield "tool", tool
+    way, zone = moves.flat(task, operators), instance.zone[number]
+    yield from (("tool", tool) for tool, _ in (moves.scarce[way] if way is not None else ()))
     if zone is not None and moves.instance.zone_room[zone]:
         yield "zone", zone
 

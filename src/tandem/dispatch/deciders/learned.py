@@ -164,6 +164,7 @@ def state_of(names: Names, arrays: Arrays, situation: Situation) -> State:
     refused = [
         any(situation.is_refused(who, task) for who in mode.operators) for task, mode in names.ways
     ]
+    places = {name: number for number, name in enumerate(names.places)}
     return state._replace(
         clock=np.int32(clock),
         way=way,
@@ -176,6 +177,10 @@ def state_of(names: Names, arrays: Arrays, situation: Situation) -> State:
                 names.tools.index(situation.in_hand[who]) if who in situation.in_hand else -1
                 for who in names.operators
             ],
+            np.int32,
+        ),
+        stands=np.array(
+            [places.get(situation.stands.get(who, ""), -1) for who in names.operators],
             np.int32,
         ),
         load=np.array(

@@ -208,10 +208,10 @@ def starting(moves: Moves, here: Position, plan: Plan, legal: Set[int]) -> tuple
     begin nothing although nothing runs.
     """
     chosen: list[int] = []
+    preparation = max(moves.instance.longest_preparation)
     for start, way in plan.begins:
         first = way + moves.count if here.wrong >> moves.task[way] & 1 else way
-        change = max((max(row) for row in moves.instance.changeover), default=0)
-        if start <= change and first in legal and first in moves.legal(here):
+        if start <= preparation and first in legal and first in moves.legal(here):
             here = moves.begin(here, first)
             chosen.append(first)
     return tuple(sorted(chosen)) if chosen or here.running else None

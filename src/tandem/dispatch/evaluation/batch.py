@@ -204,6 +204,7 @@ class _Seen:
             "end_at",
             "away_until",
             "in_hand",
+            "stands",
             "load",
             "refused",
             "undoing",

@@ -106,6 +106,11 @@ class Observer:
                 for name, tool in zip(self.names.operators, row["in_hand"], strict=True)
                 if 0 <= tool < NEVER
             },
+            stands={
+                name: self.names.places[place]
+                for name, place in zip(self.names.operators, row["stands"], strict=True)
+                if 0 <= place < NEVER
+            },
             taking_apart=self.taking_apart,
             known=self.facts,
         )

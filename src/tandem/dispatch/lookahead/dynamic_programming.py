@@ -220,7 +220,8 @@ def values(
     """The value function of the cell; nothing is reckoned before it is asked.
 
     Raises CellError when a feature of the cell cannot be valued exactly: a table of stress,
-    changeovers (their moment depends on what was idle), or a limit on stress in the objective.
+    changeovers and walking (their moment depends on what was idle), or a limit on stress in the
+    objective.
     """
     if objective.max_stress is not None:
         raise CellError(
@@ -232,14 +233,18 @@ def values(
             ]
         )
     moves = Moves.of(cell, pace)
-    if moves.instance.has_swaps:
+    if moves.instance.has_preparations:
         raise CellError(
             [
                 Fault(
-                    "exact values cannot hold changeovers of tools; take them out, or decide by"
-                    " `replan`.",
-                    ("tools",),
+                    f"exact values cannot hold {what}; take them out, or decide by `replan`.",
+                    (key,),
                 )
+                for has, what, key in (
+                    (moves.instance.has_swaps, "changeovers of tools", "tools"),
+                    (any(moves.instance.walks), "ways to walk between places", "walk"),
+                )
+                if has
             ]
         )
     return Values(moves, human, weights(moves, objective), most)

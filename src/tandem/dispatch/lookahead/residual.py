@@ -5,9 +5,10 @@ they are, the others are planned anew.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from random import Random
+from typing import Any
 
 from ortools.sat.python import cp_model
 
@@ -85,7 +86,7 @@ def rest(
         # What runs ends when it ends; for all else, late is better than never.
         deadline=tuple(left.latest_end(task, due or {}) for task in left.tasks),
         lags=left.lags(with_most=due is not None),
-        in_hand=left.in_hand(),
+        **left.stances(),
         breaks=left.breaks(),
         stress_limit=left.stress_limit(),
     )
@@ -138,7 +139,7 @@ class _Left:
         if task in self.fixed:
             way, ticks = self.fixed[task]
             mode = moves.modes[way]
-            return [(Way(mode.operators, ticks, (0,) * len(mode.operators)), -1)]
+            return [(replace(mode, ticks=ticks, load=(0,) * len(mode.operators)), -1)]
         open_ = moves.ways[task]
         # A team that has begun goes on; where that leaves nothing, anybody is better than nobody.
         team = dict(self.position.teams).get(moves.instance.team[task])
@@ -153,7 +154,7 @@ class _Left:
             apart = self.running[task][1]
         elif self.position.wrong >> task & 1:
             apart = self.moves.ticks[self.moves.count + way]
-        return Way(mode.operators, mode.ticks + apart, mode.load)
+        return replace(mode, ticks=mode.ticks + apart)
 
     def release(self, task: int) -> int:
         """Ticks from now before which the task cannot start, because of what is not planned."""
@@ -201,11 +202,14 @@ class _Left:
             and not (lag.from_start and lag.before in self.fixed)
         )
 
-    def in_hand(self) -> tuple[int | None, ...]:
-        """The tool that each operator holds now."""
-        if not self.position.hand:
-            return self.moves.instance.in_hand
-        return tuple(None if tool < 0 else tool for tool in self.position.hand)
+    def stances(self) -> dict[str, Any]:
+        """The tool that each operator holds now, and where it stands."""
+        instance = self.moves.instance
+        read = [instance.read(stance) for stance in self.position.stance or instance.stances]
+        return {
+            "in_hand": tuple(tool for tool, _ in read),
+            "stands": tuple(place for _, place in read),
+        }
 
     def breaks(self) -> tuple[tuple[tuple[int, int], ...], ...]:
         """The breaks that are still to come, seen from now, and absences."""

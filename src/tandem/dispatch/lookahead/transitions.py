@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault
 from tandem.plan.bounds import WorkPrices
-from tandem.plan.instance import Instance, Way, bits
+from tandem.plan.instance import Instance, Preparation, Way, bits
 from tandem.plan.list_scheduling import Layout
 
 PER_SECOND = 1000
@@ -33,8 +33,8 @@ class Position(NamedTuple):
       wrong: bits of the tasks, among those that have ended, that must be taken apart and done
         again.
       clock: ticks since the start; 0 where no rule of the cell looks at the clock.
-      hand: per operator, the tool in hand, -1 for none yet; empty where changing tools costs
-        nothing.
+      stance: per operator, what it has in hand, see `Instance.stance`; empty where nobody needs
+        time to get ready for a task.
       load: stress units per operator so far; empty where nobody has a limit.
       teams: `(team, operators)` of the `same_operator` teams that have begun, sorted.
       waits: `(number of the wait, ticks left)` of the waits after other tasks that last still,
@@ -45,7 +45,7 @@ class Position(NamedTuple):
     running: tuple[tuple[int, int], ...]
     wrong: int = 0
     clock: int = 0
-    hand: tuple[int, ...] = ()
+    stance: tuple[int, ...] = ()
     load: tuple[int, ...] = ()
     teams: tuple[tuple[int, int], ...] = ()
     waits: tuple[tuple[int, int], ...] = ()
@@ -73,6 +73,8 @@ class Moves:
         it.
       ticks: per way, how long it takes; how long somebody is away is known to the position alone.
       price: per way, the prices of its operators together.
+      preparations: per way of doing and of taking apart, what each of its operators needs before.
+      scarce: per way of doing and of taking apart, `Instance.scarce`.
       timeless: no rule looks at the clock.
       plain: ways of different tasks and operators never stand in each other's way.
     """
@@ -90,6 +92,8 @@ class Moves:
     loads: tuple[tuple[tuple[int, int], ...], ...] = field(init=False, repr=False)
     units: tuple[int, ...] = field(init=False, repr=False)
     price: tuple[int, ...] = field(init=False, repr=False)
+    preparations: tuple[tuple[Preparation, ...], ...] = field(init=False, repr=False)
+    scarce: tuple[tuple[tuple[int, int], ...], ...] = field(init=False, repr=False)
     timeless: bool = field(init=False, repr=False)
     plain: bool = field(init=False, repr=False)
     _ready: dict[tuple[int, int, int], tuple[int, ...]] = field(default_factory=dict)
@@ -148,9 +152,8 @@ class Moves:
     def root(self) -> Position:
         """Nothing has begun."""
         operators = len(self.instance.operators)
-        in_hand = self.instance.in_hand if self.instance.has_swaps else ()
-        hand = tuple(-1 if tool is None else tool for tool in in_hand)
-        return Position(0, (), 0, 0, hand, (0,) * operators if self.instance.has_limits else ())
+        stance = self.instance.stances if self.instance.has_preparations else ()
+        return Position(0, (), 0, 0, stance, (0,) * operators if self.instance.has_limits else ())
 
     def is_over(self, position: Position) -> bool:
         """Everything is done, and nothing of it must be done again."""
@@ -207,14 +210,19 @@ class Moves:
 
     def begin(self, position: Position, way: int) -> Position:
         """The way begins now. Assumes that it is legal."""
-        left = self.ticks[way] + (self._change(position, way) if self.instance.has_swaps else 0)
+        left = self.ticks[way]
+        if self.preparations[way]:
+            left += self._preparation(position, way)
         running = tuple(sorted([*position.running, (way, left)]))
         if self.plain:
             return Position(position.done, running, position.wrong)
-        hand, load, teams, task = position.hand, position.load, position.teams, self.task[way]
-        tool, team = self.instance.timed_tool[task], self.instance.team[task]
-        if hand and tool >= 0:
-            hand = tuple(tool if self.who[way] >> o & 1 else held for o, held in enumerate(hand))
+        stance, load, teams = position.stance, position.load, position.teams
+        team = self.instance.team[self.task[way]]
+        if stance:
+            ready = dict(
+                zip(self.modes[way % self.count].operators, self.preparations[way], strict=True)
+            )
+            stance = tuple(ready[o][now][1] if o in ready else now for o, now in enumerate(stance))
         if load:
             extra = dict(self.loads[way])
             load = tuple(units + extra.get(o, 0) for o, units in enumerate(load))
@@ -222,9 +230,9 @@ class Moves:
             teams = tuple(sorted([*teams, (team, self.who[way])]))
         waits = position.waits
         if self.instance.has_lags and way < self.count:
-            waits = self._counted(waits, task, left - self.ticks[way], from_start=True)
+            waits = self._counted(waits, self.task[way], left - self.ticks[way], from_start=True)
         return Position(
-            position.done, running, position.wrong, position.clock, hand, load, teams, waits
+            position.done, running, position.wrong, position.clock, stance, load, teams, waits
         )
 
     def _counted(
@@ -275,7 +283,14 @@ class Moves:
             return Position(done, tuple(running), wrong)
         clock = 0 if self.timeless else position.clock + ticks
         return Position(
-            done, tuple(running), wrong, clock, position.hand, position.load, position.teams, waits
+            done,
+            tuple(running),
+            wrong,
+            clock,
+            position.stance,
+            position.load,
+            position.teams,
+            waits,
         )
 
     def spoiled(self, position: Position, task: int) -> Position:
@@ -422,23 +437,16 @@ class Moves:
                 limit = instance.stress_limit[operator]
                 if limit is not None and position.load[operator] + units > limit:
                     return False
-        # work and the changeover before it lie in one piece between two breaks
+        # work and the preparation before it lie in one piece between two breaks
         if not self.timeless:
-            end = (
-                position.clock
-                + self.ticks[way]
-                + (self._change(position, way) if self.instance.has_swaps else 0)
-            )
+            end = position.clock + self.ticks[way] + self._preparation(position, way)
             if any(
                 off < end and position.clock < back
                 for o in operators
                 for off, back in instance.breaks[o]
             ):
                 return False
-        count = len(operators)
-        if not self._has_place(position, instance.timed_tool, instance.tool_room, task, count):
-            return False
-        return self._has_place(position, instance.timed_zone, instance.zone_room, task, count)
+        return self._has_tools(position, way) and self._has_zone(position, task, len(operators))
 
     def _waits(self, position: Position, task: int) -> bool:
         """Whether a wait of the task lasts still, or counts from a start that has not come."""
@@ -456,26 +464,45 @@ class Moves:
                 begun &= ~(1 << self.task[way])
         return begun & firsts != firsts
 
-    def _has_place(
-        self, position: Position, thing: Sequence[int], places: Sequence[int], task: int, count: int
-    ) -> bool:
-        mine = thing[task]
-        if mine < 0 or not places[mine]:
-            return True
-        at_work = (
-            way for way, _ in position.running if way < 2 * self.count
-        )  # what comes after are absences, which take no place
-        taken = sum(self.who[way].bit_count() for way in at_work if thing[self.task[way]] == mine)
-        return taken + count <= places[mine]
+    def _has_tools(self, position: Position, way: int) -> bool:
+        return all(
+            sum(
+                units
+                for other, _ in self._at_work(position)
+                for mine, units in self.scarce[other]
+                if mine == tool
+            )
+            + count
+            <= self.instance.tool_room[tool]
+            for tool, count in self.scarce[way]
+        )
 
-    def _change(self, position: Position, way: int) -> int:
-        """Ticks that the operators need first to take up the way's tool."""
-        tool = self.instance.timed_tool[self.task[way]]
-        row = self.instance.swap_ticks[tool] if tool >= 0 else None
-        if row is None:
+    def _has_zone(self, position: Position, task: int, count: int) -> bool:
+        zones = self.instance.timed_zone
+        mine = zones[task]
+        if mine < 0:
+            return True
+        taken = sum(
+            self.who[way].bit_count()
+            for way, _ in self._at_work(position)
+            if zones[self.task[way]] == mine
+        )
+        return taken + count <= self.instance.zone_room[mine]
+
+    def _at_work(self, position: Position) -> Iterator[tuple[int, int]]:
+        """What runs without the absences, which take no place."""
+        return ((way, left) for way, left in position.running if way < 2 * self.count)
+
+    def _preparation(self, position: Position, way: int) -> int:
+        """Ticks that the operators need first to get ready."""
+        preparations, stance = self.preparations[way], position.stance
+        if not preparations:
             return 0
-        operators, hand = self.modes[way % self.count].operators, position.hand
-        return max(row[o] if hand[o] not in (-1, tool) else 0 for o in operators)
+        operators = self.modes[way % self.count].operators
+        return max(
+            preparation[stance[o]][0]
+            for o, preparation in zip(operators, preparations, strict=True)
+        )
 
 
 def _limits(instance: Instance, max_stress: float | None) -> tuple[int | None, ...]:
@@ -507,6 +534,12 @@ def _per_way(moves: Moves) -> dict[str, Any]:
     units = [way.stress for way in modes]
     prices = moves.prices.of_operator
     price = [sum(prices[operator] for operator in way.operators) for way in modes]
+    preparations = [
+        instance.preparations(number, way)
+        for number, row in enumerate(instance.ways)
+        for way in row
+    ]
+    scarce = [instance.scarce(way) for way in modes]
     return {
         "instance": instance,
         "modes": modes,
@@ -517,11 +550,13 @@ def _per_way(moves: Moves) -> dict[str, Any]:
         "loads": (*loads, *loads, *(() for _ in away)),
         "units": (*units, *units, *(0 for _ in away)),
         "price": (*price, *price, *prices),
+        "preparations": (*preparations, *preparations),
+        "scarce": (*scarce, *scarce),
     }
 
 
 def _rules(at: Instance) -> dict[str, bool]:
     """Which rules matter in this cell."""
     timeless = not any(at.release) and not at.has_breaks
-    free = at.is_plain and not (at.has_swaps or at.has_limits or at.has_teams or at.has_lags)
+    free = at.is_plain and not (at.has_preparations or at.has_limits or at.has_teams or at.has_lags)
     return {"timeless": timeless, "plain": timeless and free}

@@ -62,7 +62,7 @@ def forecast(
     are not exceeded with these probabilities; `plan`: by the stated times. None where nothing is
     under way.
 
-    It knows operators, precedence, releases, breaks, tools, zones, changeovers and
+    It knows operators, precedence, releases, breaks, tools, zones, changeovers, walking and
     `same_operator`; it does not foresee mistakes, refusals and absences to come, and knows no limit
     of stress. ASSUMPTIONS are those of `deciders/beliefs.py`.
 

@@ -7,6 +7,7 @@ end it first. `rows` plays go side by side, each with its own order, paces and t
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -19,6 +20,7 @@ from tandem.dispatch.deciders.beliefs import AWAY_S, awaited
 from tandem.dispatch.deciders.policy import Start
 from tandem.dispatch.situation.legal import waited_from
 from tandem.dispatch.situation.model import Situation
+from tandem.schedule.queues import KINDS
 
 Array = np.ndarray[Any, Any]
 
@@ -36,9 +38,12 @@ class Sheet:
       before: `[T, P]`, predecessors, T where it has fewer; `firsts`: with those whose start it
         waits from. `chain`: tasks, each before its `firsts`. `waits`: (task, the one that it waits
         after, whether from that one's start, s at least). `quickest`: `[T]` s. `release`: `[T]` s.
-      room: `[T, 2]`, its tool and zone as numbers, -1 for none; `columns`: of these the ones that
-        say something. `places`: how many each has; `capacity`: the same, 1 for none.
-      tool: `[T]`, number of the tool that changeovers look at, -1 for none; `change`: `[O, tools]`.
+      room: `[W, K]`, its zone and its tools as numbers, -1 for none; `takes`: `[W, K]`, how many
+        places of each. `places`: how many each has; `capacity`: the same, 1 for none.
+      tool: `[W, C]`, number of the tool that changeovers look at, -1 for none; `change`:
+        `[O + 1, tools]` s.
+      place: `[T]`, where it is done, -1 for anywhere; `walk`: `[O + 1, P, P]` s, from the first
+        place to the second.
       team: `[T]`, tasks of one number are done by the same operators; -1 for none.
       off: per operator, its breaks.
     """
@@ -63,11 +68,13 @@ class Sheet:
     quickest: Array
     release: Array
     room: Array
-    columns: tuple[int, ...]
+    takes: Array
     places: tuple[int, ...]
     capacity: Array
     tool: Array
     change: Array
+    place: Array
+    walk: Array
     team: Array
     off: tuple[tuple[tuple[float, float], ...], ...]
 
@@ -98,11 +105,19 @@ def _made(cell: Cell) -> Sheet:
     needs = [[number[first] for first in task.predecessors] for task in cell.tasks.values()]
     firsts = [[number[first] for first in task.begun_first] for task in cell.tasks.values()]
     rooms: dict[tuple[str, str], int] = {}
-    room = np.full((len(tasks), 2), -1)
-    for t, task in enumerate(cell.tasks.values()):
-        for column, (kind, name) in enumerate((("tool", task.tool), ("zone", task.zone))):
-            if name is not None:
-                room[t, column] = rooms.setdefault((kind, name), len(rooms))
+    taken = [
+        Counter(
+            (kind, name)
+            for kind in KINDS
+            for name in cell.takes(kind, task, way.operators).values()
+        )
+        for task, way in ways
+    ]
+    room = np.full((len(ways), max(map(len, taken))), -1)
+    takes = np.ones(room.shape, int)
+    for w, things in enumerate(taken):
+        for column, (thing, count) in enumerate(things.items()):
+            room[w, column], takes[w, column] = rooms.setdefault(thing, len(rooms)), count
     tables: dict[str, Mapping[str, Any]] = {"tool": cell.tools, "zone": cell.zones}
     places = [tables[kind][name].capacity if name in tables[kind] else 1 for kind, name in rooms]
     timed = [name for name, tool in cell.tools.items() if any(tool.changeover.values())]
@@ -114,8 +129,21 @@ def _made(cell: Cell) -> Sheet:
         for task in tasks
     ]
     crew = np.full((len(ways), max(len(way.operators) for _, way in ways)), len(operators))
+    tool = np.full(crew.shape, -1)
     for w, (_, way) in enumerate(ways):
-        crew[w, : len(way.operators)] = [operators.index(who) for who in way.operators]
+        for seat, who in enumerate(way.operators):
+            crew[w, seat] = operators.index(who)
+            if way.tools.get(who) in timed:
+                tool[w, seat] = timed.index(way.tools[who])
+    change = np.zeros((len(operators) + 1, len(timed)))
+    change[:-1] = np.array(
+        [[float(cell.tools[name].changeover.get(who, 0.0)) for name in timed] for who in operators]
+    ).reshape(len(operators), len(timed))
+    spots = {name: number for number, name in enumerate(cell.place_names)} if cell.walk else {}
+    walk = np.zeros((len(operators) + 1, len(spots), len(spots)))
+    for who, ways_of in cell.walking.items():
+        for (one, other), seconds in ways_of.items():
+            walk[operators.index(who), spots[one], spots[other]] = seconds
     groups: dict[tuple[str, ...], int] = {}
     return Sheet(
         cell,
@@ -142,18 +170,13 @@ def _made(cell: Cell) -> Sheet:
         np.array([min(float(way.time) for way in facts.ways[task]) for task in tasks]),
         np.array([float(task.release) for task in cell.tasks.values()]),
         room,
-        tuple(column for column in (0, 1) if (room[:, column] >= 0).any()),
+        takes,
         tuple(places),
         np.array([*places, 1]),
-        np.array(
-            [timed.index(task.tool) if task.tool in timed else -1 for task in cell.tasks.values()]
-        ),
-        np.array(
-            [
-                [float(cell.tools[tool].changeover.get(who, 0.0)) for tool in timed]
-                for who in operators
-            ]
-        ).reshape(len(operators), len(timed)),
+        tool,
+        change,
+        np.array([spots.get(task.place or "", -1) for task in cell.tasks.values()]),
+        walk,
         np.array(team),
         tuple(
             tuple((off.start, off.end) for off in operator.times_off)
@@ -203,8 +226,8 @@ class Rest:
       open: `[W]` bool, ways that are open. `share`: `[T]`, the share of its time that it takes,
         more than 1 where it comes apart before.
       release: `[T]`. `free`: `[O]`, when those who are away are back.
-      hand: `[O]`, the timed tool in hand, -1 for none. `since`: `[O]`, when they have been able to
-        take up another one.
+      hand: `[O]`, the timed tool in hand, -1 for none; `at`: `[O]`, the place, -1 for anywhere.
+        `since`: `[O]`, when they have been able to get ready for other work.
       team: `[teams]`, the crew that does it, -1 before it has begun.
       off: operator and their breaks, where there are any.
     """
@@ -218,6 +241,7 @@ class Rest:
     release: Array
     free: Array
     hand: Array
+    at: Array
     since: Array
     team: Array
     off: tuple[tuple[int, tuple[tuple[float, float], ...]], ...]
@@ -275,6 +299,11 @@ class Rest:
         gone = situation.absent | situation.failed
         timed = [name for name, tool in sheet.cell.tools.items() if any(tool.changeover.values())]
         held = [situation.in_hand.get(who) for who in sheet.operators]
+        spots = {name: number for number, name in enumerate(sheet.cell.place_names)}
+        at = [
+            spots.get(situation.stands.get(who, ""), -1) if sheet.cell.walk else -1
+            for who in sheet.operators
+        ]
         begun = {task: one.operators for task, one in situation.done.items()}
         begun |= {task: one.operators for task, one in situation.running.items()}
         team = np.full(int(sheet.team.max()) + 1, -1)
@@ -293,6 +322,7 @@ class Rest:
             release,
             np.array([AWAY_S if who in gone else 0.0 for who in sheet.operators]),
             np.array([timed.index(tool) if tool in timed else -1 for tool in held]),
+            np.array(at),
             np.array([situation.since.get(who, 0.0) - situation.now for who in sheet.operators]),
             team,
             tuple(
@@ -369,7 +399,8 @@ class _Play:
       free: `[O + 1, rows]`, when each operator is free.
       taken: `[R + 1, places, rows]`, until when each place of a tool or zone is taken, sorted, for
         ever where it has fewer places; the last row stands for neither and is always free.
-      hand: `[O + 1, rows]`, the timed tool in hand; `since`: when they could take up another one.
+      hand, at: `[O + 1, rows]`, the timed tool in hand and the place; `since`: when they could get
+        ready for other work.
       team: `[teams, rows]`, the crew of each, -1 before it has begun.
     """
 
@@ -383,7 +414,9 @@ class _Play:
         for number, places in enumerate(sheet.places):
             self.taken[number, :places], self.taken[number, places:] = 0.0, np.inf
         self.hand, self.since = _with_nobody(rest.hand, rows), _with_nobody(rest.since, rows)
+        self.at = _with_nobody(rest.at, rows)
         self.has_teams, self.has_swaps = bool((sheet.team >= 0).any()), sheet.change.shape[1] > 0
+        self.has_walks = sheet.walk.shape[1] > 0
         self.team = np.repeat(rest.team[:, None], rows, axis=1)
 
     def going(self, name: str, ends: Array) -> None:
@@ -403,14 +436,14 @@ class _Play:
         """`[rows]` each: the way in which the task (`[rows]`) is done, and when it starts."""
         sheet, line = self.sheet, self.line
         ready = np.maximum(self.ready[task, line], self.end[sheet.before[task].T, line].max(axis=0))
-        share, hands = self.rest.share[task], self._hands_free(task)
+        share = self.rest.share[task]
         way, begin, best = self.line, ready, np.full(len(line), np.inf)
         for slot in range(sheet.slots.shape[1]):
             one = sheet.slots[task, slot]
             takes, start = share * steady[line, one], ready
-            for crew in sheet.crew[one].T:
-                start = np.maximum(start, hands[crew, line])
-            start = self._behind_breaks(self._with_room(task, one, start), one, takes)
+            for seat, crew in enumerate(sheet.crew[one].T):
+                start = np.maximum(start, self._hands_free(one, seat, crew))
+            start = self._behind_breaks(self._with_room(one, start), one, takes)
             # whoever is not in the team, or refuses, is taken only where nobody else is left
             score = start + takes + liking[line, one] + np.where(self._fits(task, one), 0.0, 1e9)
             better = (one >= 0) & (score < best)
@@ -448,34 +481,49 @@ class _Play:
 
     def _occupy(self, task: Array, way: Array, end: Array) -> None:
         sheet, line = self.sheet, self.line
-        for crew in sheet.crew[way].T:
+        for seat, crew in enumerate(sheet.crew[way].T):
             self.free[crew, line] = end
-            if self.has_swaps:
+            if self.has_swaps or self.has_walks:
                 self.since[crew, line] = end
-                tool = sheet.tool[task]
+            if self.has_swaps:
+                tool = sheet.tool[way, seat]
                 self.hand[crew, line] = np.where(tool >= 0, tool, self.hand[crew, line])
+            if self.has_walks:
+                place = sheet.place[task]
+                self.at[crew, line] = np.where(place >= 0, place, self.at[crew, line])
         self.free[-1] = -np.inf
-        for column in sheet.columns:
-            room = sheet.room[task, column]
+        for room, count in zip(sheet.room[way].T, sheet.takes[way].T, strict=True):
             places = self.taken[room, :, line]
-            fills = np.arange(places.shape[1]) < sheet.size[way][:, None]
+            fills = np.arange(places.shape[1]) < count[:, None]
             self.taken[room, :, line] = np.sort(np.where(fills, end[:, None], places), axis=1)
             self.taken[-1] = -np.inf
 
-    def _hands_free(self, task: Array) -> Array:
-        """`[O + 1, rows]`, when each could begin the task, its tool in hand."""
-        if not self.has_swaps:
-            return self.free
-        tool = self.sheet.tool[task]
-        swaps = (tool >= 0) & (self.hand >= 0) & (self.hand != tool)
-        change = np.zeros(self.free.shape)
-        change[:-1] = self.sheet.change[:, np.maximum(tool, 0)]
-        return np.maximum(self.free, np.where(swaps, self.since + change, -np.inf))
+    def _hands_free(self, way: Array, seat: int, crew: Array) -> Array:
+        """`[rows]`, when the operators `crew`, who have this seat in the way, could begin it: where
+        it is done, and their tool in hand.
+        """
+        free = self.free[crew, self.line]
+        if not self.has_swaps and not self.has_walks:
+            return free
+        sheet, before = self.sheet, np.zeros(len(self.line))
+        if self.has_swaps:
+            tool, hand = sheet.tool[way, seat], self.hand[crew, self.line]
+            swaps = (tool >= 0) & (hand >= 0) & (hand != tool)
+            before += np.where(swaps, sheet.change[crew, np.maximum(tool, 0)], 0.0)
+        if self.has_walks:
+            place, at = (
+                sheet.place[sheet.task[way]],
+                np.maximum(self.at[crew, self.line], -1).astype(int),
+            )
+            there = sheet.walk[crew, np.maximum(at, 0), np.maximum(place, 0)]
+            before += np.where((place >= 0) & (at >= 0), there, 0.0)
+        ready = self.since[crew, self.line] + before
+        return np.maximum(free, np.where(before > 0, ready, -np.inf))
 
-    def _with_room(self, task: Array, way: Array, start: Array) -> Array:
-        for column in self.sheet.columns:
-            room = self.sheet.room[task, column]
-            last = np.minimum(self.sheet.size[way], self.sheet.capacity[room]) - 1
+    def _with_room(self, way: Array, start: Array) -> Array:
+        sheet = self.sheet
+        for room, count in zip(sheet.room[way].T, sheet.takes[way].T, strict=True):
+            last = np.minimum(count, sheet.capacity[room]) - 1
             start = np.maximum(start, self.taken[room, last, self.line])
         return start
 

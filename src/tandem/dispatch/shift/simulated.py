@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -98,9 +98,13 @@ class SimulatedFloor:
                 for task, way in self.names.ways
             ]
         )
-        self.episode = self.episode._replace(
-            state=self.episode.state._replace(refused=refused, in_hand=self._in_hand(situation))
+        reset = self.episode.state
+        state = reset._replace(
+            refused=refused,
+            in_hand=self._numbers(situation.in_hand, self.names.tools, reset.in_hand),
+            stands=self._numbers(situation.stands, self.names.places, reset.stands),
         )
+        self.episode = self.episode._replace(state=state)
         mask = world.legal(self.arrays, self.episode.state)
         self.episode = self.episode._replace(mask=mask, turn=world.turn(self.arrays, mask))
         self.began, self.number = situation.began, product.number
@@ -110,14 +114,15 @@ class SimulatedFloor:
             for who in sorted(away)
         )
 
-    def _in_hand(self, situation: Situation) -> Any:
-        """`[O]` int32, the tools that the operators hold, as the world numbers them."""
-        held = [situation.in_hand.get(who) for who in self.names.operators]
-        reset = self.episode.state.in_hand
+    def _numbers(self, named: Mapping[str, str], names: Sequence[str], reset: Any) -> Any:
+        """`[O]` int32, what each operator holds, or where it stands, as the world numbers it; as at
+        the reset where the world does not know that name.
+        """
+        number = {name: place for place, name in enumerate(names)}
         return np.array(
             [
-                self.names.tools.index(tool) if tool in self.names.tools else nothing
-                for tool, nothing in zip(held, reset.tolist(), strict=True)
+                number.get(named.get(who, ""), nothing)
+                for who, nothing in zip(self.names.operators, reset.tolist(), strict=True)
             ],
             reset.dtype,
         ).reshape(reset.shape)

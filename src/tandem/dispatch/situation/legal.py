@@ -4,30 +4,34 @@ functions.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from collections import Counter
+from collections.abc import Iterable, Iterator
 
 from tandem.cell.parts import Mode, Wait
 from tandem.dispatch.situation.model import Situation, Stock, exact, mode
+from tandem.schedule.queues import KINDS, places_of
 
 
 def start_of_work(situation: Situation, task: str, operators: Iterable[str]) -> float:
-    """When the task itself would start, were it begun now, s: now, or when the last of them has
-    taken up its tool.
+    """When the task itself would start, were it begun now, s: now, or when the last of them is
+    there, its tool in hand.
     """
     return exact(
         max(
             [
                 situation.now,
-                *(since + swap for since, swap in _swaps(situation, task, operators).values()),
+                *(
+                    since + time
+                    for since, time in _preparations(situation, task, operators).values()
+                ),
             ]
         )
     )
 
 
 def seconds(situation: Situation, task: str, operators: tuple[str, ...]) -> float:
-    """How long it would keep them from now on as stated, what is left of a changeover included: to
-    do it, or to take it apart when it is wrong.
+    """How long it would keep them from now on as stated, what is left of a walk or a changeover
+    included: to do it, or to take it apart when it is wrong.
     """
     return exact(
         start_of_work(situation, task, operators)
@@ -41,11 +45,11 @@ def legal(situation: Situation) -> list[tuple[str, tuple[str, ...]]]:
     `situation.wrong` it means taking it apart.
 
     Predecessors have ended (or, to take a task apart, nothing stands on it any more), its waits
-    after other tasks have lasted as long as they must, its release has come, its tool is whole and
-    its part there, all operators are there and at nothing, tool and zone have room, no break falls
-    into changeover or stated time, and refusals, stress limits (as far as the least stress of what
-    is left tells), `same_operator` and `stress_of_set` are kept. Deadlines, and what a wait may
-    last at most, rule out nothing: late is better than never.
+    after other tasks have lasted as long as they must, its release has come, its tools are whole
+    and its part there, all operators are there and at nothing, tools and zone have room, no break
+    falls into walk, changeover or stated time, and refusals, stress limits (as far as the least
+    stress of what is left tells), `same_operator` and `stress_of_set` are kept. Deadlines, and what
+    a wait may last at most, rule out nothing: late is better than never.
     """
     idle = frozenset(situation.idle)
     found: dict[tuple[str, tuple[str, ...]], None] = {}
@@ -136,28 +140,25 @@ def _stated(situation: Situation, task: str, way: Mode) -> float:
     return way.time * situation.taking_apart if task in situation.wrong else way.time
 
 
-def _swaps(
+def _preparations(
     situation: Situation, task: str, operators: Iterable[str]
 ) -> dict[str, tuple[float, float]]:
-    """Operator -> since when they can have been taking up the task's tool, and how long that takes
-    (s); only who holds another one.
+    """Operator -> since when they can have been getting ready for the task, and how long that takes
+    (s): walking there, and taking up their tool. Only who needs time for it.
     """
-    tool = situation.cell.tasks[task].tool
-    if tool is None or tool not in situation.cell.tools:
-        return {}
-    swaps = {}
+    cell, operators = situation.cell, tuple(operators)
+    tools, place = cell.tools_for(task, operators), cell.tasks[task].place
+    found = {}
     for who in operators:
-        if situation.in_hand.get(who, tool) != tool:
-            over = [
-                off.end
-                for off in situation.cell.operators[who].times_off
-                if off.end <= situation.now
-            ]
-            swaps[who] = (
-                max([situation.since.get(who, 0.0), *over]),
-                situation.cell.tools[tool].changeover.get(who, 0.0),
-            )
-    return swaps
+        time, tool = 0.0, tools.get(who, "")
+        if tool in cell.tools and situation.in_hand.get(who, tool) != tool:
+            time = cell.tools[tool].changeover.get(who, 0.0)
+        if place is not None and who in cell.walking:
+            time += cell.walking[who].get((situation.stands.get(who, place), place), 0.0)
+        if time:
+            over = [off.end for off in cell.operators[who].times_off if off.end <= situation.now]
+            found[who] = (max([situation.since.get(who, 0.0), *over]), exact(time))
+    return found
 
 
 def _release(situation: Situation, task: str, way: Mode) -> Iterator[str]:
@@ -183,18 +184,20 @@ def _waits(situation: Situation, task: str, way: Mode) -> Iterator[str]:
             )
 
 
-def lacks(situation: Situation, task: str) -> list[tuple[Stock, str]]:
-    """What the task needs and is broken or missing. Taking it apart needs its tool only."""
-    wanted = situation.cell.tasks[task]
-    needs: list[tuple[Stock, str | None]] = [("tool", wanted.tool)]
+def lacks(situation: Situation, task: str, operators: Iterable[str]) -> list[tuple[Stock, str]]:
+    """What they need for the task and is broken or missing. Taking it apart needs the tools
+    only.
+    """
+    tools = situation.cell.tools_for(task, operators).values()
+    needs: list[tuple[Stock, str | None]] = [("tool", tool) for tool in dict.fromkeys(tools)]
     if task not in situation.wrong:
-        needs += [("part", wanted.part), ("task", task)]
+        needs += [("part", situation.cell.tasks[task].part), ("task", task)]
     return [(kind, name) for kind, name in needs if name and (kind, name) in situation.stock]
 
 
 def _stock(situation: Situation, task: str, way: Mode) -> Iterator[str]:
     if situation.stock:
-        for kind, name in lacks(situation, task):
+        for kind, name in lacks(situation, task, way.operators):
             yield (
                 f"what task {name!r} needs is missing"
                 if kind == "task"
@@ -214,13 +217,13 @@ def _refusals(situation: Situation, task: str, way: Mode) -> Iterator[str]:
 def _times_off(situation: Situation, task: str, way: Mode) -> Iterator[str]:
     if not any(situation.cell.operators[who].times_off for who in way.operators):
         return
-    start, swaps = (
+    start, before = (
         start_of_work(situation, task, way.operators),
-        _swaps(situation, task, way.operators),
+        _preparations(situation, task, way.operators),
     )
     end = exact(start + _stated(situation, task, way))
     for who in way.operators:
-        begin = exact(start - swaps.get(who, (0.0, 0.0))[1])
+        begin = exact(start - before.get(who, (0.0, 0.0))[1])
         for off in situation.cell.operators[who].times_off:
             if off.start < end and begin < off.end:
                 told = off._replace(
@@ -231,20 +234,15 @@ def _times_off(situation: Situation, task: str, way: Mode) -> Iterator[str]:
 
 def _room(situation: Situation, task: str, way: Mode) -> Iterator[str]:
     cell = situation.cell
-    wanted = cell.tasks[task]
-    tables: tuple[tuple[str, str | None, Mapping[str, Any]], ...] = (
-        ("tool", wanted.tool, cell.tools),
-        ("zone", wanted.zone, cell.zones),
-    )
-    for kind, name, table in tables:
-        if name is not None:
-            places = table[name].capacity if name in table else 1
+    for kind in KINDS:
+        for name, count in Counter(cell.takes(kind, task, way.operators).values()).items():
+            places = places_of(cell, kind, name)
             taken = sum(
-                len(at.operators)
+                used == name
                 for other, at in situation.running.items()
-                if getattr(cell.tasks[other], kind) == name
+                for used in cell.takes(kind, other, at.operators).values()
             )
-            if taken + len(way.operators) > places:
+            if taken + count > places:
                 yield (
                     f"{kind} {name!r} is taken"
                     if taken

@@ -5,8 +5,8 @@ knows no JAX and no solver.
 world (`tandem.world.state`) in other words: a test holds both together. A shift is product after
 product. Times are seconds since the beginning of the product, as the cell's own releases, deadlines
 and breaks are; `Situation.began` leads to the shift's clock, which is what the floor tells and
-hears. Who was idle has used that time to take up the tool of the next task; what is left of a
-changeover belongs to the work that follows it.
+hears. Who was idle has used that time to walk to the next task and to take up its tool; what is
+left of a walk or a changeover belongs to the work that follows it.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Running:
 
     Attributes:
       operators: who does it, in the cell's order.
-      start: when they began, with what was left of a changeover, s.
+      start: when they began, with what was left of a walk or a changeover, s.
       expected_end: by the stated times, s; later when the work has rested. It may have passed:
         people are slower than stated.
       undoing: it is being taken apart, not done.
@@ -54,7 +54,7 @@ class Running:
 
     @property
     def stated(self) -> float:
-        """Seconds that it takes as stated, with what was left of a changeover."""
+        """Seconds that it takes as stated, with what was left of a walk or a changeover."""
         return self.expected_end - self.start - self.rested
 
 
@@ -64,7 +64,7 @@ class Work:
 
     Attributes:
       start, end: s; between them it `rested` for so many seconds.
-      stated: seconds that it should have taken, with what was left of a changeover.
+      stated: seconds that it should have taken, with what was left of a walk or a changeover.
       outcome: the task was done, was taken apart, or was broken off with nothing to show.
     """
 
@@ -159,8 +159,10 @@ class Situation:
       wrong: tasks that are mounted wrongly, or on top of something wrong, with the work that did
         so: they must be taken apart, then done again.
       in_hand: operator -> the tool in hand; who is missing takes up the first one at no cost.
-      since: operator -> since when they could have taken up another tool: the end of the last work
-        or absence; 0 for who is missing.
+      stands: operator -> the place where they stand; who is missing walks to the first one at no
+        cost.
+      since: operator -> since when they could have got ready for other work: the end of the last
+        work or absence; 0 for who is missing.
       taking_apart: see `TAKING_APART`.
       known: `facts` when they have been worked out; handed on from situation to situation.
       product: the one under way, or the last one when it is done; None before the first.
@@ -190,6 +192,7 @@ class Situation:
     announced: Mapping[str, str] = field(default_factory=dict)
     wrong: Mapping[str, Work] = field(default_factory=dict)
     in_hand: Mapping[str, str] = field(default_factory=dict)
+    stands: Mapping[str, str] = field(default_factory=dict)
     since: Mapping[str, float] = field(default_factory=dict)
     taking_apart: float = TAKING_APART
     known: Facts | None = field(default=None, repr=False, compare=False)
@@ -222,6 +225,7 @@ class Situation:
             shift waits for its first order.
         """
         hands = {who: operator.tool for who, operator in cell.operators.items() if operator.tool}
+        spots = {who: operator.place for who, operator in cell.operators.items() if operator.place}
         facts = Facts.of(cell)
         cells: dict[str | None, tuple[Cell, Facts]] = {None: (cell, facts)}
         cells |= {name: (other, Facts.of(other)) for name, other in (variants or {}).items()}
@@ -229,6 +233,7 @@ class Situation:
         return cls(
             cell,
             in_hand=hands,
+            stands=spots,
             taking_apart=taking_apart,
             known=facts,
             product=ordered[0] if ordered else None,
@@ -344,6 +349,8 @@ class Situation:
             "wrong": {task: _plain(work) for task, work in sorted(self.wrong.items())},
             "in_hand": dict(sorted(self.in_hand.items())),
             "since": dict(sorted(self.since.items())),
+            # only where the cell has places, so that all others keep their digests
+            **({"stands": dict(sorted(self.stands.items()))} if self.stands else {}),
         }
 
 

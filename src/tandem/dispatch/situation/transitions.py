@@ -83,7 +83,8 @@ def begun(situation: Situation) -> Situation:
     """The next of the queued products has begun, at this moment; what belongs to the one before is
     put away, and what its work told of people's paces is kept.
 
-    Time before a product's beginning takes up no tool for it: which one it would be was not known.
+    Time before a product's beginning takes up no tool for it, and nobody walks to it then: where to
+    was not known.
     """
     product, *queued = situation.queued
     cell, facts = situation.cells.get(product.variant, (situation.cell, situation.facts))
@@ -205,7 +206,7 @@ def revoked(before: Situation, now: Situation) -> dict[str, Order]:
 
 
 def _started(situation: Situation, task: str, operators: tuple[str, ...]) -> Situation:
-    now, tool = situation.now, situation.cell.tasks[task].tool
+    now, place = situation.now, situation.cell.tasks[task].place
     at = Running(
         operators,
         now,
@@ -224,9 +225,10 @@ def _started(situation: Situation, task: str, operators: tuple[str, ...]) -> Sit
             for pair, until in situation.refused.items()
             if pair[1] != task or pair[0] not in operators
         },
-        in_hand=situation.in_hand
-        if tool is None
-        else {**situation.in_hand, **dict.fromkeys(operators, tool)},
+        in_hand={**situation.in_hand, **situation.cell.tools_for(task, operators)},
+        stands=situation.stands
+        if place is None
+        else {**situation.stands, **dict.fromkeys(operators, place)},
     )
 
 

@@ -346,8 +346,8 @@ def _document(
     }
     if beside.tools:
         document["tools"] = beside.tools
-    if beside.zones:
-        document["zones"] = beside.zones
+    more = {"zones": beside.zones, "places": beside.places, "walk": beside.walk}
+    document |= {name: stated for name, stated in more.items() if stated}
     if tasks.same_operator:
         document["same_operator"] = tasks.same_operator
     if "stress of sets" in roles:

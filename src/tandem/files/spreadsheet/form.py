@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple
 
+from tandem.cell.walking import SPEED
+
 Language = Literal["en", "de"]
 
 SHEETS: dict[Language, dict[str, str]] = {
@@ -14,6 +16,8 @@ SHEETS: dict[Language, dict[str, str]] = {
         "operators": "Operators",
         "tools": "Tools",
         "zones": "Zones",
+        "places": "Places",
+        "walking": "Walking",
         "sets": "Stress of sets",
         "cell": "Cell",
         "help": "Help",
@@ -23,6 +27,8 @@ SHEETS: dict[Language, dict[str, str]] = {
         "operators": "Bediener",
         "tools": "Werkzeuge",
         "zones": "Bereiche",
+        "places": "Orte",
+        "walking": "Wege",
         "sets": "Belastung der Mengen",
         "cell": "Zelle",
         "help": "Hilfe",
@@ -42,7 +48,15 @@ HEADERS: dict[Language, dict[str, str]] = {
         "after": "predecessors",
         "wait": "wait after [s]",
         "tool": "tool",
+        "tool of": "tool {who}",
+        "joint tool of": "tool {one} with {others}",
         "zone": "zone",
+        "place": "place",
+        "x": "x [m]",
+        "y": "y [m]",
+        "from": "from",
+        "to": "to",
+        "speed": "walking speed [m/s]",
         "difficulty": "difficulty {who}",
         "spread": "spread",
         "spread of": "spread {who}",
@@ -73,7 +87,15 @@ HEADERS: dict[Language, dict[str, str]] = {
         "after": "Vorgänger",
         "wait": "Wartezeit nach [s]",
         "tool": "Werkzeug",
+        "tool of": "Werkzeug {who}",
+        "joint tool of": "Werkzeug {one} mit {others}",
         "zone": "Bereich",
+        "place": "Ort",
+        "x": "x [m]",
+        "y": "y [m]",
+        "from": "von",
+        "to": "nach",
+        "speed": "Gehgeschwindigkeit [m/s]",
         "difficulty": "Schwierigkeit {who}",
         "spread": "Streuung",
         "spread of": "Streuung {who}",
@@ -119,6 +141,8 @@ OPERATOR_COLUMNS = (
     OperatorColumn("setup", "changeover", "setup", "time", 14),
     OperatorColumn("breaks", "breaks", "breaks", "breaks", 22),
     OperatorColumn("tool", "tool", "tool", "text", 16),
+    OperatorColumn("place", "place", "place", "text", 16),
+    OperatorColumn("speed", "walking speed", SPEED, "amount", 14),
 )
 """What a workbook says of an operator, behind the name: what is read, and in which order the
 template has it.
@@ -166,6 +190,21 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
             (
                 "Optional: glue >= 40 <= 60 starts 40 to 60 s after glue has ended, glue (start) >="
                 " 5 counts from its start. Several: with semicolons."
+            ),
+        ),
+        (
+            "tool NAME",
+            (
+                "Instead of 'tool', where it depends on who does the task: a column for each"
+                " operator, 'tool A + B' for both together, 'tool A with B' for A then."
+            ),
+        ),
+        (
+            "place",
+            (
+                "Optional: where the task is done. Sheet Walking: seconds from place to place for"
+                " each operator; or sheet Places: coordinates, and a walking speed in the sheet"
+                " Operators."
             ),
         ),
         ("earliest start, latest end", "Optional, seconds since the start of the assembly."),
@@ -239,6 +278,21 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
             (
                 "Freiwillig: Kleben >= 40 <= 60 beginnt 40 bis 60 s nach dem Ende von Kleben,"
                 " Kleben (Beginn) >= 5 zählt ab dessen Beginn. Mehrere: mit Semikolon."
+            ),
+        ),
+        (
+            "Werkzeug NAME",
+            (
+                "Statt 'Werkzeug', wo es davon abhängt, wer den Vorgang tut: eine Spalte je"
+                " Bediener, 'Werkzeug A + B' für beide zusammen, 'Werkzeug A mit B' für A dabei."
+            ),
+        ),
+        (
+            "Ort",
+            (
+                "Freiwillig: wo der Vorgang getan wird. Blatt Wege: Sekunden von Ort zu Ort je"
+                " Bediener; oder Blatt Orte: Koordinaten, und eine Gehgeschwindigkeit im Blatt"
+                " Bediener."
             ),
         ),
         ("frühester Start, spätestes Ende", "Freiwillig, Sekunden seit Beginn der Montage."),

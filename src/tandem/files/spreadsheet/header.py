@@ -34,6 +34,7 @@ TASK_WORDS = {
     "part",
     "tool",
     "zone",
+    "place",
     "release",
     "deadline",
     "same operator",
@@ -317,6 +318,9 @@ def amounts_of(table: Table) -> Iterator[Value]:
         "capacity",
         "quantity",
         "changeover",
+        "walking speed",
+        "x",
+        "y",
     ):
         yield from (
             table.grid.rows[row][column.index]

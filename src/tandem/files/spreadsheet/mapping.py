@@ -26,6 +26,7 @@ from tandem.files.spreadsheet.vocabulary import (
     key,
     kind_of,
     meaning,
+    own_tool,
     split_unit,
     without_scale,
 )
@@ -34,6 +35,7 @@ ONCE = (
     "part",
     "tool",
     "zone",
+    "place",
     "release",
     "deadline",
     "operator",
@@ -121,6 +123,8 @@ def _with_known_names(table: Table, known: tuple[str, ...], findings: Findings) 
     settled_columns = []
     for column in table.columns:
         column = _with_scale(column, spelled, findings)
+        if column.meaning is None and (tool := own_tool(column.header, tuple(spelled.values()))):
+            column = replace(column, meaning=tool)
         if column.meaning and column.meaning.who:
             names = tuple(spelled.get(key(name), name) for name in column.meaning.who)
             human = column.meaning.human and spelled.get(
@@ -255,7 +259,9 @@ def _each_meaning_once(columns: list[Column], findings: Findings) -> list[Column
         what = column.meaning
         if what is not None and what.what not in ("number", "task", "label", "ignore", *JOINED):
             same = (
-                (what.what,) if what.what in ONCE else (what.what, frozenset(what.who), what.human)
+                (what.what,)
+                if what.what in ONCE and not what.who
+                else (what.what, frozenset(what.who), what.human)
             )
             if same in first:
                 other = first[same]

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from tandem.cell.walking import SPEED
 from tandem.files.spreadsheet.findings import Findings
 from tandem.files.spreadsheet.form import OPERATOR_COLUMNS, OperatorColumn
 from tandem.files.spreadsheet.grid import Grid, blank, shown, tidy
@@ -17,6 +18,7 @@ from tandem.files.spreadsheet.references import References, UnknownTaskError
 from tandem.files.spreadsheet.said import say
 from tandem.files.spreadsheet.values import UnreadableError, number, seconds
 from tandem.files.spreadsheet.vocabulary import Meaning, key, kind_of, meaning
+from tandem.files.spreadsheet.walking import read_places, read_walks
 
 SHEETS: dict[str, str] = {
     "operators": (
@@ -24,6 +26,8 @@ SHEETS: dict[str, str] = {
     ),
     "tools": "tools|tool|werkzeuge|werkzeug",
     "zones": "zones|zone|zonen|bereiche|bereich|areas",
+    "places": "places|place|orte|ort|standorte|locations",
+    "walking": "walking|walking times|walk|walks|wege|weg|wegezeiten|laufwege",
     "stress of sets": (
         "stress of sets|belastung der mengen|belastung je menge|stress table|belastungstabelle"
     ),
@@ -46,6 +50,8 @@ class Beside:
     operators: dict[str, dict[str, Any]] = field(default_factory=dict)
     tools: dict[str, dict[str, Any]] = field(default_factory=dict)
     zones: dict[str, dict[str, Any]] = field(default_factory=dict)
+    places: dict[str, list[float]] = field(default_factory=dict)
+    walk: dict[str, dict[str, float]] = field(default_factory=dict)
     sets: dict[str, float] | None = None
     name: str | None = None
 
@@ -63,6 +69,10 @@ def read_beside(grids: dict[str, Grid], findings: Findings) -> Beside:
     for role, names in (("tools", ("tool", "task")), ("zones", ("zone", "task"))):
         if role in grids:
             _things(grids[role], role, names, found, findings)
+    if "places" in grids:
+        found.places = read_places(grids["places"], findings)
+    if "walking" in grids:
+        read_walks(grids["walking"], found.walk, findings)
     if "cell" in grids:
         _name(grids["cell"], found)
     return found
@@ -169,6 +179,9 @@ def _operators(grid: Grid, found: Beside, findings: Findings) -> None:
             )
             continue
         found.operators[who] = _operator(table, row, who, findings)
+        if (speed := found.operators[who].pop(SPEED, None)) is not None:
+            found.walk.setdefault(who, {})[SPEED] = speed
+            findings.places["walk", who, SPEED] = findings.places["operators", who, SPEED]
         findings.places["operators", who] = grid.place(row, name.index)
 
 

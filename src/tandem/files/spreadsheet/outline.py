@@ -255,7 +255,7 @@ def _note_summary(
         return
     unread = [
         c.header
-        for c in table.having("tool", "zone", "part", "stress")
+        for c in table.having("tool", "zone", "place", "part", "stress")
         if not blank(table.grid.value(row.row, c.index))
     ]
     number = "one" if len(unread) == 1 else "other"

@@ -34,7 +34,7 @@ from tandem.files.spreadsheet.said import Said, enumerated, say
 from tandem.files.spreadsheet.values import cannot, says_able
 from tandem.files.spreadsheet.waits import read_waits
 
-TEXTS = ("part", "tool", "zone")
+TEXTS = ("part", "tool", "zone", "place")
 STAND_IN = 1.0
 """A time to check a task with when its own is a fault; it never leaves this room."""
 LISTS = ("after", "after rows", "before", "same operator")
@@ -102,6 +102,7 @@ def read_tasks(
         _texts(table, entry, label if label is not name else None, findings)
         (_long_times if long_form else _wide_times)(table, entry, found, findings)
         _measures(table, entry, long_form, found.people, findings)
+        _own_tools(table, entry, long_form, found.people, findings)
         found.tasks[entry.name] = entry.data
         findings.places["tasks", entry.name] = table.grid.place(
             entry.rows[0], name.index if name else table.columns[0].index
@@ -204,14 +205,15 @@ def _entries(
 
 
 def _texts(table: Table, entry: Entry, label: Column | None, findings: Findings) -> None:
-    columns = [*table.having(*TEXTS), *([label] if label else [])]
+    texts = [column for column in table.having(*TEXTS) if not _is_of_somebody(column)]
+    columns = [*texts, *([label] if label else [])]
     for column in columns:
         what = column.meaning.what if column is not label and column.meaning else "label"
         text = next(
             (text for row in entry.rows if (text := findings.text(table.grid, row, column.index))),
             "",
         )
-        if text and not (what != "label" and text in ("-", "–", "—", "/")):
+        if text and not (what != "label" and text in NO_TOOL):
             entry.data[what] = text
             findings.places["tasks", entry.name, what] = table.grid.place(
                 entry.rows[0], column.index
@@ -503,6 +505,85 @@ def _joint_stress(
         " the time, or clear the cell.",
         place,
     )
+
+
+def _is_of_somebody(column: Column) -> bool:
+    return column.meaning is not None and bool(column.meaning.who)
+
+
+def _own_tools(
+    table: Table, entry: Entry, long_form: bool, people: Sequence[str], findings: Findings
+) -> None:
+    """Tools that not all who do the task need: a column of their own, or a row of their own."""
+    for column in table.having("tool"):
+        if column.meaning is None:
+            continue
+        if not column.meaning.who:
+            if long_form and len(entry.rows) > 1:
+                _tools_by_row(table, entry, column, people, findings)
+            continue
+        text = findings.text(table.grid, entry.rows[0], column.index)
+        if text:
+            place = table.grid.place(entry.rows[0], column.index)
+            _own_tool(entry, column.meaning.who, column.meaning.human, text, place, findings)
+
+
+def _tools_by_row(
+    table: Table, entry: Entry, column: Column, people: Sequence[str], findings: Findings
+) -> None:
+    """One tool for all rows, or each its own."""
+    who_column = table.having("operator")[0]
+    by_row = {row: findings.text(table.grid, row, column.index) for row in entry.rows}
+    if len(set(by_row.values())) == 1:
+        return
+    entry.data.pop("tool", None)
+    for row, text in by_row.items():
+        said, here = findings.text(table.grid, row, who_column.index), Findings()
+        place = table.grid.place(row, column.index)
+        for who in _alternatives(said, place, people, here):
+            _own_tool(entry, who, "", text or "-", place, findings)
+
+
+def _own_tool(
+    entry: Entry, who: tuple[str, ...], one: str, tool: str, place: str, findings: Findings
+) -> None:
+    """The tool of one operator, of a group, or of `one` within the group; "-" says none."""
+    if len(who) == 1:
+        stated = entry.data.setdefault("tool", {})
+        if not isinstance(stated, dict):
+            findings.fault(
+                f"gives a tool of {who[0]!r} although task {entry.name!r} has one for all. Keep one"
+                " of the two.",
+                place,
+            )
+        elif tool not in NO_TOOL:
+            stated[who[0]] = tool
+            findings.places["tasks", entry.name, "tool", who[0]] = place
+        return
+    for number, way in enumerate(entry.data.get("together", ())):
+        if set(way["operators"]) == set(who):
+            stated = way.get("tool")
+            if stated is not None and isinstance(stated, dict) != (bool(one) or tool in NO_TOOL):
+                findings.fault(
+                    f"gives a tool a second time: {' + '.join(who)} have one for all of them in"
+                    f" task {entry.name!r}. Keep one of the two.",
+                    place,
+                )
+            elif tool in NO_TOOL:
+                way.setdefault("tool", {})
+            else:
+                way["tool"] = {**(stated or {}), one: tool} if one else tool
+            findings.places["tasks", entry.name, "together", number, "tool"] = place
+            return
+    findings.fault(
+        f"gives a tool of {' + '.join(who)}, who have no time for task {entry.name!r} together. Add"
+        " the time, or clear the cell.",
+        place,
+    )
+
+
+NO_TOOL = ("-", "–", "—", "/")
+"""What says that no tool is needed."""
 
 
 def _stress_by_row(

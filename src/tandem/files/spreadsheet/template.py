@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
-from tandem.cell.parts import Operator, Task
+from tandem.cell.parts import Task
+from tandem.cell.walking import SPEED
 from tandem.errors import UsageError
 from tandem.files.atomic import store
 from tandem.files.spreadsheet.draft import read_book
@@ -30,8 +31,9 @@ from tandem.files.spreadsheet.form import (
 from tandem.files.spreadsheet.outline import LEADING
 from tandem.files.spreadsheet.references import unquoted
 from tandem.files.spreadsheet.rows import is_total
-from tandem.files.spreadsheet.vocabulary import meaning
+from tandem.files.spreadsheet.vocabulary import Meaning, meaning, own_tool
 from tandem.files.spreadsheet.waits import waits_text
+from tandem.files.spreadsheet.walking import rows_of
 from tandem.files.spreadsheet.workbook import unpacked
 
 if TYPE_CHECKING:
@@ -49,8 +51,8 @@ class Field:
     Attributes:
       header: as written above it.
       of: task -> what stands in the sheet; None leaves the cell empty.
-      check: "number" for 0 or more, "tool" or "zone" for a list, "text" for what Excel must not
-        turn into numbers or dates.
+      check: "number" for 0 or more, "tool", "zone" or "place" for a list, "text" for what Excel
+        must not turn into numbers or dates.
       width: in characters.
     """
 
@@ -88,7 +90,20 @@ def lost(cell: Cell, content: bytes) -> tuple[str, ...]:
     draft = read_book(unpacked(Path("export.xlsx"), content))
     if draft.faults:
         return tuple(f"the sheet cannot be imported again: {fault}" for fault in draft.faults)
-    return tuple(_differences((), cell.to_dict(), draft.cell().to_dict()))
+    return tuple(_differences((), _compared(cell), _compared(draft.cell())))
+
+
+def _compared(cell: Cell) -> dict[str, Any]:
+    """The cell as a file holds it, but for walks, whose pairs a sheet may state the other way
+    round.
+    """
+    data = cell.to_dict()
+    if "walk" in data:
+        data["walk"] = {
+            who: {f"{one}-{other}": seconds for (one, other), seconds in times.items()}
+            for who, times in cell.walking.items()
+        }
+    return data
 
 
 def _differences(path: tuple[str, ...], before: Any, after: Any) -> Iterable[str]:
@@ -127,8 +142,9 @@ def to_workbook(cell: Cell, *, lang: Language = "en", every_column: bool = False
     book.properties.title = cell.name or "Tandem cell"
     book.properties.creator = "Tandem"
     _tasks(book, cell, lang, every_column)
-    _operators(book, cell, lang)
+    _operators(book, cell, lang, every_column)
     _things(book, cell, lang, every_column)
+    _places_and_walking(book, cell, lang, every_column)
     _sets_and_name(book, cell, lang)
     _help(book, lang)
     return workbook_bytes(book)
@@ -208,9 +224,7 @@ def _fields(cell: Cell, lang: Language, every: bool) -> list[Field]:
     fields.append(Field(words["after"], lambda name, task: _list(task.after), "text", 20))
     if any_task(lambda t: t.wait):
         fields.append(Field(words["wait"], lambda name, task: waits_text(task.wait), "text", 24))
-    for what in ("tool", "zone"):
-        if every or any(getattr(task, what) for task in tasks):
-            fields.append(Field(words[what], _value(what), what, 14))
+    fields += _where_and_with_what(cell, words, groups, every)
     if every or any_task(lambda t: t.release):
         fields.append(
             Field(words["release"], lambda name, task: task.release or None, "number", 16)
@@ -219,6 +233,62 @@ def _fields(cell: Cell, lang: Language, every: bool) -> list[Field]:
         fields.append(Field(words["deadline"], lambda name, task: task.deadline, "number", 16))
     fields += _operator_fields(cell, words)
     return fields
+
+
+def _where_and_with_what(
+    cell: Cell, words: Mapping[str, str], groups: list[tuple[str, ...]], every: bool
+) -> list[Field]:
+    tasks = cell.tasks.values()
+    fields = []
+    if every or any(isinstance(task.tool, str) for task in tasks):
+        fields.append(Field(words["tool"], lambda name, task: _one_tool(task.tool), "tool", 14))
+    for who in _named(cell, (task.tool for task in tasks)):
+        header = _tool_headed(words["tool of"], (who,), cell)
+        fields.append(Field(header, _share("tool", who), "tool", 16))
+    for group in groups:
+        tools = [_joint_tool(task, group) for task in tasks]
+        if any(isinstance(tool, str) or tool == {} for tool in tools):
+            header = _tool_headed(words["tool of"], group, cell)
+            fields.append(Field(header, _tool_of_group(group), "tool", 22))
+        for who in _named(cell, tools):
+            others = " + ".join(_spelled(other) for other in group if other != who)
+            header = words["joint tool of"].format(one=_spelled(who), others=others)
+            fields.append(Field(header, _tool_in_group(group, who), "tool", 26))
+    for what in ("zone", "place"):
+        if every or any(getattr(task, what) for task in tasks):
+            fields.append(Field(words[what], _value(what), what, 14))
+    return fields
+
+
+def _one_tool(tool: Any) -> str | None:
+    return tool if isinstance(tool, str) else None
+
+
+def _joint_tool(task: Task, group: tuple[str, ...]) -> Any:
+    """What the group states for itself; None where it needs what the task says."""
+    return next((joint.tool for joint in task.together if set(joint.operators) == set(group)), None)
+
+
+def _tool_of_group(group: tuple[str, ...]) -> Callable[[str, Task], Any]:
+    def of(name: str, task: Task) -> str | None:
+        tool = _joint_tool(task, group)
+        return "-" if tool == {} else _one_tool(tool)
+
+    return of
+
+
+def _tool_in_group(group: tuple[str, ...], who: str) -> Callable[[str, Task], Any]:
+    return lambda name, task: _of(_joint_tool(task, group), who)
+
+
+def _tool_headed(pattern: str, who: tuple[str, ...], cell: Cell) -> str:
+    """The header in plain words, or with the names in quotes where plain words would be misread."""
+    simple = pattern.format(who=" + ".join(who))
+    if meaning(simple, tuple(cell.operators)) is None and own_tool(
+        simple, tuple(cell.operators)
+    ) == Meaning("tool", who):
+        return simple
+    return pattern.format(who=" + ".join(map(_spelled, who)))
 
 
 def _stress_fields(
@@ -309,7 +379,7 @@ def _members_named(cell: Cell, group: tuple[str, ...], values: list[Any]) -> lis
     return _named(cell, values)
 
 
-def _of(value: Any, who: str) -> float | None:
+def _of(value: Any, who: str) -> Any:
     return value.get(who) if isinstance(value, Mapping) else None
 
 
@@ -376,22 +446,27 @@ def _list(names: Iterable[str]) -> str | None:
 # --- the other sheets -----------------------------------------------------------------------------
 
 
-def _operators(book: Workbook, cell: Cell, lang: Language) -> None:
+def _operators(book: Workbook, cell: Cell, lang: Language, every: bool) -> None:
     from openpyxl.worksheet.datavalidation import DataValidation
 
     words = HEADERS[lang]
     sheet = book.create_sheet(SHEETS[lang]["operators"])
+    columns = [
+        column
+        for column in OPERATOR_COLUMNS
+        if every or cell.place_names or column.key not in ("place", SPEED)
+    ]
     _header(
         sheet,
-        [words["operator"], *(words[column.word] for column in OPERATOR_COLUMNS)],
-        [18, *(column.width for column in OPERATOR_COLUMNS)],
+        [words["operator"], *(words[column.word] for column in columns)],
+        [18, *(column.width for column in columns)],
     )
-    for row, (name, operator) in enumerate(cell.operators.items(), 2):
+    for row, name in enumerate(cell.operators, 2):
         for place, value in enumerate(
-            [name, *(_of_operator(operator, column, words) for column in OPERATOR_COLUMNS)], 1
+            [name, *(_of_operator(cell, name, column, words) for column in columns)], 1
         ):
             _put(sheet, row, place, value)
-    for place, column in enumerate(OPERATOR_COLUMNS, 2):
+    for place, column in enumerate(columns, 2):
         for row in range(2, len(cell.operators) + 12) if column.holds == "breaks" else ():
             sheet.cell(row, place).number_format = "@"
     kinds = DataValidation(
@@ -404,9 +479,11 @@ def _operators(book: Workbook, cell: Cell, lang: Language) -> None:
     sheet.add_data_validation(kinds)
 
 
-def _of_operator(operator: Operator, column: OperatorColumn, words: Mapping[str, str]) -> Any:
+def _of_operator(cell: Cell, name: str, column: OperatorColumn, words: Mapping[str, str]) -> Any:
     """What stands in the column; nothing where the file would leave the key out."""
-    value = getattr(operator, column.key)
+    if column.key == SPEED:
+        return cell.walk.get(name, {}).get(SPEED)
+    value = getattr(cell.operators[name], column.key)
     match column.holds:
         case "kind":
             return words[value]
@@ -437,6 +514,25 @@ def _things(book: Workbook, cell: Cell, lang: Language, every: bool) -> None:
         for row, (name, zone) in enumerate(cell.zones.items(), 2):
             _put(sheet, row, 1, name)
             _put(sheet, row, 2, zone.capacity if zone.capacity != 1 else None)
+
+
+def _places_and_walking(book: Workbook, cell: Cell, lang: Language, every: bool) -> None:
+    words = HEADERS[lang]
+    if every or cell.places:
+        sheet = book.create_sheet(SHEETS[lang]["places"])
+        _header(sheet, [words[key] for key in ("place", "x", "y")], [18, 12, 12])
+        for row, (name, metres) in enumerate(cell.places.items(), 2):
+            for column, value in enumerate((name, *metres), 1):
+                _put(sheet, row, column, value)
+    rows = rows_of(cell)
+    if every or rows:
+        sheet = book.create_sheet(SHEETS[lang]["walking"])
+        walkers = [who for who in cell.operators if every or any(who in row[2] for row in rows)]
+        times = [_headed(words["time"], "time", (who,), cell) for who in walkers]
+        _header(sheet, [words["from"], words["to"], *times], [18, 18, *[18] * len(times)])
+        for row, (start, end, seconds) in enumerate(rows, 2):
+            for column, value in enumerate((start, end, *map(seconds.get, walkers)), 1):
+                _put(sheet, row, column, value)
 
 
 def _sets_and_name(book: Workbook, cell: Cell, lang: Language) -> None:
@@ -536,7 +632,7 @@ def _checks(sheet: Worksheet, fields: list[Field], last: int, lang: Language) ->
             unique.errorTitle, unique.error = "Tandem", CHECKS[lang]["name"]
             unique.add(f"{letter}2:{letter}{last}")
             sheet.add_data_validation(unique)
-        elif field.check in ("tool", "zone") and sheets[f"{field.check}s"]:
+        elif field.check in ("tool", "zone", "place"):
             there = sheets[f"{field.check}s"]
             options = DataValidation(
                 type="list",

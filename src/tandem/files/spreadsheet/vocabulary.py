@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import re
 import unicodedata
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from importlib import resources
 from typing import Literal
@@ -229,6 +230,24 @@ def meaning(header: str, known: tuple[str, ...] = ()) -> Meaning | None:
             "time", who, unit=unit, sure=bool(unit) or all(name in known for name in who)
         )
     return None
+
+
+OWN_TOOL = re.compile(
+    r"(?:tools?|werkzeuge?)\s+(?:(?:of|for|für|fuer|von)\s+(?:the\s+|den\s+|die\s+)?)?(.+)",
+    re.IGNORECASE,
+)
+"""A tool, and whose."""
+
+
+def own_tool(header: str, known: Collection[str]) -> Meaning | None:
+    """The tool of an operator, of a group, or of one within a group: "tool anna", "tool anna +
+    cobot", "tool anna with cobot". None when the header speaks of anybody who is not known.
+    """
+    text, quoted = _without_quotes(tidy(header))
+    if (found := OWN_TOOL.fullmatch(text)) is None:
+        return None
+    who, human = _who(re.findall(r"[+&]|[^\s+&]+", found[1]), quoted, tuple(known))
+    return Meaning("tool", who, human) if who and all(name in known for name in who) else None
 
 
 SCALE = re.compile(

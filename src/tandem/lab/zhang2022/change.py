@@ -76,7 +76,7 @@ def possible(duo: Duo, assembly: Assembly) -> tuple[Array, Array, Array]:
     return (
         ability,
         mounted(assembly) & ~begun_after,
-        xp.any(arrays.of_tool & open_[:, None], axis=0),
+        xp.any(duo.of_tool & open_[:, None], axis=0),
     )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from tandem.cell.model import Cell
 from tandem.lab.zhang2022.change import Change, Happened, Kind
-from tandem.lab.zhang2022.setting import HUMAN, ROBOT, Duo, duo, setting
+from tandem.lab.zhang2022.setting import HUMAN, ROBOT, Duo, duo, setting, tool_of
 from tandem.lab.zhang2022.world import State, is_done, now, reset, step
 from tandem.schedule.model import Assignment, Schedule
 from tandem.world import state as events
@@ -71,7 +71,7 @@ def words(cell: Cell, names: Names, data: Duo, happened: Happened) -> str:
         tasks = [
             task for (task, _), lost in zip(names.ways, data.ability[which], strict=True) if lost
         ]
-        tool = cell.tasks[tasks[0]].tool
+        tool = tool_of(cell, tasks[0])
         return f"{cell.robots[0]} can no longer {f'use the {tool}' if tool else f'do {tasks[0]!r}'}"
     if happened.kind == Kind.PART_REDONE:
         return f"{names.tasks[which]!r} has to be done again"
@@ -116,7 +116,7 @@ def _operation(cell: Cell, name: str, row: Assignment) -> dict[str, Any]:
     return {
         "task": row.task,
         "with": others,
-        "tool": cell.tasks[row.task].tool,
+        "tool": tool_of(cell, row.task),
         "start": row.start,
         "end": row.end,
     }

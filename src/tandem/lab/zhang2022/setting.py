@@ -34,7 +34,7 @@ class Duo(NamedTuple):
     arrays: the event world's.
     row: `[2]` int32, the operators of robot and human among the cell's.
     pick: `[2, K, W]` bool, the way that an agent's choice means; no way for choice 0.
-    joint: `[W]` bool, both take part.
+    joint: `[W]` bool, both take part. of_tool: `[T, U]` bool, the tool that the task needs.
     clash: `[W, W]` bool, the two ways cannot begin at one moment: the same task, or no room for
     both at a tool or in a zone. difficulty: `[W, 2]` float32, for each agent who takes part.
     tiring: `[W]` float32, the human's fatigue per second of it. ability: `[G, W]` bool, ways that
@@ -47,6 +47,7 @@ class Duo(NamedTuple):
     row: Array
     pick: Array
     joint: Array
+    of_tool: Array
     clash: Array
     difficulty: Array
     tiring: Array
@@ -151,6 +152,7 @@ def duo(cell: Cell) -> tuple[Duo, Names]:
             row=np.array(row, np.int32),
             pick=pick,
             joint=uses.all(1),
+            of_tool=_of_tool(cell, names)[:, : arrays.tool_places.shape[0]],
             clash=_clashes(cell, names),
             difficulty=hard.astype(np.float32),
             tiring=_tiring(hard[:, HUMAN], uses[:, HUMAN]),
@@ -177,6 +179,25 @@ def difficulty_of(cell: Cell, task: str, mode: Mode) -> Mapping[str, float]:
     return {who: mode.stress.get(who, 0.0) for who in mode.operators}
 
 
+def tool_of(cell: Cell, task: str) -> str | None:
+    """The tool of a task; one for all who do it."""
+    tool = cell.tasks[task].tool
+    assert not isinstance(tool, Mapping), "_one_tool_a_task lets no table pass"
+    return tool
+
+
+def _of_tool(cell: Cell, names: Names) -> Array:
+    """A tool that can never be short, and that nobody takes time to take up, is none here."""
+    instance, needs = names.instance, [tool_of(cell, task) for task in cell.tasks]
+    matters = [
+        name if instance.has_swaps or room else ""
+        for name, room in zip(names.tools, instance.tool_room, strict=True)
+    ]
+    return np.array([[need == tool for tool in matters] for need in needs], bool).reshape(
+        len(needs), len(matters)
+    )
+
+
 def _clashes(cell: Cell, names: Names) -> Array:
     """Both operators are free when they begin at one moment, so all places are: what does not fit
     then never does.
@@ -192,7 +213,10 @@ def _clashes(cell: Cell, names: Names) -> Array:
         a, b = cell.tasks[one], cell.tasks[other]
         crowded = [
             mine is not None and mine == yours and room.get(mine, 1) < 2
-            for mine, yours, room in ((a.tool, b.tool, places[0]), (a.zone, b.zone, places[1]))
+            for mine, yours, room in (
+                (tool_of(cell, one), tool_of(cell, other), places[0]),
+                (a.zone, b.zone, places[1]),
+            )
         ]
         return one == other or any(crowded) or frozenset((one, other)) in partners
 
@@ -208,7 +232,7 @@ def _tiring(difficulty: Any, human: Any) -> Array:
 
 
 def _abilities(cell: Cell, names: Names, robot: Any) -> Array:
-    by = [cell.tasks[task].tool or f"task {task}" for task, _ in names.ways]
+    by = [tool_of(cell, task) or f"task {task}" for task, _ in names.ways]
     groups = [
         [mine == group and uses for mine, uses in zip(by, robot, strict=True)]
         for group in dict.fromkeys(by)
@@ -240,6 +264,10 @@ def _only_what_it_knows(cell: Cell) -> Iterator[Fault]:
                 " know no limit. Leave it out.",
                 ("operators", name, "stress_limit"),
             )
+    if cell.walk:
+        yield Fault(
+            "the two agents have all at hand and know no ways to walk. Leave walk out.", ("walk",)
+        )
     for name, task in cell.tasks.items():
         if task.deadline is not None:
             yield Fault(
@@ -254,7 +282,18 @@ def _only_what_it_knows(cell: Cell) -> Iterator[Fault]:
             )
 
 
+def _one_tool_a_task(cell: Cell) -> Iterator[Fault]:
+    for name, task in cell.tasks.items():
+        if isinstance(task.tool, Mapping) or any(joint.tool is not None for joint in task.together):
+            yield Fault(
+                "a task has one tool here, whoever does it; these two agents know no tools per"
+                " operator or group. Name one tool, or leave it out.",
+                ("tasks", name, "tool"),
+            )
+
+
 RULES: tuple[Callable[[Cell], Iterator[Fault]], ...] = (
     _one_robot_and_one_human,
     _only_what_it_knows,
+    _one_tool_a_task,
 )

@@ -182,7 +182,7 @@ def now(duo: Duo, state: State) -> Arrays:
     xp, arrays = namespace(duo.row), duo.arrays
     if not arrays.tool_places.shape[0]:
         return arrays
-    back = xp.max(xp.where(arrays.of_tool, state.happened.back_at[None, :], 0), axis=1)
+    back = xp.max(xp.where(duo.of_tool, state.happened.back_at[None, :], 0), axis=1)
     return arrays._replace(release=xp.maximum(arrays.release, back))
 
 

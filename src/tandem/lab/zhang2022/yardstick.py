@@ -16,7 +16,7 @@ import numpy as np
 from tandem.cell.model import Cell
 from tandem.files.validate import cell_of
 from tandem.lab.zhang2022.change import Happened
-from tandem.lab.zhang2022.setting import difficulty_of
+from tandem.lab.zhang2022.setting import difficulty_of, tool_of
 from tandem.plan.methods import plan
 from tandem.plan.result import Front, Status
 from tandem.plan.rules import RULES
@@ -158,7 +158,7 @@ def rest(
             ready = max(
                 clock,
                 names.ticks(cell.tasks[name].release),
-                back.get(cell.tasks[name].tool or "", 0),
+                back.get(tool_of(cell, name) or "", 0),
             )
             data["tasks"][name] = _open(
                 cell, names, name, np.asarray(assembly.refused), done, names.seconds(ready - origin)
@@ -216,7 +216,9 @@ def _open(
         "release": release,
     }
     return data | {
-        key: value for key, value in (("tool", task.tool), ("zone", task.zone)) if value is not None
+        key: value
+        for key, value in (("tool", tool_of(cell, name)), ("zone", task.zone))
+        if value is not None
     }
 
 
@@ -233,7 +235,9 @@ def _in_hand(
         else {"time": {operators[0]: left}}
     )
     places = {
-        key: value for key, value in (("tool", task.tool), ("zone", task.zone)) if value is not None
+        key: value
+        for key, value in (("tool", tool_of(cell, name)), ("zone", task.zone))
+        if value is not None
     }
     return {
         **how,
