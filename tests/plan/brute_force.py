@@ -105,7 +105,7 @@ class Plain:
             for who, seconds in (entry.get("changeover") or {}).items()
         }
         self.stands = {name: entry.get("place") for name, entry in data["operators"].items()}
-        self.walk = _walks(data)
+        self.walk = walks_of(data)
         self.pairs = [(str(a), str(b)) for a, b in data.get("same_operator") or ()]
         table = data.get("stress_of_set")
         self.table = table if table is None else {
@@ -448,7 +448,7 @@ def _appended(
                     return
 
 
-def _walks(data: Mapping[str, Any]) -> dict[tuple[str, str | None, str], int]:
+def walks_of(data: Mapping[str, Any]) -> dict[tuple[str, str | None, str], int]:
     """(operator, from, to) -> millionths. Names of places hold no hyphen here."""
     found: dict[tuple[str, str | None, str], int] = {}
     for who, table in (data.get("walk") or {}).items():

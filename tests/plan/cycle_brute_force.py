@@ -6,13 +6,14 @@ For cells of a handful of tasks and cycles of a few ticks.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from decimal import Decimal
 from itertools import product
 from math import prod
 from typing import Any, NamedTuple
 
 import numpy as np
+from tests.plan.brute_force import MILLION, walks_of
 
 MOST_TRIED = 400_000
 """Ways to lay out one allocation in one cycle; larger cells are not for brute force."""
@@ -23,11 +24,24 @@ class TooLarge(Exception):
 
 
 class Way(NamedTuple):
-    """Who does a task, for how many ticks, and the stress on each human who takes part."""
+    """Who does a task, for how many ticks, the stress on each human who takes part, and the tool
+    that each of them needs.
+    """
 
     who: tuple[str, ...]
     ticks: int
     stress: dict[str, Decimal]
+    tools: dict[str, str]
+
+
+class Gap(NamedTuple):
+    """`task` starts `least` to `most` ticks (None: any) after the end or start of `first`."""
+
+    first: int
+    task: int
+    of_start: bool
+    least: int
+    most: int | None
 
 
 class Repeating:
@@ -42,6 +56,9 @@ class Repeating:
         self.names = list(data["tasks"])
         self.per_second = self._scale()
         self.ways = [list(self._ways(task)) for task in data["tasks"].values()]
+        self.gaps = list(self._gaps())
+        self.is_bound = any(gap.most is not None for gap in self.gaps)
+        self.walk = self._walks()
 
     # ------------------------------------------------------------ questions
 
@@ -87,7 +104,7 @@ class Repeating:
             return None
         if length ** len(chosen) > MOST_TRIED:
             raise TooLarge
-        fixed = laps is None and not whole
+        fixed = laps is None and not whole and not self.is_bound
         spans = [range(1) if fixed and not task else range(length) for task in range(len(chosen))]
         places = np.array(np.meshgrid(*spans, indexing="ij")).reshape(len(chosen), -1)
         places = places[:, self._sound(places, chosen, length)]
@@ -95,21 +112,40 @@ class Repeating:
             return None
         if fixed:
             return 0
-        stays = self._lifted(places, chosen, length)
-        if laps is not None:
-            stays = stays[stays <= laps * length]
+        most = self._sequential() + length * (len(chosen) + len(self.gaps) + 1)
+        stays = self._lifted(places, chosen, length, most)
+        stays = stays[stays <= (most if laps is None else laps * length)]
         return int(stays.min()) if stays.size else None
 
-    def _lifted(self, places: np.ndarray, chosen: tuple[Way, ...], length: int) -> np.ndarray:
-        """Per layout, when the last task ends if each starts in the first cycle that it can."""
-        starts = np.zeros_like(places)
-        for task in self._order():
-            ready = np.zeros(places.shape[1], dtype=int)
-            for first in self._before(task):
-                ready = np.maximum(ready, starts[first] + chosen[first].ticks)
-            starts[task] = ready + (places[task] - ready) % length
-        ticks = np.array([way.ticks for way in chosen])
-        ends: np.ndarray = (starts + ticks[:, None]).max(axis=0)
+    def _lifted(
+        self, places: np.ndarray, chosen: tuple[Way, ...], length: int, most: int
+    ) -> np.ndarray:
+        """Per layout, when the last task ends if each starts in the first cycle that it can; more
+        than `most` where it never can.
+        """
+        ticks = [way.ticks for way in chosen]
+        edges = [
+            (first, task, ticks[first])
+            for task in range(len(chosen))
+            for first in self._before(task)
+        ]
+        for gap in self.gaps:
+            own = 0 if gap.of_start else ticks[gap.first]
+            edges.append((gap.first, gap.task, own + gap.least))
+            if gap.most is not None:
+                edges.append((gap.task, gap.first, -own - gap.most))
+        starts, grown = places.copy(), True
+        while grown:
+            grown = False
+            for one, other, apart in edges:
+                ready = np.minimum(starts[one], most) + apart
+                late = ready > starts[other]
+                if late.any():
+                    starts[other] += (
+                        np.where(late, -(-(ready - starts[other]) // length), 0) * length
+                    )
+                    grown = bool((late & (starts[other] <= most)).any()) or grown
+        ends: np.ndarray = (starts + np.array(ticks)[:, None]).max(axis=0)
         return ends
 
     def _sound(self, places: np.ndarray, chosen: tuple[Way, ...], length: int) -> np.ndarray:
@@ -122,45 +158,76 @@ class Repeating:
         for (a, b), ticks in behind.items():
             if set(chosen[a].who) & set(chosen[b].who):
                 good &= ticks >= chosen[a].ticks
-        for kind in ("tool", "zone"):
-            for name in {task.get(kind) for task in self.data["tasks"].values()} - {None}:
-                users = [t for t in tasks if self._task(t).get(kind) == name]
-                room = self.data.get(f"{kind}s", {}).get(name, {}).get("capacity", 1)
-                for b in users:
-                    used = np.full(places.shape[1], len(chosen[b].who))
-                    for a in users:
+        for kind in ("tools", "zones"):
+            taken = [self._taken(kind, t, chosen[t]) for t in tasks]
+            for name in {name for names in taken for name in names}:
+                counts = [names.count(name) for names in taken]
+                room = self.data.get(kind, {}).get(name, {}).get("capacity", 1)
+                for b in tasks:
+                    used = np.full(places.shape[1], counts[b])
+                    for a in tasks:
                         if a != b:
-                            used += len(chosen[a].who) * (behind[a, b] < chosen[a].ticks)
-                    good &= used <= room
+                            used += counts[a] * (behind[a, b] < chosen[a].ticks)
+                    good &= (used <= room) | (counts[b] == 0)
         for who in self.data["operators"]:
-            good &= self._taken_up(who, behind, chosen, length, places.shape[1])
+            good &= self._is_ready(who, behind, chosen, places.shape[1])
         return good
 
-    def _taken_up(
+    def _taken(self, kind: str, task: int, way: Way) -> list[str]:
+        """The tools that its operators need, or the zone once for each of them."""
+        if kind == "tools":
+            return list(way.tools.values())
+        zone = self._task(task).get("zone")
+        return [] if zone is None else [zone] * len(way.who)
+
+    def _is_ready(
         self,
         who: str,
         behind: dict[tuple[int, int], np.ndarray],
         chosen: tuple[Way, ...],
-        length: int,
         count: int,
     ) -> np.ndarray:
-        """In which layouts the operator has the time to take up tools, around the cycle."""
+        """In which layouts the operator has the time to walk and to take up tools, around the
+        cycle.
+        """
         good = np.ones(count, dtype=bool)
         mine = [task for task in range(len(chosen)) if who in chosen[task].who]
         for task in mine:
-            tool = self._task(task).get("tool")
-            needed = self.data.get("tools", {}).get(tool, {}).get("changeover", {}).get(who, 0)
             others = [other for other in mine if other != task]
-            if not needed or not others:
+            if not others:
                 continue
+            needed = np.zeros(count, dtype=int)
+            tool, place = chosen[task].tools.get(who), self._task(task).get("place")
+            change = self.data.get("tools", {}).get(tool, {}).get("changeover", {}).get(who, 0)
+            if tool is not None and change:
+                for other, is_last in self._last(
+                    task, others, behind, lambda t: chosen[t].tools.get(who)
+                ):
+                    needed += is_last * (other != tool) * self._ticks(change)
+            if place is not None:
+                for at, is_last in self._last(
+                    task, others, behind, lambda t: self._task(t).get("place")
+                ):
+                    needed += is_last * self.walk.get((who, at, place), 0)
             free = np.min([behind[a, task] - chosen[a].ticks for a in others], axis=0)
-            holding = [other for other in others if self._task(other).get("tool") is not None]
-            if not holding:
-                continue
-            latest = np.argmin([behind[a, task] for a in holding], axis=0)
-            other = np.array([self._task(a)["tool"] != tool for a in holding])[latest]
-            good &= ~other | (free >= self._ticks(needed))
+            good &= (needed == 0) | (free >= needed)
         return good
+
+    @staticmethod
+    def _last(
+        task: int,
+        others: list[int],
+        behind: dict[tuple[int, int], np.ndarray],
+        of: Callable[[int], str | None],
+    ) -> Iterator[tuple[str, np.ndarray]]:
+        """What the latest task before this one that has any has, and in which layouts."""
+        having = [other for other in others if of(other) is not None]
+        if having:
+            latest = np.argmin([behind[a, task] for a in having], axis=0)
+            for number, other in enumerate(having):
+                value = of(other)
+                assert value is not None
+                yield value, latest == number
 
     # ------------------------------------------------------------ the cell as data
 
@@ -199,11 +266,47 @@ class Repeating:
 
     def _ways(self, task: Mapping[str, Any]) -> Iterator[Way]:
         for who, seconds in task.get("time", {}).items():
-            yield Way((who,), self._ticks(seconds), self._stress((who,), task.get("stress", 0)))
+            yield Way(
+                (who,),
+                self._ticks(seconds),
+                self._stress((who,), task.get("stress", 0)),
+                self._tools((who,), task.get("tool")),
+            )
         for joint in task.get("together", []):
             stress = joint.get("stress", task.get("stress", 0))
             group = tuple(joint["operators"])
-            yield Way(group, self._ticks(joint["time"]), self._stress(group, stress))
+            yield Way(
+                group,
+                self._ticks(joint["time"]),
+                self._stress(group, stress),
+                self._tools(group, joint.get("tool", task.get("tool"))),
+            )
+
+    @staticmethod
+    def _tools(group: tuple[str, ...], tool: Any) -> dict[str, str]:
+        stated = tool if isinstance(tool, Mapping) else {who: tool for who in group if tool}
+        return {who: stated[who] for who in group if who in stated}
+
+    def _gaps(self) -> Iterator[Gap]:
+        for task, entry in enumerate(self.data["tasks"].values()):
+            waits = entry.get("wait") or []
+            for wait in [waits] if isinstance(waits, Mapping) else waits:
+                most = wait.get("at_most")
+                yield Gap(
+                    self.names.index(wait["after"]),
+                    task,
+                    wait.get("between") == "start-start",
+                    self._ticks(wait.get("at_least", 0)),
+                    None if most is None else self._ticks(most),
+                )
+
+    def _walks(self) -> dict[tuple[str, str, str], int]:
+        """(operator, from, to) -> ticks; by the other brute force, which reads them as data too."""
+        return {
+            (who, one, other): seconds * self.per_second // MILLION
+            for (who, one, other), seconds in walks_of(self.data).items()
+            if one is not None
+        }
 
     def _stress(self, group: tuple[str, ...], stress: Any) -> dict[str, Decimal]:
         return {
@@ -227,24 +330,17 @@ class Repeating:
             ),
             default=0,
         )
-        return sum(max(way.ticks for way in ways) + swaps for ways in self.ways)
+        ways = max(self.walk.values(), default=0)
+        waits = sum(gap.least for gap in self.gaps)
+        return waits + sum(max(way.ticks for way in row) + swaps + ways for row in self.ways)
 
     def _task(self, task: int) -> Mapping[str, Any]:
         found: Mapping[str, Any] = self.data["tasks"][self.names[task]]
         return found
 
     def _before(self, task: int) -> list[int]:
-        return [self.names.index(first) for first in self._task(task).get("after", [])]
-
-    def _order(self) -> list[int]:
-        done: list[int] = []
-        while len(done) < len(self.names):
-            done += [
-                task
-                for task in range(len(self.names))
-                if task not in done and all(first in done for first in self._before(task))
-            ]
-        return done
+        ended = [gap.first for gap in self.gaps if gap.task == task and not gap.of_start]
+        return ended + [self.names.index(first) for first in self._task(task).get("after", [])]
 
     def _ticks(self, seconds: float) -> int:
         return int(Decimal(str(seconds)) * self.per_second)
@@ -258,6 +354,11 @@ class Repeating:
                 *(joint["time"] for joint in task.get("together", [])),
             )
         ]
+        for entry in self.data["tasks"].values():
+            waits = entry.get("wait") or []
+            for wait in [waits] if isinstance(waits, Mapping) else waits:
+                numbers += [Decimal(str(wait.get(key) or 0)) for key in ("at_least", "at_most")]
+        numbers += [Decimal(seconds) / MILLION for seconds in walks_of(self.data).values()]
         for tool in self.data.get("tools", {}).values():
             numbers += [Decimal(str(seconds)) for seconds in tool.get("changeover", {}).values()]
         digits = [-int(number.normalize().as_tuple().exponent) for number in numbers if number]

@@ -443,13 +443,17 @@ def _preparations(judged: Judged) -> Iterator[tuple[str, _Preparation]]:
 
 
 def _needs(name: str, before: _Preparation) -> str:
-    walk, origin, place, change, tool = before.ready
+    return f"operator {name!r}: needs {told(before.ready)} before task {before.row.task!r}"
+
+
+def told(ready: Ready) -> str:
+    """What somebody does directly before a task, in words."""
+    walk, origin, place, change, tool = ready
     parts = [
         f"{_s(exact(walk))} to walk from {origin!r} to {place!r}" if walk else "",
         f"{_s(exact(change))} to take up tool {tool!r}" if change else "",
     ]
-    needs = " and ".join(filter(None, parts))
-    return f"operator {name!r}: needs {needs} before task {before.row.task!r}"
+    return " and ".join(filter(None, parts))
 
 
 def _by_place(

@@ -86,12 +86,14 @@ class PeriodicSchedule:
 
 def start_up(cell: Cell) -> float:
     """Seconds after which every operator is ready for any task, at the start of a day: set up, and
-    with the time to take up a tool.
+    with the time to walk there and to take up a tool.
     """
     longest = Decimal(0)
     for name, operator in cell.operators.items():
         swaps = [exact(tool.changeover.get(name, 0.0)) for tool in cell.tools.values()]
-        longest = max(longest, exact(operator.setup) + max(swaps, default=Decimal(0)))
+        ways = map(exact, cell.walking.get(name, {}).values())
+        ready = max(swaps, default=Decimal(0)) + max(ways, default=Decimal(0))
+        longest = max(longest, exact(operator.setup) + ready)
     return float(longest)
 
 
@@ -124,6 +126,8 @@ def combined(products: Sequence[Cell], *, one_allocation: bool = False) -> Cell:
         for name, task in own["tasks"].items():
             if "after" in task:
                 task["after"] = [copy_of(first, number) for first in task["after"]]
+            for wait in task.get("wait", ()):
+                wait["after"] = copy_of(wait["after"], number)
             document["tasks"][copy_of(name, number)] = task
         document["same_operator"] += [
             [copy_of(first, number), copy_of(second, number)]

@@ -8,18 +8,19 @@ in hand at the start of a day play no part: a cycle time holds between breaks.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Decimal
 from math import isfinite
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from tandem.cell.model import Cell
 from tandem.cell.written import number
 from tandem.schedule import checker
 from tandem.schedule.checker import Judged, Row
 from tandem.schedule.cycle import PeriodicSchedule
-from tandem.schedule.measures import changeover_times, exact
+from tandem.schedule.measures import exact, made_ready
 
 WITHIN_A_PRODUCT: tuple[Callable[[Judged], Iterator[str]], ...] = (
     checker.times_are_numbers,
@@ -30,6 +31,7 @@ WITHIN_A_PRODUCT: tuple[Callable[[Judged], Iterator[str]], ...] = (
     checker.durations_are_right,
     checker.nothing_starts_before_zero,
     checker.predecessors_end_first,
+    checker.waits_are_kept,
     checker.stress_limits_are_kept,
     checker.pairs_have_the_same_operators,
     checker.the_set_of_human_tasks_is_listed,
@@ -167,23 +169,21 @@ def an_operator_does_one_task_at_a_time(lap: Lap) -> Iterator[str]:
                     )
 
 
-def tools_change_hands_in_time(lap: Lap) -> Iterator[str]:
+def operators_are_at_hand_in_time(lap: Lap) -> Iterator[str]:
+    """Before a task there is time to walk to it and to take up its tool, around the cycle."""
     cell = lap.product.cell
     for name in cell.operators:
         arcs = lap.of_operator(name)
-        tasks = [arc.row.task for arc in arcs]
-        # the tool in hand at the start of the day plays no part in the second lap
-        seconds = changeover_times(cell, name, [*tasks, *tasks])[len(tasks) :]
-        for place, (arc, needed) in enumerate(zip(arcs, seconds, strict=True)):
-            before = arcs[place - 1]
-            rounds = 0 if place else 1
-            free = arc.begin + rounds * lap.length - before.end
-            if needed and 0 <= free < exact(needed):
+        rows = [arc.row.given for arc in arcs]
+        # where it stands at the start of the day, and with which tool, plays no part later on
+        for place, ready in enumerate(made_ready(cell, name, [*rows, *rows])[len(rows) :]):
+            arc, before = arcs[place], arcs[place - 1]
+            free = arc.begin + (0 if place else lap.length) - before.end
+            if ready.seconds and 0 <= free < exact(ready.seconds):
                 yield (
-                    f"operator {name!r}: needs {_s(exact(needed))} to take up tool"
-                    f" {cell.tasks[arc.row.task].tool!r} before task {arc.row.task!r}"
-                    f" ({lap.told(arc)} of the cycle), which starts only {_s(free)} after task"
-                    f" {before.row.task!r}."
+                    f"operator {name!r}: needs {checker.told(ready)} before task"
+                    f" {arc.row.task!r} ({lap.told(arc)} of the cycle), which starts only"
+                    f" {_s(free)} after task {before.row.task!r}."
                 )
 
 
@@ -199,26 +199,28 @@ def zones_are_wide_enough(lap: Lap) -> Iterator[str]:
 
 BETWEEN_PRODUCTS: tuple[Callable[[Lap], Iterator[str]], ...] = (
     an_operator_does_one_task_at_a_time,
-    tools_change_hands_in_time,
+    operators_are_at_hand_in_time,
     tools_are_enough,
     zones_are_wide_enough,
 )
 
 
-def _crowds(lap: Lap, kind: str, places: dict[str, int]) -> Iterator[str]:
+def _crowds(lap: Lap, kind: Literal["tool", "zone"], places: dict[str, int]) -> Iterator[str]:
     """A sentence for each moment at which an operator comes to a tool or zone that is full."""
-    users: dict[str, list[Arc]] = {}
+    users: dict[str, list[tuple[Arc, int]]] = {}
     for arc in lap.arcs:
-        name = getattr(lap.product.cell.tasks[arc.row.task], kind)
-        if name is not None:
-            users.setdefault(name, []).append(arc)
-    for name, arcs in users.items():
+        taken = lap.product.cell.takes(kind, arc.row.task, arc.row.given.operators)
+        for name, count in Counter(taken.values()).items():
+            users.setdefault(name, []).append((arc, count))
+    for name, uses in users.items():
         most = places.get(name, 1)
-        for arc in arcs:
-            there = [(lap.present(other, arc.begin), other) for other in arcs]
-            used = sum(count * len(other.row.who) for count, other in there)
+        for arc, _ in uses:
+            there = [(lap.present(other, arc.begin), count, other) for other, count in uses]
+            used = sum(products * count for products, count, _ in there)
             if used > most:
-                tasks = checker._and(repr(other.row.task) for count, other in there if count)
+                tasks = checker._and(
+                    repr(other.row.task) for products, _, other in there if products
+                )
                 room = checker._are(most, "place") if kind == "zone" else checker._are(most)
                 yield (
                     f"{kind} {name!r}: there {room}{'' if kind == 'zone' else ' of it'}, but {used}"

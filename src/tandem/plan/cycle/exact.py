@@ -27,7 +27,7 @@ from tandem.plan.cpsat import SOLVER
 from tandem.plan.cycle.door import Admitted, CycleDoor
 from tandem.plan.cycle.effort import Answer, Effort
 from tandem.plan.cycle.model import Cycle, allocation, formulate
-from tandem.plan.cycle.pattern import Pattern, launched, lifted, stacked
+from tandem.plan.cycle.pattern import Pattern, launched, lifted, most_laps, stacked
 from tandem.plan.cycle.question import FRONT, CycleQuestion
 from tandem.plan.cycle.result import CycleBound, CycleFront, CycleResult
 from tandem.plan.door import RefusedScheduleWarning
@@ -218,7 +218,11 @@ class _Search:
     @property
     def laps(self) -> int | None:
         """The cycles that a product may be in the station; None when nothing limits them."""
-        return self.question.max_in_process
+        asked = self.question.max_in_process
+        if asked is None and self.instance.has_most_lags:
+            # what must follow in time ties the laps of tasks to each other
+            return most_laps(self.instance)
+        return asked
 
     @property
     def only_load_binds(self) -> bool:
@@ -226,7 +230,8 @@ class _Search:
         instance = self.instance
         return (
             self.laps is None
-            and max((*instance.timed_tool, *instance.timed_zone), default=-1) < 0
+            and not (instance.has_tools or instance.has_preparations)
+            and max(instance.timed_zone, default=-1) < 0
             and all(len(way.operators) == 1 for ways in instance.ways for way in ways)
         )
 
@@ -256,7 +261,7 @@ class _Search:
             if at_once.found is not None:
                 return Answer(at_once.answer.solver, low, low, True), at_once.found
             low += at_once.answer.proven
-            if self.horizon - low > MANY_TICKS:
+            if self.horizon - low > MANY_TICKS and not self.instance.has_most_lags:
                 return self._halved(low, cap)
         cycle = self._asked(low, self.horizon, cap)
         answer = self.effort.solve(cycle.model, cycle.length, share=0.5)
@@ -266,7 +271,8 @@ class _Search:
         """The same where the ticks are fine, and a search that moves its bound tick by tick would
         take too long: spans of cycle times are refuted, at first short ones, then halves.
 
-        What is possible in a cycle is possible in every longer one.
+        What is possible in a cycle is possible in every longer one, where nothing must follow in
+        time.
         """
         best: tuple[Answer, _Starts] | None = None
         step, high = 1, self.horizon

@@ -13,9 +13,10 @@ that of Serafini and Ukovich (1989), A mathematical model for periodic schedulin
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations, permutations
+from typing import NamedTuple
 
 from ortools.sat.python import cp_model
 
@@ -40,6 +41,7 @@ class Cycle:
       allocation: who does what; its `chosen` and `stress` are used here.
       length: the cycle time, ticks.
       place: per task, where in the cycle it starts, ticks.
+      then: per task, its place in the cycle after; empty where nothing reaches over the end.
       start: per task, ticks since its product's launch; empty when the laps are not asked.
       makespan: of one product; None when the laps are not asked.
       at: per operator, the intervals that occupy it, each once a cycle and once more in the next.
@@ -51,6 +53,7 @@ class Cycle:
     length: cp_model.IntVar
     laps: int | None
     place: list[cp_model.IntVar] = field(default_factory=list)
+    then: list[cp_model.LinearExprT] = field(default_factory=list)
     start: list[cp_model.IntVar] = field(default_factory=list)
     makespan: cp_model.IntVar | None = None
     intervals: list[list[tuple[cp_model.IntervalVar, ...]]] = field(default_factory=list)
@@ -69,7 +72,7 @@ class Cycle:
     @property
     def has_copies(self) -> bool:
         """Something may reach over the end of the cycle, so that the next one is looked at too."""
-        return self.laps != 1 or self.instance.has_swaps
+        return self.laps != 1 or self.instance.has_preparations
 
     def read(self, value: Callable[[cp_model.IntVar], int]) -> Pattern:
         """The pattern that the values describe; by places when the laps are not asked."""
@@ -118,8 +121,8 @@ def formulate(instance: Instance, low: int, high: int, laps: int | None) -> Cycl
     """The whole model for cycle times from `low` to `high` ticks.
 
     Args:
-      laps: a product is in the station for at most so many cycles; None when nothing limits that
-        and no start is asked for.
+      laps: a product is in the station for at most so many cycles; None when nothing limits that,
+        nothing must follow in time, and no start is asked for.
     """
     cycle = allocation(instance, high)
     cycle.laps = laps
@@ -128,50 +131,40 @@ def formulate(instance: Instance, low: int, high: int, laps: int | None) -> Cycl
     cycle.model.add(cycle.length >= low)
     _places(cycle, low, high)
     for operator in range(len(instance.operators)):
-        _take_up_tools(cycle, operator)
+        _get_ready(cycle, operator)
         if len(cycle.at[operator]) > 1:
             cycle.model.add_no_overlap(cycle.at[operator])
-    _share(cycle, instance.tool, instance.tool_places)
-    _share(cycle, instance.zone, instance.zone_places)
+    _share(cycle, _uses_of_tools(cycle), instance.tool_places)
+    _share(cycle, _uses_of_zones(cycle), instance.zone_places)
     if laps is not None:
         _laps(cycle, low, high, laps)
         _predecessors_end_first(cycle)
+        _waits_are_kept(cycle)
     else:
         # any turn of a pattern is as good
         cycle.model.add(cycle.place[0] == 0)
     return cycle
 
 
+# ---------------------------------------------------------------- what bounds the cycle
+
+
 def _work_fits_the_cycle(cycle: Cycle) -> None:
-    """What an operator does for a product fits into a cycle; so does what a tool or a zone is used
-    for, by as many as it has room for.
+    """What an operator does for a product fits into a cycle, with what it needs at least to get
+    ready; so does what a tool or a zone is used for, by as many as it has room for.
     """
     instance, model = cycle.instance, cycle.model
     for operator in range(len(instance.operators)):
         if work := _work_of(cycle, operator):
-            model.add(sum([*work, *_least_changes(cycle, operator)]) <= cycle.length)
-    for needs, places in (
-        (instance.tool, instance.tool_places),
-        (instance.zone, instance.zone_places),
+            ready = [*_least_changes(cycle, operator), *_least_walks(cycle, operator)]
+            model.add(sum([*work, *ready]) <= cycle.length)
+    for uses, places in (
+        (_taken_of_tools(cycle), instance.tool_places),
+        (_taken_of_zones(cycle), instance.zone_places),
     ):
-        for thing, capacity in enumerate(places):
-            used = [
-                way.ticks * len(way.operators) * x
-                for task, need in enumerate(needs)
-                if need == thing
-                for way, x in zip(instance.ways[task], cycle.chosen[task], strict=True)
-            ]
+        for used, capacity in zip(uses, places, strict=True):
             if used and capacity < len(instance.operators):
                 model.add(sum(used) <= capacity * cycle.length)
-
-
-def _next_time(cycle: Cycle, place: cp_model.IntVar, low: int, high: int) -> cp_model.LinearExprT:
-    """The same place in the next cycle."""
-    if low == high:
-        return place + low
-    place_then = cycle.model.new_int_var(0, 2 * high, "")
-    cycle.model.add(place_then == place + cycle.length)
-    return place_then
 
 
 def _work_of(cycle: Cycle, operator: int) -> list[cp_model.LinearExprT]:
@@ -184,30 +177,66 @@ def _work_of(cycle: Cycle, operator: int) -> list[cp_model.LinearExprT]:
     ]
 
 
+def _taken_of_tools(cycle: Cycle) -> list[list[cp_model.LinearExprT]]:
+    """Per tool, ticks times units of it that a product takes; a term for each way."""
+    terms: list[list[cp_model.LinearExprT]] = [[] for _ in cycle.instance.tool_places]
+    for ways, xs in zip(cycle.instance.ways, cycle.chosen, strict=True):
+        for way, x in zip(ways, xs, strict=True):
+            for tool, count in way.units:
+                terms[tool].append(way.ticks * count * x)
+    return terms
+
+
+def _taken_of_zones(cycle: Cycle) -> list[list[cp_model.LinearExprT]]:
+    """The same per zone."""
+    terms: list[list[cp_model.LinearExprT]] = [[] for _ in cycle.instance.zone_places]
+    for task, zone in enumerate(cycle.instance.zone):
+        if zone is not None:
+            for way, x in zip(cycle.instance.ways[task], cycle.chosen[task], strict=True):
+                terms[zone].append(way.ticks * len(way.operators) * x)
+    return terms
+
+
 def _least_changes(cycle: Cycle, operator: int) -> list[cp_model.LinearExprT]:
-    """What the operator needs at least to take up tools in a cycle: of two or more kinds, each is
-    taken up once.
-    """
-    instance, model = cycle.instance, cycle.model
-    kinds: dict[int, list[cp_model.IntVar]] = defaultdict(list)
-    for task, tool in enumerate(instance.tool):
-        if tool is not None:
-            kinds[tool] += cycle.allocation.does(task, operator)
-    kinds = {tool: literals for tool, literals in kinds.items() if literals}
-    if len(kinds) < 2 or not any(instance.changeover[tool][operator] for tool in kinds):
+    """What the operator needs at least to take up tools in a cycle, ticks."""
+    visits = _with_tools(cycle, operator)
+    cost = {visit.kind: cycle.instance.changeover[visit.kind][operator] for visit in visits}
+    return _least_entries(cycle, visits, cost)
+
+
+def _least_walks(cycle: Cycle, operator: int) -> list[cp_model.LinearExprT]:
+    """What the operator needs at least to walk in a cycle: to each place from the nearest other."""
+    visits, walk = _with_places(cycle, operator), cycle.instance.walk[operator]
+    places = {visit.kind for visit in visits}
+    nearest = {
+        place: min((walk[other][place] for other in places - {place}), default=0)
+        for place in places
+    }
+    return _least_entries(cycle, visits, nearest)
+
+
+def _least_entries(
+    cycle: Cycle, visits: Sequence[Visit], cost: Mapping[int, int]
+) -> list[cp_model.LinearExprT]:
+    """Of two or more kinds of visits that are made in a cycle, each is come to once at least."""
+    model = cycle.model
+    if len(cost) < 2 or not any(cost.values()):
         return []
     several = model.new_bool_var("")
-    used = {tool: model.new_bool_var("") for tool in kinds}
-    terms: list[cp_model.LinearExprT] = []
-    for tool, literals in kinds.items():
-        for literal in literals:
-            model.add_implication(literal, used[tool])
-        taken_up = model.new_bool_var("")
-        model.add_bool_or([used[tool].negated(), several.negated(), taken_up])
-        terms.append(instance.changeover[tool][operator] * taken_up)
+    used = {kind: model.new_bool_var("") for kind in cost}
+    for visit in visits:
+        model.add_implication(visit.made, used[visit.kind])
     for one, two in combinations(used.values(), 2):
         model.add_bool_or([one.negated(), two.negated(), several])
+    terms: list[cp_model.LinearExprT] = []
+    for kind, ticks in cost.items():
+        entered = model.new_bool_var("")
+        model.add_bool_or([used[kind].negated(), several.negated(), entered])
+        terms.append(ticks * entered)
     return terms
+
+
+# ---------------------------------------------------------------- where in the cycle
 
 
 def _places(cycle: Cycle, low: int, high: int) -> None:
@@ -218,7 +247,8 @@ def _places(cycle: Cycle, low: int, high: int) -> None:
         model.add(place < cycle.length)
         starts: list[cp_model.LinearExprT] = [place]
         if cycle.has_copies:
-            starts.append(_next_time(cycle, place, low, high))
+            cycle.then.append(_next_time(cycle, place, low, high))
+            starts.append(cycle.then[task])
         cycle.place.append(place)
         cycle.intervals.append([])
         for way, literal in zip(ways, cycle.chosen[task], strict=True):
@@ -231,104 +261,204 @@ def _places(cycle: Cycle, low: int, high: int) -> None:
                 cycle.at[operator] += intervals
 
 
-def _share(cycle: Cycle, needs: tuple[int | None, ...], places: tuple[int, ...]) -> None:
+def _next_time(cycle: Cycle, place: cp_model.IntVar, low: int, high: int) -> cp_model.LinearExprT:
+    """The same place in the next cycle."""
+    if low == high:
+        return place + low
+    place_then = cycle.model.new_int_var(0, 2 * high, "")
+    cycle.model.add(place_then == place + cycle.length)
+    return place_then
+
+
+class Use(NamedTuple):
+    """The operators `who` take so many `places` of something while the intervals last."""
+
+    intervals: tuple[cp_model.IntervalVar, ...]
+    places: int
+    who: Sequence[int]
+
+
+def _uses_of_tools(cycle: Cycle) -> list[list[Use]]:
+    uses: list[list[Use]] = [[] for _ in cycle.instance.tool_places]
+    for ways, intervals in zip(cycle.instance.ways, cycle.intervals, strict=True):
+        for way, both in zip(ways, intervals, strict=True):
+            for tool, count in way.units:
+                who = [o for o, own in zip(way.operators, way.tools, strict=True) if own == tool]
+                uses[tool].append(Use(both, count, who))
+    return uses
+
+
+def _uses_of_zones(cycle: Cycle) -> list[list[Use]]:
+    uses: list[list[Use]] = [[] for _ in cycle.instance.zone_places]
+    for task, zone in enumerate(cycle.instance.zone):
+        if zone is not None:
+            ways = zip(cycle.instance.ways[task], cycle.intervals[task], strict=True)
+            uses[zone] += (Use(both, len(way.operators), way.operators) for way, both in ways)
+    return uses
+
+
+def _share(cycle: Cycle, uses: list[list[Use]], places: tuple[int, ...]) -> None:
     """At most `capacity` operators are at a tool or in a zone at once.
 
     In the second cycle that is laid out each task stands once, with what reaches over from the
     first: there the count is whole.
     """
-    instance = cycle.instance
-    for thing, capacity in enumerate(places):
-        users = [
-            (intervals, way)
-            for task, need in enumerate(needs)
-            if need == thing
-            for intervals, way in zip(cycle.intervals[task], instance.ways[task], strict=True)
-        ]
-        if len({operator for _, way in users for operator in way.operators}) <= capacity:
+    for mine, capacity in zip(uses, places, strict=True):
+        if len({operator for use in mine for operator in use.who}) <= capacity:
             continue
-        intervals = [interval for both, _ in users for interval in both]
-        demands = [len(way.operators) for both, way in users for _ in both]
+        intervals = [interval for use in mine for interval in use.intervals]
+        demands = [use.places for use in mine for _ in use.intervals]
         if capacity == 1 and max(demands) == 1:
             cycle.model.add_no_overlap(intervals)
         else:
             cycle.model.add_cumulative(intervals, demands, capacity)
 
 
-def _take_up_tools(cycle: Cycle, operator: int) -> None:
-    """The intervals in which the operator takes up another tool, directly before the task that
-    needs it; after the last task of a cycle comes the first of the next.
+# ---------------------------------------------------------------- walking and taking up tools
+
+
+class Visit(NamedTuple):
+    """The operator does the task with this tool, or at this place, when the literal is true."""
+
+    task: int
+    kind: int
+    made: cp_model.IntVar
+
+
+def _with_tools(cycle: Cycle, operator: int) -> list[Visit]:
+    """The operator's tasks with tools; a task once for each tool that it may need there."""
+    found: list[Visit] = []
+    for task, ways in enumerate(cycle.instance.ways):
+        by_tool: dict[int, list[cp_model.IntVar]] = defaultdict(list)
+        for way, x in zip(ways, cycle.chosen[task], strict=True):
+            if operator in way.operators and (tool := way.tool(operator)) is not None:
+                by_tool[tool].append(x)
+        found += (
+            Visit(task, tool, cpsat.any_of(cycle.allocation, literals))
+            for tool, literals in by_tool.items()
+        )
+    return found
+
+
+def _with_places(cycle: Cycle, operator: int) -> list[Visit]:
+    """The operator's tasks at places."""
+    return [
+        Visit(task, place, cpsat.any_of(cycle.allocation, literals))
+        for task, place in enumerate(cycle.instance.place)
+        if place is not None and (literals := cycle.allocation.does(task, operator))
+    ]
+
+
+Causes = dict[int, list[tuple[int, cp_model.IntVar]]]
+"""Task -> (ticks that the operator needs before it, literal under which it does so)."""
+
+
+def _get_ready(cycle: Cycle, operator: int) -> None:
+    """The intervals in which the operator walks and takes up other tools, each directly before the
+    task for which it does so; after the last task of a cycle comes the first of the next.
     """
-    instance, model = cycle.instance, cycle.model
-    does = {
-        task: cpsat.any_of(cycle.allocation, literals)
-        for task, tool in enumerate(instance.tool)
-        if tool is not None and (literals := cycle.allocation.does(task, operator))
-    }
-    cost = {task: instance.changeover[instance.tool[task]][operator] for task in does}  # type: ignore[index]
-    if len({instance.tool[task] for task in does}) < 2 or not any(cost.values()):
-        return
-    tasks = list(does)
-    nobody = model.new_bool_var("no tool used")
-    arcs: list[tuple[int, int, cpsat.Literal]] = [(0, 0, nobody)]
-    first, last, into = {}, {}, {task: [] for task in tasks}  # type: ignore[var-annotated]
-    for index, task in enumerate(tasks, start=1):
-        first[task], last[task] = model.new_bool_var(""), model.new_bool_var("")
-        arcs += [(index, index, does[task].negated()), (0, index, first[task])]
-        arcs.append((index, 0, last[task]))
-        model.add_implication(does[task], nobody.negated())
-    for (i, one), (j, two) in permutations(enumerate(tasks, start=1), 2):
-        follows = model.new_bool_var("")
-        arcs.append((i, j, follows))
-        ended = cycle.place[one] + cycle.ticks_of(one)  # type: ignore[operator]
-        model.add(ended <= cycle.place[two]).only_enforce_if(follows)
-        if instance.tool[one] != instance.tool[two]:
-            into[two].append(follows)
-    model.add_circuit(arcs)
-    _around_the_cycle(cycle, tasks, first, last, into)
+    instance = cycle.instance
+    causes: Causes = defaultdict(list)
+    change, walk = instance.changeover, instance.walk[operator]
+    if instance.has_swaps:
+        _around(
+            cycle,
+            _with_tools(cycle, operator),
+            lambda held, tool: 0 if held == tool else change[tool][operator],
+            causes,
+        )
+    if instance.walks[operator]:
+        _around(cycle, _with_places(cycle, operator), lambda at, to: walk[at][to], causes)
     work = _work_of(cycle, operator)
-    for task in tasks:
-        if into[task] and cost[task]:
-            swap = model.new_bool_var("")
-            model.add(sum(into[task]) <= swap)
-            _occupied_before(cycle, operator, task, cost[task], swap)
-            work.append(cost[task] * swap)
+    for task, why in causes.items():
+        work.append(_occupied_before(cycle, operator, task, why))
     # implied, and seen at once where times are fine
-    model.add(sum(work) <= cycle.length)
+    if causes:
+        cycle.model.add(sum(work) <= cycle.length)
 
 
-def _around_the_cycle(
-    cycle: Cycle,
-    tasks: list[int],
-    first: dict[int, cp_model.IntVar],
-    last: dict[int, cp_model.IntVar],
-    into: dict[int, list[cp_model.IntVar]],
+def _around(
+    cycle: Cycle, visits: Sequence[Visit], ticks: Callable[[int, int], int], causes: Causes
 ) -> None:
-    """The first task with a tool in a cycle finds in hand what the last one of the cycle before
-    needed.
+    """The order of the visits around the cycle, and what each costs behind the one before it. The
+    circuit leaves out, by a loop, those that are not made, and all of them when none is.
+
+    Args:
+      ticks: of a visit of the second kind directly behind one of the first.
     """
-    model, tool = cycle.model, cycle.instance.tool
-    for task in tasks:
-        others = [last[other] for other in tasks if tool[other] != tool[task]]
-        if others:
-            swap = model.new_bool_var("")
-            model.add(first[task] + sum(others) <= 1 + swap)
-            model.add_implication(swap, first[task])
-            into[task].append(swap)
+    model = cycle.model
+    kinds = {visit.kind for visit in visits}
+    if not any(ticks(one, other) for one, other in permutations(kinds, 2)):
+        return
+    nobody = model.new_bool_var("no visit made")
+    arcs: list[tuple[int, int, cpsat.Literal]] = [(0, 0, nobody)]
+    first, last = [], []
+    for index, visit in enumerate(visits, start=1):
+        begins, ends = model.new_bool_var(""), model.new_bool_var("")
+        arcs += [(index, index, visit.made.negated()), (0, index, begins), (index, 0, ends)]
+        first.append(begins)
+        last.append(ends)
+        model.add_implication(visit.made, nobody.negated())
+    for (a, one), (b, two) in permutations(enumerate(visits), 2):
+        if one.task == two.task:
+            continue
+        follows = model.new_bool_var("")
+        arcs.append((a + 1, b + 1, follows))
+        ended = cycle.place[one.task] + cycle.ticks_of(one.task)  # type: ignore[operator]
+        model.add(ended <= cycle.place[two.task]).only_enforce_if(follows)
+        if cost := ticks(one.kind, two.kind):
+            causes[two.task].append((cost, follows))
+    model.add_circuit(arcs)
+    _over_the_end(cycle, visits, ticks, first, last, causes)
+
+
+def _over_the_end(
+    cycle: Cycle,
+    visits: Sequence[Visit],
+    ticks: Callable[[int, int], int],
+    first: Sequence[cp_model.IntVar],
+    last: Sequence[cp_model.IntVar],
+    causes: Causes,
+) -> None:
+    """The first visit of a cycle lies behind the last one of the cycle before."""
+    model = cycle.model
+    for begins, visit in zip(first, visits, strict=True):
+        behind: dict[int, list[cp_model.IntVar]] = defaultdict(list)
+        for ends, other in zip(last, visits, strict=True):
+            behind[ticks(other.kind, visit.kind)].append(ends)
+        for cost, ends_of in behind.items():
+            if cost:
+                literal = model.new_bool_var("")
+                model.add(begins + sum(ends_of) <= 1 + literal)
+                model.add_implication(literal, begins)
+                causes[visit.task].append((cost, literal))
 
 
 def _occupied_before(
-    cycle: Cycle, operator: int, task: int, ticks: int, literal: cp_model.IntVar
-) -> None:
-    """The operator has so many ticks to do directly before the task, when the literal is true."""
-    model = cycle.model
-    begin = cycle.place[task] - ticks
-    for offset in (0, 1) if cycle.has_copies else (0,):
-        start = model.new_int_var(-ticks, 2 * cycle.allocation.upper, "")
-        model.add(start == begin + offset * cycle.length)
-        cycle.at[operator].append(
-            model.new_optional_fixed_size_interval_var(start, ticks, literal, "")
-        )
+    cycle: Cycle, operator: int, task: int, causes: Sequence[tuple[int, cp_model.IntVar]]
+) -> cp_model.LinearExprT:
+    """The operator's ticks directly before the task, as intervals that occupy it; walking and
+    taking up a tool add up. Returns how many they are.
+    """
+    model, high = cycle.model, cycle.allocation.upper
+    some = model.new_bool_var("")
+    model.add_max_equality(some, [literal for _, literal in causes])
+    spent: cp_model.LinearExprT = sum(ticks * literal for ticks, literal in causes)
+    most = cycle.instance.longest_preparation[operator]
+    lengths = {ticks for ticks, _ in causes}
+    # of changeovers alone one takes place at most, since a way of doing the task has one tool
+    is_fixed = len(lengths) == 1 and not cycle.instance.walks[operator]
+    length: cp_model.LinearExprT = min(lengths) if is_fixed else model.new_int_var(0, most, "")
+    if not is_fixed:
+        model.add(length == spent)
+    ends = [cycle.place[task], *([cycle.then[task]] if cycle.has_copies else [])]
+    for end in ends:
+        begin = model.new_int_var(-most, 2 * high, "")
+        cycle.at[operator].append(model.new_optional_interval_var(begin, length, end, some, ""))
+    return spent
+
+
+# ---------------------------------------------------------------- what a product sees
 
 
 def _laps(cycle: Cycle, low: int, high: int, laps: int) -> None:
@@ -368,3 +498,15 @@ def _predecessors_end_first(cycle: Cycle) -> None:
     for task, firsts in enumerate(cycle.instance.before):
         for first in firsts:
             cycle.model.add(cycle.end(first) <= cycle.start[task])
+
+
+def _waits_are_kept(cycle: Cycle) -> None:
+    """Within a product, a task starts at least, and at most, so long after what it waits for has
+    ended or started.
+    """
+    for lag in cycle.instance.lags:
+        moment = cycle.start[lag.before] if lag.from_start else cycle.end(lag.before)
+        if lag.least or lag.from_start:
+            cycle.model.add(moment + lag.least <= cycle.start[lag.task])
+        if lag.most is not None:
+            cycle.model.add(cycle.start[lag.task] <= moment + lag.most)

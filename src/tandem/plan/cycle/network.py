@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR
+from functools import cached_property
 from itertools import combinations, pairwise, product
 from time import monotonic
 from typing import NamedTuple
@@ -26,7 +27,7 @@ import numpy as np
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError, UsageError
 from tandem.plan.cycle.door import Admitted, CycleDoor
-from tandem.plan.cycle.pattern import Pattern, launched, lifted, stacked
+from tandem.plan.cycle.pattern import Pattern, launched, lifted, most_laps, stacked
 from tandem.plan.cycle.question import FRONT, CycleQuestion
 from tandem.plan.cycle.result import CycleBound, CycleFront, CycleResult
 from tandem.plan.instance import Instance
@@ -49,6 +50,10 @@ class Edge(NamedTuple):
 
 Choice = tuple[Edge, ...]
 """Edges that hold together; a disjunction is a list of choices."""
+
+
+_Thing = tuple[str, int]
+"""A tool or a zone: "tool" or "zone", and its number."""
 
 
 class _Late(Exception):
@@ -92,13 +97,13 @@ class _Pair(NamedTuple):
 
     Attributes:
       apart: they must not overlap.
-      shared: "tool", "zone": what both need and not all can have at once.
+      shared: the tools and zones that both need and not all can have at once.
     """
 
     one: int
     two: int
     apart: bool
-    shared: tuple[str, ...]
+    shared: tuple[_Thing, ...]
 
 
 class _Piece(NamedTuple):
@@ -146,6 +151,10 @@ class _Allocation:
         at the end of each, so that halving the span finds the least.
         """
         low, high = self.least_length(), longest
+        if self.instance.has_most_lags:
+            # what must follow in time may just miss its place in a longer cycle
+            lengths = range(low, high + 1)
+            return next((n for n in lengths if self.pattern(n, laps) is not None), None)
         if low > high or self.pattern(high, laps) is None:
             return None
         while low < high:
@@ -163,6 +172,9 @@ class _Allocation:
         tasks = range(len(self.ways))
         if any(self.ticks(task) > length for task in tasks):
             return None
+        if laps is None and self.instance.has_most_lags:
+            # what must follow in time ties the laps of tasks to each other
+            laps = most_laps(self.instance)
         network: Network | None = Network.of(
             len(tasks), length - 1 if laps is None else laps * length
         )
@@ -191,7 +203,7 @@ class _Allocation:
         shared, changeovers. Where not, an operator does what is theirs in any order.
         """
         return (
-            self.instance.has_swaps
+            self.instance.has_preparations
             or any(len(self.who(task)) > 1 for task in range(len(self.ways)))
             or any(pair.shared for pair in pairs)
         )
@@ -202,22 +214,41 @@ class _Allocation:
             yield Edge(task, -1, self.ticks(task) - end)
             for first in firsts:
                 yield Edge(first, task, self.ticks(first))
+        for lag in self.instance.lags:
+            own = 0 if lag.from_start else self.ticks(lag.before)
+            yield Edge(lag.before, lag.task, own + lag.least)
+            if lag.most is not None:
+                yield Edge(lag.task, lag.before, -own - lag.most)
 
     def _pairs(self) -> Iterator[_Pair]:
         """Every two tasks that mind each other."""
-        instance = self.instance
         for one, two in combinations(range(len(self.ways)), 2):
             apart = bool(set(self.who(one)) & set(self.who(two)))
-            shared = tuple(
-                kind
-                for kind, needs, room in (
-                    ("tool", instance.tool, instance.tool_room),
-                    ("zone", instance.zone, instance.zone_room),
-                )
-                if (need := needs[one]) is not None and need == needs[two] and room[need]
-            )
+            shared = tuple(thing for thing in self.uses[one] if thing in self.uses[two])
             if apart or shared:
                 yield _Pair(one, two, apart, shared)
+
+    @cached_property
+    def uses(self) -> list[dict[_Thing, int]]:
+        """Per task, how many of a tool, or places in a zone, it takes; only of those that not all
+        can have at once.
+        """
+        instance = self.instance
+        found: list[dict[_Thing, int]] = []
+        for task, way in enumerate(self.ways):
+            chosen = instance.ways[task][way]
+            mine: dict[_Thing, int] = {
+                ("tool", tool): count for tool, count in instance.scarce(chosen)
+            }
+            zone = instance.zone[task]
+            if zone is not None and instance.zone_room[zone]:
+                mine["zone", zone] = len(chosen.operators)
+            found.append(mine)
+        return found
+
+    def _room(self, thing: _Thing) -> int:
+        kind, number = thing
+        return (self.instance.tool_room if kind == "tool" else self.instance.zone_room)[number]
 
     # ------------------------------------------------------------ the search
 
@@ -229,10 +260,10 @@ class _Allocation:
         """
         if self.until is not None and monotonic() > self.until:
             raise _Late
-        if not self._has_room(held, length):
+        if not self._has_room(held):
             return None
         if not open_pairs:
-            return self._taken_up(network, length)
+            return self._ready_in_time(network, length)
         offers = []
         for pair in open_pairs:
             pieces = list(self._pieces(network, pair, length))
@@ -275,31 +306,20 @@ class _Allocation:
                 two_there = (-first) % length < self.ticks(two)
                 yield first, after - 1, one_there, two_there
 
-    def _has_room(self, held: dict[_Pair, _Piece], length: int) -> bool:
+    def _has_room(self, held: dict[_Pair, _Piece]) -> bool:
         """Whether no tool and no zone is asked for by too many when a task starts there."""
-        instance = self.instance
-        for kind, needs, places in (
-            ("tool", instance.tool, instance.tool_places),
-            ("zone", instance.zone, instance.zone_places),
-        ):
-            used = {
-                task: len(self.who(task)) for task, need in enumerate(needs) if need is not None
-            }
-            there = dict(used)
-            for pair, piece in held.items():
-                if kind in pair.shared:
-                    there[pair.two] += used[pair.one] if piece.one_there else 0
-                    there[pair.one] += used[pair.two] if piece.two_there else 0
-            for task, count in there.items():
-                need = needs[task]
-                assert need is not None
-                if count > places[need]:
-                    return False
-        return True
+        there = [dict(uses) for uses in self.uses]
+        for pair, piece in held.items():
+            for thing in pair.shared:
+                there[pair.two][thing] += self.uses[pair.one][thing] if piece.one_there else 0
+                there[pair.one][thing] += self.uses[pair.two][thing] if piece.two_there else 0
+        return all(
+            count <= self._room(thing) for counts in there for thing, count in counts.items()
+        )
 
-    def _taken_up(self, network: Network, length: int) -> Network | None:
-        """The network in which operators take up tools in time. Who follows whom is settled: the
-        laps between tasks of an operator put them in a row around the cycle.
+    def _ready_in_time(self, network: Network, length: int) -> Network | None:
+        """The network in which operators walk and take up tools in time. Who follows whom is
+        settled: the laps between tasks of an operator put them in a row around the cycle.
         """
         found: Network | None = network
         for operator in range(len(self.instance.operators)):
@@ -309,27 +329,28 @@ class _Allocation:
             starts = found.starts()
             # any starts of the network give the same order around the cycle
             row = sorted(mine, key=lambda task: (starts[task] - starts[mine[0]]) % length)
-            found = found.with_edges(tuple(self._changes(operator, row, starts, length)))
+            found = found.with_edges(tuple(self._preparations(operator, row, starts, length)))
         return found
 
-    def _changes(
+    def _preparations(
         self, operator: int, row: list[int], starts: list[int], length: int
     ) -> Iterator[Edge]:
-        """What lies between tasks that follow each other: the work, and taking up a tool.
+        """What lies between tasks that follow each other: the work, the way and the changeover.
 
         The laps between the two are the same for all starts of the network.
         """
-        tool, changeover = self.instance.tool, self.instance.changeover
-        with_tool = [task for task in row if tool[task] is not None]
-        for place, task in enumerate(row):
-            if task not in with_tool:
-                continue
-            before, in_hand = row[place - 1], with_tool[with_tool.index(task) - 1]
-            needed = tool[task]
-            if needed is not None and tool[in_hand] != needed:
+        stance = self.instance.stance(None, None)
+        # in the second round it is known what was in hand, and where it stood, before the first
+        for place, task in enumerate([*row, *row]):
+            before = row[place % len(row) - 1]
+            way = self.instance.ways[task][self.ways[task]]
+            needs = self.instance.preparations(task, way)
+            if not needs:
+                return
+            ticks, stance = needs[way.operators.index(operator)][stance]
+            if ticks and place >= len(row):
                 laps = (starts[task] - starts[before]) // length
-                ticks = self.ticks(before) + changeover[needed][operator]
-                yield Edge(before, task, ticks + laps * length)
+                yield Edge(before, task, self.ticks(before) + ticks + laps * length)
 
 
 def solve(

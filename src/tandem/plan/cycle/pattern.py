@@ -12,7 +12,8 @@ Pattern = tuple[tuple[int, int], ...]
 
 def lifted(instance: Instance, places: Pattern, length: int) -> Pattern:
     """The pattern in which each task keeps its place in the cycle and starts in the first cycle in
-    which all that it comes after have ended; the first start is at the launch.
+    which all that it comes after have ended, and its waits are over; the first start is at the
+    launch. Where something must follow in time, the places alone do not say when that is.
 
     Args:
       places: per task `(way, place in the cycle)`.
@@ -20,13 +21,14 @@ def lifted(instance: Instance, places: Pattern, length: int) -> Pattern:
     """
     starts = [0] * len(places)
     for task in instance.order:
-        ready = max(
-            (
-                starts[first] + instance.ways[first][places[first][0]].ticks
-                for first in instance.before[task]
-            ),
-            default=0,
-        )
+        ends = [
+            starts[first] + instance.ways[first][places[first][0]].ticks
+            for first in instance.before[task]
+        ]
+        for lag in instance.lags_into[task] if instance.has_lags else ():
+            own = 0 if lag.from_start else instance.ways[lag.before][places[lag.before][0]].ticks
+            ends.append(starts[lag.before] + own + lag.least)
+        ready = max(ends, default=0)
         place = places[task][1]
         starts[task] = place + length * max(0, -((place - ready) // length))
     return launched(tuple((way, start) for (way, _), start in zip(places, starts, strict=True)))
@@ -50,6 +52,15 @@ def stacked(instance: Instance, ways: Sequence[int]) -> Pattern:
         places[task] = (ways[task], load[operator])
         load[operator] += way.ticks
     return tuple(places)
+
+
+def most_laps(instance: Instance) -> int:
+    """A product need not stay for more cycles than this: from one task to the next it waits at most
+    for its place in the next cycle, and no cycle is shorter than the longest of the tasks that it
+    must hold.
+    """
+    shortest = max(min(way.ticks for way in ways) for ways in instance.ways)
+    return len(instance.ways) + -(-instance.horizon // shortest)
 
 
 def makespan(instance: Instance, pattern: Pattern) -> int:
