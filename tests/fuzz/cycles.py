@@ -74,6 +74,7 @@ class Tally:
     cells: int = 0
     refused: int = 0
     infeasible: int = 0
+    too_long: int = 0
     by_brute_force: int = 0
     replayed: int = 0
     questions: Counter[str] = field(default_factory=Counter)
@@ -151,7 +152,9 @@ def _judged(
         except InfeasibleError:
             answers[name] = None
         except NothingFoundError as error:
-            found(f"{name}: {error}")
+            if name == "exact":
+                found(f"{name}: {error}")
+            tally.too_long += 1
             return None
     values = {name: _values(front) for name, front in answers.items()}
     if values["exact"] != values["exhaustive"]:

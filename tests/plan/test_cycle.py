@@ -61,6 +61,11 @@ def test_a_takt_asks_for_the_least_stress_that_keeps_it(thesis: Cell, method: st
         one(18.5)
 
 
+def test_a_takt_of_less_than_a_tick_is_too_short(thesis: Cell):
+    with pytest.raises(InfeasibleError):
+        plan_cycle(thesis, takt=0.5)
+
+
 def test_single_answers(thesis: Cell):
     assert plan_cycle(thesis, minimize="cycle_time").points == [(19, 12)]
     assert plan_cycle(thesis, minimize="stress").points == [(34, 2)]

@@ -185,6 +185,9 @@ class _Search:
         """
         takt = self.takt if self.takt is not None else self.horizon
         longest = min(takt, self.horizon)
+        if longest < 1:
+            self.closed = True  # less than a tick
+            return
         calmest, starts = self._least_stress(1, longest, self.max_stress)
         if starts is None:
             self.closed = calmest.proven
