@@ -50,6 +50,7 @@ def cell(random: Random, sizes: Mapping[int, int] = SMALL, crews: Mapping[int, i
         data["stress_of_set"] = _table(random, tasks, operators)
     elif random.random() < 0.3:
         data["tasks"] = {name: tasks[name] for name in random.sample(names, len(names))}
+    _machines(data)
     return data
 
 
@@ -88,6 +89,16 @@ def _operators(random: Random, clock: _Clock, crews: Mapping[int, int]) -> Data:
             operator["stress_limit"] = random.choice((0, 2, 3, 4.5, 6, 9))
         operators[f"{kind}{place}"] = operator
     return operators
+
+
+def _machines(data: Data) -> None:
+    """Makes a machine of one robot in three: it takes part in tasks as a robot does. Drawn from the
+    cell itself, so that all else of a seed stays what it was.
+    """
+    random = Random(repr(data))
+    for operator in data["operators"].values():
+        if operator["kind"] == "robot" and random.random() < 0.35:
+            operator["kind"] = "machine"
 
 
 def _tools(random: Random, clock: _Clock, operators: list[str]) -> Data:

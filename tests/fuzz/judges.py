@@ -121,14 +121,14 @@ def drawn(seed: int, key: str | None) -> tuple[Random, dict[str, Any]]:
 
 def uses(data: Mapping[str, Any], key: str) -> bool:
     """Whether the cell says something with this key, be it its own or that of an operator, a task,
-    a tool or a zone.
+    a tool or a zone; or has an operator of this kind.
     """
     parts = [
         entry
         for table in ("operators", "tasks", "tools", "zones")
         for entry in data[table].values()
     ]
-    return any(part.get(key) for part in (data, *parts))
+    return any(part.get(key) or part.get("kind") == key for part in (data, *parts))
 
 
 def judge(seed: int, key: str | None = None) -> Tally:

@@ -85,6 +85,9 @@ def planned(random: Random) -> tuple[Cell, Schedule] | None:
     that nobody would call good.
     """
     data = random_cell(random, SIZES, CREWS)
+    for operator in data["operators"].values():
+        if operator["kind"] == "machine":
+            operator["kind"] = "robot"  # a machine reads no sheet
     if random.random() < 0.3:
         _crowd(data, random)
     if random.random() < 0.5:

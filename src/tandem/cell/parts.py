@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property, lru_cache
-from typing import Annotated, Any, Literal, NamedTuple, TypeVar
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar, get_args
 
 from pydantic import (
     AfterValidator,
@@ -117,6 +117,11 @@ OneOrEach = Annotated[
 """One number for all, or a number for each by name; 0 for who is not named."""
 
 
+Kind = Literal["human", "robot", "machine"]
+"""What an operator is."""
+KINDS: tuple[Kind, ...] = get_args(Kind)
+
+
 class TimeOff(NamedTuple):
     """A span in which an operator neither works nor takes up a tool, seconds, and what it is."""
 
@@ -139,9 +144,14 @@ class Frozen(BaseModel):
 
 
 class Operator(Frozen):
-    """A human or a robot."""
+    """A human, a robot, or a machine such as a press, an oven or a test stand."""
 
-    kind: Literal["human", "robot"] = Field(description="Stress counts for humans only.")
+    kind: Kind = Field(
+        description=(
+            "human, robot or machine. Stress counts for humans only; a machine is given no sheet of"
+            " instructions."
+        )
+    )
     label: Text | None = Field(
         default=None,
         description="What charts and messages call the operator; the name when absent.",
@@ -370,6 +380,23 @@ class Fields(Frozen):
     def robots(self) -> tuple[str, ...]:
         """Names of the robots, in the cell's order."""
         return tuple(name for name, operator in self.operators.items() if operator.kind == "robot")
+
+    @cached_property
+    def machines(self) -> tuple[str, ...]:
+        """Names of the machines, in the cell's order."""
+        return tuple(n for n, operator in self.operators.items() if operator.kind == "machine")
+
+    @cached_property
+    def crew(self) -> dict[Kind, tuple[str, ...]]:
+        """Names of the operators by kind, humans first, in the cell's order; kinds that are not
+        there are left out.
+        """
+        groups: dict[Kind, tuple[str, ...]] = {
+            "human": self.humans,
+            "robot": self.robots,
+            "machine": self.machines,
+        }
+        return {kind: names for kind, names in groups.items() if names}
 
     @cached_property
     def tool_names(self) -> tuple[str, ...]:

@@ -173,17 +173,18 @@ def stress_is_put_on_humans(cell: Fields) -> Iterator[Fault]:
     """Stress per human names humans, and only humans have a stress limit."""
     for path, stress, what in _stresses(cell):
         for who in stress:
-            if who in cell.operators and cell.operators[who].kind == "robot":
+            kind = cell.operators[who].kind if who in cell.operators else "human"
+            if kind != "human":
                 yield Fault(
-                    f"{what}: stress is stated for {who!r}, a robot. Only humans have stress; take"
+                    f"{what}: stress is stated for {who!r}, a {kind}. Only humans have stress; take"
                     f" {who!r} out.",
                     (*path, who),
                 )
     for who, operator in cell.operators.items():
-        if operator.kind == "robot" and operator.stress_limit is not None:
+        if operator.kind != "human" and operator.stress_limit is not None:
             yield Fault(
-                f"operator {who!r} is a robot and has a stress_limit. Only humans have stress; take"
-                " it out.",
+                f"operator {who!r} is a {operator.kind} and has a stress_limit. Only humans have"
+                " stress; take it out.",
                 ("operators", who, "stress_limit"),
             )
 

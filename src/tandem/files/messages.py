@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from tandem.cell.model import Cell
 from tandem.cell.names import Known, clean, harm_in
-from tandem.cell.parts import Operator, Task, Together, Tool, Zone
+from tandem.cell.parts import KINDS, Operator, Task, Together, Tool, Zone
 from tandem.cell.written import number
 from tandem.errors import Fault
 
@@ -194,7 +194,7 @@ def _missing(path: Path, item: Any) -> str:
             )
             return f"`{path[0]}` is missing. Write `{path[0]}: {example}`, for example."
         case ("operators", _, "kind"):
-            return "`kind` is missing. Write `kind: human` or `kind: robot`."
+            return "`kind` is missing. Write `kind: human`, `kind: robot` or `kind: machine`."
         case ("operators", _, "breaks", _, _):
             return "a break needs two numbers, `[from, to]` in seconds."
         case ("same_operator", _, _):
@@ -273,8 +273,8 @@ def _no_choice(path: Path, item: Any) -> str:
             f"format is {shown(value)}, but this version of Tandem reads format 1. A newer version"
             " may read it."
         )
-    near = Known(("human", "robot")).nearest(value) if isinstance(value, str) else None
-    return f"{_what(path)} is {shown(value)}, but must be human or robot." + (
+    near = Known(KINDS).nearest(value) if isinstance(value, str) else None
+    return f"{_what(path)} is {shown(value)}, but must be human, robot or machine." + (
         f" Did you mean {near!r}?" if near else ""
     )
 

@@ -38,6 +38,16 @@ def beyond(
     yield from ((key,) for key in _stated(cell, TABLES))
 
 
+def enumerated_crew(cell: Cell) -> str:
+    """How many of each kind the cell has, as in "1 robot and 2 humans"; machines where there are
+    some.
+    """
+    counts = [("robot", len(cell.robots)), ("human", len(cell.humans))]
+    counts += [("machine", len(cell.machines))] if cell.machines else []
+    *most, last = (f"{count} {kind}{'s' * (count != 1)}" for kind, count in counts)
+    return f"{', '.join(most)} and {last}"
+
+
 def _stated(part: BaseModel, known: Collection[str]) -> Iterator[str]:
     """Keys whose values are not those that they have when they are left out."""
     for key, field in type(part).model_fields.items():

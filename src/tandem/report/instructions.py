@@ -81,6 +81,11 @@ COLUMNS = (
 """What a sheet shows of a step, in the order of its columns."""
 
 
+def instructed(cell: Cell) -> tuple[str, ...]:
+    """The operators who get a sheet, in the cell's order: a machine reads none."""
+    return tuple(name for name in cell.operators if name not in cell.machines)
+
+
 def steps(cell: Cell, schedule: Schedule, operator: str, t: Words) -> tuple[Step, ...]:
     """The operator's steps in order. Assumes a sound schedule."""
     sheet = _Sheet(cell, schedule, operator, t)

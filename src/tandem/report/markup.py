@@ -155,6 +155,8 @@ def _pattern(name: str, ground: str, colour: str, sign: str) -> Markup:
         "\\": "M-3,9 L3,15 M0,0 L12,12 M9,-3 L15,3",
         "|": "M6,0 L6,12",
         "x": "M0,0 L12,12 M0,12 L12,0",
+        "-": "M0,3 L12,3 M0,9 L12,9",
+        "+": "M0,6 L12,6 M6,0 L6,12",
     }
     pieces = [tag("rect", width=12, height=12, fill=ground)]
     if sign in lines:

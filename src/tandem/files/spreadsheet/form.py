@@ -59,6 +59,7 @@ HEADERS: dict[Language, dict[str, str]] = {
         "cell name": "name",
         "human": "human",
         "robot": "robot",
+        "machine": "machine",
     },
     "de": {
         "name": "Vorgang",
@@ -89,6 +90,7 @@ HEADERS: dict[Language, dict[str, str]] = {
         "cell name": "Name",
         "human": "Mensch",
         "robot": "Roboter",
+        "machine": "Maschine",
     },
 }
 
@@ -170,8 +172,8 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
         (
             "Sheet Operators",
             (
-                "kind: human or robot. Breaks: 300-600; 900-1000 in seconds since the start. Stress"
-                " limit: the most for this human."
+                "kind: human, robot or machine. Breaks: 300-600; 900-1000 in seconds since the"
+                " start. Stress limit: the most for this human."
             ),
         ),
         (
@@ -236,8 +238,8 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
         (
             "Blatt Bediener",
             (
-                "Art: Mensch oder Roboter. Pausen: 300-600; 900-1000 (Sekunden). Belastungsgrenze:"
-                " das Meiste für diesen Menschen."
+                "Art: Mensch, Roboter oder Maschine. Pausen: 300-600; 900-1000 (Sekunden)."
+                " Belastungsgrenze: das Meiste für diesen Menschen."
             ),
         ),
         (

@@ -16,7 +16,7 @@ from tandem.files.spreadsheet.header import Column, Table, best_table
 from tandem.files.spreadsheet.references import References, UnknownTaskError
 from tandem.files.spreadsheet.said import say
 from tandem.files.spreadsheet.values import UnreadableError, number, seconds
-from tandem.files.spreadsheet.vocabulary import Meaning, key, kind_of, meaning
+from tandem.files.spreadsheet.vocabulary import Meaning, is_machine, key, kind_of, meaning
 
 SHEETS: dict[str, str] = {
     "operators": (
@@ -207,9 +207,11 @@ def _value(
         case "breaks":
             return _breaks(text, unit, place, findings) or None
         case "kind":
-            kind = kind_of(text)
+            kind = "machine" if is_machine(text) else kind_of(text)
             if kind is None:
-                findings.fault(f"holds {text!r}: the kind of {who!r} is 'human' or 'robot'.", place)
+                findings.fault(
+                    f"holds {text!r}: the kind of {who!r} is 'human', 'robot' or 'machine'.", place
+                )
             return kind or "human"
     return text
 

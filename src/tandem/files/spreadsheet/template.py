@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
-from tandem.cell.parts import Operator, Task
+from tandem.cell.parts import KINDS, Operator, Task
 from tandem.errors import UsageError
 from tandem.files.atomic import store
 from tandem.files.spreadsheet.draft import read_book
@@ -393,7 +393,7 @@ def _operators(book: Workbook, cell: Cell, lang: Language) -> None:
             sheet.cell(row, place).number_format = "@"
     kinds = DataValidation(
         type="list",
-        formula1=f'"{words["human"]},{words["robot"]}"',
+        formula1=f'"{",".join(words[kind] for kind in KINDS)}"',
         allow_blank=True,
         showErrorMessage=True,
     )

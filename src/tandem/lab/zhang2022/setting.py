@@ -15,6 +15,7 @@ import numpy as np
 from tandem.cell.model import Cell
 from tandem.cell.parts import Mode
 from tandem.errors import CellError, Fault, UsageError
+from tandem.lab.refusal import enumerated_crew
 from tandem.world.arrays import Array, Arrays, Names
 
 ROBOT, HUMAN = 0, 1
@@ -217,11 +218,10 @@ def _abilities(cell: Cell, names: Names, robot: Any) -> Array:
 
 
 def _one_robot_and_one_human(cell: Cell) -> Iterator[Fault]:
-    robots, humans = len(cell.robots), len(cell.humans)
-    if robots != 1 or humans != 1:
-        count = f"{robots} robot{'s' * (robots != 1)} and {humans} human{'s' * (humans != 1)}"
+    if len(cell.robots) != 1 or len(cell.humans) != 1 or cell.machines:
         yield Fault(
-            f"the cell has {count}; two agents work side by side here, exactly one of each.",
+            f"the cell has {enumerated_crew(cell)}; two agents work side by side here, one"
+            " robot and one human.",
             ("operators",),
         )
 
