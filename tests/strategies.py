@@ -76,7 +76,13 @@ def _stress() -> st.SearchStrategy[float]:
 
 @st.composite
 def _operators(draw: st.DrawFn, most: int, step: float, rich: bool) -> dict[str, dict[str, Any]]:
-    kinds = draw(st.lists(st.sampled_from(("human", "robot")), min_size=1, max_size=most))
+    kinds = draw(
+        st.lists(
+            st.sampled_from(("human", "human", "robot", "robot", "machine")),
+            min_size=1,
+            max_size=most,
+        )
+    )
     operators: dict[str, dict[str, Any]] = {}
     for place, kind in enumerate(kinds):
         operator: dict[str, Any] = {"kind": kind}
@@ -110,10 +116,13 @@ def _tools(draw: st.DrawFn, operators: list[str], step: float) -> dict[str, dict
 
 @st.composite
 def _zones(draw: st.DrawFn) -> dict[str, dict[str, Any]]:
-    return {
-        name: {"capacity": draw(st.integers(1, 2))}
-        for name in ("jig", "bench")[: draw(st.sampled_from((0, 0, 0, 1, 2)))]
-    }
+    zones: dict[str, dict[str, Any]] = {}
+    for name in ("jig", "bench")[: draw(st.sampled_from((0, 0, 0, 1, 2)))]:
+        zones[name] = {"capacity": draw(st.integers(1, 2))}
+        if draw(_seldom()):
+            kinds = st.sampled_from(("human", "robot", "machine"))
+            zones[name]["apart"] = draw(st.lists(kinds, min_size=2, unique=True))
+    return zones
 
 
 @st.composite
@@ -160,7 +169,11 @@ def _add_place_and_tool(
     """Where and with what a task is done; only what leaves room for one way of doing it."""
     least = 1 if task["time"] else min(len(joint["operators"]) for joint in task["together"])
     for key, table in (("tool", tools), ("zone", zones)):
-        roomy = [name for name, entry in table.items() if entry["capacity"] >= least]
+        roomy = [
+            name
+            for name, entry in table.items()
+            if entry["capacity"] >= least and (task["time"] or not entry.get("apart"))
+        ]
         if roomy and draw(st.booleans()):
             task[key] = draw(st.sampled_from(roomy))
     if draw(_seldom()):

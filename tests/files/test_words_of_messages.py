@@ -29,7 +29,7 @@ REMEDY = re.compile(
     r"Rename|Shorten|"
     r"Set the|Spell |Make them|needs different|needs one at least|belongs in|A name has|can be"
     r" planned|holds pairs|reads format|longer than|"
-    r"must last|needs two numbers|A cell file is|as in `"
+    r"must last|needs two numbers|A cell file is|as in `|Name "
 )
 
 SOUND: dict[str, Any] = {
@@ -49,7 +49,7 @@ SOUND: dict[str, Any] = {
         "stress": {"h": 1}, "after": ["a"], "spread": {"h": 0.1}},
     },
     "tools": {"t": {"capacity": 2, "changeover": {"r": 1}}},
-    "zones": {"z": {"capacity": 2}},
+    "zones": {"z": {"capacity": 2, "apart": ["human", "machine"]}},
     "same_operator": [],
     "stress_of_set": {"": 0, "a": 1, "b": 1, "a,b": 3},
 }  # fmt: skip
@@ -143,6 +143,7 @@ UNFIT = {
         "tasks": {"a": {"together": [{"operators": ["h", "h"], "time": 1}]}}
     },
     "someone_can_do_each_task": {"tasks": {"a": {}}},
+    "kinds_are_kept_apart_from_each_other": {"zones": {"z": {"apart": ["human"]}}},
     "stress_is_put_on_humans": {"tasks": {"a": {"time": {"r": 1}, "stress": {"r": 2}}}},
     "stress_of_a_group_is_put_on_its_members": {
         "operators": {"h": {"kind": "human"}, "k": {"kind": "human"}, "r": {"kind": "robot"}},

@@ -14,6 +14,7 @@ STEPS = (1.0, 1.0, 0.5, 0.25, 0.1, 0.05)
 """Seconds that all times of one cell are multiples of."""
 SMALL = {1: 1, 2: 3, 3: 5, 4: 4, 5: 1}
 FEW = {1: 2, 2: 6, 3: 2}
+KINDS = ("human", "robot", "machine")
 Data = dict[str, Any]
 
 
@@ -50,7 +51,7 @@ def cell(random: Random, sizes: Mapping[int, int] = SMALL, crews: Mapping[int, i
         data["stress_of_set"] = _table(random, tasks, operators)
     elif random.random() < 0.3:
         data["tasks"] = {name: tasks[name] for name in random.sample(names, len(names))}
-    _machines(data)
+    _machines_and_zones_apart(data)
     return data
 
 
@@ -91,14 +92,19 @@ def _operators(random: Random, clock: _Clock, crews: Mapping[int, int]) -> Data:
     return operators
 
 
-def _machines(data: Data) -> None:
-    """Makes a machine of one robot in three: it takes part in tasks as a robot does. Drawn from the
-    cell itself, so that all else of a seed stays what it was.
+def _machines_and_zones_apart(data: Data) -> None:
+    """Makes a machine of one robot in three: it takes part in tasks as a robot does. One zone in
+    three keeps kinds apart. Drawn from the cell itself, so that all else of a seed stays what it
+    was.
     """
     random = Random(repr(data))
     for operator in data["operators"].values():
         if operator["kind"] == "robot" and random.random() < 0.35:
             operator["kind"] = "machine"
+    for zone in data["zones"].values():
+        if random.random() < 0.35:
+            zone["apart"] = random.sample(KINDS, random.choice((2, 2, 3)))
+            zone["capacity"] = random.choice((1, 2, 3))
 
 
 def _tools(random: Random, clock: _Clock, operators: list[str]) -> Data:

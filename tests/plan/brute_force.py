@@ -81,6 +81,7 @@ class Plain:
             kind: {name: entry.get("capacity", 1) for name, entry in table.items()}
             for kind, table in (("tool", tools), ("zone", zones))
         }
+        self.apart = {name: tuple(entry.get("apart") or ()) for name, entry in zones.items()}
         self.change = {
             (name, who): _millionths(seconds)
             for name, entry in tools.items()
@@ -158,6 +159,7 @@ class Plain:
             all(self._in_its_time(step, done) for step in done)
             and all(self._one_at_a_time(who, done) for who in self.kind)
             and all(self._room_enough(kind, done) for kind in ("tool", "zone"))
+            and self._kept_apart(done)
         )
 
     def _in_its_time(self, step: Step, done: tuple[Step, ...]) -> bool:
@@ -186,6 +188,22 @@ class Plain:
             ):
                 return False
             hand, free = hand if tool is None else tool, step.end
+        return True
+
+    def _kept_apart(self, done: tuple[Step, ...]) -> bool:
+        """Whenever a step starts in a zone, those there of the kinds that it keeps apart are of one
+        kind.
+        """
+        for step in done:
+            zone = self.jobs[step.name].zone
+            kinds = {
+                self.kind[who]
+                for other in done
+                if self.jobs[other.name].zone == zone and other.start <= step.start < other.end
+                for who in other.way.who
+            }
+            if len(kinds & set(self.apart.get(zone, ()))) > 1:
+                return False
         return True
 
     def _room_enough(self, kind: str, done: tuple[Step, ...]) -> bool:

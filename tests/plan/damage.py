@@ -136,6 +136,19 @@ def crowded(cell: Cell, plan: Schedule) -> Damaged:
                     yield cell, _with(plan, a, _at(a, other.start)), {}
 
 
+def mixed_in_a_zone(cell: Cell, plan: Schedule) -> Damaged:
+    for a in plan:
+        for other in plan:
+            zone = cell.zones.get(cell.tasks[a.task].zone or "")
+            if a != other and zone and cell.tasks[a.task].zone == cell.tasks[other.task].zone:
+                kinds = [
+                    {cell.operators[who].kind for who in row.operators} & set(zone.apart)
+                    for row in (a, other)
+                ]
+                if len(kinds[0] | kinds[1]) > 1:
+                    yield cell, _with(plan, a, _at(a, other.start)), {}
+
+
 def over_a_stress_limit(cell: Cell, plan: Schedule) -> Damaged:
     for human in cell.humans:
         loads = {
@@ -199,6 +212,7 @@ DAMAGES: tuple[Callable[[Cell, Schedule], Damaged], ...] = (
     put_into_a_break,
     begun_during_the_changeover,
     crowded,
+    mixed_in_a_zone,
     over_a_stress_limit,
     a_pair_apart,
     a_set_that_is_not_listed,

@@ -117,6 +117,21 @@ def test_no_rule_beats_the_proven_front(cell, rule, seed):
         assert result.bound.stress <= front[-1][1]
 
 
+def fixture() -> Cell:
+    """People may share the fixture, a person and a robot may not."""
+    return Cell.model_validate({
+        "operators": {
+            "anna": {"kind": "human"}, "ben": {"kind": "human"}, "cobot": {"kind": "robot"},
+        },
+        "tasks": {
+            "left": {"time": {"anna": 4.0}, "zone": "fixture"},
+            "right": {"time": {"ben": 3.0}, "zone": "fixture"},
+            "weld": {"time": {"cobot": 5.0}, "zone": "fixture"},
+        },
+        "zones": {"fixture": {"capacity": 2, "apart": ["human", "robot"]}},
+    })  # fmt: skip
+
+
 def some_schedule(cell: Cell) -> Schedule:
     """A sound schedule of the cell, if there is one."""
     try:
@@ -140,6 +155,7 @@ def test_every_damage_has_something_to_break():
     """The test above would pass on cells in which a damage finds nothing to do."""
     table = thesis().replace(stress_of_set={"3,5,6": 7, "3": 1})
     known = [(gearbox(), gearbox_schedule()), (table, thesis_schedule())]
+    known.append((fixture(), some_schedule(fixture())))
     for damage in DAMAGES:
         broken = [case for cell, plan in known for case in damage(cell, plan)]
         assert broken, damage.__name__

@@ -24,7 +24,7 @@ def is_sound(cell: Cell, schedule: Schedule) -> bool:
         set(a.operators) - set(cell.operators) for a in rows
     ):
         return False
-    return _numbers_fit(cell, rows) and _stress_fits(cell, rows) and _moments_fit(cell, rows)
+    return all(rule(cell, rows) for rule in (_numbers_fit, _stress_fits, _kept_apart, _moments_fit))
 
 
 def _ms(seconds: float) -> int:
@@ -83,6 +83,21 @@ def _ready(operator: Operator, step: int) -> int:
     while any(_ms(start) < begin + long and begin < _ms(end) for start, end in operator.breaks):
         begin += step
     return begin + long if long else 0
+
+
+def _kept_apart(cell: Cell, rows: list[Assignment]) -> bool:
+    """Whether at no moment at which a task starts kinds that its zone keeps apart are there."""
+    for a in rows:
+        name = cell.tasks[a.task].zone
+        there = {
+            cell.operators[who].kind
+            for other in rows
+            if cell.tasks[other.task].zone == name and other.start <= a.start < other.end
+            for who in other.operators
+        }
+        if name in cell.zones and len(there & set(cell.zones[name].apart)) > 1:
+            return False
+    return True
 
 
 def _moments_fit(cell: Cell, rows: list[Assignment]) -> bool:

@@ -294,7 +294,11 @@ def test_every_rule_has_been_seen_to_fire():
     }
     cells.append(
         (
-            gearbox(tasks=zones, zones={"jig": {"capacity": 2}}, tools={"driver": {"capacity": 2}}),
+            gearbox(
+                tasks=zones,
+                zones={"jig": {"capacity": 2, "apart": ["human", "robot"]}},
+                tools={"driver": {"capacity": 2}},
+            ),
             gearbox_schedule(),
         )
     )

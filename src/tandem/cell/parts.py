@@ -309,6 +309,13 @@ class Zone(Frozen):
     """A shared space that tasks name."""
 
     capacity: Places = Field(default=1, description="How many operators it holds at once.")
+    apart: tuple[Kind, ...] = Field(
+        default=(),
+        description=(
+            "Kinds of operators that are never in it at once, such as `[human, robot]`: several of"
+            " one kind may be, as far as there are places. Kinds that are not named mind nobody."
+        ),
+    )
 
 
 @dataclass(frozen=True)

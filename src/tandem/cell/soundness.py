@@ -23,7 +23,7 @@ from tandem.cell.written import number
 from tandem.errors import Fault
 
 if TYPE_CHECKING:
-    from tandem.cell.parts import Fields, Task
+    from tandem.cell.parts import Fields, Task, Zone
 
 Path = tuple[str | int, ...]
 
@@ -167,6 +167,42 @@ def _room_for_a_group(cell: Fields, name: str, task: Task) -> Iterator[Fault]:
                 " operator do it alone.",
                 ("tasks", name, key),
             )
+
+
+def kinds_are_kept_apart_from_each_other(cell: Fields) -> Iterator[Fault]:
+    """A zone that keeps kinds apart names several, each once, and every task in it can be done by
+    operators who may be there together.
+    """
+    for name, zone in cell.zones.items():
+        if zone.apart and len(set(zone.apart)) < 2:
+            yield Fault(
+                f"zone {name!r}: keeps only {zone.apart[0]!r} apart, and from nobody. Name two"
+                " kinds or more, such as `apart: [human, robot]`, or leave it out.",
+                ("zones", name, "apart"),
+            )
+        elif twice := [kind for kind, count in Counter(zone.apart).items() if count > 1]:
+            yield Fault(
+                f"zone {name!r}: `apart` names {_listed(twice)} twice. Name each once.",
+                ("zones", name, "apart"),
+            )
+    for name, task in cell.tasks.items():
+        place = cell.zones.get(task.zone or "")
+        if place is None or not place.apart or task.time or not task.together:
+            continue
+        groups = [joint.operators for joint in task.together]
+        if all(len(_kinds_apart(cell, place, group)) > 1 for group in groups):
+            kinds = " and ".join(place.apart)
+            yield Fault(
+                f"task {name!r}: {_listed(groups[0])} can only do it together, but zone"
+                f" {task.zone!r} keeps {kinds} apart, so they never meet. Take the task out of the"
+                " zone, let one operator do it alone, or take `apart` out.",
+                ("tasks", name, "zone"),
+            )
+
+
+def _kinds_apart(cell: Fields, zone: Zone, group: tuple[str, ...]) -> set[str]:
+    kinds: set[str] = {cell.operators[who].kind for who in group if who in cell.operators}
+    return kinds & set(zone.apart)
 
 
 def stress_is_put_on_humans(cell: Fields) -> Iterator[Fault]:
@@ -374,6 +410,7 @@ RULES: tuple[Callable[[Fields], Iterator[Fault]], ...] = (
     no_task_waits_for_itself,
     a_group_names_each_operator_once,
     someone_can_do_each_task,
+    kinds_are_kept_apart_from_each_other,
     stress_is_put_on_humans,
     stress_of_a_group_is_put_on_its_members,
     breaks_are_apart,

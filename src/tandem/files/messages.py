@@ -309,6 +309,7 @@ def _no_list(path: Path, item: Any) -> str:
         "breaks": "[[60, 90]]",
         "operators": "[robot, human]",
         "same_operator": "[[1, 2]]",
+        "apart": "[human, robot]",
         "together": "[{operators: [a, b], time: 12}]",
     }
     key = next((str(step) for step in reversed(path) if isinstance(step, str)), "")

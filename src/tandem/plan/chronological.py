@@ -6,10 +6,10 @@ early as it can but not before the one appended last.
 
 Why nothing is lost. Take any sound schedule, its tasks in order of start. Suppose its first k tasks
 are appended and no number of the node (last start, end of each operator's work, ends that others
-wait for, places of tools and zones, stress) is above what the schedule itself has. Task k+1 can
-start where the schedule starts it, for that is possible and not before the last start; so its
-earliest start is no later, and again no number is above. After the last task neither makespan nor
-stress is above the schedule's.
+wait for, places of tools and zones, kinds kept apart, stress) is above what the schedule itself
+has. Task k+1 can start where the schedule starts it, for that is possible and not before the last
+start; so its earliest start is no later, and again no number is above. After the last task neither
+makespan nor stress is above the schedule's.
 
 Why nodes can be merged. Two nodes in which the same tasks are appended, the same tools are in hand,
 the same tasks are with humans (where a table of sets counts stress) and the same operators are
@@ -38,6 +38,7 @@ class Node(NamedTuple):
       ends: per task appended, its end; of others 0.
       tools, zones: per tool or zone, the moments at which its places are free, sorted; empty where
         the capacity never binds.
+      apart: per zone, for each kind that it keeps apart, when the last of them leaves.
       loads: stress per operator. `stress`: their sum.
       humans: bits of the tasks in which humans take part.
       teams: `(team, operators)` of the teams that have begun, sorted.
@@ -51,6 +52,7 @@ class Node(NamedTuple):
     ends: tuple[int, ...]
     tools: tuple[tuple[int, ...], ...]
     zones: tuple[tuple[int, ...], ...]
+    apart: tuple[tuple[int, ...], ...]
     loads: tuple[int, ...]
     stress: int
     humans: int
@@ -102,6 +104,7 @@ class Branching:
             ends=(0,) * len(self.tasks),
             tools=tuple((0,) * places for places in self.instance.tool_room),
             zones=tuple((0,) * places for places in self.instance.zone_room),
+            apart=tuple((0,) * (max(row, default=-1) + 1) for row in self.instance.zone_apart),
             loads=(0,) * operators,
             stress=0,
             humans=0,
@@ -189,6 +192,8 @@ class Branching:
             numbers += [max(place, last) for place in places]
         for places in node.zones:
             numbers += [max(place, last) for place in places]
+        if self.instance.has_apart:
+            numbers += [max(end, last) for kinds in node.apart for end in kinds]
         numbers += [node.loads[o] for o in self.limited]
         if self.instance.stress_of_set is None:
             numbers.append(node.stress)
@@ -236,6 +241,9 @@ class Branching:
             start = max(start, node.tools[tool][len(step.operators) - 1])
         if zone >= 0 and node.zones[zone]:
             start = max(start, node.zones[zone][len(step.operators) - 1])
+        if step.side >= 0:
+            kinds = node.apart[self.instance.zone[task]]  # type: ignore[index]
+            start = max([start, *(end for side, end in enumerate(kinds) if side != step.side)])
         moved = self.instance.has_breaks
         while moved:
             moved = False
@@ -272,12 +280,27 @@ class Branching:
             ends=tuple(ends),
             tools=_taken(node.tools, tool, len(who), end),
             zones=_taken(node.zones, zone, len(who), end),
+            apart=self._with_its_kind(node, task, step, end),
             loads=tuple(loads),
             stress=node.stress + step.stress,
             humans=node.humans | self.human[task][index] << task,
             teams=teams,
             step=(task, step, start),
             before=node,
+        )
+
+    def _with_its_kind(
+        self, node: Node, task: int, step: Step, end: int
+    ) -> tuple[tuple[int, ...], ...]:
+        """When the kinds that zones keep apart have left them, the step's own counted."""
+        if step.side < 0:
+            return node.apart
+        zone = self.instance.zone[task]
+        return tuple(
+            tuple(max(at, end) if side == step.side else at for side, at in enumerate(kinds))
+            if place == zone
+            else kinds
+            for place, kinds in enumerate(node.apart)
         )
 
     def _is_harmless(self, task: int, step: Step) -> bool:

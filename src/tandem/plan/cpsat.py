@@ -254,6 +254,29 @@ def a_zone_holds_as_many_as_it_has_places(plan: Decisions) -> None:
     _share(plan, plan.instance.zone, plan.instance.zone_places)
 
 
+def kinds_are_kept_apart(plan: Decisions) -> None:
+    """In a zone that keeps kinds of operators apart, two tasks by operators of different kinds do
+    not overlap, and no task is done by both together.
+    """
+    instance = plan.instance
+    sides: dict[int, list[tuple[int, int, cp_model.IntervalVar]]] = defaultdict(list)
+    for task, ways in enumerate(instance.ways if instance.has_apart else ()):
+        for way, literal, interval in zip(
+            ways, plan.chosen[task], plan.intervals[task], strict=True
+        ):
+            kinds = instance.sides(task, way)
+            if len(kinds) > 1:
+                plan.model.add(literal == 0)
+            elif kinds:
+                zone = instance.zone[task]
+                assert zone is not None
+                sides[zone].append((task, min(kinds), interval))
+    for there in sides.values():
+        for (one, kind, first), (two, other, second) in combinations(there, 2):
+            if one != two and kind != other:
+                plan.model.add_no_overlap([first, second])
+
+
 def _share(plan: Decisions, needs: tuple[int | None, ...], places: tuple[int, ...]) -> None:
     for thing, capacity in enumerate(places):
         users = [t for t, need in enumerate(needs) if need == thing]
@@ -415,6 +438,7 @@ RULES: tuple[Rule, ...] = (
     an_operator_does_one_thing_at_a_time,
     a_tool_is_used_as_often_as_it_exists,
     a_zone_holds_as_many_as_it_has_places,
+    kinds_are_kept_apart,
     a_human_stays_within_the_stress_limit,
     some_tasks_have_the_same_operators,
     stress_is_counted,

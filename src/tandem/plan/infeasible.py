@@ -112,6 +112,10 @@ def _on_room(cell: Cell) -> Iterator[Limit]:
             shared = getattr(cell, kind).get(name)
             words = f"the {kind[:-1]} {name}, of which there is {shared.capacity if shared else 1}"
             yield Limit(words, (kind, name))
+    for name in sorted(x for x in zones if x in cell.zones):
+        if apart := cell.zones[name].apart:
+            words = f"that zone {name} keeps {' and '.join(apart)} apart"
+            yield Limit(words, ("zones", name, "apart"))
 
 
 def _without_key(operator: Operator, key: str) -> Operator:
@@ -137,7 +141,9 @@ def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell,
         elif room == "same_operator":
             same.remove((names[0], names[1]))
         elif room == "zones":
-            zones[names[0]] = Zone(capacity=max(len(operators), 1))
+            zone = zones.get(names[0], Zone())
+            lighter = {"apart": ()} if names[1:] else {"capacity": max(len(operators), 1)}
+            zones[names[0]] = zone.model_copy(update=lighter)
         elif room == "tools":
             tools[names[0]] = Tool(capacity=max(len(operators), 1))
         else:

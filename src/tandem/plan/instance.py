@@ -56,6 +56,8 @@ class Instance:
       release, deadline: ticks per task; a task without a deadline has None.
       tool, zone: per task, an index or None. `tools` and `zones` are their names.
       tool_places, zone_places: capacity per tool and zone.
+      zone_apart: `[zone][operator]`, the number of the operator's kind among those that the zone
+        keeps apart; -1 for operators that nobody there minds.
       changeover: `[tool][operator]` ticks.
       in_hand: per operator, the tool at the start or None.
       breaks: per operator, `(from, to)` ticks in which it does nothing, sorted, disjoint.
@@ -80,6 +82,7 @@ class Instance:
     zone: tuple[int | None, ...]
     tool_places: tuple[int, ...]
     zone_places: tuple[int, ...]
+    zone_apart: tuple[tuple[int, ...], ...]
     changeover: tuple[tuple[int, ...], ...]
     in_hand: tuple[int | None, ...]
     breaks: tuple[tuple[tuple[int, int], ...], ...]
@@ -296,9 +299,29 @@ class Instance:
         return tuple(-1 if zone is None or not self.zone_room[zone] else zone for zone in self.zone)
 
     @cached_property
+    def keeps_apart(self) -> tuple[bool, ...]:
+        """Per zone, whether it keeps operators apart whom the cell has."""
+        return tuple(len({kind for kind in row if kind >= 0}) > 1 for row in self.zone_apart)
+
+    @cached_property
+    def has_apart(self) -> bool:
+        """Some zone keeps operators apart."""
+        return any(self.keeps_apart)
+
+    def sides(self, task: int, way: Way) -> frozenset[int]:
+        """The kinds, of those that the task's zone keeps apart, of the operators who take part; a
+        way with several can be part of no schedule.
+        """
+        zone = self.zone[task]
+        if zone is None or not self.keeps_apart[zone]:
+            return frozenset()
+        return frozenset(self.zone_apart[zone][operator] for operator in way.operators) - {-1}
+
+    @cached_property
     def is_plain(self) -> bool:
         """Tools, zones and breaks play no part in times."""
-        return not self.has_breaks and max((*self.timed_tool, *self.timed_zone), default=-1) < 0
+        timed = max((*self.timed_tool, *self.timed_zone), default=-1) >= 0
+        return not (self.has_breaks or timed or self.has_apart)
 
     @cached_property
     def arrival(self) -> tuple[int, ...]:
@@ -422,6 +445,13 @@ def _places(cell: Cell, count: _Count) -> dict[str, Any]:
         "zone": tuple(None if task.zone is None else zones.index(task.zone) for task in tasks),
         "tool_places": tuple(tool.capacity for tool in listed),
         "zone_places": tuple(cell.zones.get(name, Zone()).capacity for name in zones),
+        "zone_apart": tuple(
+            tuple(
+                apart.index(operator.kind) if operator.kind in apart else -1
+                for operator in cell.operators.values()
+            )
+            for apart in (cell.zones.get(name, Zone()).apart for name in zones)
+        ),
         "changeover": tuple(
             tuple(count.ticks(tool.changeover.get(who, 0.0)) for who in cell.operators)
             for tool in listed

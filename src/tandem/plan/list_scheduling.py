@@ -9,7 +9,7 @@ and stress.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -23,6 +23,7 @@ class Step(NamedTuple):
     Attributes:
       way: its index in `Instance.ways`.
       operators: indices; `ticks` its duration; `stress` the sum of `load`, the stress per operator.
+      side: which of the kinds that the task's zone keeps apart its operators are; -1 for none.
     """
 
     way: int
@@ -30,6 +31,7 @@ class Step(NamedTuple):
     ticks: int
     stress: int
     load: tuple[int, ...]
+    side: int = -1
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,7 @@ class Layout:
 
     Attributes:
       steps: per task, its ways without those that need more of a tool or a zone than there is,
+        without those by operators whom the zone keeps apart,
         without those that a partner in `same_operator` lacks, and without those that differ from
         another one in more stress alone.
     """
@@ -109,6 +112,7 @@ class PartialSchedule:
     Attributes:
       start, end: ticks per task, -1 while it is not placed; `way` its way in `Instance.ways`.
       free: per operator, the end of the last task.
+      apart_free: per zone and kind that it keeps apart, when the last of them leaves.
       hand: per operator, the tool in hand, -1 while the first one costs nothing.
       ready: per task, the latest of its release and the ends of its placed predecessors; `waiting`
         counts the others.
@@ -117,6 +121,7 @@ class PartialSchedule:
     """
 
     __slots__ = (
+        "apart_free",
         "end",
         "free",
         "hand",
@@ -145,6 +150,7 @@ class PartialSchedule:
         self.waiting = [len(before) for before in instance.before]
         self.tool_free = [[0] * places for places in instance.tool_room]
         self.zone_free = [[0] * places for places in instance.zone_room]
+        self.apart_free = [[0] * (max(row, default=-1) + 1) for row in instance.zone_apart]
         self.operators_of: dict[int, tuple[int, ...]] = {}
         self.load = [0] * operators
         self.stress = 0
@@ -186,6 +192,8 @@ class PartialSchedule:
             start = max(start, self.tool_free[tool][len(step.operators) - 1])
         if zone >= 0:
             start = max(start, self.zone_free[zone][len(step.operators) - 1])
+        if step.side >= 0:
+            start = max(start, *self._others_in_the_zone(task, step))
         return self._behind_breaks(tool, row, step, start) if instance.has_breaks else start
 
     def put(self, task: int, step: Step, start: int) -> list[int]:
@@ -206,6 +214,9 @@ class PartialSchedule:
             _take(self.tool_free[tool], len(step.operators), end)
         if zone >= 0:
             _take(self.zone_free[zone], len(step.operators), end)
+        if step.side >= 0:
+            kinds = self.apart_free[instance.zone[task]]  # type: ignore[index]
+            kinds[step.side] = max(kinds[step.side], end)
         # the first task of those that need the same operators settles them for the others
         if team >= 0:
             self.operators_of[team] = step.operators
@@ -233,6 +244,11 @@ class PartialSchedule:
         placed.
         """
         return list(zip(self.way, self.start, strict=True))
+
+    def _others_in_the_zone(self, task: int, step: Step) -> Iterator[int]:
+        """When those have left the task's zone whom it keeps apart from the step's operators."""
+        kinds = self.apart_free[self.instance.zone[task]]  # type: ignore[index]
+        return (end for side, end in enumerate(kinds) if side != step.side)
 
     def _within_limits(self, task: int, step: Step) -> bool:
         must, limits = self.layout.must[task], self.instance.stress_limit
@@ -284,9 +300,12 @@ def _steps(instance: Instance, task: int) -> list[Step]:
     places = min(places, instance.zone_places[zone]) if zone is not None else places
     best: dict[tuple[tuple[int, ...], int], Step] = {}
     for index, way in enumerate(instance.ways[task]):
-        key = (way.operators, way.ticks)
+        key, sides = (way.operators, way.ticks), instance.sides(task, way)
+        if len(sides) > 1:
+            continue
         if len(way.operators) <= places and (key not in best or way.stress < best[key].stress):
-            best[key] = Step(index, way.operators, way.ticks, way.stress, way.load)
+            side = max(sides, default=-1)
+            best[key] = Step(index, way.operators, way.ticks, way.stress, way.load, side)
     return list(best.values())
 
 

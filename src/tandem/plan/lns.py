@@ -116,7 +116,7 @@ class _Fixed:
 
     Attributes:
       free: per operator, when they are free. `in_hand`: their tools.
-      tools, zones: when those are free that do not have room for all.
+      tools, zones: when those are free that do not have room for all, or keep operators apart.
     """
 
     free: tuple[int, ...]
@@ -137,7 +137,7 @@ class _Fixed:
                 hand[operator] = hand[operator] if tool is None else tool
             if tool is not None and instance.tool_room[tool]:
                 tools[tool] = max(tools.get(tool, 0), end)
-            if zone is not None and instance.zone_room[zone]:
+            if zone is not None and (instance.zone_room[zone] or instance.keeps_apart[zone]):
                 zones[zone] = max(zones.get(zone, 0), end)
         return cls(tuple(free), tuple(hand), tools, zones)
 

@@ -134,12 +134,14 @@ def _moments_before(
         if other != task and instance.ways[other][ways[other]].who & way.who
     ]
     busy += [off for operator in way.operators for off in instance.breaks[operator]]
-    tool, zone = instance.timed_tool[task], instance.timed_zone[task]
+    tool, zone = instance.timed_tool[task], instance.zone[task]
+    if zone is not None and not (instance.zone_room[zone] or instance.keeps_apart[zone]):
+        zone = None
     shared = [
         end[other]
         for other in range(len(begin))
         if (tool >= 0 and instance.timed_tool[other] == tool)
-        or (zone >= 0 and instance.timed_zone[other] == zone)
+        or (zone is not None and instance.zone[other] == zone)
     ]
     swaps = {0}
     if tool >= 0:

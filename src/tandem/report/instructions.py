@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from tandem.cell.model import Cell
+from tandem.cell.parts import Zone
 from tandem.draw.style import looks, task_label
 from tandem.plan.result import Result
 from tandem.report.language import Words
@@ -281,6 +282,8 @@ class _Sheet:
                 places = places_of(self.cell, kind, name)
                 many = "one" if places == 1 else "other"
                 yield self.t(f"steps.means.{kind}.{many}", name=name, n=places)
+        if apart := self.cell.zones.get(task.zone or "", Zone()).apart:
+            yield self.t("steps.means.apart", name=task.zone, kinds=", ".join(map(self.t, apart)))
         for who in self._partners(a):
             yield self.t("steps.means.partner", who=self._label(who))
 

@@ -51,6 +51,9 @@ def assumptions(front: Front, t: Words) -> list[str]:
                 ),
             )
         )
+    for name in zones:
+        if apart := cell.zones[name].apart if name in cell.zones else ():
+            found.append(t("assume.apart", zone=name, kinds=", ".join(map(t, apart))))
     if zones:
         found.append(
             t(

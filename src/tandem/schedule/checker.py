@@ -288,6 +288,28 @@ def zones_are_wide_enough(judged: Judged) -> Iterator[str]:
             yield f"zone {name!r}: there {_are(places, 'place')}, but {crowd}"
 
 
+def kinds_are_kept_apart(judged: Judged) -> Iterator[str]:
+    for name, rows in _by_place(judged, "zone"):
+        apart = judged.cell.zones[name].apart if name in judged.cell.zones else ()
+        there = [(row, who, kind) for row in rows for who, kind in _of_kinds(judged, row, apart)]
+        for place, (row, who, kind) in enumerate(there):
+            for earlier, other, its in there[:place]:
+                if its != kind and row.start < earlier.end:
+                    later = "" if earlier is row else f"; {_s(earlier.end)} is the earliest"
+                    yield (
+                        f"zone {name!r}: keeps {_and(apart)} apart, but {other!r} (task"
+                        f" {earlier.task!r}, {_span(earlier)}) and {who!r} (task {row.task!r},"
+                        f" {_span(row)}) are in it at once{later}."
+                    )
+
+
+def _of_kinds(judged: Judged, row: Row, kinds: Iterable[str]) -> Iterator[tuple[str, str]]:
+    """Who takes part, in the cell's order, with their kind; those of these kinds only."""
+    for who, operator in judged.cell.operators.items():
+        if who in row.who and operator.kind in kinds:
+            yield who, operator.kind
+
+
 def stress_limits_are_kept(judged: Judged) -> Iterator[str]:
     for name, operator in judged.cell.operators.items():
         if operator.stress_limit is None:
@@ -371,6 +393,7 @@ RULES: tuple[Callable[[Judged], Iterator[str]], ...] = (
     breaks_are_free_of_changeovers,
     tools_are_enough,
     zones_are_wide_enough,
+    kinds_are_kept_apart,
     stress_limits_are_kept,
     pairs_have_the_same_operators,
     the_set_of_human_tasks_is_listed,

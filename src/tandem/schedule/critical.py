@@ -189,7 +189,9 @@ class _Plan:
         for name in of_task:
             for before in cell.tasks[name].after:
                 followers[before].append((name, Decimal(0)))
-        for reason, place, before, after in _hand_overs(cell, schedule):
+        for reason, place, before, after in dict.fromkeys(
+            [*_hand_overs(cell, schedule), *_others_out(cell, schedule)]
+        ):
             handed[after].append((reason, place, before))
             followers[before].append((after, Decimal(0)))
         return cls(cell, of_task, turns, followers, handed)
@@ -269,6 +271,20 @@ def _hand_overs(cell: Cell, schedule: Schedule) -> Iterator[tuple[Reason, str, s
                     if before is not None:
                         yield reason, name, before.task, a.task
                     units[unit] = a
+
+
+def _others_out(cell: Cell, schedule: Schedule) -> Iterator[tuple[Reason, str, str, str]]:
+    """The same of zones that keep kinds of operators apart: whoever comes waits for all of other
+    kinds that were there before.
+    """
+    rows = [(a, cell.tasks[a.task].zone) for a in schedule]
+    for place, (a, zone) in enumerate(rows):
+        apart = cell.zones[zone].apart if zone is not None and zone in cell.zones else ()
+        kinds = {cell.operators[who].kind for who in a.operators}.intersection(apart)
+        for before, its in rows[:place] if kinds else ():
+            theirs = {cell.operators[who].kind for who in before.operators}.intersection(apart)
+            if its == zone and theirs - kinds:
+                yield "zone", zone or "", before.task, a.task
 
 
 def _claim(last: Assignment | None, a: Assignment) -> tuple[bool, bool, Decimal]:

@@ -58,6 +58,8 @@ class Arrays(NamedTuple):
     O]` int32, how long the operator takes to take that tool up when it holds another one; `[0, O]`
     when tools play no part. of_tool, of_zone: `[T, U]`, `[T, Z]` bool, the tool and the zone that
     the task needs. tool_places, zone_places: `[U]`, `[Z]` int32, how many operators have room.
+    apart: `[W, W]` bool, True where a zone keeps the operators of two ways apart; `[0, 0]` when
+    none keeps any.
     in_hand: `[O]` int32, the tool in hand at the start, -1 while the first one costs nothing.
     break_from, break_to: `[O, B]` int32, sorted; NEVER where an operator has fewer. limit: `[O]`
     int32, the most stress, NEVER for who has no limit; `[0]` when nobody has one. must: `[T, O]`
@@ -89,6 +91,7 @@ class Arrays(NamedTuple):
     tool_places: Array
     of_zone: Array
     zone_places: Array
+    apart: Array
     in_hand: Array
     break_from: Array
     break_to: Array
@@ -326,7 +329,29 @@ def _places(names: Names, layout: Layout) -> dict[str, Any]:
         "zone_places": np.array(
             [places or everybody for places in instance.zone_room[:zones]], np.int64
         ),
+        "apart": _apart(instance),
     }
+
+
+def _apart(instance: Instance) -> Array:
+    """`[W, W]` bool, the ways that a zone keeps apart; `[0, 0]` when none keeps any."""
+    if not instance.has_apart:
+        return np.zeros((0, 0), bool)
+    there = [
+        (instance.zone[task], instance.sides(task, way))
+        for task, row in enumerate(instance.ways)
+        for way in row
+    ]
+    return np.array(
+        [
+            [
+                zone == place and bool(mine) and bool(theirs) and mine != theirs
+                for place, theirs in there
+            ]
+            for zone, mine in there
+        ],
+        bool,
+    )
 
 
 def _sets(names: Names, layout: Layout) -> dict[str, Any]:

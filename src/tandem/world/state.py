@@ -8,7 +8,7 @@ letter, so that a sound schedule replays to exactly its makespan and legal play 
 schedules:
 
 - A way may begin when the tasks before it have ended, its release has come, all its operators are
-  free, and its tool and its zone have room.
+  free, its tool and its zone have room, and nobody is in the zone whom it keeps apart from them.
 - Whoever holds another tool must take up the right one first. An operator who was idle has used
   that time for it: the task starts at the later of the clock and, for each operator, the end of its
   last work or break plus the changeover.
@@ -306,6 +306,7 @@ def _fitting(arrays: Arrays, state: State, tasks: Array) -> Array:
     fitting = fitting & ~(arrays.way_uses & ~free[None, :]).any(axis=1)
     for rule in (
         _has_room,
+        _is_kept_apart,
         _is_clear_of_breaks,
         _keeps_limits,
         _stays_with_its_team,
@@ -379,6 +380,15 @@ def _has_room(xp: Any, arrays: Arrays, state: State) -> Array | None:
                 arrays.way_size <= xp.where(arrays.of_task, room[None, :], NEVER).min(axis=1)
             )
     return fits
+
+
+def _is_kept_apart(xp: Any, arrays: Arrays, state: State) -> Array | None:
+    """Nobody is in the way's zone whom it keeps apart from the way's operators."""
+    if not arrays.apart.shape[0]:
+        return None
+    running = (state.way >= 0) & ~mounted(state)
+    in_hand = xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]
+    return ~(arrays.apart & (in_hand & running[None, :]).any(axis=1)[None, :]).any(axis=1)
 
 
 def _is_clear_of_breaks(xp: Any, arrays: Arrays, state: State) -> Array | None:

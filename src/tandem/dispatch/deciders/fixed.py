@@ -204,14 +204,14 @@ def _willing(situation: Situation, task: str, planned: tuple[str, ...]) -> tuple
 
 def _needs(moves: Moves, task: str, operators: tuple[str, ...]) -> Iterator[Need]:
     """Its operators, and its tool and zone where these have fewer places than there are
-    operators.
+    operators, or keep some apart.
     """
     yield from (("operator", who) for who in operators)
     number, instance = moves.instance.tasks.index(task), moves.instance
     tool, zone = instance.tool[number], instance.zone[number]
     if tool is not None and moves.instance.tool_room[tool]:
         yield "tool", tool
-    if zone is not None and moves.instance.zone_room[zone]:
+    if zone is not None and (instance.zone_room[zone] or instance.keeps_apart[zone]):
         yield "zone", zone
 
 

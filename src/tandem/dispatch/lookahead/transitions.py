@@ -405,7 +405,20 @@ class Moves:
         count = len(operators)
         if not self._has_place(position, instance.timed_tool, instance.tool_room, task, count):
             return False
-        return self._has_place(position, instance.timed_zone, instance.zone_room, task, count)
+        if not self._has_place(position, instance.timed_zone, instance.zone_room, task, count):
+            return False
+        return not instance.has_apart or self._is_kept_apart(position, way)
+
+    def _is_kept_apart(self, position: Position, way: int) -> bool:
+        """Whether nobody is in the way's zone whom it keeps apart from the way's operators."""
+        instance, task = self.instance, self.task[way]
+        mine = instance.sides(task, self.modes[way % self.count])
+        return all(
+            not mine or not theirs or mine == theirs
+            for other, _ in position.running
+            if other < 2 * self.count and instance.zone[self.task[other]] == instance.zone[task]
+            for theirs in (instance.sides(self.task[other], self.modes[other % self.count]),)
+        )
 
     def _has_place(
         self, position: Position, thing: Sequence[int], places: Sequence[int], task: int, count: int

@@ -42,7 +42,7 @@ def legal(situation: Situation) -> list[tuple[str, tuple[str, ...]]]:
 
     Predecessors have ended (or, to take a task apart, nothing stands on it any more), its release
     has come, its tool is whole and its part there, all operators are there and at nothing, tool and
-    zone have room, no break falls into
+    zone have room, nobody is in the zone whom it keeps apart from them, no break falls into
     changeover or stated time, and refusals, stress limits (as far as the least stress of what is
     left tells), `same_operator` and `stress_of_set` are kept. Deadlines rule out nothing: late is
     better than never.
@@ -94,6 +94,7 @@ def hindrances(situation: Situation, task: str, way: Mode) -> Iterator[str]:
         _refusals,
         _times_off,
         _room,
+        _apart,
         _stress_limits,
         _teams,
         _listed_sets,
@@ -213,6 +214,17 @@ def _room(situation: Situation, task: str, way: Mode) -> Iterator[str]:
                     if taken
                     else f"{kind} {name!r} has room for {places} only"
                 )
+
+
+def _apart(situation: Situation, task: str, way: Mode) -> Iterator[str]:
+    cell, name = situation.cell, situation.cell.tasks[task].zone
+    apart = cell.zones[name].apart if name is not None and name in cell.zones else ()
+    kinds = {cell.operators[who].kind for who in way.operators if apart}
+    for other, at in situation.running.items() if kinds.intersection(apart) else ():
+        for who in at.operators if cell.tasks[other].zone == name else ():
+            kind = cell.operators[who].kind
+            if kind in apart and not kinds.intersection(apart) <= {kind}:
+                yield f"zone {name!r} keeps {' and '.join(apart)} apart, and {who!r} is in it"
 
 
 def _stress_limits(situation: Situation, task: str, way: Mode) -> Iterator[str]:

@@ -54,6 +54,7 @@ HEADERS: dict[Language, dict[str, str]] = {
         "setup": "setup [s]",
         "breaks": "breaks [s]",
         "capacity": "capacity",
+        "apart": "keeps apart",
         "changeover": "changeover {who} [s]",
         "sets": "tasks",
         "cell name": "name",
@@ -85,6 +86,7 @@ HEADERS: dict[Language, dict[str, str]] = {
         "setup": "Rüstzeit [s]",
         "breaks": "Pausen [s]",
         "capacity": "Anzahl",
+        "apart": "hält getrennt",
         "changeover": "Wechselzeit {who} [s]",
         "sets": "Vorgänge",
         "cell name": "Name",
@@ -177,6 +179,10 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
             ),
         ),
         (
+            "keeps apart",
+            "Sheet Zones: kinds that are never in the zone at once, such as human; robot.",
+        ),
+        (
             "setup [s]",
             (
                 "Sheet Operators: what the operator needs once, at the start, to get ready. Empty:"
@@ -241,6 +247,10 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
                 "Art: Mensch, Roboter oder Maschine. Pausen: 300-600; 900-1000 (Sekunden)."
                 " Belastungsgrenze: das Meiste für diesen Menschen."
             ),
+        ),
+        (
+            "hält getrennt",
+            "Blatt Bereiche: Arten, die nie zugleich darin sind, etwa Mensch; Roboter.",
         ),
         (
             "Rüstzeit [s]",

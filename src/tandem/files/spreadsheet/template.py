@@ -430,10 +430,11 @@ def _things(book: Workbook, cell: Cell, lang: Language, every: bool) -> None:
                 _put(sheet, row, column, value)
     if every or cell.zones:
         sheet = book.create_sheet(SHEETS[lang]["zones"])
-        _header(sheet, [words["zone"], words["capacity"]], [18, 12])
+        _header(sheet, [words["zone"], words["capacity"], words["apart"]], [18, 12, 22])
         for row, (name, zone) in enumerate(cell.zones.items(), 2):
             _put(sheet, row, 1, name)
             _put(sheet, row, 2, zone.capacity if zone.capacity != 1 else None)
+            _put(sheet, row, 3, "; ".join(words[kind] for kind in zone.apart) or None)
 
 
 def _sets_and_name(book: Workbook, cell: Cell, lang: Language) -> None:
