@@ -52,6 +52,7 @@ def cells(
     if rich:
         _put_tools_in_hands(draw, operators, tools)
         data["same_operator"] = draw(_pairs(tasks))
+        _let_machines_hold(draw, operators, tasks)
         if draw(_seldom()):
             data["stress_of_set"] = draw(_table(tasks, operators))
         if draw(_seldom()):
@@ -182,6 +183,18 @@ def _add_place_and_tool(
         task["difficulty"] = {name: draw(_stress()) for name in task["time"]}
     if draw(_seldom()):
         task["spread"] = draw(st.sampled_from((0.1, 0.25)))
+
+
+def _let_machines_hold(draw: st.DrawFn, operators: dict[str, Any], tasks: dict[str, Any]) -> None:
+    def ahead(name: str) -> set[str]:
+        direct = tasks[name].get("after", ())
+        return set(direct).union(*(ahead(first) for first in direct))
+
+    chains = [(first, name) for name in tasks for first in tasks if first in ahead(name)]
+    for operator in operators.values():
+        if operator["kind"] == "machine" and chains and draw(st.booleans()):
+            pairs = st.lists(st.sampled_from(chains), min_size=1, max_size=2, unique=True)
+            operator["holds"] = draw(pairs)
 
 
 def _put_tools_in_hands(draw: st.DrawFn, operators: dict[str, Any], tools: dict[str, Any]) -> None:

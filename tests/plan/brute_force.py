@@ -72,6 +72,11 @@ class Plain:
             for name, entry in data["operators"].items()
             if entry.get("stress_limit") is not None
         }
+        self.holds = [
+            (name, str(first), str(last))
+            for name, entry in data["operators"].items()
+            for first, last in entry.get("holds") or ()
+        ]
         self.in_hand = {name: entry.get("tool") for name, entry in data["operators"].items()}
         self.jobs = {
             str(name): self._job(str(name), entry) for name, entry in data["tasks"].items()
@@ -160,6 +165,7 @@ class Plain:
             and all(self._one_at_a_time(who, done) for who in self.kind)
             and all(self._room_enough(kind, done) for kind in ("tool", "zone"))
             and self._kept_apart(done)
+            and all(self._holds_its_part(*hold, done) for hold in self.holds)
         )
 
     def _in_its_time(self, step: Step, done: tuple[Step, ...]) -> bool:
@@ -189,6 +195,41 @@ class Plain:
                 return False
             hand, free = hand if tool is None else tool, step.end
         return True
+
+    def _holds_its_part(self, machine: str, first: str, last: str, done: tuple[Step, ...]) -> bool:
+        """From the start of the first to the end of the last task (of the first, while the last has
+        no time yet) the machine does nothing that is not between them, and holds no other part that
+        is not.
+        """
+        steps = {step.name: step for step in done}
+        if first not in steps:
+            return True
+        start, end = steps[first].start, steps.get(last, steps[first]).end
+        inside = self._between(first, last)
+        for who, other, its_last in self.holds:
+            ends = {other, its_last}
+            around = {first, last} <= self._between(other, its_last)
+            if who == machine and other in steps and not (ends <= inside or around):
+                its_end = steps.get(its_last, steps[other]).end
+                if start < its_end and steps[other].start < end:
+                    return False
+        hand, busy = self.in_hand[machine], []
+        for step in sorted(done, key=lambda step: step.start):
+            if machine in step.way.who:
+                tool = self.jobs[step.name].tool
+                change = self.change.get((tool, machine), 0) if tool and hand else 0
+                begin = step.start - (change if tool != hand else 0)
+                busy.append((step.name, begin, step.end))
+                hand = tool or hand
+        return not any(a < end and start < b for name, a, b in busy if name not in inside)
+
+    def _between(self, first: str, last: str) -> set[str]:
+        def follows(name: str, other: str) -> bool:
+            after = self.jobs[name].after
+            return other in after or any(follows(one, other) for one in after)
+
+        middle = {n for n in self.jobs if follows(n, first) and follows(last, n)}
+        return {first, last} | middle
 
     def _kept_apart(self, done: tuple[Step, ...]) -> bool:
         """Whenever a step starts in a zone, those there of the kinds that it keeps apart are of one

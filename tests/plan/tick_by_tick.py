@@ -24,7 +24,7 @@ def is_sound(cell: Cell, schedule: Schedule) -> bool:
         set(a.operators) - set(cell.operators) for a in rows
     ):
         return False
-    return all(rule(cell, rows) for rule in (_numbers_fit, _stress_fits, _kept_apart, _moments_fit))
+    return all(rule(cell, rows) for rule in RULES)
 
 
 def _ms(seconds: float) -> int:
@@ -100,6 +100,49 @@ def _kept_apart(cell: Cell, rows: list[Assignment]) -> bool:
     return True
 
 
+def _parts_are_held(cell: Cell, rows: list[Assignment]) -> bool:
+    """Whether each machine, while it holds a part, is busy with nothing that is not on the way from
+    the first to the last task of the hold, and holds no other part unless one is on the way of the
+    other.
+    """
+    start, end = {a.task: _ms(a.start) for a in rows}, {a.task: _ms(a.end) for a in rows}
+    for name, operator in cell.operators.items():
+        spans = [
+            (start[first], end[last], {first, last}, _on_the_way(cell, first, last))
+            for first, last in operator.holds
+        ]
+        for place, (begin, over, ends, inside) in enumerate(spans):
+            for task, busy, done in _busy(cell, rows, name):
+                if task not in inside and busy < over and begin < done:
+                    return False
+            for its_begin, its_over, its_ends, its_inside in spans[:place]:
+                nested = ends <= its_inside or its_ends <= inside
+                if not nested and begin < its_over and its_begin < over:
+                    return False
+    return True
+
+
+def _on_the_way(cell: Cell, first: str, last: str) -> set[str]:
+    """Tasks on a path of predecessors from the last task to the first."""
+    if first == last:
+        return {last}
+    paths = [_on_the_way(cell, first, before) for before in cell.tasks[last].after]
+    found = set().union(*(path for path in paths if path))
+    return found | {last} if found else set()
+
+
+def _busy(cell: Cell, rows: list[Assignment], name: str) -> list[tuple[str, int, int]]:
+    """Each task of the operator, from the beginning of its changeover to its end."""
+    found, hand = [], cell.operators[name].tool
+    for a in sorted((a for a in rows if name in a.operators), key=lambda a: a.start):
+        tool, change = cell.tasks[a.task].tool, 0
+        if tool is not None and hand is not None and tool != hand and tool in cell.tools:
+            change = _ms(cell.tools[tool].changeover.get(name, 0))
+        found.append((a.task, _ms(a.start) - change, _ms(a.end)))
+        hand = hand if tool is None else tool
+    return found
+
+
 def _moments_fit(cell: Cell, rows: list[Assignment]) -> bool:
     """Everyone does one thing at a time: a task, a changeover or a break; and no tool or zone is
     over its capacity.
@@ -141,3 +184,6 @@ def _moments_fit(cell: Cell, rows: list[Assignment]) -> bool:
     return all(count == 1 for count in doing.values()) and all(
         count <= places.get((kind, name), 1) for (kind, name, _), count in used.items()
     )
+
+
+RULES = (_numbers_fit, _stress_fits, _kept_apart, _parts_are_held, _moments_fit)

@@ -183,6 +183,14 @@ class Operator(Frozen):
         ),
     )
 
+    holds: tuple[tuple[Name, Name], ...] = Field(
+        default=(),
+        description=(
+            "Of a machine: pairs `[FIRST, LAST]` of tasks. From the start of FIRST to the end of"
+            " LAST it holds the part, and does nothing but these two and the tasks between them."
+        ),
+    )
+
     @property
     def setting_up(self) -> tuple[float, float] | None:
         """From when to when it gets ready, seconds: at once, or behind the breaks that would fall

@@ -47,6 +47,31 @@ def no_task_waits_for_itself(cell: Fields) -> Iterator[Fault]:
         )
 
 
+def between(cell: Fields, first: str, last: str) -> frozenset[str]:
+    """The tasks that come after the first and before the last, directly or not, and these two;
+    empty when the last does not come after the first.
+    """
+    before: set[str] = set()
+    pending = [last]
+    while pending:
+        task = cell.tasks.get(pending.pop())
+        new = set(task.after if task is not None else ()) - before
+        before |= new
+        pending += new
+    if first not in before:
+        return frozenset()
+    found, grown = {first}, True
+    while grown:
+        more = {name for name in before - found if found & set(_after(cell, name))}
+        found |= more
+        grown = bool(more)
+    return frozenset(found | {last})
+
+
+def _after(cell: Fields, name: str) -> tuple[str, ...]:
+    return cell.tasks[name].after if name in cell.tasks else ()
+
+
 def cycles(after: Mapping[str, Sequence[str]]) -> Iterator[list[str]]:
     """Circles in a graph given by the predecessors of each node; when each loses one arc, none is
     left.

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from tandem.cell.names import Known, difference, twins
-from tandem.cell.precedence import no_task_waits_for_itself
+from tandem.cell.precedence import between, no_task_waits_for_itself
 from tandem.cell.slips import slips
 from tandem.cell.times import (
     a_deadline_can_be_met,
@@ -69,8 +69,8 @@ def names_can_be_told_apart(cell: Fields) -> Iterator[Fault]:
 
 
 def tasks_are_known(cell: Fields) -> Iterator[Fault]:
-    """Whatever stands in `after` and `same_operator` is one of the cell's tasks; `stress_of_set`
-    has a rule of its own.
+    """Whatever stands in `after`, `holds` and `same_operator` is one of the cell's tasks;
+    `stress_of_set` has a rule of its own.
     """
     known = Known(cell.tasks)
     for name, task in cell.tasks.items():
@@ -80,6 +80,15 @@ def tasks_are_known(cell: Fields) -> Iterator[Fault]:
                     f"task {name!r} comes after {first!r}, which is no task. {known.hint(first)}",
                     ("tasks", name, "after", place),
                 )
+    for who, operator in cell.operators.items():
+        for place, pair in enumerate(operator.holds):
+            for side, name in enumerate(pair):
+                if name not in known:
+                    yield Fault(
+                        f"operator {who!r}: holds names {name!r}, which is no task."
+                        f" {known.hint(name)}",
+                        ("operators", who, "holds", place, side),
+                    )
     for place, pair in enumerate(cell.same_operator):
         for side, name in enumerate(pair):
             if name not in known:
@@ -223,6 +232,41 @@ def stress_is_put_on_humans(cell: Fields) -> Iterator[Fault]:
                 " stress; take it out.",
                 ("operators", who, "stress_limit"),
             )
+
+
+def machines_hold_from_one_task_to_a_later_one(cell: Fields) -> Iterator[Fault]:
+    """Only machines hold parts: each from one task to another that comes after it, once."""
+    for who, operator in cell.operators.items():
+        path: Path = ("operators", who, "holds")
+        if operator.holds and operator.kind != "machine":
+            yield Fault(
+                f"operator {who!r} is a {operator.kind} and has `holds`. Only machines hold parts;"
+                " take it out, or write `kind: machine`.",
+                path,
+            )
+            continue
+        for place, (first, last) in enumerate(operator.holds):
+            if first not in cell.tasks or last not in cell.tasks:
+                continue
+            if first == last:
+                yield Fault(
+                    f"operator {who!r} holds a part from {first!r} to {last!r}. Name two tasks, the"
+                    " one that puts the part in and the one that takes it out, or leave it out.",
+                    (*path, place),
+                )
+            elif not between(cell, first, last):
+                yield Fault(
+                    f"operator {who!r} holds a part from {first!r} to {last!r}, but {last!r} does"
+                    f" not come after {first!r}. Write {first!r} into `after` of {last!r}, or name"
+                    " another pair.",
+                    (*path, place),
+                )
+            elif operator.holds.index((first, last)) != place:
+                yield Fault(
+                    f"operator {who!r} holds a part from {first!r} to {last!r} twice. Keep one of"
+                    " them.",
+                    (*path, place),
+                )
 
 
 def stress_of_a_group_is_put_on_its_members(cell: Fields) -> Iterator[Fault]:
@@ -412,6 +456,7 @@ RULES: tuple[Callable[[Fields], Iterator[Fault]], ...] = (
     someone_can_do_each_task,
     kinds_are_kept_apart_from_each_other,
     stress_is_put_on_humans,
+    machines_hold_from_one_task_to_a_later_one,
     stress_of_a_group_is_put_on_its_members,
     breaks_are_apart,
     a_deadline_can_be_met,

@@ -193,7 +193,7 @@ def rearranged(cell: Cell, schedule: Schedule) -> Schedule | None:
             return None
         steps.append(options[0])
     state = append_in_order(layout, [at[a.task] for a in schedule], steps)
-    return instance.schedule(state.starts())
+    return None if state is None else instance.schedule(state.starts())
 
 
 def sentence(found: Alternative, language: str = "en") -> str:

@@ -197,6 +197,8 @@ def _missing(path: Path, item: Any) -> str:
             return "`kind` is missing. Write `kind: human`, `kind: robot` or `kind: machine`."
         case ("operators", _, "breaks", _, _):
             return "a break needs two numbers, `[from, to]` in seconds."
+        case ("operators", _, "holds", _, _):
+            return "holds has pairs of tasks, such as `[[1, 2]]`; here the second is missing."
         case ("same_operator", _, _):
             return (
                 "same_operator holds pairs of tasks, such as `[[1, 2]]`; here the second is"
@@ -310,6 +312,7 @@ def _no_list(path: Path, item: Any) -> str:
         "operators": "[robot, human]",
         "same_operator": "[[1, 2]]",
         "apart": "[human, robot]",
+        "holds": "[[1, 2]]",
         "together": "[{operators: [a, b], time: 12}]",
     }
     key = next((str(step) for step in reversed(path) if isinstance(step, str)), "")

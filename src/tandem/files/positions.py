@@ -139,6 +139,7 @@ def _is_name(path: Path, null: bool) -> bool:
         case (
             ("tasks", _, "after", _)
             | ("tasks", _, "together", _, "operators", _)
+            | ("operators", _, "holds", _, _)
             | ("same_operator", _, _)
         ):
             return True

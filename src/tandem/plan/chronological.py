@@ -33,7 +33,8 @@ class Node(NamedTuple):
     Attributes:
       mask: bits of the tasks appended.
       last: start of the task appended last.
-      free: per operator, the end of their last task. `hand`: the tool in hand, -1 while the first
+      free: per operator, the end of their last task, or of the last part that a machine has held.
+        `hand`: the tool in hand, -1 while the first
         one costs nothing.
       ends: per task appended, its end; of others 0.
       tools, zones: per tool or zone, the moments at which its places are free, sorted; empty where
@@ -119,7 +120,7 @@ class Branching:
 
         A task that starts when another one could already have ended can be left for later, if that
         other one costs nothing to take first: it is in its step of least stress, belongs to no
-        team, and no tool has to change hands.
+        team, puts no part into a machine that holds it, and no tool has to change hands.
         """
         moves, cutoff = [], horizon + 1
         for task in self.candidates(node.mask):
@@ -135,6 +136,10 @@ class Branching:
             for index, step in enumerate(self.layout.steps[task]):
                 start = self._start(node, task, step, ready)
                 if start is None:
+                    continue
+                if self.instance.has_holds and self._is_barred(node, task, step):
+                    # it can start when the part is out, and nobody knows yet when that is
+                    soonest = start if soonest is None else min(soonest, start)
                     continue
                 soonest = start if soonest is None else min(soonest, start)
                 end = start + step.ticks
@@ -233,17 +238,10 @@ class Branching:
             limit = self.instance.stress_limit[operator]
             if limit is not None and node.loads[operator] + load > limit:
                 return None
-        start, tool, zone = ready, self.instance.timed_tool[task], self.instance.timed_zone[task]
+        start, tool = max(ready, self._given_back(node, task, step)), self.instance.timed_tool[task]
         changes = [(operator, self._change(node, tool, operator)) for operator in step.operators]
         for operator, change in changes:
             start = max(start, node.free[operator] + change)
-        if tool >= 0 and node.tools[tool]:
-            start = max(start, node.tools[tool][len(step.operators) - 1])
-        if zone >= 0 and node.zones[zone]:
-            start = max(start, node.zones[zone][len(step.operators) - 1])
-        if step.side >= 0:
-            kinds = node.apart[self.instance.zone[task]]  # type: ignore[index]
-            start = max([start, *(end for side, end in enumerate(kinds) if side != step.side)])
         moved = self.instance.has_breaks
         while moved:
             moved = False
@@ -252,6 +250,30 @@ class Branching:
                     if off < start + step.ticks and start - change < back:
                         start, moved = back + change, True
         return start
+
+    def _given_back(self, node: Node, task: int, step: Step) -> int:
+        """When the tool, a place in the zone, and the machines that are to hold a part are given
+        back.
+        """
+        start, count = 0, len(step.operators)
+        tool, zone = self.instance.timed_tool[task], self.instance.timed_zone[task]
+        if tool >= 0 and node.tools[tool]:
+            start = node.tools[tool][count - 1]
+        if zone >= 0 and node.zones[zone]:
+            start = max(start, node.zones[zone][count - 1])
+        for hold in self.instance.held_from[task] if self.instance.has_holds else ():
+            start = max(start, node.free[self.instance.holds[hold][0]])
+        if step.side >= 0:
+            kinds = node.apart[self.instance.zone[task]]  # type: ignore[index]
+            start = max([start, *(end for side, end in enumerate(kinds) if side != step.side)])
+        return start
+
+    def _is_barred(self, node: Node, task: int, step: Step) -> bool:
+        """Whether a machine holds a part that must come out first. Which parts they hold follows
+        from the tasks that are appended, so that nodes of one key hold the same.
+        """
+        who = sum(1 << operator for operator in step.operators)
+        return self.instance.is_barred(node.mask, node.mask, task, who)
 
     def _change(self, node: Node, tool: int, operator: int) -> int:
         row = self.instance.swap_ticks[tool] if tool >= 0 else None
@@ -266,6 +288,9 @@ class Branching:
             free[operator] = end
             loads[operator] += load
         ends[task] = end
+        for hold in instance.held_until[task] if instance.has_holds else ():
+            machine = instance.holds[hold][0]
+            free[machine] = max(free[machine], end)
         if tool >= 0:
             hand = tuple(tool if operator in who else held for operator, held in enumerate(hand))
         # the first task of those that need the same operators settles them for the others
@@ -310,6 +335,7 @@ class Branching:
             least
             and not self.swaps
             and self.instance.team[task] < 0
+            and not (self.instance.has_holds and self.instance.held_from[task])
             and (self.instance.stress_of_set is None or len(others) == 1)
         )
 

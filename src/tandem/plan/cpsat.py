@@ -47,7 +47,8 @@ class Decisions:
       chosen: per task and way, a literal; exactly one per task is true.
       intervals: per task and way, present when the way is chosen.
       at: per operator, the intervals that occupy it.
-      changeovers: those that may take place.
+      changeovers: those that may take place; `swaps`: operator, task and interval of
+        each.
       makespan: ticks; stress: units, in the cell's measure.
     """
 
@@ -60,6 +61,7 @@ class Decisions:
     intervals: list[list[cp_model.IntervalVar]] = field(default_factory=list)
     at: dict[int, list[cp_model.IntervalVar]] = field(default_factory=lambda: defaultdict(list))
     changeovers: list[Changeover] = field(default_factory=list)
+    swaps: list[tuple[int, int, cp_model.IntervalVar]] = field(default_factory=list)
     makespan: cp_model.IntVar = None  # type: ignore[assignment]
     stress: cp_model.IntVar = None  # type: ignore[assignment]
 
@@ -227,12 +229,42 @@ def _changeovers(plan: Decisions, operator: int) -> list[cp_model.IntervalVar]:
             swap = any_of(plan, causes)
             plan.changeovers.append(Changeover(operator, task, cost[task], swap))
             model.add(plan.start[task] >= cost[task]).only_enforce_if(swap)
-            swaps.append(
-                model.new_optional_fixed_size_interval_var(
-                    plan.start[task] - cost[task], cost[task], swap, ""
-                )
+            interval = model.new_optional_fixed_size_interval_var(
+                plan.start[task] - cost[task], cost[task], swap, ""
             )
+            plan.swaps.append((operator, task, interval))
+            swaps.append(interval)
     return swaps
+
+
+def a_machine_that_holds_a_part_does_nothing_else(plan: Decisions) -> None:
+    """From the start of the first task of a hold to the end of its last the machine does nothing
+    but what lies within it, changes no tool for anything else and takes up no other part.
+    """
+    instance, model = plan.instance, plan.model
+    spans: list[cp_model.IntervalVar] = []
+    for hold, (operator, first, last) in enumerate(instance.holds):
+        end = model.new_int_var(0, plan.upper, "")
+        model.add(end == (plan.end[last] if last >= 0 else plan.upper))
+        length = model.new_int_var(0, plan.upper, "")
+        span = model.new_interval_var(plan.start[first] if first >= 0 else 0, length, end, "")
+        others = [
+            interval
+            for task, ways in enumerate(instance.ways)
+            for way, interval in zip(ways, plan.intervals[task], strict=True)
+            if instance.barred[hold] >> task & 1 and operator in way.operators
+        ]
+        others += [
+            interval
+            for who, task, interval in plan.swaps
+            if who == operator and instance.barred[hold] >> task & 1
+        ]
+        if others:
+            model.add_no_overlap([span, *others])
+        for other, its in enumerate(spans):
+            if instance.rivals[hold] >> other & 1:
+                model.add_no_overlap([span, its])
+        spans.append(span)
 
 
 def any_of(plan: Decisions, literals: list[cp_model.IntVar]) -> cp_model.IntVar:
@@ -436,6 +468,7 @@ RULES: tuple[Rule, ...] = (
     deadlines_are_kept,
     predecessors_end_first,
     an_operator_does_one_thing_at_a_time,
+    a_machine_that_holds_a_part_does_nothing_else,
     a_tool_is_used_as_often_as_it_exists,
     a_zone_holds_as_many_as_it_has_places,
     kinds_are_kept_apart,

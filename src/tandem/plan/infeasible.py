@@ -97,6 +97,9 @@ def _on_who_and_what_is_there(cell: Cell) -> Iterator[Limit]:
         for key in KEEP_AWAY:
             if getattr(operator, key):
                 yield Limit(f"the {key} of {name}", ("operators", name, key))
+        for pair in operator.holds:
+            words = f"that {name} holds a part from task {pair[0]} to task {pair[1]}"
+            yield Limit(words, ("operators", name, "holds", *pair))
     for name, task in cell.tasks.items():
         if task.release > 0:
             words = f"the release of task {name} ({number(task.release)} s)"
@@ -118,7 +121,10 @@ def _on_room(cell: Cell) -> Iterator[Limit]:
             yield Limit(words, ("zones", name, "apart"))
 
 
-def _without_key(operator: Operator, key: str) -> Operator:
+def _without_key(operator: Operator, key: str, *pair: str) -> Operator:
+    if pair:
+        rest = tuple(other for other in operator.holds if other != pair)
+        return operator.model_copy(update={key: rest})
     return operator.model_copy(update={key: Operator.model_fields[key].default})
 
 
@@ -133,7 +139,7 @@ def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell,
         if room == "question":
             question = replace(question, **{names[0]: None})  # type: ignore[arg-type]
         elif room == "operators":
-            operators[names[0]] = _without_key(operators[names[0]], names[1])
+            operators[names[0]] = _without_key(operators[names[0]], *names[1:])
         elif room == "tasks":
             tasks[names[0]] = tasks[names[0]].model_copy(
                 update={names[1]: 0.0 if names[1] == "release" else None}

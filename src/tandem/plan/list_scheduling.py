@@ -111,7 +111,8 @@ class PartialSchedule:
 
     Attributes:
       start, end: ticks per task, -1 while it is not placed; `way` its way in `Instance.ways`.
-      free: per operator, the end of the last task.
+      free: per operator, the end of the last task, or of the last part that a machine has held.
+      begun: bits of the tasks that are placed.
       apart_free: per zone and kind that it keeps apart, when the last of them leaves.
       hand: per operator, the tool in hand, -1 while the first one costs nothing.
       ready: per task, the latest of its release and the ends of its placed predecessors; `waiting`
@@ -122,6 +123,7 @@ class PartialSchedule:
 
     __slots__ = (
         "apart_free",
+        "begun",
         "end",
         "free",
         "hand",
@@ -150,6 +152,7 @@ class PartialSchedule:
         self.waiting = [len(before) for before in instance.before]
         self.tool_free = [[0] * places for places in instance.tool_room]
         self.zone_free = [[0] * places for places in instance.zone_room]
+        self.begun = 0
         self.apart_free = [[0] * (max(row, default=-1) + 1) for row in instance.zone_apart]
         self.operators_of: dict[int, tuple[int, ...]] = {}
         self.load = [0] * operators
@@ -161,9 +164,25 @@ class PartialSchedule:
         )
 
     def steps(self, task: int) -> tuple[Step, ...]:
-        """The task's steps that keep stress limits and stay with the operators of its team. May be
-        empty.
+        """The task's steps that keep stress limits, stay with the operators of its team and are not
+        barred by a part that a machine holds. May be empty; `is_held_up` says whether that can
+        change.
         """
+        steps = self._allowed(task)
+        if self.instance.has_holds:
+            steps = tuple(step for step in steps if not self.is_barred(task, step))
+        return steps
+
+    def is_barred(self, task: int, step: Step) -> bool:
+        """Whether a machine holds a part that must be taken out first."""
+        who = sum(1 << operator for operator in step.operators)
+        return self.instance.is_barred(self.begun, self.begun, task, who)
+
+    def is_held_up(self, task: int) -> bool:
+        """Whether parts that machines hold are all that keeps the task from being placed."""
+        return self.instance.has_holds and bool(self._allowed(task)) and not self.steps(task)
+
+    def _allowed(self, task: int) -> tuple[Step, ...]:
         instance, steps = self.instance, self.layout.steps[task]
         team = instance.team[task]
         if team >= 0 and (operators := self.operators_of.get(team)) is not None:
@@ -192,6 +211,8 @@ class PartialSchedule:
             start = max(start, self.tool_free[tool][len(step.operators) - 1])
         if zone >= 0:
             start = max(start, self.zone_free[zone][len(step.operators) - 1])
+        for hold in instance.held_from[task] if instance.has_holds else ():
+            start = max(start, free[instance.holds[hold][0]])
         if step.side >= 0:
             start = max(start, *self._others_in_the_zone(task, step))
         return self._behind_breaks(tool, row, step, start) if instance.has_breaks else start
@@ -208,6 +229,8 @@ class PartialSchedule:
             self.load[operator] += load
             if tool >= 0:
                 self.hand[operator] = tool
+        if instance.has_holds:
+            self._take_out_parts(task, end)
         self.stress += step.stress
         # tools and zones with room for all are never full, so nobody counts their places
         if tool >= 0 and instance.tool_room[tool]:
@@ -245,6 +268,13 @@ class PartialSchedule:
         """
         return list(zip(self.way, self.start, strict=True))
 
+    def _take_out_parts(self, task: int, end: int) -> None:
+        """Machines that held a part until the end of this task are free then."""
+        self.begun |= 1 << task
+        for hold in self.instance.held_until[task]:
+            machine = self.instance.holds[hold][0]
+            self.free[machine] = max(self.free[machine], end)
+
     def _others_in_the_zone(self, task: int, step: Step) -> Iterator[int]:
         """When those have left the task's zone whom it keeps apart from the step's operators."""
         kinds = self.apart_free[self.instance.zone[task]]  # type: ignore[index]
@@ -277,15 +307,42 @@ class PartialSchedule:
         return start
 
 
-def append_in_order(layout: Layout, order: Sequence[int], steps: Sequence[Step]) -> PartialSchedule:
+def append_in_order(
+    layout: Layout, order: Sequence[int], steps: Sequence[Step]
+) -> PartialSchedule | None:
     """The tasks appended in this order, task `t` as `steps[t]`. Assumes that predecessors come
     first; stress limits and teams are not looked at.
+
+    A task that a machine's part bars comes when it has been taken out; None when some never can.
     """
     state = PartialSchedule(layout)
     earliest, put = state.earliest, state.put
+    if layout.instance.has_holds:
+        return state if _append_around_parts(state, order, steps) else None
     for task in order:
         put(task, steps[task], earliest(task, steps[task]))
     return state
+
+
+def _append_around_parts(
+    state: PartialSchedule, order: Sequence[int], steps: Sequence[Step]
+) -> bool:
+    """Appends always the first task that is ready and not barred; says whether all could be."""
+    left = list(order)
+    while left:
+        task = next(
+            (
+                task
+                for task in left
+                if not state.waiting[task] and not state.is_barred(task, steps[task])
+            ),
+            None,
+        )
+        if task is None:
+            return False
+        left.remove(task)
+        state.put(task, steps[task], state.earliest(task, steps[task]))
+    return True
 
 
 def _take(places: list[int], count: int, end: int) -> None:

@@ -15,7 +15,7 @@ from functools import cached_property
 from ortools.sat.python import cp_model
 
 from tandem.plan.cpsat import formulate
-from tandem.plan.instance import Instance, Way
+from tandem.plan.instance import Instance, Way, bits
 from tandem.plan.starts import Starts
 
 
@@ -77,6 +77,7 @@ def take_out(
         in_hand=fixed.in_hand,
         breaks=fixed.breaks(instance),
         stress_limit=_limits_left(cut),
+        **instance.still_held(cut.free, bits(cut.before)),
     )
     return Stretch(cut.free, inside, ways, tails, _floor(cut, fixed, tail))
 
@@ -135,6 +136,8 @@ class _Fixed:
             for operator in cut.way(task).operators:
                 free[operator] = max(free[operator], end)
                 hand[operator] = hand[operator] if tool is None else tool
+            for hold in instance.held_until[task]:
+                free[instance.holds[hold][0]] = max(free[instance.holds[hold][0]], end)
             if tool is not None and instance.tool_room[tool]:
                 tools[tool] = max(tools.get(tool, 0), end)
             if zone is not None and (instance.zone_room[zone] or instance.keeps_apart[zone]):
@@ -149,6 +152,7 @@ class _Fixed:
             cut.predecessors_end(task),
             0 if tool is None else self.tools.get(tool, 0),
             0 if zone is None else self.zones.get(zone, 0),
+            *(self.free[cut.instance.holds[hold][0]] for hold in cut.instance.held_from[task]),
         )
 
     def breaks(self, instance: Instance) -> tuple[tuple[tuple[int, int], ...], ...]:

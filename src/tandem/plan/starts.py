@@ -40,12 +40,13 @@ def keeps_deadlines(instance: Instance, starts: Starts) -> bool:
 
 def append(layout: Layout, order: Sequence[int], ways: Sequence[int]) -> Starts | None:
     """The tasks appended in this order in these ways, or equal ones of less stress; None when a way
-    is none that can be part of a schedule.
+    is none that can be part of a schedule, or a part that a machine holds never comes out.
     """
     steps = [_step(layout, task, way) for task, way in enumerate(ways)]
     if any(step is None for step in steps):
         return None
-    return tuple(append_in_order(layout, order, steps).starts())  # type: ignore[arg-type]
+    state = append_in_order(layout, order, [step for step in steps if step is not None])
+    return None if state is None else tuple(state.starts())
 
 
 def appended(layout: Layout, starts: Starts) -> Starts:
@@ -143,6 +144,14 @@ def _moments_before(
         if (tool >= 0 and instance.timed_tool[other] == tool)
         or (zone is not None and instance.zone[other] == zone)
     ]
+    for hold, (operator, first, last) in enumerate(instance.holds):
+        if first == task or (operator in way.operators and instance.barred[hold] >> task & 1):
+            shared.append(end[last])
+            shared += [
+                end[other]
+                for other in range(len(begin))
+                if operator in instance.ways[other][ways[other]].operators
+            ]
     swaps = {0}
     if tool >= 0:
         swaps |= {instance.changeover[tool][operator] for operator in way.operators}

@@ -25,10 +25,11 @@ def sheets(result: Result, title: str, t: Words) -> Markup:
     """One sheet for each operator but machines. Each printed page says whose it is and to
     which plan (`title`) it belongs; without a script all stand open.
     """
-    return join(_sheet(result, operator, title, t) for operator in instructed(result.cell))
+    return join(sheet(result, operator, title, t) for operator in instructed(result.cell))
 
 
-def _sheet(result: Result, operator: str, title: str, t: Words) -> Markup:
+def sheet(result: Result, operator: str, title: str, t: Words) -> Markup:
+    """The sheet of one operator."""
     found = steps(result.cell, result.schedule, operator, t)
     heading = t("steps.title", who=looks(result.cell)[operator].label)
     above = [tag("p", sentence) for sentence in rules(result.cell, operator, t)] if found else []

@@ -19,6 +19,7 @@ from tandem.report.language import Words
 from tandem.report.tables import named
 from tandem.schedule.measures import changeover_times, exact
 from tandem.schedule.model import Assignment, Schedule
+from tandem.schedule.parts import parts_handed_over
 from tandem.schedule.queues import Kind, places_of, queues
 
 
@@ -112,8 +113,9 @@ def rules(cell: Cell, operator: str, t: Words) -> tuple[str, ...]:
     above the steps.
     """
     off = [_span(start, end, t) for start, end in cell.operators[operator].breaks]
+    kind = cell.operators[operator].kind
     return (
-        t(f"steps.rule.{cell.operators[operator].kind}"),
+        *([] if operator in cell.machines else [t(f"steps.rule.{kind}")]),
         *([t("steps.breaks", breaks=", ".join(off))] if off else []),
     )
 
@@ -141,6 +143,7 @@ class _Sheet:
         self.rows = {a.task: a for a in schedule}
         self.queues = queues(cell, schedule)
         self.own = _Own(cell, schedule, operator)
+        self.parts = tuple(parts_handed_over(cell, schedule))
 
     def steps(self) -> Iterator[Step]:
         if self.own.tasks and (span := self.cell.operators[self.operator].setting_up) is not None:
@@ -207,8 +210,8 @@ class _Sheet:
             yield self._when("both" if before else "previous", self.own.ended(place), tasks=tasks)
 
     def _others(self, a: Assignment) -> Iterator[Condition]:
-        """Each task of others that must be done before, with the tool and the zone that it leaves
-        free.
+        """Each task of others that must be done before, with the tool, the zone and the machine
+        that it leaves free.
         """
         after = [name for name in self.cell.tasks[a.task].after if not self._is_own(name)]
         tasks: dict[str, list[str]] = {name: [] for name in after}
@@ -217,6 +220,10 @@ class _Sheet:
                 if not self._is_own(task):
                     said = self.t(f"steps.wait.{queue.kind}", name=queue.name)
                     tasks[task] = list(dict.fromkeys([*tasks.get(task, []), said]))
+        for machine, task, after_it in self.parts:
+            if after_it == a.task and not self._is_own(task):
+                said = self.t("steps.wait.machine", name=self._label(machine))
+                tasks[task] = list(dict.fromkeys([*tasks.get(task, []), said]))
         for task, freed in tasks.items():
             yield self._when(
                 "freed" if freed else "done",
@@ -262,6 +269,11 @@ class _Sheet:
                 for queue in self.queues[row.task]
                 if any(task == a.task for _, task in queue.before)
             ]
+            freed += [
+                self.t("steps.then.machine", name=self._label(machine))
+                for machine, task, after_it in self.parts
+                if (task, after_it) == (a.task, row.task)
+            ]
             said = self._with(self._names(row.task), row.task)
             if freed:
                 yield self.t("steps.then.freed", then=said, freed=", ".join(freed))
@@ -284,6 +296,11 @@ class _Sheet:
                 yield self.t(f"steps.means.{kind}.{many}", name=name, n=places)
         if apart := self.cell.zones.get(task.zone or "", Zone()).apart:
             yield self.t("steps.means.apart", name=task.zone, kinds=", ".join(map(self.t, apart)))
+        for machine, operator in self.cell.operators.items():
+            for first, last in operator.holds:
+                if first == a.task:
+                    values = {"name": self._label(machine), "task": named(self.cell, last)}
+                    yield self.t("steps.means.hold", **values)
         for who in self._partners(a):
             yield self.t("steps.means.partner", who=self._label(who))
 

@@ -138,6 +138,7 @@ def hatches(order: dict[str, Look]) -> Markup:
     ]
     patterns.append(_pattern("fill-break", "#E9ECEF", "#8A929A", "x"))
     patterns.append(_pattern("fill-changeover", "#E9ECEF", "#8A929A", "."))
+    patterns.append(_pattern("fill-hold", "#F3F4F5", "#B4BAC0", "."))
     return tag(
         "svg",
         tag("defs", *patterns),

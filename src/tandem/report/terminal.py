@@ -243,7 +243,7 @@ class GanttText:
     when tasks would get too narrow.
 
     A bar begins with an edge and the task's name; humans' bars are solid, robots' shaded, machines'
-    shaded closer. `x` is a break, `~` a tool changeover.
+    shaded closer. `x` is a break, `~` a tool changeover, `·` a part held.
     """
 
     def __init__(
@@ -352,7 +352,7 @@ class _Marks:
         self.human, self.robot, self.machine = ("#", "=", ":") if plain else ("█", "░", "▒")
         self.bar, self.edge = ("[", "|") if plain else ("▐", "│")
         self.arrow, self.ellipsis = ("->", "..") if plain else ("→", "…")
-        self.pause, self.swap = ("x", "~") if plain else ("╳", "~")
+        self.pause, self.swap, self.hold = ("x", "~", ".") if plain else ("╳", "~", "·")
 
     @property
     def of(self) -> dict[str, str]:
@@ -362,7 +362,7 @@ class _Marks:
     @property
     def shaded(self) -> dict[str, str]:
         """The sign of each fill of a time without a task."""
-        return {"break": self.pause, "changeover": self.swap}
+        return {"break": self.pause, "changeover": self.swap, "hold": self.hold}
 
 
 def _can_print(encoding: str | None, marks: _Marks) -> bool:

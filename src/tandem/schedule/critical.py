@@ -11,6 +11,7 @@ from tandem.cell.model import Cell
 from tandem.cell.written import number
 from tandem.schedule.measures import changeover_times, exact
 from tandem.schedule.model import Assignment, Schedule
+from tandem.schedule.parts import parts_handed_over
 
 Reason = Literal[
     "start",
@@ -22,6 +23,7 @@ Reason = Literal[
     "changeover",
     "tool",
     "zone",
+    "hold",
     "choice",
 ]
 
@@ -35,9 +37,10 @@ class Link:
       reason: why it starts exactly when it does: at the "start" of the assembly (there may be a
         changeover first), at its "release", when a "break" or the "setup" of `by` ends, when its
         "predecessor" `by` ends, when the "operator" `by` is free, when that operator's "changeover"
-        is done, when a unit of the "tool" or a place in the "zone" `by` is given back; or by
-        "choice": it could have started earlier.
-      by: name of the predecessor, operator, tool or zone; empty otherwise.
+        is done, when a unit of the "tool" or a place in the "zone" `by` is given back, when the
+        machine `by` is free to "hold" a part, or free of the one that it held; or by "choice": it
+        could have started earlier.
+      by: name of the predecessor, operator, tool, zone or machine; empty otherwise.
       waited_for: the task before it on the path, which ended then; None at the path's beginning.
     """
 
@@ -57,6 +60,7 @@ class Link:
             "changeover": f"when {self.by} has changed tools after {self.waited_for}",
             "tool": f"when {self.waited_for} gives back tool {self.by}",
             "zone": f"when {self.waited_for} leaves zone {self.by}",
+            "hold": f"when {self.by} is free after {self.waited_for}",
             "choice": "later than it could",
         }
         return f"{self.assignment.task} at {number(self.assignment.start)} s, {wait[self.reason]}"
@@ -139,6 +143,7 @@ _PREFERENCE: tuple[Reason, ...] = (
     "setup",
     "tool",
     "zone",
+    "hold",
     "choice",
 )
 
@@ -161,21 +166,22 @@ class _Plan:
       turns: task -> each operator's part in it.
       followers: task -> (task that cannot start before it has ended, seconds that must lie
         between).
-      handed: task -> (reason, tool or zone, task that used the same unit of it directly before).
+      handed: task -> (reason, tool, zone or machine, task that used the same unit of it directly
+        before, seconds that must lie between).
     """
 
     cell: Cell
     of_task: Mapping[str, Assignment]
     turns: Mapping[str, list[_Turn]]
     followers: Mapping[str, list[tuple[str, Decimal]]]
-    handed: Mapping[str, list[tuple[Reason, str, str]]]
+    handed: Mapping[str, list[tuple[Reason, str, str, Decimal]]]
 
     @classmethod
     def of(cls, cell: Cell, schedule: Schedule) -> _Plan:
         of_task = {a.task: a for a in schedule}
         turns: dict[str, list[_Turn]] = {name: [] for name in of_task}
         followers: dict[str, list[tuple[str, Decimal]]] = {name: [] for name in of_task}
-        handed: dict[str, list[tuple[Reason, str, str]]] = {name: [] for name in of_task}
+        handed: dict[str, list[tuple[Reason, str, str, Decimal]]] = {name: [] for name in of_task}
         for name in cell.operators:
             rows = schedule.of(name)
             previous = None
@@ -192,8 +198,12 @@ class _Plan:
         for reason, place, before, after in dict.fromkeys(
             [*_hand_overs(cell, schedule), *_others_out(cell, schedule)]
         ):
-            handed[after].append((reason, place, before))
+            handed[after].append((reason, place, before, Decimal(0)))
             followers[before].append((after, Decimal(0)))
+        for machine, before, after in parts_handed_over(cell, schedule):
+            gap = next((turn.change for turn in turns[after] if turn.operator == machine), None)
+            handed[after].append(("hold", machine, before, gap or Decimal(0)))
+            followers[before].append((after, gap or Decimal(0)))
         return cls(cell, of_task, turns, followers, handed)
 
     def links(self, a: Assignment) -> Iterator[Link]:
@@ -224,8 +234,8 @@ class _Plan:
                     if exact(off.end) == begin
                 )
                 yield from (Link(a, off.what, turn.operator) for off in ended)
-        for reason, place, before in self.handed[a.task]:
-            if exact(self.of_task[before].end) == start:
+        for reason, place, before, gap in self.handed[a.task]:
+            if exact(self.of_task[before].end) + gap == start:
                 yield Link(a, reason, place, before)
 
     def latest_end(self, a: Assignment, limit: Decimal, time: Decimal) -> Decimal:

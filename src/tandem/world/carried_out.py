@@ -12,7 +12,8 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from tandem.schedule.model import Schedule
+from tandem.cell.model import Cell
+from tandem.schedule.model import Assignment, Schedule
 from tandem.world.arrays import Array, Arrays, Names, namespace
 from tandem.world.episode import Shift
 
@@ -43,18 +44,29 @@ class Plan(NamedTuple):
                 theirs = rows[names.tasks[other]]
                 # those that begin at the same moment have room beside each other, in either order
                 awaits[one, other] = theirs.start < mine.start and _share(
-                    (mine.operators, cell.tasks[mine.task].tool, cell.tasks[mine.task].zone),
-                    (theirs.operators, cell.tasks[theirs.task].tool, cell.tasks[theirs.task].zone),
+                    _needs(cell, mine), _needs(cell, theirs)
                 )
         return cls(way, rank, awaits)
 
 
-Needs = tuple[tuple[str, ...], str | None, str | None]
-"""A task's operators, tool and zone."""
+Needs = tuple[frozenset[str], str | None, str | None]
+"""A task's operators, with the machines that hold a part from it on or until then; its tool and its
+zone.
+"""
+
+
+def _needs(cell: Cell, row: Assignment) -> Needs:
+    task = cell.tasks[row.task]
+    holding = (
+        who
+        for who, operator in cell.operators.items()
+        if any(row.task in pair for pair in operator.holds)
+    )
+    return frozenset((*row.operators, *holding)), task.tool, task.zone
 
 
 def _share(mine: Needs, theirs: Needs) -> bool:
-    return bool(set(mine[0]) & set(theirs[0])) or any(
+    return bool(mine[0] & theirs[0]) or any(
         one is not None and one == other for one, other in zip(mine[1:], theirs[1:], strict=True)
     )
 

@@ -203,11 +203,14 @@ def _willing(situation: Situation, task: str, planned: tuple[str, ...]) -> tuple
 
 
 def _needs(moves: Moves, task: str, operators: tuple[str, ...]) -> Iterator[Need]:
-    """Its operators, and its tool and zone where these have fewer places than there are
+    """Its operators, the machines that hold a part from it on or until then, and its tool and zone
+    where these have fewer places than there are
     operators, or keep some apart.
     """
     yield from (("operator", who) for who in operators)
     number, instance = moves.instance.tasks.index(task), moves.instance
+    for hold in (*instance.held_from[number], *instance.held_until[number]):
+        yield "operator", instance.operators[instance.holds[hold][0]]
     tool, zone = instance.tool[number], instance.zone[number]
     if tool is not None and moves.instance.tool_room[tool]:
         yield "tool", tool

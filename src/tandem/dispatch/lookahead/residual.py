@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
 from random import Random
+from typing import Any
 
 from ortools.sat.python import cp_model
 
@@ -76,6 +77,7 @@ def rest(moves: Moves, position: Position, *, with_running: bool = True) -> Rest
         in_hand=left.in_hand(),
         breaks=left.breaks(),
         stress_limit=left.stress_limit(),
+        **left.holds(),
     )
     return Rest(instance, left.tasks, tuple(tuple(number for _, number in row) for row in rows))
 
@@ -118,6 +120,10 @@ class _Left:
             fixed = {}
         operators = range(len(moves.instance.operators))
         off = {o: ticks for way, ticks in away for o in operators if moves.who[way] >> o & 1}
+        for task, ticks in ends.items():  # what is being taken out still blocks its machine
+            for hold in moves.instance.held_until[task]:
+                machine = moves.instance.holds[hold][0]
+                off[machine] = max(off.get(machine, 0), ticks)
         return cls(moves, position, tuple(tasks), running, fixed, ends, off)
 
     def open_ways(self, task: int) -> list[tuple[Way, int]]:
@@ -150,6 +156,21 @@ class _Left:
         instance = self.moves.instance
         ends = [self.ends.get(first, 0) for first in instance.before[task]]
         return max(0, instance.release[task] - self.position.clock, *ends)
+
+    def holds(self) -> dict[str, Any]:
+        """The parts that machines hold, or are still to hold. Two that one machine holds at once,
+        which only mistakes can bring about, are forgotten.
+        """
+        instance = self.moves.instance
+        begun = self.position.done | sum(1 << task for task in self.running)
+        held = instance.still_held(self.tasks, begun)
+        open_ = [operator for operator, first, _ in held["holds"] if first < 0]
+        kept = [
+            pair
+            for pair in zip(held["holds"], held["within"], strict=True)
+            if pair[0][1] >= 0 or open_.count(pair[0][0]) == 1
+        ]
+        return {"holds": tuple(h for h, _ in kept), "within": tuple(w for _, w in kept)}
 
     def in_hand(self) -> tuple[int | None, ...]:
         """The tool that each operator holds now."""
@@ -289,21 +310,25 @@ def _appended(left: Rest, layout: Layout, plan: Plan) -> PartialSchedule | None:
     if any(step is None for step in steps):
         return None
     state = append_in_order(layout, [t for t, _ in order], [one for one in steps if one])
-    return state if keeps_deadlines(left.instance, tuple(state.starts())) else None
+    return state if state and keeps_deadlines(left.instance, tuple(state.starts())) else None
 
 
 PRESOLVED_S = 0.05
 """Presolving, which is hardly counted as work, is left out of less."""
 
 
-def _plan(left: Rest, layout: Layout, found: Starts, bound: float, proven: bool) -> Plan:
-    """The plan with every task as early as its order allows."""
+def _plan(left: Rest, layout: Layout, found: Starts, bound: float, proven: bool) -> Plan | None:
+    """The plan with every task as early as its order allows; None where the parts that machines
+    hold do not let it be.
+    """
     order = sorted(range(len(found)), key=lambda t: (found[t][1], layout.instance.order.index(t)))
     steps = [
         next((step for step in layout.steps[t] if step.way == way), layout.steps[t][0])
         for t, (way, _) in enumerate(found)
     ]
     state = append_in_order(layout, order, steps)
+    if state is None:
+        return None
     return _as_plan(left, state, state.makespan, bound, proven)
 
 

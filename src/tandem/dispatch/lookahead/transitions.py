@@ -374,8 +374,8 @@ class Moves:
         yield chosen
 
     def _may(self, position: Position, way: int) -> bool:
-        """Whether clock, breaks, tools, zones, limits and teams allow the way now. Assumes that it
-        is ready and its operators are free.
+        """Whether clock, breaks, tools, zones, holds, limits and teams allow the way now. Assumes
+        that it is ready and its operators are free.
         """
         instance, task, who = self.instance, self.task[way], self.who[way]
         if instance.release[task] > position.clock:
@@ -407,7 +407,30 @@ class Moves:
             return False
         if not self._has_place(position, instance.timed_zone, instance.zone_room, task, count):
             return False
-        return not instance.has_apart or self._is_kept_apart(position, way)
+        if instance.has_apart and not self._is_kept_apart(position, way):
+            return False
+        return not instance.has_holds or not self._is_barred(position, way)
+
+    def _is_barred(self, position: Position, way: int) -> bool:
+        """Whether a machine holds a part that must come out first, or is at work where it is to
+        take up one.
+        """
+        instance, task, who = self.instance, self.task[way], self.who[way]
+        comes_off = way >= self.count
+        if not comes_off:
+            busy = 0
+            for other, _ in position.running:
+                busy |= self.who[other] if other < 2 * self.count else 0
+            if any(busy >> instance.holds[hold][0] & 1 for hold in instance.held_from[task]):
+                return True
+        return instance.is_barred(
+            self.begun(position),
+            position.done,
+            task,
+            who,
+            wrong=position.wrong,
+            comes_off=comes_off,
+        )
 
     def _is_kept_apart(self, position: Position, way: int) -> bool:
         """Whether nobody is in the way's zone whom it keeps apart from the way's operators."""

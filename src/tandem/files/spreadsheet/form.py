@@ -53,6 +53,7 @@ HEADERS: dict[Language, dict[str, str]] = {
         "stress limit": "stress limit",
         "setup": "setup [s]",
         "breaks": "breaks [s]",
+        "holds": "holds",
         "capacity": "capacity",
         "apart": "keeps apart",
         "changeover": "changeover {who} [s]",
@@ -85,6 +86,7 @@ HEADERS: dict[Language, dict[str, str]] = {
         "stress limit": "Belastungsgrenze",
         "setup": "Rüstzeit [s]",
         "breaks": "Pausen [s]",
+        "holds": "hält",
         "capacity": "Anzahl",
         "apart": "hält getrennt",
         "changeover": "Wechselzeit {who} [s]",
@@ -110,7 +112,7 @@ class OperatorColumn(NamedTuple):
     word: str
     means: str
     key: str
-    holds: Literal["kind", "text", "amount", "time", "breaks"]
+    holds: Literal["kind", "text", "amount", "time", "breaks", "pairs"]
     width: int
 
 
@@ -121,6 +123,7 @@ OPERATOR_COLUMNS = (
     OperatorColumn("setup", "changeover", "setup", "time", 14),
     OperatorColumn("breaks", "breaks", "breaks", "breaks", 22),
     OperatorColumn("tool", "tool", "tool", "text", 16),
+    OperatorColumn("holds", "holds", "holds", "pairs", 22),
 )
 """What a workbook says of an operator, behind the name: what is read, and in which order the
 template has it.
@@ -177,6 +180,10 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
                 "kind: human, robot or machine. Breaks: 300-600; 900-1000 in seconds since the"
                 " start. Stress limit: the most for this human."
             ),
+        ),
+        (
+            "holds",
+            "Sheet Operators: from and to which task a machine holds a part: load > unload; a > b.",
         ),
         (
             "keeps apart",
@@ -247,6 +254,10 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
                 "Art: Mensch, Roboter oder Maschine. Pausen: 300-600; 900-1000 (Sekunden)."
                 " Belastungsgrenze: das Meiste für diesen Menschen."
             ),
+        ),
+        (
+            "hält",
+            "Blatt Bediener: von wo bis wo eine Maschine ein Teil hält: laden > entladen; a > b.",
         ),
         (
             "hält getrennt",

@@ -14,7 +14,7 @@ from tandem.files.spreadsheet.findings import Findings
 from tandem.files.spreadsheet.form import OPERATOR_COLUMNS, OperatorColumn
 from tandem.files.spreadsheet.grid import Grid, blank, shown, tidy
 from tandem.files.spreadsheet.header import Column, Table, best_table
-from tandem.files.spreadsheet.references import References, UnknownTaskError
+from tandem.files.spreadsheet.references import References, UnknownTaskError, unquoted
 from tandem.files.spreadsheet.said import say
 from tandem.files.spreadsheet.values import UnreadableError, number, seconds
 from tandem.files.spreadsheet.vocabulary import Meaning, is_machine, key, kind_of, meaning
@@ -207,6 +207,8 @@ def _value(
     match wanted.holds:
         case "breaks":
             return _breaks(text, unit, place, findings) or None
+        case "pairs":
+            return _pairs(text, place, findings) or None
         case "kind":
             kind = _kind(text)
             if kind is None:
@@ -234,6 +236,24 @@ def _kinds(text: str, zone: str, place: str, findings: Findings) -> list[Kind]:
         else:
             kinds.append(kind)
     return kinds
+
+
+PAIR = re.compile(r'\s*("[^"]+"|[^;>"]+?)\s*>\s*("[^"]+"|[^;>"]+?)\s*')
+
+
+def _pairs(text: str, place: str, findings: Findings) -> list[list[str]]:
+    """ "load > unload; a > b" as pairs of names."""
+    pairs = []
+    for part in filter(None, map(str.strip, re.split(r';(?=(?:[^"]*"[^"]*")*[^"]*$)', text))):
+        if (found := PAIR.fullmatch(part)) is None:
+            findings.fault(
+                f"holds {part!r}: write from and to which task the machine holds a part, several"
+                " pairs with semicolons, such as 'load > unload'.",
+                place,
+            )
+        else:
+            pairs.append([unquoted(name) for name in found.groups()])
+    return pairs
 
 
 def _breaks(text: str, unit: str, place: str, findings: Findings) -> list[list[float]]:

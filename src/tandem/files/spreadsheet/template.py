@@ -389,7 +389,8 @@ def _operators(book: Workbook, cell: Cell, lang: Language) -> None:
         ):
             _put(sheet, row, place, value)
     for place, column in enumerate(OPERATOR_COLUMNS, 2):
-        for row in range(2, len(cell.operators) + 12) if column.holds == "breaks" else ():
+        as_text = column.holds in ("breaks", "pairs")
+        for row in range(2, len(cell.operators) + 12) if as_text else ():
             sheet.cell(row, place).number_format = "@"
     kinds = DataValidation(
         type="list",
@@ -409,9 +410,15 @@ def _of_operator(operator: Operator, column: OperatorColumn, words: Mapping[str,
             return words[value]
         case "breaks":
             return "; ".join(f"{plain(start)}-{plain(end)}" for start, end in value) or None
+        case "pairs":
+            return "; ".join(" > ".join(map(_in_pair, pair)) for pair in value) or None
         case "time":
             return value or None
     return value
+
+
+def _in_pair(name: str) -> str:
+    return f'"{name}"' if set(name) & set(';>"') else name
 
 
 def _things(book: Workbook, cell: Cell, lang: Language, every: bool) -> None:
