@@ -38,6 +38,7 @@ SOUND: dict[str, Any] = {
     "operators": {
         "r": {"kind": "robot", "label": "R", "breaks": [[1, 2]], "tool": "t"},
         "h": {"kind": "human", "stress_limit": 9},
+        "m": {"kind": "machine", "holds": [["a", "b"]]},
     },
     "tasks": {
         "a": {
@@ -145,6 +146,12 @@ UNFIT = {
     "someone_can_do_each_task": {"tasks": {"a": {}}},
     "kinds_are_kept_apart_from_each_other": {"zones": {"z": {"apart": ["human"]}}},
     "stress_is_put_on_humans": {"tasks": {"a": {"time": {"r": 1}, "stress": {"r": 2}}}},
+    "machines_hold_from_one_task_to_a_later_one": {
+        "operators": {
+            "h": {"kind": "human", "holds": [["a", "b"]]},
+            "r": {"kind": "machine", "holds": [["a", "b"], ["a", "a"]]},
+        }
+    },
     "stress_of_a_group_is_put_on_its_members": {
         "operators": {"h": {"kind": "human"}, "k": {"kind": "human"}, "r": {"kind": "robot"}},
         "tasks": {"a": {"together": [{"operators": ["r", "h"], "time": 1, "stress": {"k": 2}}]}},

@@ -198,7 +198,7 @@ def _missing(path: Path, item: Any) -> str:
         case ("operators", _, "breaks", _, _):
             return "a break needs two numbers, `[from, to]` in seconds."
         case ("operators", _, "holds", _, _):
-            return "holds has pairs of tasks, such as `[[1, 2]]`; here the second is missing."
+            return "`holds` holds pairs of tasks, such as `[[1, 2]]`; here the second is missing."
         case ("same_operator", _, _):
             return (
                 "same_operator holds pairs of tasks, such as `[[1, 2]]`; here the second is"

@@ -19,7 +19,7 @@ NAMES = frozenset({"format", "name", "label", "part", "kind"})
 """Keys that call things by name; every world can stand them."""
 TABLES = frozenset({"operators", "tasks", "tools", "zones"})
 """Keys of a cell under which the others stand; tools and zones say nothing until a task names
-one.
+one. A world that knows zones still knows none that keep kinds of operators apart.
 """
 
 
@@ -35,6 +35,9 @@ def beyond(
         yield from (("operators", name, key) for key in _stated(one, operator))
     for name, step in cell.tasks.items():
         yield from (("tasks", name, key) for key in _stated(step, task))
+    for name, zone in cell.zones.items():
+        if zone.apart and "zone" in task:
+            yield ("zones", name, "apart")
     yield from ((key,) for key in _stated(cell, TABLES))
 
 

@@ -240,6 +240,12 @@ def _only_what_it_knows(cell: Cell) -> Iterator[Fault]:
                 " know no limit. Leave it out.",
                 ("operators", name, "stress_limit"),
             )
+    for name, zone in cell.zones.items():
+        if zone.apart:
+            yield Fault(
+                "these two agents know no zone that keeps kinds apart; leave `apart` out.",
+                ("zones", name, "apart"),
+            )
     for name, task in cell.tasks.items():
         if task.deadline is not None:
             yield Fault(
