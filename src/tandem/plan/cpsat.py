@@ -336,10 +336,11 @@ def a_human_stays_within_the_stress_limit(plan: Decisions) -> None:
     """The stress of all that a human does, alone or with others, is at most their limit."""
     for operator, limit in enumerate(plan.instance.stress_limit):
         if limit is not None:
-            plan.model.add(sum(load * x for load, x in _loads_of(plan, operator)) <= limit)
+            plan.model.add(sum(load * x for load, x in loads_of(plan, operator)) <= limit)
 
 
-def _loads_of(plan: Decisions, operator: int) -> list[tuple[int, cp_model.IntVar]]:
+def loads_of(plan: Decisions, operator: int) -> list[tuple[int, cp_model.IntVar]]:
+    """Units of stress on the operator, and the literal under which they come."""
     return [
         (load, x)
         for chosen, ways in zip(plan.chosen, plan.instance.ways, strict=True)

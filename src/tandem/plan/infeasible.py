@@ -18,6 +18,7 @@ from tandem.cell.parts import Operator, Tool, Zone
 from tandem.cell.written import number
 from tandem.errors import CellError, InfeasibleError, NothingFoundError
 from tandem.plan import exact
+from tandem.plan.least_limits import least_limit
 from tandem.plan.question import Question
 
 EACH_S = 5.0
@@ -53,7 +54,8 @@ def reasons(cell: Cell, question: Question, *, seconds: float = 30.0) -> list[st
         if len(names) == 1
         else f"{', '.join(names[:-1])} and {names[-1]} cannot be kept together"
     )
-    return [f"{together}.", *(_without(cell, question, limit) for limit in group)]
+    least = _least_stress_limits(cell, question, group, until)
+    return [f"{together}.", *least, *(_without(cell, question, limit) for limit in group)]
 
 
 KEEP_AWAY = ("breaks", "setup")
@@ -165,6 +167,33 @@ def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell,
         ),
         question,
     )
+
+
+def _least_stress_limits(
+    cell: Cell, question: Question, group: Sequence[Limit], until: float
+) -> list[str]:
+    """Of people's limits of stress in the group: the least that all of them can keep alike, and the
+    least of each beside those of the others.
+    """
+    people = [limit.where[1] for limit in group if limit.where[-1] == "stress_limit"]
+    sentences = []
+    for some in [*([people] if len(people) > 1 else []), *([name] for name in people)]:
+        left = min(EACH_S, until - monotonic())
+        least = least_limit(cell, question, some, seconds=left) if left > 0 else None
+        if least is not None:
+            who = "each of them" if len(some) > 1 else some[0]
+            beside = "" if len(some) > 1 else _beside(cell, people, who)
+            sentences.append(f"The least limit that {who} can keep{beside} is {number(least)}.")
+    return sentences
+
+
+def _beside(cell: Cell, people: Sequence[str], name: str) -> str:
+    others = [
+        f"{other} at {number(cell.operators[other].stress_limit or 0.0)}"
+        for other in people
+        if other != name
+    ]
+    return f" with {' and '.join(others)}" if others else ""
 
 
 def _minimal(cell: Cell, question: Question, group: list[Limit], until: float) -> list[Limit]:
