@@ -61,6 +61,7 @@ def cells(
             data.pop("stress_of_set", None)
         if count > 1 and draw(_seldom()):
             _add_waits(draw, names, tasks, step)
+        _let_machines_hold(draw, operators, tasks)
         if draw(_seldom()):
             return _with_deadlines(draw, data, step)
     return Cell.model_validate(data)
@@ -80,7 +81,13 @@ def _stress() -> st.SearchStrategy[float]:
 
 @st.composite
 def _operators(draw: st.DrawFn, most: int, step: float, rich: bool) -> dict[str, dict[str, Any]]:
-    kinds = draw(st.lists(st.sampled_from(("human", "robot")), min_size=1, max_size=most))
+    kinds = draw(
+        st.lists(
+            st.sampled_from(("human", "human", "robot", "robot", "machine")),
+            min_size=1,
+            max_size=most,
+        )
+    )
     operators: dict[str, dict[str, Any]] = {}
     for place, kind in enumerate(kinds):
         operator: dict[str, Any] = {"kind": kind}
@@ -114,10 +121,13 @@ def _tools(draw: st.DrawFn, operators: list[str], step: float) -> dict[str, dict
 
 @st.composite
 def _zones(draw: st.DrawFn) -> dict[str, dict[str, Any]]:
-    return {
-        name: {"capacity": draw(st.integers(1, 2))}
-        for name in ("jig", "bench")[: draw(st.sampled_from((0, 0, 0, 1, 2)))]
-    }
+    zones: dict[str, dict[str, Any]] = {}
+    for name in ("jig", "bench")[: draw(st.sampled_from((0, 0, 0, 1, 2)))]:
+        zones[name] = {"capacity": draw(st.integers(1, 2))}
+        if draw(_seldom()):
+            kinds = st.sampled_from(("human", "robot", "machine"))
+            zones[name]["apart"] = draw(st.lists(kinds, min_size=2, unique=True))
+    return zones
 
 
 @st.composite
@@ -164,7 +174,11 @@ def _add_place_and_tool(
     """Where and with what a task is done; only what leaves room for one way of doing it."""
     least = 1 if task["time"] else min(len(joint["operators"]) for joint in task["together"])
     for key, table in (("tool", tools), ("zone", zones)):
-        roomy = [name for name, entry in table.items() if entry["capacity"] >= least]
+        roomy = [
+            name
+            for name, entry in table.items()
+            if entry["capacity"] >= least and (task["time"] or not entry.get("apart"))
+        ]
         if roomy and draw(st.booleans()):
             task[key] = draw(st.sampled_from(roomy))
         if roomy and key == "tool" and draw(_seldom()):
@@ -188,6 +202,21 @@ def _add_own_tools(draw: st.DrawFn, task: dict[str, Any], tools: list[str]) -> N
             joint["tool"] = draw(
                 st.dictionaries(st.sampled_from(joint["operators"]), st.sampled_from(tools))
             )
+
+
+def _let_machines_hold(draw: st.DrawFn, operators: dict[str, Any], tasks: dict[str, Any]) -> None:
+    def ahead(name: str) -> set[str]:
+        waits = tasks[name].get("wait", ())
+        waits = [waits] if isinstance(waits, dict) else waits
+        ended = (wait["after"] for wait in waits if wait.get("between") != "start-start")
+        direct = {*tasks[name].get("after", ()), *ended}
+        return direct.union(*(ahead(first) for first in direct))
+
+    chains = [(first, name) for name in tasks for first in tasks if first in ahead(name)]
+    for operator in operators.values():
+        if operator["kind"] == "machine" and chains and draw(st.booleans()):
+            pairs = st.lists(st.sampled_from(chains), min_size=1, max_size=2, unique=True)
+            operator["holds"] = draw(pairs)
 
 
 def _put_tools_in_hands(draw: st.DrawFn, operators: dict[str, Any], tools: dict[str, Any]) -> None:

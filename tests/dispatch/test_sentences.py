@@ -120,6 +120,9 @@ def _named(cell: Cell) -> Cell:
     data["same_operator"] = [
         [letter[one], letter[other]] for one, other in data.get("same_operator", [])
     ]
+    for operator in data["operators"].values():
+        if operator.get("holds"):
+            operator["holds"] = [[letter[name] for name in pair] for pair in operator["holds"]]
     data.pop("stress_of_set", None)
     return cell_of({key: value for key, value in data.items() if key != "same_operator" or value})
 

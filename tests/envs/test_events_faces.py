@@ -14,6 +14,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
 from pettingzoo.utils import parallel_to_aec
+from tests.plan.test_judges import two_parts
 
 import tandem.envs
 from tandem.cell.model import Cell
@@ -153,6 +154,19 @@ def test_who_is_not_asked_goes_by_the_instruction_sheet(thesis: Cell):
     assert turns == {"robot"}
     human = env.game.schedule().of("human")
     assert all(a.end - a.start == 2 * thesis.tasks[a.task].time["human"] for a in human)
+
+
+def test_a_machine_is_an_agent_by_its_kind_and_holds_its_part():
+    env = tandem.envs.parallel_env("events", two_parts())
+    assert env.possible_agents == ["machine_0", "human_0", "human_1"]
+    names = env.unwrapped.game.names
+    env.reset(seed=0)
+    first = {"human_0": 1 + names.way("in 1", ["anna"]), "human_1": 1 + names.way("in 2", ["ben"])}
+    _, _, _, _, infos = env.step({"machine_0": 0, **first})
+    # the press takes one part; whoever comes second is not illegal but waits
+    schedule = env.unwrapped.game.schedule()
+    assert [a.task for a in schedule] == ["in 1"]
+    assert not infos["human_1"]["illegal"]
 
 
 def test_a_random_crew_assembles_the_product(crew_of_three: Cell):

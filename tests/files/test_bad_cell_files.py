@@ -170,11 +170,14 @@ HEADS = [
     ("operators: {}\ntasks: {}", ["1:1: `operators` is empty", "2:1: `tasks` is empty"]),
     (
         "operators: {h: {}}\ntasks: {1: {time: {h: 1}}}",
-        ["1:13: operator 'h': `kind` is missing. Write `kind: human` or"],
+        ["1:13: operator 'h': `kind` is missing. Write `kind: human`, `kind: robot` or"],
     ),
     (
         "operators: {h: {kind: Robot}}\ntasks: {1: {time: {h: 1}}}",
-        ["1:17: operator 'h': kind is 'Robot', but must be human or robot. Did you mean 'robot'"],
+        [
+            "1:17: operator 'h': kind is 'Robot', but must be human, robot or machine. Did you"
+            " mean 'robot'"
+        ],
     ),
     (
         "operators: [h]\ntasks: {1: {time: {h: 1}}}",

@@ -29,7 +29,7 @@ REMEDY = re.compile(
     r"Rename|Shorten|"
     r"Set the|Spell |Make them|needs different|needs one at least|belongs in|A name has|can be"
     r" planned|holds pairs|reads format|longer than|"
-    r"must last|needs two numbers|A cell file is|as in `"
+    r"must last|needs two numbers|A cell file is|as in `|Name "
 )
 
 SOUND: dict[str, Any] = {
@@ -38,6 +38,7 @@ SOUND: dict[str, Any] = {
     "operators": {
         "r": {"kind": "robot", "label": "R", "breaks": [[1, 2]], "tool": "t"},
         "h": {"kind": "human", "stress_limit": 9},
+        "m": {"kind": "machine", "holds": [["a", "b"]]},
     },
     "tasks": {
         "a": {
@@ -50,7 +51,7 @@ SOUND: dict[str, Any] = {
         "wait": [{"after": "a", "between": "start-start", "at_least": 1, "at_most": 50}]},
     },
     "tools": {"t": {"capacity": 2, "changeover": {"r": 1}}},
-    "zones": {"z": {"capacity": 2}},
+    "zones": {"z": {"capacity": 2, "apart": ["human", "machine"]}},
     "same_operator": [],
     "stress_of_set": {"": 0, "a": 1, "b": 1, "a,b": 3},
 }  # fmt: skip
@@ -136,6 +137,9 @@ UNFIT = {
     "operators_are_known": {"tasks": {"a": {"time": {"q": 1}}}},
     "names_can_be_told_apart": {"tasks": {"a": {"time": {"h": 1}}, "\u0430": {"time": {"h": 1}}}},
     "tasks_are_known": {"tasks": {"a": {"time": {"h": 1}, "after": ["q"]}}},
+    "tasks_of_held_parts_are_known": {
+        "operators": {"m": {"kind": "machine", "holds": [["a", "q"]]}}
+    },
     "no_task_comes_after_itself": {"tasks": {"a": {"time": {"h": 1}, "after": ["a"]}}},
     "no_task_waits_for_itself": {
         "tasks": {"a": {"time": {"h": 1}, "after": ["b"]}, "b": {"time": {"h": 1}, "after": ["a"]}}
@@ -150,7 +154,14 @@ UNFIT = {
         "tasks": {"a": {"together": [{"operators": ["h", "h"], "time": 1}]}}
     },
     "someone_can_do_each_task": {"tasks": {"a": {}}},
+    "kinds_are_kept_apart_from_each_other": {"zones": {"z": {"apart": ["human"]}}},
     "stress_is_put_on_humans": {"tasks": {"a": {"time": {"r": 1}, "stress": {"r": 2}}}},
+    "machines_hold_from_one_task_to_a_later_one": {
+        "operators": {
+            "h": {"kind": "human", "holds": [["a", "b"]]},
+            "r": {"kind": "machine", "holds": [["a", "b"], ["a", "a"]]},
+        }
+    },
     "stress_of_a_group_is_put_on_its_members": {
         "operators": {"h": {"kind": "human"}, "k": {"kind": "human"}, "r": {"kind": "robot"}},
         "tasks": {"a": {"together": [{"operators": ["r", "h"], "time": 1, "stress": {"k": 2}}]}},

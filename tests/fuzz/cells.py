@@ -14,6 +14,7 @@ STEPS = (1.0, 1.0, 0.5, 0.25, 0.1, 0.05)
 """Seconds that all times of one cell are multiples of."""
 SMALL = {1: 1, 2: 3, 3: 5, 4: 4, 5: 1}
 FEW = {1: 2, 2: 6, 3: 2}
+KINDS = ("human", "robot", "machine")
 Data = dict[str, Any]
 
 
@@ -54,6 +55,7 @@ def cell(random: Random, sizes: Mapping[int, int] = SMALL, crews: Mapping[int, i
         _waits(random, clock, names, tasks, fine)
     _own_tools(random, data)
     _places(random, clock, data)
+    _machines_and_zones_apart(data)
     return data
 
 
@@ -92,6 +94,49 @@ def _operators(random: Random, clock: _Clock, crews: Mapping[int, int]) -> Data:
             operator["stress_limit"] = random.choice((0, 2, 3, 4.5, 6, 9))
         operators[f"{kind}{place}"] = operator
     return operators
+
+
+def _machines_and_zones_apart(data: Data) -> None:
+    """Makes a machine of one robot in two: it takes part in tasks as a robot does, and may hold
+    parts. One zone in three keeps kinds apart. Drawn from the cell itself, so that all else of a
+    seed stays what it was.
+    """
+    random = Random(repr(data))
+    for operator in data["operators"].values():
+        if operator["kind"] == "robot" and random.random() < 0.5:
+            operator["kind"] = "machine"
+    for name, operator in data["operators"].items():
+        chains = _chains(data["tasks"]) if operator["kind"] == "machine" else []
+        if chains and random.random() < 0.8:
+            pairs = random.sample(chains, min(len(chains), random.choice((1, 1, 2))))
+            operator["holds"] = [list(pair) for pair in pairs]
+            for pair in pairs:
+                _make_room(random, data["tasks"], name, pair)
+    for zone in data["zones"].values():
+        if random.random() < 0.35:
+            zone["apart"] = random.sample(KINDS, random.choice((2, 2, 3)))
+            zone["capacity"] = random.choice((1, 2, 3))
+
+
+def _chains(tasks: Data) -> list[tuple[str, str]]:
+    """Pairs of tasks of which the second comes after the first."""
+
+    def ahead(name: str) -> set[str]:
+        waits = tasks[name].get("wait", ())
+        waits = [waits] if isinstance(waits, dict) else waits
+        ended = (wait["after"] for wait in waits if wait.get("between") != "start-start")
+        direct = {*tasks[name].get("after", ()), *ended}
+        return direct.union(*(ahead(first) for first in direct))
+
+    return [(first, name) for name in tasks for first in tasks if first in ahead(name)]
+
+
+def _make_room(random: Random, tasks: Data, machine: str, pair: tuple[str, str]) -> None:
+    """In half of all cases others can put the part in and take it out without the machine."""
+    for name in pair:
+        others = {who: time for who, time in tasks[name]["time"].items() if who != machine}
+        if others and random.random() < 0.5:
+            tasks[name]["time"] = others
 
 
 def _tools(random: Random, clock: _Clock, operators: list[str]) -> Data:

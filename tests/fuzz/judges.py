@@ -122,7 +122,8 @@ def drawn(seed: int, key: str | None) -> tuple[Random, dict[str, Any]]:
 
 def uses(data: Mapping[str, Any], key: str) -> bool:
     """Whether the cell says something with this key, be it its own or that of an operator, a task,
-    a tool or a zone; "own_tools" stands for tools by operator or by group.
+    a tool or a zone; or has an operator of this kind. "own_tools" stands for tools by operator or
+    by group.
     """
     parts = [
         entry
@@ -133,7 +134,7 @@ def uses(data: Mapping[str, Any], key: str) -> bool:
         return any(isinstance(task.get("tool"), dict) for task in data["tasks"].values()) or any(
             "tool" in joint for task in data["tasks"].values() for joint in task.get("together", ())
         )
-    return any(part.get(key) for part in (data, *parts))
+    return any(part.get(key) or part.get("kind") == key for part in (data, *parts))
 
 
 def judge(seed: int, key: str | None = None) -> Tally:

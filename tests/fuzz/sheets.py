@@ -30,6 +30,8 @@ from tandem.errors import CellError, InfeasibleError, NothingFoundError
 from tandem.files.validate import cell_of
 from tandem.plan.methods import METHODS, plan
 from tandem.report.html import html
+from tandem.report.instruction_sheet import sheet
+from tandem.report.language import words
 from tandem.schedule.checker import faults
 from tandem.schedule.model import Assignment, Schedule
 
@@ -43,7 +45,7 @@ WALK = " -> "
 FEATURES = (
     *("together", "tool", "zone", "capacity", "changeover", "place", "walk", "breaks", "setup"),
     *("release", "deadline", "same_operator", "stress_of_set", "stress_limit", "after", "wait"),
-    "label",
+    *("label", "apart", "holds"),
 )
 FOUND = Path("tandem-out", "fuzz")
 
@@ -120,13 +122,13 @@ def judge(seed: int) -> Tally:
         tally.left_out += 1
     cell, schedule = found
     language = random.choice(("en", "de"))
-    sheets = sheets_of(html(front_of(cell, [schedule]), language=language), language)
+    sheets = all_sheets(cell, schedule, language)
     tally.cells = 1
     text = json.dumps(cell.to_dict())
     tally.features.update(key for key in FEATURES if f'"{key}"' in text)
-    for sheet in sheets.values():
-        tally.steps += len(sheet.rows)
-        for row in sheet.rows:
+    for one in sheets.values():
+        tally.steps += len(one.rows)
+        for row in one.rows:
             tally.conditions.update({kind: len(row.conditions[kind]) for kind in row.conditions})
     for _ in range(SHIFTS):
         tally.shifts += 1
@@ -135,6 +137,16 @@ def judge(seed: int) -> Tally:
             for said in wrong(cell, schedule, sheets, random)
         ]
     return tally
+
+
+def all_sheets(cell: Cell, schedule: Schedule, language: str) -> dict[str, Sheet]:
+    """The sheets of the page; and for each machine, which reads none, what its control must
+    know.
+    """
+    front = front_of(cell, [schedule])
+    control = (sheet(front[0], name, "plan", words(language)) for name in cell.machines)
+    page = html(front, language=language) + "".join(map(str, control))
+    return sheets_of(page, language)
 
 
 def wrong(cell: Cell, schedule: Schedule, sheets: Mapping[str, Sheet], random: Random) -> list[str]:

@@ -90,6 +90,11 @@ class Plain:
             for name, entry in data["operators"].items()
             if entry.get("stress_limit") is not None
         }
+        self.holds = [
+            (name, str(first), str(last))
+            for name, entry in data["operators"].items()
+            for first, last in entry.get("holds") or ()
+        ]
         self.in_hand = {name: entry.get("tool") for name, entry in data["operators"].items()}
         self.jobs = {
             str(name): self._job(str(name), entry) for name, entry in data["tasks"].items()
@@ -99,6 +104,7 @@ class Plain:
             kind: {name: entry.get("capacity", 1) for name, entry in table.items()}
             for kind, table in (("tool", tools), ("zone", zones))
         }
+        self.apart = {name: tuple(entry.get("apart") or ()) for name, entry in zones.items()}
         self.change = {
             (name, who): _millionths(seconds)
             for name, entry in tools.items()
@@ -180,6 +186,8 @@ class Plain:
             all(self._in_its_time(step, done) for step in done)
             and all(self._one_at_a_time(who, done) for who in self.kind)
             and all(self._room_enough(kind, done) for kind in ("tool", "zone"))
+            and self._kept_apart(done)
+            and all(self._holds_its_part(*hold, done) for hold in self.holds)
         )
 
     def _in_its_time(self, step: Step, done: tuple[Step, ...]) -> bool:
@@ -203,7 +211,40 @@ class Plain:
         """Tasks, the ways to them and the changeovers right before them, and breaks, one after the
         other, when all is set up.
         """
-        hand, free, at = self.in_hand[who], self.ready[who], self.stands[who]
+        free = self.ready[who]
+        for step, begin in self._busy(who, done):
+            if begin < free or any(
+                off < step.end and begin < back for off, back in self.breaks[who]
+            ):
+                return False
+            free = step.end
+        return True
+
+    def _holds_its_part(self, machine: str, first: str, last: str, done: tuple[Step, ...]) -> bool:
+        """From the start of the first to the end of the last task (of the first, while the last has
+        no time yet) the machine does nothing that is not between them, and holds no other part that
+        is not.
+        """
+        steps = {step.name: step for step in done}
+        if first not in steps:
+            return True
+        start, end = steps[first].start, steps.get(last, steps[first]).end
+        inside = self._between(first, last)
+        for who, other, its_last in self.holds:
+            ends = {other, its_last}
+            around = {first, last} <= self._between(other, its_last)
+            if who == machine and other in steps and not (ends <= inside or around):
+                its_end = steps.get(its_last, steps[other]).end
+                if start < its_end and steps[other].start < end:
+                    return False
+        busy = self._busy(machine, done)
+        return not any(
+            begin < end and start < step.end for step, begin in busy if step.name not in inside
+        )
+
+    def _busy(self, who: str, done: tuple[Step, ...]) -> Iterator[tuple[Step, int]]:
+        """The operator's steps in order, and when it begins to walk there and to change tools."""
+        hand, at = self.in_hand[who], self.stands[who]
         for step in sorted(
             (step for step in done if who in step.way.who), key=lambda step: step.start
         ):
@@ -216,12 +257,32 @@ class Plain:
             place = self.jobs[step.name].place
             if place is not None:
                 change, at = change + self.walk.get((who, at, place), 0), place
-            begin = step.start - change
-            if begin < free or any(
-                off < step.end and begin < back for off, back in self.breaks[who]
-            ):
+            yield step, step.start - change
+            hand = hand if tool is None else tool
+
+    def _between(self, first: str, last: str) -> set[str]:
+        def follows(name: str, other: str) -> bool:
+            job = self.jobs[name]
+            ended = {*job.after, *(gap.first for gap in job.gaps if not gap.of_start)}
+            return other in ended or any(follows(one, other) for one in ended)
+
+        middle = {n for n in self.jobs if follows(n, first) and follows(last, n)}
+        return {first, last} | middle
+
+    def _kept_apart(self, done: tuple[Step, ...]) -> bool:
+        """Whenever a step starts in a zone, those there of the kinds that it keeps apart are of one
+        kind.
+        """
+        for step in done:
+            zone = self.jobs[step.name].zone
+            kinds = {
+                self.kind[who]
+                for other in done
+                if self.jobs[other.name].zone == zone and other.start <= step.start < other.end
+                for who in other.way.who
+            }
+            if len(kinds & set(self.apart.get(zone, ()))) > 1:
                 return False
-            hand, free = hand if tool is None else tool, step.end
         return True
 
     def _room_enough(self, kind: str, done: tuple[Step, ...]) -> bool:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from tandem.cell.model import Cell
+from tandem.cell.precedence import between
 from tandem.schedule.measures import exact, made_ready, makespan, stress
 from tandem.schedule.model import Assignment, Schedule
 
@@ -147,6 +148,35 @@ def crowded(cell: Cell, plan: Schedule) -> Damaged:
                     yield cell, _with(plan, a, _at(a, other.start)), {}
 
 
+def mixed_in_a_zone(cell: Cell, plan: Schedule) -> Damaged:
+    for a in plan:
+        for other in plan:
+            zone = cell.zones.get(cell.tasks[a.task].zone or "")
+            if a != other and zone and cell.tasks[a.task].zone == cell.tasks[other.task].zone:
+                kinds = [
+                    {cell.operators[who].kind for who in row.operators} & set(zone.apart)
+                    for row in (a, other)
+                ]
+                if len(kinds[0] | kinds[1]) > 1:
+                    yield cell, _with(plan, a, _at(a, other.start)), {}
+
+
+def done_while_a_part_is_held(cell: Cell, plan: Schedule) -> Damaged:
+    rows = {a.task: a for a in plan}
+    for machine, operator in cell.operators.items():
+        for first, last in operator.holds:
+            middle = (exact(rows[first].end) + exact(rows[last].start)) / 2
+            inside = between(cell, first, last)
+            for a in plan.of(machine):
+                if a.task not in inside:
+                    yield cell, _with(plan, a, _at(a, float(middle))), {}
+            for other, its_last in operator.holds:
+                if not (
+                    {other, its_last} <= inside or {first, last} <= between(cell, other, its_last)
+                ):
+                    yield cell, _with(plan, rows[other], _at(rows[other], float(middle))), {}
+
+
 def over_a_stress_limit(cell: Cell, plan: Schedule) -> Damaged:
     for human in cell.humans:
         loads = {
@@ -211,6 +241,8 @@ DAMAGES: tuple[Callable[[Cell, Schedule], Damaged], ...] = (
     put_into_a_break,
     begun_before_all_is_at_hand,
     crowded,
+    mixed_in_a_zone,
+    done_while_a_part_is_held,
     over_a_stress_limit,
     a_pair_apart,
     a_set_that_is_not_listed,

@@ -135,6 +135,53 @@ def test_a_joint_task_takes_a_place_for_each_who_takes_part():
     )
 
 
+def test_kinds_are_kept_apart():
+    tasks = {"a": {"time": {"anna": 5}, "zone": "it"}, "b": {"time": {"cobot": 5}, "zone": "it"}}
+    apart = {"it": {"capacity": 2, "apart": ["human", "robot"]}}
+    assert possible(cell(tasks=tasks, zones=apart), 10, cpsat.kinds_are_kept_apart)
+    assert not possible(cell(tasks=tasks, zones=apart), 9, cpsat.kinds_are_kept_apart)
+    people = {"anna": {"kind": "human"}, "cobot": {"kind": "human"}}
+    assert possible(cell(people, tasks, zones=apart), 5, cpsat.kinds_are_kept_apart)
+
+
+def test_no_task_is_done_by_kinds_that_are_kept_apart():
+    joint = {"operators": ["anna", "cobot"], "time": 5}
+    tasks = {"a": {"time": {"anna": 9}, "together": [joint], "zone": "it"}, "b": {"time": BOTH}}
+    apart = {"it": {"capacity": 2, "apart": ["human", "robot"]}}
+    assert possible(cell(tasks=tasks, zones=apart), 9, cpsat.kinds_are_kept_apart)
+    assert not possible(cell(tasks=tasks, zones=apart), 8, cpsat.kinds_are_kept_apart)
+
+
+def test_a_machine_that_holds_a_part_does_nothing_else():
+    """Anna puts it in and takes it out; the press would stamp meanwhile."""
+    rules = (cpsat.predecessors_end_first, cpsat.a_machine_that_holds_a_part_does_nothing_else)
+    tasks = {
+        "in": {"time": {"anna": 5}},
+        "out": {"time": {"anna": 5}, "after": ["in"]},
+        "stamp": {"time": {"press": 3}},
+    }
+    holding = {"kind": "machine", "holds": [["in", "out"]]}
+    for press, ends in (({"kind": "machine"}, 10), (holding, 13)):
+        operators = {"anna": {"kind": "human"}, "press": press}
+        assert possible(cell(operators, tasks), ends, *rules)
+        assert not possible(cell(operators, tasks), ends - 1, *rules)
+    between = {**tasks, "stamp": {"time": {"press": 3}, "after": ["in"]}}
+    between["out"] = {"time": {"anna": 5}, "after": ["stamp"]}
+    operators = {"anna": {"kind": "human"}, "press": holding}
+    assert possible(cell(operators, between), 13, *rules)
+
+
+def test_a_machine_that_holds_a_part_takes_up_no_other():
+    rules = (cpsat.predecessors_end_first, cpsat.a_machine_that_holds_a_part_does_nothing_else)
+    tasks = {
+        "in 1": {"time": {"anna": 5}}, "out 1": {"time": {"anna": 5}, "after": ["in 1"]},
+        "in 2": {"time": {"cobot": 5}}, "out 2": {"time": {"cobot": 5}, "after": ["in 2"]},
+    }  # fmt: skip
+    press = {"kind": "machine", "holds": [["in 1", "out 1"], ["in 2", "out 2"]]}
+    assert possible(cell({**TWO, "press": press}, tasks), 20, *rules)
+    assert not possible(cell({**TWO, "press": press}, tasks), 19, *rules)
+
+
 def test_a_human_stays_within_the_stress_limit():
     rule = cpsat.a_human_stays_within_the_stress_limit
     tasks = {"a": {"time": {"anna": 5}, "stress": 2.5}, "b": {"time": {"anna": 5}, "stress": 2}}

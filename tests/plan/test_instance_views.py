@@ -8,6 +8,7 @@ from dataclasses import fields
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.plan.test_judges import two_parts
 from tests.strategies import cells
 
 from tandem.cell.model import Cell
@@ -53,6 +54,10 @@ def test_a_restricted_instance_is_that_of_the_cell_without_the_other_tasks(
         Cell.model_validate(
             {
                 **cell.to_dict(),
+                "operators": {
+                    who: {key: value for key, value in entry.items() if key != "holds"}
+                    for who, entry in cell.to_dict()["operators"].items()
+                },
                 "tasks": {name: tasks[name] for name in names},
                 "tools": tools,
                 "zones": {
@@ -134,10 +139,30 @@ def test_sets_as_bits_say_what_the_lists_say(cell: Cell) -> None:
             assert instance.followers[one] >> other & 1 == instance.needs[other] >> one & 1
     assert (
         instance.humans
-        | bits(o for o, name in enumerate(instance.operators) if name in cell.robots)
+        | bits(o for o, name in enumerate(instance.operators) if name not in cell.humans)
         == instance.everybody
     )
     places = {task: place for place, task in enumerate(instance.order)}
     assert all(places[first] < places[task] for task in tasks for first in instance.before[task])
     for group in instance.team:
         assert group < 0 or instance.team.count(group) > 1
+
+
+def test_what_is_left_of_a_hold_says_whether_the_part_is_in_already() -> None:
+    instance = Instance.of(two_parts())
+    at = {name: task for task, name in enumerate(instance.tasks)}
+
+    def left(tasks: list[str], begun: list[str]) -> list[tuple[int, int, list[str]]]:
+        held = instance.still_held([at[name] for name in tasks], bits(at[name] for name in begun))
+        inside = [[name for i, name in enumerate(tasks) if w >> i & 1] for w in held["within"]]
+        return [
+            (first, last, names)
+            for (_, first, last), names in zip(held["holds"], inside, strict=True)
+        ]
+
+    assert left(["in 1", "run 1", "out 1"], []) == [(0, 2, ["in 1", "run 1", "out 1"])]
+    assert left(["run 1", "out 1", "stamp"], ["in 1"]) == [(-1, 1, ["run 1", "out 1"])]
+    assert left(["in 1", "stamp"], []) == [(0, -1, ["in 1"])]
+    assert left(["run 1"], ["in 1"]) == [(-1, -1, ["run 1"])]
+    assert left(["stamp"], ["in 1", "run 1", "out 1"]) == []
+    assert left(["stamp"], []) == []

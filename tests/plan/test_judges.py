@@ -124,6 +124,40 @@ def test_no_rule_beats_the_proven_front(cell, rule, seed):
         assert result.bound.stress <= front[-1][1]
 
 
+def fixture() -> Cell:
+    """People may share the fixture, a person and a robot may not."""
+    return Cell.model_validate({
+        "operators": {
+            "anna": {"kind": "human"}, "ben": {"kind": "human"}, "cobot": {"kind": "robot"},
+        },
+        "tasks": {
+            "left": {"time": {"anna": 4.0}, "zone": "fixture"},
+            "right": {"time": {"ben": 3.0}, "zone": "fixture"},
+            "weld": {"time": {"cobot": 5.0}, "zone": "fixture"},
+        },
+        "zones": {"fixture": {"capacity": 2, "apart": ["human", "robot"]}},
+    })  # fmt: skip
+
+
+def two_parts() -> Cell:
+    """One press, two parts; Anna and Ben put them in and take them out, the press also stamps."""
+    return Cell.model_validate({
+        "operators": {
+            "anna": {"kind": "human"}, "ben": {"kind": "human"},
+            "press": {"kind": "machine", "holds": [["in 1", "out 1"], ["in 2", "out 2"]]},
+        },
+        "tasks": {
+            "in 1": {"time": {"anna": 4.0}},
+            "run 1": {"time": {"press": 10.0}, "after": ["in 1"]},
+            "out 1": {"time": {"ben": 3.0}, "after": ["run 1"]},
+            "in 2": {"time": {"ben": 4.0}},
+            "run 2": {"time": {"press": 10.0}, "after": ["in 2"]},
+            "out 2": {"time": {"anna": 3.0}, "after": ["run 2"]},
+            "stamp": {"time": {"press": 2.0}},
+        },
+    })  # fmt: skip
+
+
 def some_schedule(cell: Cell) -> Schedule:
     """A sound schedule of the cell, if there is one."""
     try:
@@ -151,6 +185,7 @@ def test_every_damage_has_something_to_break():
         (table, thesis_schedule()),
         (glued(), glued_schedule()),
     ]
+    known += [(cell, some_schedule(cell)) for cell in (fixture(), two_parts())]
     for damage in DAMAGES:
         broken = [case for cell, plan in known for case in damage(cell, plan)]
         assert broken, damage.__name__

@@ -24,7 +24,7 @@ def is_sound(cell: Cell, schedule: Schedule) -> bool:
         set(a.operators) - set(cell.operators) for a in rows
     ):
         return False
-    return _numbers_fit(cell, rows) and _stress_fits(cell, rows) and _moments_fit(cell, rows)
+    return all(rule(cell, rows) for rule in RULES)
 
 
 def _ms(seconds: float) -> int:
@@ -106,6 +106,69 @@ def _tool(cell: Cell, a: Assignment, name: str) -> str | None:
     return stated if stated is None or isinstance(stated, str) else stated.get(name)
 
 
+def _kept_apart(cell: Cell, rows: list[Assignment]) -> bool:
+    """Whether at no moment at which a task starts kinds that its zone keeps apart are there."""
+    for a in rows:
+        name = cell.tasks[a.task].zone
+        there = {
+            cell.operators[who].kind
+            for other in rows
+            if cell.tasks[other.task].zone == name and other.start <= a.start < other.end
+            for who in other.operators
+        }
+        if name in cell.zones and len(there & set(cell.zones[name].apart)) > 1:
+            return False
+    return True
+
+
+def _parts_are_held(cell: Cell, rows: list[Assignment]) -> bool:
+    """Whether each machine, while it holds a part, is busy with nothing that is not on the way from
+    the first to the last task of the hold, and holds no other part unless one is on the way of the
+    other.
+    """
+    start, end = {a.task: _ms(a.start) for a in rows}, {a.task: _ms(a.end) for a in rows}
+    for name, operator in cell.operators.items():
+        spans = [
+            (start[first], end[last], {first, last}, _on_the_way(cell, first, last))
+            for first, last in operator.holds
+        ]
+        for place, (begin, over, ends, inside) in enumerate(spans):
+            for a, busy in _busy(cell, rows, name):
+                if a.task not in inside and busy < over and begin < _ms(a.end):
+                    return False
+            for its_begin, its_over, its_ends, its_inside in spans[:place]:
+                nested = ends <= its_inside or its_ends <= inside
+                if not nested and begin < its_over and its_begin < over:
+                    return False
+    return True
+
+
+def _on_the_way(cell: Cell, first: str, last: str) -> set[str]:
+    """Tasks on a path of predecessors from the last task to the first."""
+    if first == last:
+        return {last}
+    task = cell.tasks[last]
+    ended = {*task.after, *(wait.after for wait in task.wait if wait.between == "end-start")}
+    paths = [_on_the_way(cell, first, before) for before in ended]
+    found = set().union(*(path for path in paths if path))
+    return found | {last} if found else set()
+
+
+def _busy(cell: Cell, rows: list[Assignment], name: str) -> list[tuple[Assignment, int]]:
+    """Each task of the operator in order, and when its walk there and its changeover begin, ms."""
+    found, hand, at = [], cell.operators[name].tool, cell.operators[name].place
+    for a in sorted((a for a in rows if name in a.operators), key=lambda a: a.start):
+        tool, place, before = _tool(cell, a, name), cell.tasks[a.task].place, 0
+        if tool is not None and hand is not None and tool != hand and tool in cell.tools:
+            before = _ms(cell.tools[tool].changeover.get(name, 0))
+        if place is not None:
+            before += _ms(cell.walking.get(name, {}).get((at, place), 0) if at else 0)
+            at = place
+        found.append((a, _ms(a.start) - before))
+        hand = hand if tool is None else tool
+    return found
+
+
 def _moments_fit(cell: Cell, rows: list[Assignment]) -> bool:
     """Everyone does one thing at a time: a task, a walk, a changeover or a break; and no tool or
     zone is over its capacity.
@@ -128,19 +191,11 @@ def _moments_fit(cell: Cell, rows: list[Assignment]) -> bool:
         for moment in range(0, _ready(operator, step), step):
             if not doing[name, moment]:
                 occupy(name, moment, moment + step)
-        hand, at = operator.tool, operator.place
-        for a in sorted((a for a in rows if name in a.operators), key=lambda a: a.start):
-            occupy(name, _ms(a.start), _ms(a.end))
-            tool, place, before = _tool(cell, a, name), cell.tasks[a.task].place, 0
-            if tool is not None and hand is not None and tool != hand and tool in cell.tools:
-                before = _ms(cell.tools[tool].changeover.get(name, 0))
-            if place is not None:
-                before += _ms(cell.walking.get(name, {}).get((at, place), 0) if at else 0)
-                at = place
-            if before > _ms(a.start):
+        for a, begin in _busy(cell, rows, name):
+            if begin < 0:
                 return False
-            occupy(name, _ms(a.start) - before, _ms(a.start))
-            hand = hand if tool is None else tool
+            occupy(name, begin, _ms(a.end))
+            tool = _tool(cell, a, name)
             for kind, place in (("tool", tool), ("zone", cell.tasks[a.task].zone)):
                 if place is not None:
                     used.update(
@@ -151,3 +206,6 @@ def _moments_fit(cell: Cell, rows: list[Assignment]) -> bool:
     return all(count == 1 for count in doing.values()) and all(
         count <= places.get((kind, name), 1) for (kind, name, _), count in used.items()
     )
+
+
+RULES = (_numbers_fit, _stress_fits, _kept_apart, _parts_are_held, _moments_fit)

@@ -45,7 +45,7 @@ SAID = {
         "zone": r"out of zone (.+)",
         "with": r"(.+) with (.+)",
         "own then": r"own tasks: (.+)",
-        "freed then": r"(.+) with (.+) \(((?:tool|zone) .+)\)",
+        "freed then": r"(.+) with (.+) \(((?:tool|zone|machine) .+)\)",
         "wait then": (
             r"(.+) with (.+) \((?:\S+ s to \S+ s later|\S+ s later at the earliest"
             r"|exactly \S+ s later|within \S+ s|at once)"
@@ -82,14 +82,17 @@ SAID = {
             r"Platz im Bereich (?P<name>.+) für (?P<places>\d+): höchstens (?P<spare>\d+) nicht"
             r" heraus von (?P<those>.+)"
         ),
-        "freed": r"(?P<who>.+) fertig mit (?P<task>.+) \((?P<freed>.*(?:Werkzeug|Bereich) .+)\)",
+        "freed": (
+            r"(?P<who>.+) fertig mit (?P<task>.+)"
+            r" \((?P<freed>.*(?:Werkzeug .+|Bereich .+| frei))\)"
+        ),
         "done": r"(?P<who>.+) fertig mit (?P<task>.+)",
         "partner": r"(?P<who>.+) auch bereit",
         "tool": r"Werkzeug (.+) frei",
         "zone": r"heraus aus Bereich (.+)",
         "with": r"(.+) mit (.+)",
         "own then": r"eigene Vorgänge: (.+)",
-        "freed then": r"(.+) mit (.+) \(((?:Werkzeug|Bereich) .+)\)",
+        "freed then": r"(.+) mit (.+) \(((?:Werkzeug|Bereich|Maschine) .+)\)",
         "wait then": (
             r"(.+) mit (.+) \((?:\S+ s bis \S+ s später|(?:genau |frühestens )\S+ s später"
             r"|innerhalb von \S+ s|sofort)(, vom Beginn dieses Schritts an)?\)"
@@ -348,7 +351,7 @@ def _then(row: Row, sentence: str, language: str) -> None:
     elif match := re.fullmatch(SAID[language]["wait then"], sentence):
         row.others.append((match[1], name_of(match[2]), frozenset()))
     elif match := re.fullmatch(SAID[language]["freed then"], sentence):
-        kinds = {"Werkzeug": "tool", "Bereich": "zone"}
+        kinds = {"Werkzeug": "tool", "Bereich": "zone", "Maschine": "machine"}
         freed = (one.split(" ", 1) for one in match[3].split(", "))
         row.others.append(
             (match[1], name_of(match[2]), frozenset((kinds.get(k, k), name) for k, name in freed))

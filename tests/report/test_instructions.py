@@ -15,7 +15,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from openpyxl.cell.rich_text import CellRichText, TextBlock
 from tests.draw.cells import front_of, gearbox_front, rows, thesis_front
-from tests.report.paper import Sheet, number, sheets_of
+from tests.fuzz.sheets import all_sheets
+from tests.report.paper import number, sheets_of
 from tests.schedule.cells import glued, glued_schedule
 from tests.strategies import cells
 
@@ -49,10 +50,6 @@ def knee(cell: Cell) -> Schedule | None:
         return None
 
 
-def on_paper(cell: Cell, schedule: Schedule, language: str) -> dict[str, Sheet]:
-    return sheets_of(html(front_of(cell, [schedule]), language=language), language)
-
-
 def joined(names: tuple[str, ...]) -> str:
     return " + ".join(names)
 
@@ -63,7 +60,7 @@ def test_every_step_names_all_that_it_waits_for(cell: Cell, language: str) -> No
     schedule = knee(cell)
     if schedule is None:
         return
-    sheets, who = on_paper(cell, schedule, language), {a.task: a.operators for a in schedule}
+    sheets, who = all_sheets(cell, schedule, language), {a.task: a.operators for a in schedule}
     assert set(sheets) == set(cell.operators)
     for one, sheet in sheets.items():
         assert [row.task for row in sheet.rows if row.task] == [a.task for a in schedule.of(one)]
@@ -115,7 +112,7 @@ def test_what_can_begin_then_is_all_that_waits_for_it(cell: Cell, language: str)
     if schedule is None:
         return
     who = {a.task: a.operators for a in schedule}
-    rows = [row for sheet in on_paper(cell, schedule, language).values() for row in sheet.rows]
+    rows = [row for sheet in all_sheets(cell, schedule, language).values() for row in sheet.rows]
     waits: dict[str, set[str]] = {name: set() for name in who}
     for row in rows:
         named = {task for _, task in row.waits_for()} | row.own_before()
@@ -138,7 +135,7 @@ def test_every_break_between_two_steps_and_every_changeover_is_said(
     schedule = knee(cell)
     if schedule is None:
         return
-    for one, sheet in on_paper(cell, schedule, language).items():
+    for one, sheet in all_sheets(cell, schedule, language).items():
         own, operator = schedule.of(one), cell.operators[one]
         wanted = [("", exact(operator.setup))] if own and operator.setup else []
         for ready in made_ready(cell, one, own):
@@ -228,7 +225,7 @@ def shop_front() -> Front:
 def test_what_must_wait_is_told_to_who_waits_and_to_who_comes_before(
     language: str, said: tuple[str, ...]
 ) -> None:
-    sheets = on_paper(glued(), glued_schedule(), language)
+    sheets = all_sheets(glued(), glued_schedule(), language)
     (glue, cool), (_, press) = sheets["cobot"].rows, sheets["anna"].rows
     found = (
         *(glue.cells["begin"][0], glue.cells["then"][0]),
@@ -247,7 +244,7 @@ def test_the_drill_waits_for_the_clamp_although_only_the_tool_comes_last() -> No
         }
     )
     late = rows(("clamp part", "a", 0, 2), ("fetch tool", "b", 4, 5), ("drill", "c", 5, 8))
-    (drill,) = on_paper(cell, late, "en")["Cobot"].rows
+    (drill,) = all_sheets(cell, late, "en")["Cobot"].rows
     assert drill.waits_for() == {("Anna", "clamp part"), ("Bert", "fetch tool")}
     assert drill.bold == [("done", "Bert done with fetch tool")]
 
@@ -297,7 +294,7 @@ def test_the_last_task_of_the_thesis_names_all_six_before_it() -> None:
     for result in thesis_front():
         (seventh,) = [
             row
-            for sheet in on_paper(result.cell, result.schedule, "en").values()
+            for sheet in all_sheets(result.cell, result.schedule, "en").values()
             for row in sheet.rows
             if row.task == "7"
         ]
@@ -322,7 +319,7 @@ def drivers(people: str) -> Cell:
 def test_one_of_two_tools_stays_with_whoever_has_it() -> None:
     """Two drivers for two people who work side by side: nobody waits for the other's."""
     schedule = rows(("a1", "a", 0, 2), ("b1", "b", 1, 3), ("b2", "b", 5, 7), ("a2", "a", 6, 8))
-    for sheet in on_paper(drivers("ab"), schedule, "en").values():
+    for sheet in all_sheets(drivers("ab"), schedule, "en").values():
         for row in sheet.rows:
             assert not row.rooms()
             assert not row.waits_for()
@@ -334,7 +331,7 @@ def test_the_third_of_two_drivers_waits_for_whoever_is_done_first() -> None:
         ("a1", "a", 0, 2), ("b1", "b", 0, 2), ("c1", "c", 2, 4), ("a2", "a", 2, 4),
         ("b2", "b", 4, 6), ("c2", "c", 4, 6),
     )  # fmt: skip
-    first, second = on_paper(drivers("abc"), schedule, "en")["c"].rows
+    first, second = all_sheets(drivers("abc"), schedule, "en")["c"].rows
     assert first.rooms() == [("tool", "driver", 1, [("b", "b1"), ("a", "a2")])]
     assert first.cells["begin"] == [
         "one of 2 driver free: at most 1 not done of b with b1; a with a2"
@@ -397,14 +394,14 @@ def test_a_sheet_says_which_plan_it_belongs_to_wherever_it_stands(language: str)
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_a_long_sheet_tells_every_step_its_own_number(language: str) -> None:
     front = gearbox_front()
-    for sheet in on_paper(front.cell, front.knee.schedule, language).values():
+    for sheet in all_sheets(front.cell, front.knee.schedule, language).values():
         numbers = [int(row.cells["number"][0]) for row in sheet.rows]
         assert numbers == list(range(1, len(numbers) + 1))
 
 
 def test_names_and_labels_of_tasks_stand_in_columns_of_their_own() -> None:
     front = gearbox_front()
-    for sheet in on_paper(front.cell, front.knee.schedule, "en").values():
+    for sheet in all_sheets(front.cell, front.knee.schedule, "en").values():
         for row in sheet.rows:
             if row.task:
                 assert row.cells["task"] == [row.task]

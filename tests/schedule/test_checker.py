@@ -333,7 +333,11 @@ def test_every_rule_has_been_seen_to_fire():
     }
     cells.append(
         (
-            gearbox(tasks=zones, zones={"jig": {"capacity": 2}}, tools={"driver": {"capacity": 2}}),
+            gearbox(
+                tasks=zones,
+                zones={"jig": {"capacity": 2, "apart": ["human", "robot"]}},
+                tools={"driver": {"capacity": 2}},
+            ),
             gearbox_schedule(),
         )
     )
@@ -346,6 +350,9 @@ def test_every_rule_has_been_seen_to_fire():
         )
     )
     cells.append((glued(), glued_schedule(glue=(COBOT, 0, 5))))
+    holding = {"kind": "machine", "holds": [["screws", "pack"]], "tool": "gripper"}
+    machine = {**GEARBOX["operators"], "cobot": holding}
+    cells.append((gearbox(operators=machine), gearbox_schedule(housing=(COBOT, 8, 12))))
     for cell, plan in cells:
         judged = Judged.of(cell, plan, max_makespan=1, max_stress=float(Decimal("0.1")))
         fired |= {rule for rule in RULES if list(rule(judged))}

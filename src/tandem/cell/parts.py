@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
 from functools import cached_property, lru_cache
-from typing import Annotated, Any, Literal, NamedTuple, TypeVar
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar, get_args
 
 from pydantic import (
     AfterValidator,
@@ -129,6 +129,9 @@ ToolOrEach = Annotated[
     Annotated[Name, Tag("name")] | Annotated[ToolPerOperator, Tag("table")], Discriminator(_named)
 ]
 """One tool for all, or a tool for each by name; none for who is not named."""
+Kind = Literal["human", "robot", "machine"]
+"""What an operator is."""
+KINDS: tuple[Kind, ...] = get_args(Kind)
 
 
 class TimeOff(NamedTuple):
@@ -153,9 +156,14 @@ class Frozen(BaseModel):
 
 
 class Operator(Frozen):
-    """A human or a robot."""
+    """A human, a robot, or a machine such as a press, an oven or a test stand."""
 
-    kind: Literal["human", "robot"] = Field(description="Stress counts for humans only.")
+    kind: Kind = Field(
+        description=(
+            "human, robot or machine. Stress counts for humans only; a machine is given no sheet of"
+            " instructions."
+        )
+    )
     label: Text | None = Field(
         default=None,
         description="What charts and messages call the operator; the name when absent.",
@@ -190,6 +198,14 @@ class Operator(Frozen):
         default=None,
         description=(
             "Where the operator stands at the start. When absent, at the place of its first task."
+        ),
+    )
+
+    holds: tuple[tuple[Name, Name], ...] = Field(
+        default=(),
+        description=(
+            "Of a machine: pairs `[FIRST, LAST]` of tasks. From the start of FIRST to the end of"
+            " LAST it holds the part, and does nothing but these two and the tasks between them."
         ),
     )
 
@@ -419,6 +435,13 @@ class Zone(Frozen):
     """A shared space that tasks name."""
 
     capacity: Places = Field(default=1, description="How many operators it holds at once.")
+    apart: tuple[Kind, ...] = Field(
+        default=(),
+        description=(
+            "Kinds of operators that are never in it at once, such as `[human, robot]`: several of"
+            " one kind may be, as far as there are places. Kinds that are not named mind nobody."
+        ),
+    )
 
 
 NAMED = ("after", "operators", "tool", "zone", "place", "label", "part")
@@ -570,6 +593,23 @@ class Fields(Frozen):
     def robots(self) -> tuple[str, ...]:
         """Names of the robots, in the cell's order."""
         return tuple(name for name, operator in self.operators.items() if operator.kind == "robot")
+
+    @cached_property
+    def machines(self) -> tuple[str, ...]:
+        """Names of the machines, in the cell's order."""
+        return tuple(n for n, operator in self.operators.items() if operator.kind == "machine")
+
+    @cached_property
+    def crew(self) -> dict[Kind, tuple[str, ...]]:
+        """Names of the operators by kind, humans first, in the cell's order; kinds that are not
+        there are left out.
+        """
+        groups: dict[Kind, tuple[str, ...]] = {
+            "human": self.humans,
+            "robot": self.robots,
+            "machine": self.machines,
+        }
+        return {kind: names for kind, names in groups.items() if names}
 
     @cached_property
     def tool_names(self) -> tuple[str, ...]:

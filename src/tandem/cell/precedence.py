@@ -64,6 +64,30 @@ def _keys(cell: Fields, cycle: Sequence[str]) -> str:
     return " or ".join(f"`{key}`" for key in sorted(places))
 
 
+def between(cell: Fields, first: str, last: str) -> frozenset[str]:
+    """The tasks that come after the first and before the last, directly or not, and these two;
+    empty when the last does not come after the first.
+    """
+    before: set[str] = set()
+    pending = [last]
+    while pending:
+        new = set(_before(cell, pending.pop())) - before
+        before |= new
+        pending += new
+    if first not in before:
+        return frozenset()
+    found, grown = {first}, True
+    while grown:
+        more = {name for name in before - found if found & set(_before(cell, name))}
+        found |= more
+        grown = bool(more)
+    return frozenset(found | {last})
+
+
+def _before(cell: Fields, name: str) -> tuple[str, ...]:
+    return cell.tasks[name].predecessors if name in cell.tasks else ()
+
+
 def cycles(after: Mapping[str, Sequence[str]]) -> Iterator[list[str]]:
     """Circles in a graph given by the predecessors of each node; when each loses one arc, none is
     left.

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from tandem.cell.names import Known, difference, twins
 from tandem.cell.parts import tools_of
-from tandem.cell.precedence import no_task_waits_for_itself
+from tandem.cell.precedence import between, no_task_waits_for_itself
 from tandem.cell.slips import slips
 from tandem.cell.times import (
     a_deadline_can_be_met,
@@ -91,6 +91,20 @@ def tasks_are_known(cell: Fields) -> Iterator[Fault]:
                     f"same_operator names {name!r}, which is no task. {known.hint(name)}",
                     ("same_operator", place, side),
                 )
+
+
+def tasks_of_held_parts_are_known(cell: Fields) -> Iterator[Fault]:
+    """Whatever stands in the `holds` of an operator is one of the cell's tasks."""
+    known = Known(cell.tasks)
+    for who, operator in cell.operators.items():
+        for place, pair in enumerate(operator.holds):
+            for side, name in enumerate(pair):
+                if name not in known:
+                    yield Fault(
+                        f"operator {who!r}: holds names {name!r}, which is no task."
+                        f" {known.hint(name)}",
+                        ("operators", who, "holds", place, side),
+                    )
 
 
 def no_task_comes_after_itself(cell: Fields) -> Iterator[Fault]:
@@ -236,23 +250,95 @@ def a_tool_of_a_group_is_used_by_its_members(cell: Fields) -> Iterator[Fault]:
                     )
 
 
+def kinds_are_kept_apart_from_each_other(cell: Fields) -> Iterator[Fault]:
+    """A zone that keeps kinds apart names several, each once, and every task in it can be done by
+    operators who may be there together.
+    """
+    for name, zone in cell.zones.items():
+        if zone.apart and len(set(zone.apart)) < 2:
+            yield Fault(
+                f"zone {name!r}: keeps only {zone.apart[0]!r} apart, and from nobody. Name two"
+                " kinds or more, such as `apart: [human, robot]`, or leave it out.",
+                ("zones", name, "apart"),
+            )
+        elif twice := [kind for kind, count in Counter(zone.apart).items() if count > 1]:
+            yield Fault(
+                f"zone {name!r}: `apart` names {_listed(twice)} twice. Name each once.",
+                ("zones", name, "apart"),
+            )
+    for name, task in cell.tasks.items():
+        place = cell.zones.get(task.zone or "")
+        if place is None or not place.apart or task.time or not task.together:
+            continue
+        groups = [joint.operators for joint in task.together]
+        if all(len(_kinds_apart(cell, place, group)) > 1 for group in groups):
+            kinds = " and ".join(place.apart)
+            yield Fault(
+                f"task {name!r}: {_listed(groups[0])} can only do it together, but zone"
+                f" {task.zone!r} keeps {kinds} apart, so they never meet. Take the task out of the"
+                " zone, let one operator do it alone, or take `apart` out.",
+                ("tasks", name, "zone"),
+            )
+
+
+def _kinds_apart(cell: Fields, zone: Zone, group: tuple[str, ...]) -> set[str]:
+    kinds: set[str] = {cell.operators[who].kind for who in group if who in cell.operators}
+    return kinds & set(zone.apart)
+
+
 def stress_is_put_on_humans(cell: Fields) -> Iterator[Fault]:
     """Stress per human names humans, and only humans have a stress limit."""
     for path, stress, what in _stresses(cell):
         for who in stress:
-            if who in cell.operators and cell.operators[who].kind == "robot":
+            kind = cell.operators[who].kind if who in cell.operators else "human"
+            if kind != "human":
                 yield Fault(
-                    f"{what}: stress is stated for {who!r}, a robot. Only humans have stress; take"
+                    f"{what}: stress is stated for {who!r}, a {kind}. Only humans have stress; take"
                     f" {who!r} out.",
                     (*path, who),
                 )
     for who, operator in cell.operators.items():
-        if operator.kind == "robot" and operator.stress_limit is not None:
+        if operator.kind != "human" and operator.stress_limit is not None:
             yield Fault(
-                f"operator {who!r} is a robot and has a stress_limit. Only humans have stress; take"
-                " it out.",
+                f"operator {who!r} is a {operator.kind} and has a stress_limit. Only humans have"
+                " stress; take it out.",
                 ("operators", who, "stress_limit"),
             )
+
+
+def machines_hold_from_one_task_to_a_later_one(cell: Fields) -> Iterator[Fault]:
+    """Only machines hold parts: each from one task to another that comes after it, once."""
+    for who, operator in cell.operators.items():
+        path: Path = ("operators", who, "holds")
+        if operator.holds and operator.kind != "machine":
+            yield Fault(
+                f"operator {who!r} is a {operator.kind} and has `holds`. Only machines hold parts;"
+                " take it out, or write `kind: machine`.",
+                path,
+            )
+            continue
+        for place, (first, last) in enumerate(operator.holds):
+            if first not in cell.tasks or last not in cell.tasks:
+                continue
+            if first == last:
+                yield Fault(
+                    f"operator {who!r} holds a part from {first!r} to {last!r}. Name two tasks, the"
+                    " one that puts the part in and the one that takes it out, or leave it out.",
+                    (*path, place),
+                )
+            elif not between(cell, first, last):
+                yield Fault(
+                    f"operator {who!r} holds a part from {first!r} to {last!r}, but {last!r} does"
+                    f" not come after {first!r}. Write {first!r} into `after` of {last!r}, or name"
+                    " another pair.",
+                    (*path, place),
+                )
+            elif operator.holds.index((first, last)) != place:
+                yield Fault(
+                    f"operator {who!r} holds a part from {first!r} to {last!r} twice. Keep one of"
+                    " them.",
+                    (*path, place),
+                )
 
 
 def stress_of_a_group_is_put_on_its_members(cell: Fields) -> Iterator[Fault]:
@@ -473,12 +559,15 @@ RULES: tuple[Callable[[Fields], Iterator[Fault]], ...] = (
     names_can_be_told_apart,
     operators_are_known,
     tasks_are_known,
+    tasks_of_held_parts_are_known,
     no_task_comes_after_itself,
     no_task_waits_for_itself,
     a_wait_leaves_time_to_start,
     a_group_names_each_operator_once,
     someone_can_do_each_task,
+    kinds_are_kept_apart_from_each_other,
     stress_is_put_on_humans,
+    machines_hold_from_one_task_to_a_later_one,
     stress_of_a_group_is_put_on_its_members,
     a_tool_of_a_group_is_used_by_its_members,
     breaks_are_apart,

@@ -112,7 +112,7 @@ class Moment(click.ParamType):  # type: ignore[type-arg]  # older releases of cl
 @click.option(
     "--failures",
     type=click.FloatRange(0.0, min_open=True),
-    help="Simulated: mean seconds until a robot breaks down; never when absent.",
+    help="Simulated: mean seconds until a robot or machine breaks down; never when absent.",
 )
 @click.option(
     "--absences",

@@ -129,10 +129,9 @@ def sound(cell: Cell, file: str, named: bool = True) -> str:
     """ "cell.yaml: sound; 7 tasks, 1 human, 1 robot."; by the cell's own name where it has one and
     `named` is set.
     """
-    people = (
-        f"{len(cell.humans)} human{'s' * (len(cell.humans) != 1)}, {len(cell.robots)}"
-        f" robot{'s' * (len(cell.robots) != 1)}"
-    )
+    counts = [("human", len(cell.humans)), ("robot", len(cell.robots))]
+    counts += [("machine", len(cell.machines))] if cell.machines else []
+    people = ", ".join(f"{count} {kind}{'s' * (count != 1)}" for kind, count in counts)
     return (
         f"{(cell.name if named else '') or file}: sound; {len(cell.tasks)}"
         f" task{'s' * (len(cell.tasks) != 1)}, {people}."

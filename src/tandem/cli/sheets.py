@@ -47,6 +47,9 @@ ROOM = "tandem.files.spreadsheet"
 @click.option(
     "--robot", "robots", multiple=True, metavar="NAME", help="An operator that is a robot."
 )
+@click.option(
+    "--machine", "machines", multiple=True, metavar="NAME", help="An operator that is a machine."
+)
 @click.option("--force", is_flag=True, help="Replace the output file when it exists.")
 @LANGUAGE
 def import_command(
@@ -57,6 +60,7 @@ def import_command(
     columns: tuple[str, ...],
     humans: tuple[str, ...],
     robots: tuple[str, ...],
+    machines: tuple[str, ...],
     force: bool,
     lang: str,
 ) -> None:
@@ -74,7 +78,12 @@ def import_command(
     if output is not None and output.exists() and not force and not preview:
         raise UsageError(f"{output} exists already. Give --force to replace it, or another name.")
     draft = read_workbook(
-        workbook, sheet=sheet, columns=dict(map(_pair, columns)), humans=humans, robots=robots
+        workbook,
+        sheet=sheet,
+        columns=dict(map(_pair, columns)),
+        humans=humans,
+        robots=robots,
+        machines=machines,
     )
     if preview:
         click.echo(preview_text(draft, lang))

@@ -73,7 +73,7 @@ PICTURE = click.Path(dir_okay=False, path_type=Path)
 @click.option(
     "--failures",
     type=click.FloatRange(0.0, min_open=True),
-    help="Mean seconds until a robot breaks down; never when absent.",
+    help="Mean seconds until a robot or machine breaks down; never when absent.",
 )
 @click.option(
     "--absences",

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell
+from tandem.cell.parts import KINDS
 from tandem.draw.figure import axes_or_new, gantt_size, legend_below, numbers_in
 from tandem.draw.lanes import SHADINGS, Bar, Lane, kinds_shaded, lanes
 from tandem.draw.language import Words, words
@@ -289,7 +290,7 @@ def draw_legend(ax: Axes, rows: Sequence[Lane], t: Words, *, critical: bool) -> 
     from matplotlib.patches import Patch
 
     entries: list[tuple[Artist, str]] = []
-    for kind in ("human", "robot"):
+    for kind in KINDS:
         look = next((lane.look for lane in rows if lane.look.kind == kind), None)
         if look:
             fill = "hatched" if look.hatch else "plain"

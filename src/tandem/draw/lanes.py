@@ -11,6 +11,7 @@ from tandem.draw.style import Look, looks, task_label
 from tandem.schedule.critical import critical_path
 from tandem.schedule.measures import changeovers, utilisation, walks, working
 from tandem.schedule.model import Assignment, Schedule
+from tandem.schedule.parts import Hold, holds
 
 
 @dataclass(frozen=True)
@@ -34,19 +35,20 @@ class Shading:
     """How a time without a task is shown.
 
     Attributes:
-      fill: of what kind it looks: "break", "changeover" or "walk".
+      fill: of what kind it looks: "break", "changeover", "walk" or "hold".
       hatch: matplotlib's notation for that.
     """
 
-    fill: Literal["break", "changeover", "walk"]
+    fill: Literal["break", "changeover", "walk", "hold"]
     hatch: str
 
 
 SHADINGS = {
     "break": Shading("break", "xxxx"),
     "setup": Shading("changeover", "...."),
-    "walk": Shading("walk", "----"),
+    "walk": Shading("walk", "||||"),
     "changeover": Shading("changeover", "...."),
+    "hold": Shading("hold", ".."),
 }
 """Kind of time off -> how it is shown; each has the words `picture.KIND` and `gantt.KIND`."""
 
@@ -124,8 +126,26 @@ def lanes(
         shaded += [piece for who, piece in before if who == name]
         if bars and (span := cell.operators[name].setting_up) is not None:
             shaded.append(Shaded(*span, "setup"))
+        shaded += _holding(name, bars, shaded, holds(cell, schedule))
         found.append(Lane(look, bars, tuple(shaded), busy[name], used[name]))
     return tuple(found)
+
+
+def _holding(
+    name: str, bars: Iterable[Bar], shaded: Iterable[Shaded], found: Iterable[Hold]
+) -> list[Shaded]:
+    """When the machine holds a part and does nothing."""
+    taken = sorted([*((b.start, b.end) for b in bars), *((s.start, s.end) for s in shaded)])
+    idle = []
+    for hold in found:
+        start = hold.first.start
+        for begin, end in [*taken, (hold.last.end, hold.last.end)] if hold.machine == name else ():
+            if end > start:
+                stop = min(begin, hold.last.end)
+                if stop > start:
+                    idle.append(Shaded(start, stop, "hold"))
+                start = max(start, end)
+    return idle
 
 
 def kinds_shaded(rows: Iterable[Lane]) -> list[str]:

@@ -2,21 +2,32 @@
 and reports.
 
 The colours are those of Okabe and Ito (2008), which people with any common colour blindness can
-tell apart: warm ones for humans, cool ones for robots. Because colour alone is not enough, robots
-are hatched and humans plain, and every operator has letters of its own.
+tell apart: warm ones for humans, cool ones for robots; machines have greys. Because colour alone is
+not enough, humans are plain, robots hatched in slanting and machines in level lines, and every
+operator has letters of its own.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from tandem.cell.model import Cell
+from tandem.cell.parts import Kind
 
 HUMAN_COLOURS = ("#E69F00", "#CC79A7", "#D55E00", "#F0E442")
 ROBOT_COLOURS = ("#56B4E9", "#009E73", "#0072B2", "#7F8FA6")
+MACHINE_COLOURS = ("#7A7A7A", "#4D4D4D", "#9A9A9A", "#636363")
 HUMAN_HATCHES = ("", "..", "oo", "**")
 ROBOT_HATCHES = ("///", "\\\\\\", "xxx", "|||")
+MACHINE_HATCHES = ("---", "+++")
+
+FILLS: dict[Kind, tuple[Sequence[str], Sequence[str]]] = {
+    "human": (HUMAN_COLOURS, HUMAN_HATCHES),
+    "robot": (ROBOT_COLOURS, ROBOT_HATCHES),
+    "machine": (MACHINE_COLOURS, MACHINE_HATCHES),
+}
+"""Colours and hatches of each kind of operator; each is used up in turn."""
 
 INK = "#1A1A1A"
 """Text and the critical path."""
@@ -39,7 +50,7 @@ class Look:
       letters: one to three letters that are its own within the cell.
       colour: full colour for edges, hatches and marks; `tint` is the light fill on which black text
         reads.
-      hatch: matplotlib's notation; empty for the first human, never empty for a robot.
+      hatch: matplotlib's notation; empty for the first human, never empty for a robot or machine.
     """
 
     operator: str
@@ -58,15 +69,11 @@ def looks(cell: Cell) -> dict[str, Look]:
     letters = _letters(
         [(name, operator.label or name) for name, operator in cell.operators.items()]
     )
-    found, seen = {}, {"human": 0, "robot": 0}
+    found, seen = {}, dict.fromkeys(FILLS, 0)
     for name, operator in cell.operators.items():
         place = seen[operator.kind]
         seen[operator.kind] += 1
-        colours, hatches = (
-            (HUMAN_COLOURS, HUMAN_HATCHES)
-            if operator.kind == "human"
-            else (ROBOT_COLOURS, ROBOT_HATCHES)
-        )
+        colours, hatches = FILLS[operator.kind]
         colour = colours[place % len(colours)]
         # When the colours are used up they begin again with the next hatch, so that a pair of both
         # stays an operator's own.

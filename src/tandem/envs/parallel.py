@@ -23,8 +23,8 @@ Observation = dict[str, NDArray[Any]]
 
 
 class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
-    """`robot_0`, `robot_1`, ..., `human_0`, ... in the cell's order; action 0 waits, action i is
-    the cell's i-th way (`game.names.ways[i - 1]`).
+    """`robot_0`, `robot_1`, ..., `machine_0`, ..., `human_0`, ... in the cell's order; action
+    0 waits, action i is the cell's i-th way (`game.names.ways[i - 1]`).
 
     A step is one moment at which somebody can begin something. The actions are taken in turn,
     humans first; what an earlier one has taken away counts as waiting for the later one, and is not
@@ -49,7 +49,11 @@ class EventsParallel(ParallelEnv[str, Observation, int]):  # type: ignore[misc]
         names, of = self.game.names.operators, self.game.cell
         self.operators = {
             f"{kind}_{index}": names.index(who)
-            for kind, group in (("robot", of.robots), ("human", of.humans))
+            for kind, group in (
+                ("robot", of.robots),
+                ("machine", of.machines),
+                ("human", of.humans),
+            )
             for index, who in enumerate(group)
         }
         self.possible_agents = list(self.operators)

@@ -16,7 +16,8 @@ def text_gantt(cell: Cell, schedule: Schedule, now: float) -> str:
     """A lane per operator, a character per second (more seconds when it would be too wide):
     `1=======|` is task 1 done by a human.
 
-    Robots' bars are filled with `-`, humans' with `=`; the first line holds the seconds.
+    Humans' bars are filled with `=`, those of robots and machines with `-`; the first line
+    holds the seconds.
     """
     scale = max(1.0, now / WIDEST)
     width = round(now / scale)

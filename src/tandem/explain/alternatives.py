@@ -195,7 +195,7 @@ def rearranged(cell: Cell, schedule: Schedule) -> Schedule | None:
     place = {task: index for index, task in enumerate(instance.order)}
     rows = sorted(schedule, key=lambda a: (a.start, place[at[a.task]]))
     state = append_in_order(layout, [at[a.task] for a in rows], steps)
-    return instance.schedule(state.starts())
+    return None if state is None else instance.schedule(state.starts())
 
 
 def sentence(found: Alternative, language: str = "en") -> str:

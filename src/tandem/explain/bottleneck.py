@@ -347,7 +347,14 @@ def part(cell: Cell, tasks: Iterable[str], ordered: bool = True) -> Cell:
         if name in kept
     }
     pairs = tuple(pair for pair in cell.same_operator if set(pair) <= kept)
+    operators = {
+        who: operator.model_copy(
+            update={"holds": tuple(h for h in operator.holds if ordered and set(h) <= kept)}
+        )
+        for who, operator in cell.operators.items()
+    }
     return cell.replace(
+        operators=operators,
         tasks=rows,
         same_operator=pairs,
         stress_of_set=None if len(rows) < len(cell.tasks) else cell.stress_of_set,

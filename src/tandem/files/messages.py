@@ -11,7 +11,17 @@ from pydantic import ValidationError
 
 from tandem.cell.model import Cell
 from tandem.cell.names import Known, clean, harm_in
-from tandem.cell.parts import Cost, Operator, Task, Together, Tool, Variant, Wait, Zone
+from tandem.cell.parts import (
+    KINDS,
+    Cost,
+    Operator,
+    Task,
+    Together,
+    Tool,
+    Variant,
+    Wait,
+    Zone,
+)
 from tandem.cell.written import number
 from tandem.errors import Fault
 
@@ -211,7 +221,7 @@ def _missing(path: Path, item: Any) -> str:
             )
             return f"`{path[0]}` is missing. Write `{path[0]}: {example}`, for example."
         case ("operators", _, "kind"):
-            return "`kind` is missing. Write `kind: human` or `kind: robot`."
+            return "`kind` is missing. Write `kind: human`, `kind: robot` or `kind: machine`."
         case ("operators", _, "breaks", _, _):
             return "a break needs two numbers, `[from, to]` in seconds."
         case ("tasks", _, "wait", _, "after"):
@@ -221,6 +231,8 @@ def _missing(path: Path, item: Any) -> str:
             )
         case ("places", name, _):
             return f"place {shown(name)} needs two numbers, `[x, y]` in metres."
+        case ("operators", _, "holds", _, _):
+            return "`holds` holds pairs of tasks, such as `[[1, 2]]`; here the second is missing."
         case ("same_operator", _, _):
             return (
                 "same_operator holds pairs of tasks, such as `[[1, 2]]`; here the second is"
@@ -297,9 +309,10 @@ def _no_choice(path: Path, item: Any) -> str:
             f"format is {shown(value)}, but this version of Tandem reads format 1. A newer version"
             " may read it."
         )
-    allowed = ("end-start", "start-start") if path[-1] == "between" else ("human", "robot")
+    allowed = ("end-start", "start-start") if path[-1] == "between" else KINDS
     near = Known(allowed).nearest(value) if isinstance(value, str) else None
-    return f"{_what(path)} is {shown(value)}, but must be {' or '.join(allowed)}." + (
+    words = f"{', '.join(allowed[:-1])} or {allowed[-1]}"
+    return f"{_what(path)} is {shown(value)}, but must be {words}." + (
         f" Did you mean {near!r}?" if near else ""
     )
 
@@ -339,6 +352,8 @@ def _no_list(path: Path, item: Any) -> str:
         "breaks": "[[60, 90]]",
         "operators": "[robot, human]",
         "same_operator": "[[1, 2]]",
+        "apart": "[human, robot]",
+        "holds": "[[1, 2]]",
         "together": "[{operators: [a, b], time: 12}]",
         "wait": "[{after: 1, at_least: 40}]",
     }

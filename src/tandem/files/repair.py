@@ -90,8 +90,12 @@ def _stand_in(flaw: Flaw) -> tuple[Path, Any]:
             return path, {"kind": "human"}
         case ("operators", name, "kind"):
             return path, "human"
-        case ("operators", _, "breaks", _, *_) | ("tasks", _, "wait", _, *_):
-            return path[:4], _GONE
+        case (
+            ("operators", _, "breaks" | "holds", _, *_)
+            | ("tasks", _, "wait", _, *_)
+            | ("zones", _, "apart", *_)
+        ):
+            return path[: 3 if path[2] == "apart" else 4], _GONE
         case ("tasks", _):
             return path, {}
         case ("tasks", _, "time", _) | ("tasks", _, "together", _, "time"):

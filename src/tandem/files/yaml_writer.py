@@ -19,7 +19,7 @@ PLAIN = re.compile(r"[^\W_](?:[\w ./()+-]*[\w)])?")
 UNSEEN = re.compile(r"[\x7f-\xa0\u2028\u2029\ufeff\ufffe\uffff]")
 
 NAMES = (
-    *("after", "same_operator", "operators", "tool", "zone", "place"),
+    *("after", "same_operator", "holds", "operators", "tool", "zone", "place"),
     *("label", "part", "name"),
 )
 """Keys whose values are names: these are read as they are written, so digits need no quotes."""

@@ -19,7 +19,7 @@ NAMES = frozenset({"format", "name", "label", "part", "kind"})
 """Keys that call things by name; every world can stand them."""
 TABLES = frozenset({"operators", "tasks", "tools", "zones"})
 """Keys of a cell under which the others stand; tools and zones say nothing until a task names
-one.
+one. A world that knows zones still knows none that keep kinds of operators apart.
 """
 
 
@@ -37,7 +37,20 @@ def beyond(
         yield from (("tasks", name, key) for key in _stated(step, task))
         if "tool" not in task and step.tool is None and any(step.tools_named()):
             yield ("tasks", name, "tool")
+    for name, zone in cell.zones.items():
+        if zone.apart and "zone" in task:
+            yield ("zones", name, "apart")
     yield from ((key,) for key in _stated(cell, TABLES))
+
+
+def enumerated_crew(cell: Cell) -> str:
+    """How many of each kind the cell has, as in "1 robot and 2 humans"; machines where there are
+    some.
+    """
+    counts = [("robot", len(cell.robots)), ("human", len(cell.humans))]
+    counts += [("machine", len(cell.machines))] if cell.machines else []
+    *most, last = (f"{count} {kind}{'s' * (count != 1)}" for kind, count in counts)
+    return f"{', '.join(most)} and {last}"
 
 
 def _stated(part: BaseModel, known: Collection[str]) -> Iterator[str]:

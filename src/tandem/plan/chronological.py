@@ -6,10 +6,10 @@ early as it can but not before the one appended last.
 
 Why nothing is lost. Take any sound schedule, its tasks in order of start. Suppose its first k tasks
 are appended and no number of the node (last start, end of each operator's work, ends that others
-wait for, places of tools and zones, stress) is above what the schedule itself has. Task k+1 can
-start where the schedule starts it, for that is possible and not before the last start; so its
-earliest start is no later, and again no number is above. After the last task neither makespan nor
-stress is above the schedule's.
+wait for, places of tools and zones, kinds kept apart, stress) is above what the schedule itself
+has. Task k+1 can start where the schedule starts it, for that is possible and not before the last
+start; so its earliest start is no later, and again no number is above. After the last task neither
+makespan nor stress is above the schedule's.
 
 Why nodes can be merged. Two nodes in which the same tasks are appended, the same tools are in hand,
 the same tasks are with humans (where a table of sets counts stress) and the same operators are
@@ -44,11 +44,12 @@ class Node(NamedTuple):
     Attributes:
       mask: bits of the tasks appended.
       last: start of the task appended last.
-      free: per operator, the end of their last task. `stance`: what they have in hand, see
-        `Instance.stance`.
+      free: per operator, the end of their last task, or of the last part that a machine has held.
+        `stance`: what they have in hand, see `Instance.stance`.
       ends: per task appended, its end; of others 0.
       tools, zones: per tool or zone, the moments at which its places are free, sorted; empty where
         the capacity never binds.
+      apart: per zone, for each kind that it keeps apart, when the last of them leaves.
       loads: stress per operator. `stress`: their sum.
       humans: bits of the tasks in which humans take part.
       teams: `(team, operators)` of the teams that have begun, sorted.
@@ -64,6 +65,7 @@ class Node(NamedTuple):
     ends: tuple[int, ...]
     tools: tuple[tuple[int, ...], ...]
     zones: tuple[tuple[int, ...], ...]
+    apart: tuple[tuple[int, ...], ...]
     loads: tuple[int, ...]
     stress: int
     humans: int
@@ -117,6 +119,7 @@ class Branching:
             ends=(0,) * len(self.tasks),
             tools=tuple((0,) * places for places in self.instance.tool_room),
             zones=tuple((0,) * places for places in self.instance.zone_room),
+            apart=tuple((0,) * (max(row, default=-1) + 1) for row in self.instance.zone_apart),
             loads=(0,) * operators,
             stress=0,
             humans=0,
@@ -133,7 +136,8 @@ class Branching:
 
         A task that starts when another one could already have ended can be left for later, if that
         other one costs nothing to take first: it is in its step of least stress, belongs to no
-        team, nothing must follow it within a time, and nobody needs time to get ready for a task.
+        team, nothing must follow it within a time, it puts no part into a machine that holds it,
+        and nobody needs time to get ready for a task.
         """
         moves, cutoff = [], horizon + 1
         for task in self.candidates(node.mask):
@@ -142,6 +146,10 @@ class Branching:
             for index, step in enumerate(self.layout.steps[task]):
                 start = self._start(node, task, step, ready)
                 if start is None:
+                    continue
+                if self.instance.has_holds and self._is_barred(node, task, step):
+                    # it can start when the part is out, and nobody knows yet when that is
+                    soonest = start if soonest is None else min(soonest, start)
                     continue
                 soonest = start if soonest is None else min(soonest, start)
                 end = start + step.ticks
@@ -303,6 +311,8 @@ class Branching:
             numbers += [max(place, last) for place in places]
         for places in node.zones:
             numbers += [max(place, last) for place in places]
+        if self.instance.has_apart:
+            numbers += [max(end, last) for kinds in node.apart for end in kinds]
         numbers += [node.loads[o] for o in self.limited]
         if self.instance.stress_of_set is None:
             numbers.append(node.stress)
@@ -342,17 +352,13 @@ class Branching:
             limit = self.instance.stress_limit[operator]
             if limit is not None and node.loads[operator] + load > limit:
                 return None
-        start, zone = ready, self.instance.timed_zone[task]
+        start = max(ready, self._given_back(node, task, step))
         needs = [
             preparation[node.stance[operator]][0]
             for operator, preparation in zip(step.operators, step.preparations, strict=False)
         ] or [0] * len(step.operators)
         for operator, need in zip(step.operators, needs, strict=True):
             start = max(start, node.free[operator] + need)
-        for tool, count in step.scarce:
-            start = max(start, node.tools[tool][count - 1])
-        if zone >= 0 and node.zones[zone]:
-            start = max(start, node.zones[zone][len(step.operators) - 1])
         moved = self.instance.has_breaks
         while moved:
             moved = False
@@ -361,6 +367,29 @@ class Branching:
                     if off < start + step.ticks and start - need < back:
                         start, moved = back + need, True
         return start
+
+    def _given_back(self, node: Node, task: int, step: Step) -> int:
+        """When the tools, a place in the zone, and the machines that are to hold a part are given
+        back.
+        """
+        start, zone = 0, self.instance.timed_zone[task]
+        for tool, count in step.scarce:
+            start = max(start, node.tools[tool][count - 1])
+        if zone >= 0 and node.zones[zone]:
+            start = max(start, node.zones[zone][len(step.operators) - 1])
+        for hold in self.instance.held_from[task] if self.instance.has_holds else ():
+            start = max(start, node.free[self.instance.holds[hold][0]])
+        if step.side >= 0:
+            kinds = node.apart[self.instance.zone[task]]  # type: ignore[index]
+            start = max([start, *(end for side, end in enumerate(kinds) if side != step.side)])
+        return start
+
+    def _is_barred(self, node: Node, task: int, step: Step) -> bool:
+        """Whether a machine holds a part that must come out first. Which parts they hold follows
+        from the tasks that are appended, so that nodes of one key hold the same.
+        """
+        who = sum(1 << operator for operator in step.operators)
+        return self.instance.is_barred(node.mask, node.mask, task, who)
 
     def _appended(self, node: Node, task: int, index: int, step: Step, start: int) -> Node:
         instance, end, who = self.instance, start + step.ticks, step.operators
@@ -371,6 +400,9 @@ class Branching:
             free[operator] = end
             loads[operator] += load
         ends[task] = end
+        for hold in instance.held_until[task] if instance.has_holds else ():
+            machine = instance.holds[hold][0]
+            free[machine] = max(free[machine], end)
         if step.preparations:
             taken_up = dict(zip(who, step.preparations, strict=True))
             stance = tuple(
@@ -396,6 +428,7 @@ class Branching:
             ends=tuple(ends),
             tools=tools,
             zones=_taken(node.zones, zone, len(who), end),
+            apart=self._with_its_kind(node, task, step, end),
             loads=tuple(loads),
             stress=node.stress + step.stress,
             humans=node.humans | self.human[task][index] << task,
@@ -416,6 +449,20 @@ class Branching:
             )
         return known
 
+    def _with_its_kind(
+        self, node: Node, task: int, step: Step, end: int
+    ) -> tuple[tuple[int, ...], ...]:
+        """When the kinds that zones keep apart have left them, the step's own counted."""
+        if step.side < 0:
+            return node.apart
+        zone = self.instance.zone[task]
+        return tuple(
+            tuple(max(at, end) if side == step.side else at for side, at in enumerate(kinds))
+            if place == zone
+            else kinds
+            for place, kinds in enumerate(node.apart)
+        )
+
     def _is_harmless(self, task: int, step: Step) -> bool:
         others = self.layout.steps[task]
         least = all(_is_no_harder(step, other) for other in others)
@@ -424,6 +471,7 @@ class Branching:
             and not self.prepares
             and task not in self.followed
             and self.instance.team[task] < 0
+            and not (self.instance.has_holds and self.instance.held_from[task])
             and (self.instance.stress_of_set is None or len(others) == 1)
         )
 

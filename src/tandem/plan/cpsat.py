@@ -14,7 +14,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import version
-from itertools import permutations
+from itertools import combinations, permutations
 from typing import NamedTuple
 
 from ortools.sat.python import cp_model
@@ -29,13 +29,14 @@ Literal = cp_model.LiteralT
 
 class Preparation(NamedTuple):
     """The operator walks to the task's place or takes up its tool, or both, for so many ticks
-    directly before it, when the literal is true.
+    directly before it, when the literal is true; then the interval is present.
     """
 
     operator: int
     task: int
     ticks: cp_model.IntVar | int
     literal: cp_model.IntVar
+    interval: cp_model.IntervalVar
 
 
 @dataclass
@@ -210,13 +211,12 @@ def _preparations(plan: Decisions, operator: int) -> list[cp_model.IntervalVar]:
             continue
         # a way of doing the task has one tool, so that at most one of these takes place
         for ticks, swap in changes[task]:
-            plan.preparations.append(Preparation(operator, task, ticks, swap))
             plan.model.add(plan.start[task] >= ticks).only_enforce_if(swap)
-            found.append(
-                plan.model.new_optional_fixed_size_interval_var(
-                    plan.start[task] - ticks, ticks, swap, ""
-                )
+            interval = plan.model.new_optional_fixed_size_interval_var(
+                plan.start[task] - ticks, ticks, swap, ""
             )
+            plan.preparations.append(Preparation(operator, task, ticks, swap, interval))
+            found.append(interval)
     return found
 
 
@@ -232,8 +232,9 @@ def _walked(
     ticks = model.new_int_var(0, plan.instance.longest_preparation[operator], "")
     model.add(ticks == sum(ticks * literal for ticks, literal in causes))
     begin = model.new_int_var(0, plan.upper, "")
-    plan.preparations.append(Preparation(operator, task, ticks, some))
-    return model.new_optional_interval_var(begin, ticks, start, some, "")
+    interval = model.new_optional_interval_var(begin, ticks, start, some, "")
+    plan.preparations.append(Preparation(operator, task, ticks, some, interval))
+    return interval
 
 
 def _changes(plan: Decisions, operator: int) -> Causes:
@@ -329,6 +330,36 @@ def _order(
     return first, follows
 
 
+def a_machine_that_holds_a_part_does_nothing_else(plan: Decisions) -> None:
+    """From the start of the first task of a hold to the end of its last the machine does nothing
+    but what lies within it, prepares for nothing else and takes up no other part.
+    """
+    instance, model = plan.instance, plan.model
+    spans: list[cp_model.IntervalVar] = []
+    for hold, (operator, first, last) in enumerate(instance.holds):
+        end = model.new_int_var(0, plan.upper, "")
+        model.add(end == (plan.end[last] if last >= 0 else plan.upper))
+        length = model.new_int_var(0, plan.upper, "")
+        span = model.new_interval_var(plan.start[first] if first >= 0 else 0, length, end, "")
+        others = [
+            interval
+            for task, ways in enumerate(instance.ways)
+            for way, interval in zip(ways, plan.intervals[task], strict=True)
+            if instance.barred[hold] >> task & 1 and operator in way.operators
+        ]
+        others += [
+            preparation.interval
+            for preparation in plan.preparations
+            if preparation.operator == operator and instance.barred[hold] >> preparation.task & 1
+        ]
+        if others:
+            model.add_no_overlap([span, *others])
+        for other, its in enumerate(spans):
+            if instance.rivals[hold] >> other & 1:
+                model.add_no_overlap([span, its])
+        spans.append(span)
+
+
 def any_of(plan: Decisions, literals: list[cp_model.IntVar]) -> cp_model.IntVar:
     """A literal that is true when one of these, of which at most one is true, is true."""
     if len(literals) == 1:
@@ -363,6 +394,29 @@ def a_zone_holds_as_many_as_it_has_places(plan: Decisions) -> None:
     _share(plan, uses, plan.instance.zone_places)
 
 
+def kinds_are_kept_apart(plan: Decisions) -> None:
+    """In a zone that keeps kinds of operators apart, two tasks by operators of different kinds do
+    not overlap, and no task is done by both together.
+    """
+    instance = plan.instance
+    sides: dict[int, list[tuple[int, int, cp_model.IntervalVar]]] = defaultdict(list)
+    for task, ways in enumerate(instance.ways if instance.has_apart else ()):
+        for way, literal, interval in zip(
+            ways, plan.chosen[task], plan.intervals[task], strict=True
+        ):
+            kinds = instance.sides(task, way)
+            if len(kinds) > 1:
+                plan.model.add(literal == 0)
+            elif kinds:
+                zone = instance.zone[task]
+                assert zone is not None
+                sides[zone].append((task, min(kinds), interval))
+    for there in sides.values():
+        for (one, kind, first), (two, other, second) in combinations(there, 2):
+            if one != two and kind != other:
+                plan.model.add_no_overlap([first, second])
+
+
 class Use(NamedTuple):
     """The operators `who` take `places` while the interval lasts."""
 
@@ -386,10 +440,11 @@ def a_human_stays_within_the_stress_limit(plan: Decisions) -> None:
     """The stress of all that a human does, alone or with others, is at most their limit."""
     for operator, limit in enumerate(plan.instance.stress_limit):
         if limit is not None:
-            plan.model.add(sum(load * x for load, x in _loads_of(plan, operator)) <= limit)
+            plan.model.add(sum(load * x for load, x in loads_of(plan, operator)) <= limit)
 
 
-def _loads_of(plan: Decisions, operator: int) -> list[tuple[int, cp_model.IntVar]]:
+def loads_of(plan: Decisions, operator: int) -> list[tuple[int, cp_model.IntVar]]:
+    """Units of stress on the operator, and the literal under which they come."""
     return [
         (load, x)
         for chosen, ways in zip(plan.chosen, plan.instance.ways, strict=True)
@@ -519,8 +574,10 @@ RULES: tuple[Rule, ...] = (
     predecessors_end_first,
     waits_are_kept,
     an_operator_does_one_thing_at_a_time,
+    a_machine_that_holds_a_part_does_nothing_else,
     a_tool_is_used_as_often_as_it_exists,
     a_zone_holds_as_many_as_it_has_places,
+    kinds_are_kept_apart,
     a_human_stays_within_the_stress_limit,
     some_tasks_have_the_same_operators,
     stress_is_counted,

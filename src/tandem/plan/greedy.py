@@ -26,7 +26,7 @@ def clockwise(layout: Layout, priority: Sequence[float], score: Score) -> Partia
 
     A task that would rather wait for an operator who is busy waits, and its work is reckoned to
     that operator for the tasks looked at after it. None when a task is left without a step: limits
-    or teams stand in the way.
+    or teams stand in the way, or a part that a machine holds never comes out.
     """
     state = PartialSchedule(layout)
     future = [(state.ready[task], task) for task, count in enumerate(state.waiting) if not count]
@@ -48,6 +48,8 @@ def clockwise(layout: Layout, priority: Sequence[float], score: Score) -> Partia
             later.append(future[0][0])
         if moment is not None:
             later.append(moment)
+        if left and not placed and not later:
+            return None  # a part that a machine holds never comes out
         clock = max(clock + 1, min(later, default=clock + 1)) if left else clock
     return state
 
@@ -64,11 +66,15 @@ def _scan(
     """
     reckoned = list(state.free)
     deferred: list[tuple[float, int]] = []
+    held_up: list[tuple[float, int]] = []
     placed, moment = 0, None
     while now and len(deferred) < LOOKAHEAD and min(state.free) <= clock:
         item = heappop(now)
         task = item[1]
         best = _best(state, task, score, reckoned)
+        if best is None and state.is_held_up(task):
+            held_up.append(item)
+            continue
         if best is None:
             return None, deferred, moment
         step, start = best
@@ -84,7 +90,7 @@ def _scan(
         for operator in step.operators:
             reckoned[operator] = max(reckoned[operator], state.free[operator])
         placed += 1
-    return placed, deferred, moment
+    return placed, deferred + held_up, moment
 
 
 def by_rank(layout: Layout, priority: Sequence[float], score: Score) -> PartialSchedule | None:
@@ -93,15 +99,20 @@ def by_rank(layout: Layout, priority: Sequence[float], score: Score) -> PartialS
     """
     state = PartialSchedule(layout)
     ready = [(priority[task], task) for task, count in enumerate(state.waiting) if not count]
+    held_up: list[int] = []
     heapify(ready)
     while ready:
         task = heappop(ready)[1]
         best = _best(state, task, score, state.free)
+        if best is None and state.is_held_up(task):
+            held_up.append(task)
+            continue
         if best is None:
             return None
-        for after in state.put(task, *best):
+        for after in [*state.put(task, *best), *held_up]:
             heappush(ready, (priority[after], after))
-    return state
+        held_up = []
+    return None if held_up else state
 
 
 def by_score(layout: Layout, priority: Sequence[float], score: Score) -> PartialSchedule | None:
@@ -118,16 +129,22 @@ def by_score(layout: Layout, priority: Sequence[float], score: Score) -> Partial
     heapify(ready)
     while ready:
         looked_at: list[tuple[float, float, int]] = []
+        held_up: list[tuple[float, float, int]] = []
         found: dict[int, tuple[Step, int]] = {}
         while ready and len(looked_at) < LOOKAHEAD and (not looked_at or ready[0] < min(looked_at)):
-            _, rank, task = heappop(ready)
+            value, rank, task = heappop(ready)
             best = _best(state, task, score, state.free)
+            if best is None and state.is_held_up(task):
+                held_up.append((value, rank, task))
+                continue
             if best is None:
                 return None
             looked_at.append((score(best[1] + best[0].ticks, best[0]), rank, task))
             found[task] = best
+        if not looked_at:
+            return None
         chosen = min(looked_at)
-        for item in looked_at:
+        for item in looked_at + held_up:
             if item is not chosen:
                 heappush(ready, item)
         for after in state.put(chosen[2], *found[chosen[2]]):

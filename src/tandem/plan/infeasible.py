@@ -18,6 +18,7 @@ from tandem.cell.parts import Operator, Task, Tool, Wait, Zone
 from tandem.cell.written import number
 from tandem.errors import CellError, InfeasibleError, NothingFoundError
 from tandem.plan import exact
+from tandem.plan.least_limits import least_limit
 from tandem.plan.question import Question
 
 EACH_S = 5.0
@@ -53,7 +54,8 @@ def reasons(cell: Cell, question: Question, *, seconds: float = 30.0) -> list[st
         if len(names) == 1
         else f"{', '.join(names[:-1])} and {names[-1]} cannot be kept together"
     )
-    return [f"{together}.", *(_without(cell, question, limit) for limit in group)]
+    least = _least_stress_limits(cell, question, group, until)
+    return [f"{together}.", *least, *(_without(cell, question, limit) for limit in group)]
 
 
 KEEP_AWAY = ("breaks", "setup")
@@ -97,6 +99,9 @@ def _on_who_and_what_is_there(cell: Cell) -> Iterator[Limit]:
         for key in KEEP_AWAY:
             if getattr(operator, key):
                 yield Limit(f"the {key} of {name}", ("operators", name, key))
+        for pair in operator.holds:
+            words = f"that {name} holds a part from task {pair[0]} to task {pair[1]}"
+            yield Limit(words, ("operators", name, "holds", *pair))
     for name, times in cell.walking.items():
         if times:
             yield Limit(f"the time that {name} takes to walk", ("walk", name))
@@ -136,9 +141,16 @@ def _on_room(cell: Cell) -> Iterator[Limit]:
             shared = getattr(cell, kind).get(name)
             words = f"the {kind[:-1]} {name}, of which there is {shared.capacity if shared else 1}"
             yield Limit(words, (kind, name))
+    for name in sorted(x for x in zones if x in cell.zones):
+        if apart := cell.zones[name].apart:
+            words = f"that zone {name} keeps {' and '.join(apart)} apart"
+            yield Limit(words, ("zones", name, "apart"))
 
 
-def _without_key(operator: Operator, key: str) -> Operator:
+def _without_key(operator: Operator, key: str, *pair: str) -> Operator:
+    if pair:
+        rest = tuple(other for other in operator.holds if other != pair)
+        return operator.model_copy(update={key: rest})
     return operator.model_copy(update={key: Operator.model_fields[key].default})
 
 
@@ -153,7 +165,7 @@ def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell,
         if room == "question":
             question = replace(question, **{names[0]: None})  # type: ignore[arg-type]
         elif room == "operators":
-            operators[names[0]] = _without_key(operators[names[0]], names[1])
+            operators[names[0]] = _without_key(operators[names[0]], *names[1:])
         elif room == "tasks" and names[1] == "wait":
             tasks[names[0]] = _with_longer_wait(tasks[names[0]], int(names[2]), names[3])
         elif room == "tasks":
@@ -165,7 +177,9 @@ def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell,
         elif room == "walk":
             del walk[names[0]]
         elif room == "zones":
-            zones[names[0]] = Zone(capacity=max(len(operators), 1))
+            zone = zones.get(names[0], Zone())
+            lighter = {"apart": ()} if names[1:] else {"capacity": max(len(operators), 1)}
+            zones[names[0]] = zone.model_copy(update=lighter)
         elif room == "tools":
             tools[names[0]] = Tool(capacity=max(len(operators), 1))
         else:
@@ -182,6 +196,33 @@ def lift(cell: Cell, question: Question, lifted: Sequence[Limit]) -> tuple[Cell,
         ),
         question,
     )
+
+
+def _least_stress_limits(
+    cell: Cell, question: Question, group: Sequence[Limit], until: float
+) -> list[str]:
+    """Of people's limits of stress in the group: the least that all of them can keep alike, and the
+    least of each beside those of the others.
+    """
+    people = [limit.where[1] for limit in group if limit.where[-1] == "stress_limit"]
+    sentences = []
+    for some in [*([people] if len(people) > 1 else []), *([name] for name in people)]:
+        left = min(EACH_S, until - monotonic())
+        least = least_limit(cell, question, some, seconds=left) if left > 0 else None
+        if least is not None:
+            who = "each of them" if len(some) > 1 else some[0]
+            beside = "" if len(some) > 1 else _beside(cell, people, who)
+            sentences.append(f"The least limit that {who} can keep{beside} is {number(least)}.")
+    return sentences
+
+
+def _beside(cell: Cell, people: Sequence[str], name: str) -> str:
+    others = [
+        f"{other} at {number(cell.operators[other].stress_limit or 0.0)}"
+        for other in people
+        if other != name
+    ]
+    return f" with {' and '.join(others)}" if others else ""
 
 
 def _minimal(cell: Cell, question: Question, group: list[Limit], until: float) -> list[Limit]:

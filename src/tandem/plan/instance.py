@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from tandem.cell.model import Cell
 from tandem.cell.parts import Tool, Zone
+from tandem.cell.precedence import between
 from tandem.schedule.model import Assignment, Schedule
 
 
@@ -123,11 +124,17 @@ class Instance:
       release, deadline: ticks per task; a task without a deadline has None.
       zone, place: per task, an index or None. `tools`, `zones` and `places` are names.
       tool_places, zone_places: capacity per tool and zone.
+      zone_apart: `[zone][operator]`, the number of the operator's kind among those that the zone
+        keeps apart; -1 for operators that nobody there minds.
       changeover: `[tool][operator]` ticks.
       in_hand, stands: per operator, the tool and the place at the start, or None.
       walk: `[operator][from][to]` ticks.
       breaks: per operator, `(from, to)` ticks in which it does nothing, sorted, disjoint.
       stress_limit: per operator, units or None.
+      holds: `(operator, first, last)`: from the start of the first task to the end of the last one
+        the operator, a machine, holds a part. Of some tasks alone (`restricted`) a first of -1
+        stands for one that has begun before them, a last of -1 for one that comes behind them.
+      within: per hold, bits of the tasks that the machine may do meanwhile.
       same_operator: pairs of tasks.
       stress_of_set: set of tasks done by humans -> units; None when stress adds up.
     """
@@ -149,12 +156,15 @@ class Instance:
     place: tuple[int | None, ...]
     tool_places: tuple[int, ...]
     zone_places: tuple[int, ...]
+    zone_apart: tuple[tuple[int, ...], ...]
     changeover: tuple[tuple[int, ...], ...]
     in_hand: tuple[int | None, ...]
     stands: tuple[int | None, ...]
     walk: tuple[tuple[tuple[int, ...], ...], ...]
     breaks: tuple[tuple[tuple[int, int], ...], ...]
     stress_limit: tuple[int | None, ...]
+    holds: tuple[tuple[int, int, int], ...]
+    within: tuple[int, ...]
     same_operator: tuple[tuple[int, int], ...]
     stress_of_set: dict[frozenset[int], int] | None
     lags: tuple[Lag, ...]
@@ -173,6 +183,7 @@ class Instance:
             **_tasks(cell, count),
             **_places(cell, count),
             **_operators(cell, count),
+            **_holds(cell),
         )
 
     def scaled(self, times: int, pace: Sequence[float] | None = None) -> Instance:
@@ -242,6 +253,7 @@ class Instance:
             "deadline": tuple(self.deadline[task] for task in tasks),
             "zone": tuple(self.zone[task] for task in tasks),
             "place": tuple(self.place[task] for task in tasks),
+            **self.still_held(tasks, 0),
             "same_operator": tuple(
                 (index[a], index[b]) for a, b in self.same_operator if a in index and b in index
             ),
@@ -253,6 +265,20 @@ class Instance:
             "stress_of_set": None,  # stress by sets of all tasks says nothing about some of them
         }
         return replace(self, **(kept | changed))
+
+    def still_held(self, tasks: Sequence[int], begun: int) -> dict[str, Any]:
+        """`holds` and `within` of these tasks alone, when of the others those in `begun` (bits)
+        have begun before them, and the rest comes behind them.
+        """
+        index = {task: i for i, task in enumerate(tasks)}
+        holds, within = [], []
+        for (operator, first, last), inside in zip(self.holds, self.within, strict=True):
+            is_over = last not in index and begun >> last & 1
+            is_to_come = first not in index and not begun >> first & 1
+            if not (is_over or is_to_come):
+                holds.append((operator, index.get(first, -1), index.get(last, -1)))
+                within.append(bits(i for task, i in index.items() if inside >> task & 1))
+        return {"holds": tuple(holds), "within": tuple(within)}
 
     # ------------------------------------------------------------ precedence
 
@@ -553,9 +579,124 @@ class Instance:
         return tuple(-1 if zone is None or not self.zone_room[zone] else zone for zone in self.zone)
 
     @cached_property
+    def keeps_apart(self) -> tuple[bool, ...]:
+        """Per zone, whether it keeps operators apart whom the cell has."""
+        return tuple(len({kind for kind in row if kind >= 0}) > 1 for row in self.zone_apart)
+
+    @cached_property
+    def has_apart(self) -> bool:
+        """Some zone keeps operators apart."""
+        return any(self.keeps_apart)
+
+    def sides(self, task: int, way: Way) -> frozenset[int]:
+        """The kinds, of those that the task's zone keeps apart, of the operators who take part; a
+        way with several can be part of no schedule.
+        """
+        zone = self.zone[task]
+        if zone is None or not self.keeps_apart[zone]:
+            return frozenset()
+        return frozenset(self.zone_apart[zone][operator] for operator in way.operators) - {-1}
+
+    @cached_property
+    def has_holds(self) -> bool:
+        """Some machine holds a part while tasks go on."""
+        return bool(self.holds)
+
+    @cached_property
+    def held_from(self) -> tuple[tuple[int, ...], ...]:
+        """Per task, the holds that begin with it."""
+        return _by_task(len(self.tasks), (first for _, first, _ in self.holds))
+
+    @cached_property
+    def held_until(self) -> tuple[tuple[int, ...], ...]:
+        """Per task, the holds that end with it."""
+        return _by_task(len(self.tasks), (last for _, _, last in self.holds))
+
+    @cached_property
+    def rivals(self) -> tuple[int, ...]:
+        """Per hold, bits of those that the same machine cannot have at the same time: one of the
+        two would have to lie within the other.
+        """
+        ends = [bits({first, last} - {-1}) for _, first, last in self.holds]
+
+        def apart(one: int, other: int) -> bool:
+            nested = ends[one] & ~self.within[other] == 0 or ends[other] & ~self.within[one] == 0
+            return one != other and self.holds[one][0] == self.holds[other][0] and not nested
+
+        numbers = range(len(self.holds))
+        return tuple(bits(other for other in numbers if apart(one, other)) for one in numbers)
+
+    @cached_property
+    def barred(self) -> tuple[int, ...]:
+        """Per hold, bits of the tasks that the machine cannot do meanwhile."""
+        return tuple(self.all_tasks & ~inside for inside in self.within)
+
+    @cached_property
+    def ahead_of_hold(self) -> tuple[int, ...]:
+        """Per hold, bits of the tasks that must have begun before it: its last task waits for them,
+        and once it has begun the machine could not do them any more.
+        """
+        found = []
+        for hold, (operator, _, last) in enumerate(self.holds):
+            before = self._ancestors(last) & self.barred[hold] if last >= 0 else 0
+            ahead = bits(
+                task
+                for task, ways in enumerate(self.ways)
+                if before >> task & 1 and all(way.who >> operator & 1 for way in ways)
+            )
+            for other, (_, first, its_last) in enumerate(self.holds):
+                if self.rivals[hold] >> other & 1 and first >= 0 and before >> first & 1:
+                    ahead |= bits({its_last} - {-1})
+            found.append(ahead)
+        return tuple(found)
+
+    def _ancestors(self, task: int) -> int:
+        """Bits of the tasks that it waits for to end or to begin, directly or not."""
+        found, pending = 0, [task]
+        while pending:
+            new = self.begun_first[pending.pop()] & ~found
+            found |= new
+            pending += [first for first in range(len(self.tasks)) if new >> first & 1]
+        return found
+
+    def is_barred(
+        self, begun: int, over: int, task: int, who: int, *, wrong: int = 0, comes_off: bool = False
+    ) -> bool:
+        """Whether holds keep these operators (bits) from the task now.
+
+        A machine that holds a part does nothing but what lies within the hold, and takes up no
+        other part. A hold does not begin while a task is open that could then no longer be done.
+        What only mistakes can bring about bars nothing: two holds of a machine that are open at
+        once, and one that is open while such a task must be done again.
+
+        Args:
+          begun: bits of the tasks that have begun. over: of those that have ended; of these `wrong`
+            are to be done again.
+          comes_off: the task is not done but taken apart.
+        """
+        opened = 0
+        for hold, (_, first, last) in enumerate(self.holds):
+            if (first < 0 or begun >> first & 1) and (last < 0 or not over >> last & 1):
+                opened |= 1 << hold
+        new = bits(self.held_from[task])
+        for hold in range(len(self.holds)):
+            is_sound = not self.ahead_of_hold[hold] & (~begun | wrong)
+            if opened >> hold & 1 and is_sound and not opened & self.rivals[hold]:
+                operator = self.holds[hold][0]
+                does = who >> operator & 1 and self.barred[hold] >> task & 1
+                if does or new & self.rivals[hold]:
+                    return True
+        return not comes_off and any(
+            self.ahead_of_hold[hold] & ~begun or new & self.rivals[hold]
+            for hold in self.held_from[task]
+        )
+
+    @cached_property
     def is_plain(self) -> bool:
-        """Tools, zones, breaks and walking play no part in times."""
+        """Tools, zones, holds, breaks and walking play no part in times."""
         if self.has_breaks or self.has_tools or self.has_preparations:
+            return False
+        if self.has_apart or self.has_holds:
             return False
         return max(self.timed_zone, default=-1) < 0
 
@@ -705,6 +846,13 @@ def _places(cell: Cell, count: _Count) -> dict[str, Any]:
         "walk": tuple(_walk(cell, count, who) for who in cell.operators),
         "tool_places": tuple(tool.capacity for tool in listed),
         "zone_places": tuple(cell.zones.get(name, Zone()).capacity for name in zones),
+        "zone_apart": tuple(
+            tuple(
+                apart.index(operator.kind) if operator.kind in apart else -1
+                for operator in cell.operators.values()
+            )
+            for apart in (cell.zones.get(name, Zone()).apart for name in zones)
+        ),
         "changeover": tuple(
             tuple(count.ticks(tool.changeover.get(who, 0.0)) for who in cell.operators)
             for tool in listed
@@ -737,6 +885,29 @@ def _operators(cell: Cell, count: _Count) -> dict[str, Any]:
             None if x.stress_limit is None else count.units(x.stress_limit) for x in operators
         ),
     }
+
+
+def _holds(cell: Cell) -> dict[str, Any]:
+    index = {name: i for i, name in enumerate(cell.tasks)}
+    found = [
+        (place, first, last)
+        for place, operator in enumerate(cell.operators.values())
+        for first, last in operator.holds
+    ]
+    return {
+        "holds": tuple((place, index[first], index[last]) for place, first, last in found),
+        "within": tuple(
+            bits(index[name] for name in between(cell, first, last)) for _, first, last in found
+        ),
+    }
+
+
+def _by_task(tasks: int, of_hold: Iterable[int]) -> tuple[tuple[int, ...], ...]:
+    rows: list[list[int]] = [[] for _ in range(tasks)]
+    for hold, task in enumerate(of_hold):
+        if task >= 0:
+            rows[task].append(hold)
+    return tuple(map(tuple, rows))
 
 
 def _teams(tasks: int, pairs: Iterable[tuple[int, int]]) -> tuple[int, ...]:

@@ -9,7 +9,7 @@ and stress.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -25,6 +25,7 @@ class Step(NamedTuple):
       operators: indices; `ticks` its duration; `stress` the sum of `load`, the stress per operator.
       preparations: per operator, what it needs before the task; empty where nobody needs any time.
       scarce: `(tool, how many of it)`, of the tools that not all can have at once.
+      side: which of the kinds that the task's zone keeps apart its operators are; -1 for none.
     """
 
     way: int
@@ -34,6 +35,7 @@ class Step(NamedTuple):
     load: tuple[int, ...]
     preparations: tuple[Preparation, ...]
     scarce: tuple[tuple[int, int], ...]
+    side: int = -1
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,7 @@ class Layout:
 
     Attributes:
       steps: per task, its ways without those that need more of a tool or a zone than there is,
+        without those by operators whom the zone keeps apart,
         without those that a partner in `same_operator` lacks, and without those that differ from
         another one in more stress alone.
     """
@@ -121,7 +124,9 @@ class PartialSchedule:
 
     Attributes:
       start, end: ticks per task, -1 while it is not placed; `way` its way in `Instance.ways`.
-      free: per operator, the end of the last task.
+      free: per operator, the end of the last task, or of the last part that a machine has held.
+      begun: bits of the tasks that are placed.
+      apart_free: per zone and kind that it keeps apart, when the last of them leaves.
       stance: per operator, what it has in hand, see `Instance.stance`.
       ready: per task, the latest of its release and the ends of its placed predecessors, waits
         after them included; `waiting` counts the others.
@@ -130,6 +135,8 @@ class PartialSchedule:
     """
 
     __slots__ = (
+        "apart_free",
+        "begun",
         "end",
         "free",
         "instance",
@@ -159,6 +166,8 @@ class PartialSchedule:
         self.waiting = list(instance.waits_for)
         self.tool_free = [[0] * places for places in instance.tool_room]
         self.zone_free = [[0] * places for places in instance.zone_room]
+        self.begun = 0
+        self.apart_free = [[0] * (max(row, default=-1) + 1) for row in instance.zone_apart]
         self.operators_of: dict[int, tuple[int, ...]] = {}
         self.load = [0] * operators
         self.stress = 0
@@ -169,9 +178,25 @@ class PartialSchedule:
         )
 
     def steps(self, task: int) -> tuple[Step, ...]:
-        """The task's steps that keep stress limits and stay with the operators of its team. May be
-        empty.
+        """The task's steps that keep stress limits, stay with the operators of its team and are not
+        barred by a part that a machine holds. May be empty; `is_held_up` says whether that can
+        change.
         """
+        steps = self._allowed(task)
+        if self.instance.has_holds:
+            steps = tuple(step for step in steps if not self.is_barred(task, step))
+        return steps
+
+    def is_barred(self, task: int, step: Step) -> bool:
+        """Whether a machine holds a part that must be taken out first."""
+        who = sum(1 << operator for operator in step.operators)
+        return self.instance.is_barred(self.begun, self.begun, task, who)
+
+    def is_held_up(self, task: int) -> bool:
+        """Whether parts that machines hold are all that keeps the task from being placed."""
+        return self.instance.has_holds and bool(self._allowed(task)) and not self.steps(task)
+
+    def _allowed(self, task: int) -> tuple[Step, ...]:
         instance, steps = self.instance, self.layout.steps[task]
         team = instance.team[task]
         if team >= 0 and (operators := self.operators_of.get(team)) is not None:
@@ -200,6 +225,10 @@ class PartialSchedule:
             start = max(start, self.tool_free[tool][count - 1])
         if zone >= 0:
             start = max(start, self.zone_free[zone][len(step.operators) - 1])
+        for hold in instance.held_from[task] if instance.has_holds else ():
+            start = max(start, free[instance.holds[hold][0]])
+        if step.side >= 0:
+            start = max(start, *self._others_in_the_zone(task, step))
         return self._behind_breaks(step, start) if instance.has_breaks else start
 
     def put(self, task: int, step: Step, start: int) -> list[int]:
@@ -208,18 +237,16 @@ class PartialSchedule:
         """
         instance, end = self.instance, start + step.ticks
         self.start[task], self.end[task], self.way[task] = start, end, step.way
-        zone, team = instance.timed_zone[task], instance.team[task]
+        team = instance.team[task]
         for operator, load in zip(step.operators, step.load, strict=True):
             self.free[operator] = end
             self.load[operator] += load
         for operator, preparation in zip(step.operators, step.preparations, strict=False):
             self.stance[operator] = preparation[self.stance[operator]][1]
+        if instance.has_holds:
+            self._take_out_parts(task, end)
         self.stress += step.stress
-        # tools and zones with room for all are never full, so nobody counts their places
-        for tool, count in step.scarce:
-            _take(self.tool_free[tool], count, end)
-        if zone >= 0:
-            _take(self.zone_free[zone], len(step.operators), end)
+        self._take_places(task, step, end)
         # the first task of those that need the same operators settles them for the others
         if team >= 0:
             self.operators_of[team] = step.operators
@@ -240,6 +267,17 @@ class PartialSchedule:
                 released.append(after)
         return released
 
+    def _take_places(self, task: int, step: Step, end: int) -> None:
+        """Tools and zones with room for all are never full, so nobody counts their places."""
+        for tool, count in step.scarce:
+            _take(self.tool_free[tool], count, end)
+        zone = self.instance.timed_zone[task]
+        if zone >= 0:
+            _take(self.zone_free[zone], len(step.operators), end)
+        if step.side >= 0:
+            kinds = self.apart_free[self.instance.zone[task]]  # type: ignore[index]
+            kinds[step.side] = max(kinds[step.side], end)
+
     def _pass_on_waits(self, task: int, start: int, end: int) -> None:
         for lag in self.instance.lags_from[task]:
             moment = (start if lag.from_start else end) + lag.least
@@ -255,6 +293,18 @@ class PartialSchedule:
         placed.
         """
         return list(zip(self.way, self.start, strict=True))
+
+    def _take_out_parts(self, task: int, end: int) -> None:
+        """Machines that held a part until the end of this task are free then."""
+        self.begun |= 1 << task
+        for hold in self.instance.held_until[task]:
+            machine = self.instance.holds[hold][0]
+            self.free[machine] = max(self.free[machine], end)
+
+    def _others_in_the_zone(self, task: int, step: Step) -> Iterator[int]:
+        """When those have left the task's zone whom it keeps apart from the step's operators."""
+        kinds = self.apart_free[self.instance.zone[task]]  # type: ignore[index]
+        return (end for side, end in enumerate(kinds) if side != step.side)
 
     def _within_limits(self, task: int, step: Step) -> bool:
         must, limits = self.layout.must[task], self.instance.stress_limit
@@ -283,10 +333,13 @@ class PartialSchedule:
         return start
 
 
-def append_in_order(layout: Layout, order: Sequence[int], steps: Sequence[Step]) -> PartialSchedule:
+def append_in_order(
+    layout: Layout, order: Sequence[int], steps: Sequence[Step]
+) -> PartialSchedule | None:
     """The tasks appended in this order, task `t` as `steps[t]`. Assumes that predecessors, and what
     is waited for, come first; stress limits and teams are not looked at.
 
+    A task that a machine's part bars comes when it has been taken out; None when some never can.
     A task that another one must follow within a time is put off as long as that one comes too
     late: what comes out is the earliest of all schedules of this order that keep such waits. Where
     there is none they are broken.
@@ -296,6 +349,8 @@ def append_in_order(layout: Layout, order: Sequence[int], steps: Sequence[Step])
     most_lags = layout.instance.most_lags
     # a chain of waits needs as many rounds as it has links; breaks and places may need some more
     for _ in range(4 * len(most_lags) + 4 if most_lags else 0):
+        if state is None:
+            return None
         moved = False
         for lag, most in most_lags:
             own = 0 if lag.from_start else steps[lag.before].ticks
@@ -320,12 +375,35 @@ def by_start(instance: Instance, starts: Sequence[tuple[int, int]]) -> list[int]
 
 def _appended(
     layout: Layout, order: Sequence[int], steps: Sequence[Step], release: Sequence[int]
-) -> PartialSchedule:
+) -> PartialSchedule | None:
     state = PartialSchedule(layout, release)
     earliest, put = state.earliest, state.put
+    if layout.instance.has_holds:
+        return state if _append_around_parts(state, order, steps) else None
     for task in order:
         put(task, steps[task], earliest(task, steps[task]))
     return state
+
+
+def _append_around_parts(
+    state: PartialSchedule, order: Sequence[int], steps: Sequence[Step]
+) -> bool:
+    """Appends always the first task that is ready and not barred; says whether all could be."""
+    left = list(order)
+    while left:
+        task = next(
+            (
+                task
+                for task in left
+                if not state.waiting[task] and not state.is_barred(task, steps[task])
+            ),
+            None,
+        )
+        if task is None:
+            return False
+        left.remove(task)
+        state.put(task, steps[task], state.earliest(task, steps[task]))
+    return True
 
 
 def _take(places: list[int], count: int, end: int) -> None:
@@ -337,8 +415,10 @@ def _take(places: list[int], count: int, end: int) -> None:
 def _steps(instance: Instance, task: int) -> list[Step]:
     best: dict[tuple[tuple[int, ...], int], Step] = {}
     for index, way in enumerate(instance.ways[task]):
-        key = (way.operators, way.ticks)
-        if _has_room(instance, task, way) and (key not in best or way.stress < best[key].stress):
+        key, sides = (way.operators, way.ticks), instance.sides(task, way)
+        if len(sides) > 1 or not _has_room(instance, task, way):
+            continue
+        if key not in best or way.stress < best[key].stress:
             best[key] = Step(
                 way=index,
                 operators=way.operators,
@@ -347,6 +427,7 @@ def _steps(instance: Instance, task: int) -> list[Step]:
                 load=way.load,
                 preparations=instance.preparations(task, way),
                 scarce=instance.scarce(way),
+                side=max(sides, default=-1),
             )
     return list(best.values())
 

@@ -15,7 +15,7 @@ from functools import cached_property
 from ortools.sat.python import cp_model
 
 from tandem.plan.cpsat import formulate
-from tandem.plan.instance import Instance, Lag, Way
+from tandem.plan.instance import Instance, Lag, Way, bits
 from tandem.plan.starts import Starts
 
 
@@ -80,6 +80,7 @@ def take_out(
         stands=fixed.stands,
         breaks=fixed.breaks(instance),
         stress_limit=_limits_left(cut),
+        **instance.still_held(cut.free, bits(cut.before)),
     )
     start_by = tuple(cut.start_by(task) for task in cut.free)
     return Stretch(cut.free, inside, ways, tails, start_by, _floor(cut, fixed, tail))
@@ -140,7 +141,7 @@ class _Fixed:
 
     Attributes:
       free: per operator, when they are free. `in_hand`: their tools; `stands`: where they are.
-      tools, zones: when those are free that do not have room for all.
+      tools, zones: when those are free that do not have room for all, or keep operators apart.
     """
 
     free: tuple[int, ...]
@@ -163,9 +164,11 @@ class _Fixed:
                 free[operator] = max(free[operator], end)
                 hand[operator] = hand[operator] if tool is None else tool
                 stands[operator] = stands[operator] if place is None else place
+            for hold in instance.held_until[task]:
+                free[instance.holds[hold][0]] = max(free[instance.holds[hold][0]], end)
             for tool, _ in instance.scarce(way):
                 tools[tool] = max(tools.get(tool, 0), end)
-            if zone is not None and instance.zone_room[zone]:
+            if zone is not None and (instance.zone_room[zone] or instance.keeps_apart[zone]):
                 zones[zone] = max(zones.get(zone, 0), end)
         return cls(tuple(free), tuple(hand), tuple(stands), tools, zones)
 
@@ -181,6 +184,7 @@ class _Fixed:
                 for way in cut.instance.ways[task]
             ),
             0 if zone is None else self.zones.get(zone, 0),
+            *(self.free[cut.instance.holds[hold][0]] for hold in cut.instance.held_from[task]),
         )
 
     def breaks(self, instance: Instance) -> tuple[tuple[tuple[int, int], ...], ...]:

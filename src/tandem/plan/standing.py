@@ -13,6 +13,7 @@ from typing import Literal, NamedTuple
 
 from tandem.cell.model import Cell
 from tandem.cell.names import Known, clean
+from tandem.cell.precedence import between
 from tandem.cell.written import number
 from tandem.errors import InfeasibleError, UsageError
 from tandem.plan.instance import Instance
@@ -287,7 +288,23 @@ def _clashes(standing: Standing) -> list[str]:
     pairs = tuple(pair for pair in cell.same_operator if names.issuperset(pair))
     # what lies between two of them decides which tool is in hand, and where somebody stands
     tools = {name: tool.model_copy(update={"changeover": {}}) for name, tool in cell.tools.items()}
-    alone = cell.replace(tasks=tasks, same_operator=pairs, stress_of_set=None, tools=tools, walk={})
+    # a hold says something only where all its tasks are fixed
+    operators = {
+        who: operator.model_copy(
+            update={
+                "holds": tuple(pair for pair in operator.holds if between(cell, *pair) <= names)
+            }
+        )
+        for who, operator in cell.operators.items()
+    }
+    alone = cell.replace(
+        operators=operators,
+        tasks=tasks,
+        same_operator=pairs,
+        stress_of_set=None,
+        tools=tools,
+        walk={},
+    )
     rows = (
         _placed(stated, task, fixed.way, fixed.start)
         for task, fixed in sorted(standing.fixed.items())

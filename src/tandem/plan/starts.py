@@ -49,12 +49,13 @@ def _moment(instance: Instance, starts: Starts, lag: Lag) -> int:
 
 def append(layout: Layout, order: Sequence[int], ways: Sequence[int]) -> Starts | None:
     """The tasks appended in this order in these ways, or equal ones of less stress; None when a way
-    is none that can be part of a schedule.
+    is none that can be part of a schedule, or a part that a machine holds never comes out.
     """
     steps = [_step(layout, task, way) for task, way in enumerate(ways)]
     if any(step is None for step in steps):
         return None
-    return tuple(append_in_order(layout, order, steps).starts())  # type: ignore[arg-type]
+    state = append_in_order(layout, order, [step for step in steps if step is not None])
+    return None if state is None else tuple(state.starts())
 
 
 def appended(layout: Layout, starts: Starts) -> Starts:
@@ -146,13 +147,23 @@ def _moments_before(
         if other != task and instance.ways[other][ways[other]].who & way.who
     ]
     busy += [off for operator in way.operators for off in instance.breaks[operator]]
-    zone, tools = instance.timed_zone[task], {tool for tool, _ in way.units}
+    zone, tools = instance.zone[task], {tool for tool, _ in way.units}
+    if zone is not None and not (instance.zone_room[zone] or instance.keeps_apart[zone]):
+        zone = None
     shared = [
         end[other]
         for other in range(len(begin))
-        if (zone >= 0 and instance.timed_zone[other] == zone)
+        if (zone is not None and instance.zone[other] == zone)
         or (instance.has_tools and tools & {t for t, _ in instance.ways[other][ways[other]].units})
     ]
+    for hold, (operator, first, last) in enumerate(instance.holds):
+        if first == task or (operator in way.operators and instance.barred[hold] >> task & 1):
+            shared.append(end[last])
+            shared += [
+                end[other]
+                for other in range(len(begin))
+                if operator in instance.ways[other][ways[other]].operators
+            ]
     swaps = {0}.union(*(preparation.lengths for preparation in instance.preparations(task, way)))
     ends = [0, ready, *shared, *(off for _, off in busy)]
     moments = {moment + swap for moment in ends for swap in swaps}

@@ -127,12 +127,8 @@ def html(
 def summary(front: Front, t: Words, point: int | None = None, stale: bool = False) -> list[str]:
     """What a reader must know, in a few sentences; `point` was chosen, `stale` as in `write`."""
     cell = front.cell
-    people = [
-        t.count(kind, len(names))
-        for kind, names in (("human", cell.humans), ("robot", cell.robots))
-        if names
-    ]
-    operators = t("and", first=people[0], last=people[1]) if len(people) == 2 else people[0]
+    *people, last = (t.count(kind, len(names)) for kind, names in cell.crew.items())
+    operators = t("and", first=", ".join(people), last=last) if people else last
     first = t("summary.cell", tasks=t.count("task", len(cell.tasks)), operators=operators)
     asked = front.question
     limits = (
@@ -318,6 +314,7 @@ def _key(look: Look, cell: Cell) -> Markup:
 
 def _legend(cell: Cell, result: Result, t: Words) -> str:
     found = [t("plan.legend")]
+    found += [t("plan.legend.machine")] if cell.machines else []
     found += [t("plan.legend.joint")] if any(len(a.operators) > 1 for a in result.schedule) else []
     rows = lanes(cell, result.schedule, until=result.makespan, critical=False)
     waits = any(bar.since for lane in rows for bar in lane.bars)

@@ -9,7 +9,7 @@ from math import ceil
 
 from tandem.draw.style import looks
 from tandem.plan.result import Result
-from tandem.report.instructions import Condition, Step, columns, origin, rules, steps
+from tandem.report.instructions import Condition, Step, columns, instructed, origin, rules, steps
 from tandem.report.language import Words
 from tandem.report.markup import Markup, join, tag
 from tandem.report.tables import table
@@ -22,13 +22,14 @@ NUMBERS = ("number", "start", "end", "deadline")
 
 
 def sheets(result: Result, title: str, t: Words) -> Markup:
-    """One sheet for each operator. Each printed page says whose it is and to which plan (`title`)
-    it belongs; without a script all stand open.
+    """One sheet for each operator but machines. Each printed page says whose it is and to
+    which plan (`title`) it belongs; without a script all stand open.
     """
-    return join(_sheet(result, operator, title, t) for operator in result.cell.operators)
+    return join(sheet(result, operator, title, t) for operator in instructed(result.cell))
 
 
-def _sheet(result: Result, operator: str, title: str, t: Words) -> Markup:
+def sheet(result: Result, operator: str, title: str, t: Words) -> Markup:
+    """The sheet of one operator."""
     found = steps(result.cell, result.schedule, operator, t)
     heading = t("steps.title", who=looks(result.cell)[operator].label)
     above = [tag("p", sentence) for sentence in rules(result.cell, operator, t)] if found else []

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from tandem.cell.model import Cell
-from tandem.cell.parts import Wait
+from tandem.cell.parts import Wait, Zone
 from tandem.draw.style import looks, task_label
 from tandem.plan.result import Result
 from tandem.report.language import Words
@@ -21,6 +21,7 @@ from tandem.report.waits import kind_of
 from tandem.schedule.critical import links
 from tandem.schedule.measures import exact, made_ready
 from tandem.schedule.model import Assignment, Schedule
+from tandem.schedule.parts import parts_handed_over
 from tandem.schedule.queues import KINDS, places_of, queues
 
 
@@ -87,6 +88,11 @@ COLUMNS = (
 """What a sheet shows of a step, in the order of its columns."""
 
 
+def instructed(cell: Cell) -> tuple[str, ...]:
+    """The operators who get a sheet, in the cell's order: a machine reads none."""
+    return tuple(name for name in cell.operators if name not in cell.machines)
+
+
 def steps(cell: Cell, schedule: Schedule, operator: str, t: Words) -> tuple[Step, ...]:
     """The operator's steps in order. Assumes a sound schedule."""
     sheet = _Sheet(cell, schedule, operator, t)
@@ -112,8 +118,9 @@ def rules(cell: Cell, operator: str, t: Words) -> tuple[str, ...]:
     above the steps.
     """
     off = [_span(start, end, t) for start, end in cell.operators[operator].breaks]
+    kind = cell.operators[operator].kind
     return (
-        t(f"steps.rule.{cell.operators[operator].kind}"),
+        *([] if operator in cell.machines else [t(f"steps.rule.{kind}")]),
         *([t("steps.breaks", breaks=", ".join(off))] if off else []),
     )
 
@@ -144,6 +151,7 @@ class _Sheet:
         waits = [wait for task in cell.tasks.values() for wait in task.wait]
         is_bound = any(wait.at_most is not None for wait in waits)
         self.held = links(cell, schedule) if is_bound else dict.fromkeys(self.rows, ())
+        self.parts = tuple(parts_handed_over(cell, schedule))
 
     def steps(self) -> Iterator[Step]:
         if self.own.tasks and (span := self.cell.operators[self.operator].setting_up) is not None:
@@ -256,8 +264,8 @@ class _Sheet:
             yield self._when("both" if before else "previous", self.own.ended(place), tasks=tasks)
 
     def _others(self, a: Assignment) -> Iterator[Condition]:
-        """Each task of others that must be done before, with the tool and the zone that it leaves
-        free.
+        """Each task of others that must be done before, with the tool, the zone and the machine
+        that it leaves free.
         """
         after = [name for name in self._predecessors(a.task) if not self._is_own(name)]
         tasks: dict[str, list[str]] = {name: [] for name in after}
@@ -266,6 +274,10 @@ class _Sheet:
                 if not self._is_own(task):
                     said = self.t(f"steps.wait.{queue.kind}", name=queue.name)
                     tasks[task] = list(dict.fromkeys([*tasks.get(task, []), said]))
+        for machine, task, after_it in self.parts:
+            if after_it == a.task and not self._is_own(task):
+                said = self.t("steps.wait.machine", name=self._label(machine))
+                tasks[task] = list(dict.fromkeys([*tasks.get(task, []), said]))
         for task, freed in tasks.items():
             yield self._when(
                 "freed" if freed else "done",
@@ -315,6 +327,11 @@ class _Sheet:
                 for queue in self.queues[row.task]
                 if any(task == a.task for _, task in queue.before)
             ]
+            freed += [
+                self.t("steps.then.machine", name=self._label(machine))
+                for machine, task, after_it in self.parts
+                if (task, after_it) == (a.task, row.task)
+            ]
             said = self._with(self._names(row.task), row.task)
             if freed:
                 yield self.t("steps.then.freed", then=said, freed=", ".join(freed))
@@ -345,6 +362,13 @@ class _Sheet:
                 places = places_of(self.cell, kind, name)
                 many = "one" if places == 1 else "other"
                 yield self.t(f"steps.means.{kind}.{many}", name=name, n=places)
+        if apart := self.cell.zones.get(task.zone or "", Zone()).apart:
+            yield self.t("steps.means.apart", name=task.zone, kinds=", ".join(map(self.t, apart)))
+        for machine, operator in self.cell.operators.items():
+            for first, last in operator.holds:
+                if first == a.task:
+                    values = {"name": self._label(machine), "task": named(self.cell, last)}
+                    yield self.t("steps.means.hold", **values)
         for who in self._partners(a):
             yield self.t("steps.means.partner", who=self._label(who))
 

@@ -10,7 +10,7 @@ from tandem.draw.imprint import imprint, remarks
 from tandem.draw.style import looks
 from tandem.plan.result import Front, Result
 from tandem.report.html import summary
-from tandem.report.instructions import Step, columns, origin, rules, steps
+from tandem.report.instructions import Step, columns, instructed, origin, rules, steps
 from tandem.report.language import Words, words
 from tandem.report.risk import is_told, risk_heads, risk_note, risk_rows
 from tandem.report.sources import assumptions, made
@@ -50,7 +50,7 @@ def markdown(
         plan = "; ".join([title, *remarks(result, t, stale=stale)])
         parts += [
             part
-            for operator in front.cell.operators
+            for operator in instructed(front.cell)
             for part in _instructions(result, operator, plan, t)
         ]
     parts += [

@@ -137,8 +137,9 @@ def hatches(order: dict[str, Look]) -> Markup:
         for look in order.values()
     ]
     patterns.append(_pattern("fill-break", "#E9ECEF", "#8A929A", "x"))
-    patterns.append(_pattern("fill-walk", "#E9ECEF", "#8A929A", "-"))
+    patterns.append(_pattern("fill-walk", "#E9ECEF", "#8A929A", "|"))
     patterns.append(_pattern("fill-changeover", "#E9ECEF", "#8A929A", "."))
+    patterns.append(_pattern("fill-hold", "#F3F4F5", "#B4BAC0", "."))
     return tag(
         "svg",
         tag("defs", *patterns),
@@ -155,8 +156,9 @@ def _pattern(name: str, ground: str, colour: str, sign: str) -> Markup:
         "/": "M-3,3 L3,-3 M0,12 L12,0 M9,15 L15,9",
         "\\": "M-3,9 L3,15 M0,0 L12,12 M9,-3 L15,3",
         "|": "M6,0 L6,12",
-        "-": "M0,6 L12,6",
         "x": "M0,0 L12,12 M0,12 L12,0",
+        "-": "M0,3 L12,3 M0,9 L12,9",
+        "+": "M0,6 L12,6 M6,0 L6,12",
     }
     pieces = [tag("rect", width=12, height=12, fill=ground)]
     if sign in lines:

@@ -101,8 +101,8 @@ def _holds(path: Path, content: str | bytes) -> bool:
 
 
 def example_variant(cell: Cell) -> tuple[Cell, str]:
-    """The cell with the longest time of any task a fifth shorter, a robot's if there is one; and
-    what that is, in words.
+    """The cell with the longest time of any task a fifth shorter, a robot's or a machine's if there
+    is one; and what that is, in words.
     """
     from tandem.explain.sensitivity import scaled
 
@@ -110,7 +110,7 @@ def example_variant(cell: Cell) -> tuple[Cell, str]:
     task, mode = max(
         modes,
         key=lambda row: (
-            len(row[1].operators) == 1 and row[1].operators[0] in cell.robots,
+            len(row[1].operators) == 1 and row[1].operators[0] not in cell.humans,
             row[1].time,
         ),
     )

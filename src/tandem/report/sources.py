@@ -56,6 +56,14 @@ def assumptions(front: Front, t: Words) -> list[str]:
                 ),
             )
         )
+    found += [
+        t("assume.holds", name=shown[o].label, first=first, last=last)
+        for o, operator in cell.operators.items()
+        for first, last in operator.holds
+    ]
+    for name in zones:
+        if apart := cell.zones[name].apart if name in cell.zones else ():
+            found.append(t("assume.apart", zone=name, kinds=", ".join(map(t, apart))))
     if zones:
         found.append(
             t(

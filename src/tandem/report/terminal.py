@@ -1,9 +1,9 @@
 """A front in the terminal: a table of its points, a Gantt chart in characters, and what a method
 knows while it works.
 
-Colour is never the only sign: humans and robots differ in the fill of their bars too, and the
-critical path is named. rich leaves colours out when the output is no terminal, with NO_COLOR and
-with TERM=dumb; where the encoding has no block characters, plain ASCII stands for them.
+Colour is never the only sign: humans, robots and machines differ in the fill of their bars too, and
+the critical path is named. rich leaves colours out when the output is no terminal, with NO_COLOR
+and with TERM=dumb; where the encoding has no block characters, plain ASCII stands for them.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ MOST_PANELS = 8
 COLOURS = {
     "human": ("yellow", "magenta", "red", "bright_yellow"),
     "robot": ("cyan", "green", "blue", "bright_cyan"),
+    "machine": ("white", "bright_black", "bright_blue", "bright_green"),
 }
 
 
@@ -84,11 +85,7 @@ class FrontView:
 def headline(front: Front, language: str = "en") -> str:
     """One sentence: what was found, and how far it is proven."""
     cell, t = front.cell, words(language)
-    people = [
-        t.count(kind, len(names))
-        for kind, names in (("human", cell.humans), ("robot", cell.robots))
-        if names
-    ]
+    people = [t.count(kind, len(names)) for kind, names in cell.crew.items()]
     proof = "open" if front.ended_by == "work" else front.ended_by
     return t(
         "terminal.found",
@@ -248,8 +245,8 @@ class GanttText:
     """A schedule as lanes of characters, as wide as the console; it is folded into several panels
     when tasks would get too narrow.
 
-    A bar begins with an edge and the task's name; humans' bars are solid, robots' shaded. `x` is a
-    break, `~` a tool changeover, `>` walking.
+    A bar begins with an edge and the task's name; humans' bars are solid, robots' shaded, machines'
+    shaded closer. `x` is a break, `~` a tool changeover, `>` walking, `·` a part held.
     """
 
     def __init__(
@@ -318,7 +315,9 @@ class GanttText:
         from rich.text import Text
 
         rows, t = list(rows), self.words
-        parts = [f"{marks.human} {t('human')}", f"{marks.robot} {t('robot')}"]
+        parts = [f"{marks.of[kind]} {t(kind)}" for kind in ("human", "robot")]
+        if self.cell.machines:
+            parts.append(f"{marks.of['machine']} {t('machine')}")
         if any(bar.joint for lane in rows for bar in lane.bars):
             parts.append(f"+ {t('picture.joint')}")
         parts += [
@@ -353,15 +352,26 @@ class _Marks:
     """The characters of a chart; `plain` keeps to ASCII."""
 
     def __init__(self, *, plain: bool):
-        self.human, self.robot = ("#", "=") if plain else ("█", "░")
+        self.human, self.robot, self.machine = ("#", "=", ":") if plain else ("█", "░", "▒")
         self.bar, self.edge = ("[", "|") if plain else ("▐", "│")
         self.arrow, self.ellipsis = ("->", "..") if plain else ("→", "…")
         self.pause, self.swap, self.walk = ("x", "~", ">") if plain else ("╳", "~", "›")
+        self.hold = "." if plain else "·"
+
+    @property
+    def of(self) -> dict[str, str]:
+        """The fill of the bars of each kind of operator."""
+        return {"human": self.human, "robot": self.robot, "machine": self.machine}
 
     @property
     def shaded(self) -> dict[str, str]:
         """The sign of each fill of a time without a task."""
-        return {"break": self.pause, "changeover": self.swap, "walk": self.walk}
+        return {
+            "break": self.pause,
+            "changeover": self.swap,
+            "walk": self.walk,
+            "hold": self.hold,
+        }
 
 
 def _can_print(encoding: str | None, marks: _Marks) -> bool:
@@ -379,7 +389,7 @@ def _lane_text(
     from rich.text import Text
 
     signs, styles = [" "] * width, [""] * width
-    fill = marks.human if lane.look.kind == "human" else marks.robot
+    fill = marks.of[lane.look.kind]
 
     def columns(start: float, stop: float) -> range:
         first, last = (
@@ -437,5 +447,4 @@ def _axis(begin: float, end: float, scale: float, width: int, t: Words) -> str:
 
 def _colour(cell: Cell, operator: str) -> str:
     kind = cell.operators[operator].kind
-    names = cell.humans if kind == "human" else cell.robots
-    return COLOURS[kind][names.index(operator) % 4]
+    return COLOURS[kind][cell.crew[kind].index(operator) % 4]

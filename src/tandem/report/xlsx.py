@@ -15,7 +15,7 @@ from tandem.draw.imprint import imprint, remarks
 from tandem.draw.style import contrast, looks
 from tandem.files.spreadsheet.template import to_workbook, workbook_bytes
 from tandem.plan.result import Front, Result
-from tandem.report.instructions import Step, columns, origin, rules, steps
+from tandem.report.instructions import Step, columns, instructed, origin, rules, steps
 from tandem.report.language import Words, words
 from tandem.report.risk import is_told, risk_heads, risk_note, risk_values
 from tandem.report.sources import assumptions, made
@@ -87,7 +87,7 @@ def xlsx(
         result = front.shown(point)
         title = _plan_title(result, front.results.index(result) + 1, t)
         title = "; ".join([title, *remarks(result, t, stale=stale)])
-        for operator in front.cell.operators:
+        for operator in instructed(front.cell):
             _instructions(book, result, operator, title, t)
             _on_paper(book, result, t, stale)
     _made(book, front, t, command, date)

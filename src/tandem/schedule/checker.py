@@ -318,6 +318,89 @@ def zones_are_wide_enough(judged: Judged) -> Iterator[str]:
             yield f"zone {name!r}: there {_are(places, 'place')}, but {crowd}"
 
 
+def kinds_are_kept_apart(judged: Judged) -> Iterator[str]:
+    for name, rows in _by_place(judged, "zone"):
+        apart = judged.cell.zones[name].apart if name in judged.cell.zones else ()
+        there = [(row, who, kind) for row, _ in rows for who, kind in _of_kinds(judged, row, apart)]
+        for place, (row, who, kind) in enumerate(there):
+            for earlier, other, its in there[:place]:
+                if its != kind and row.start < earlier.end:
+                    later = "" if earlier is row else f"; {_s(earlier.end)} is the earliest"
+                    yield (
+                        f"zone {name!r}: keeps {_and(apart)} apart, but {other!r} (task"
+                        f" {earlier.task!r}, {_span(earlier)}) and {who!r} (task {row.task!r},"
+                        f" {_span(row)}) are in it at once{later}."
+                    )
+
+
+def _of_kinds(judged: Judged, row: Row, kinds: Iterable[str]) -> Iterator[tuple[str, str]]:
+    """Who takes part, in the cell's order, with their kind; those of these kinds only."""
+    for who, operator in judged.cell.operators.items():
+        if who in row.who and operator.kind in kinds:
+            yield who, operator.kind
+
+
+def machines_hold_their_part(judged: Judged) -> Iterator[str]:
+    for name, operator in judged.cell.operators.items():
+        found = [hold for pair in operator.holds for hold in _held(judged, *pair)]
+        begins = {
+            id(before.row): before.start
+            for who, before in (_preparations(judged) if found else ())
+            if who == name
+        }
+        for hold in found:
+            for row in judged.of_operator.get(name, ()):
+                begin = min(row.start, begins.get(id(row), row.start))
+                if row.task not in hold.within and begin < hold.end and hold.start < row.end:
+                    does = f"does task {row.task!r} ({_span(row)})"
+                    if row.start >= hold.end:
+                        does = f"gets ready for task {row.task!r} from {_s(begin)} on"
+                    earliest = _s(hold.end + row.start - begin)
+                    late = f"; {earliest} is the earliest" if hold.start <= begin else ""
+                    yield f"operator {name!r}: {hold}, but {does} meanwhile{late}."
+        for place, hold in enumerate(found):
+            for other in found[:place]:
+                first, then = sorted((hold, other), key=lambda one: (one.start, one.end))
+                if then.start < first.end and not _lies_within(hold, other):
+                    yield (
+                        f"operator {name!r}: {first}, but takes up another one with task"
+                        f" {then.first!r} at {_s(then.start)}; {_s(first.end)} is the earliest."
+                    )
+
+
+class _Hold(NamedTuple):
+    """A machine's part from the start of one task to the end of another; `within` are the tasks
+    between them, and these two.
+    """
+
+    first: str
+    last: str
+    start: Decimal
+    end: Decimal
+    within: frozenset[str]
+
+    def __str__(self) -> str:
+        return (
+            f"holds the part of task {self.first!r} from {_s(self.start)} until task"
+            f" {self.last!r} has ended at {_s(self.end)}"
+        )
+
+
+def _held(judged: Judged, first: str, last: str) -> Iterator[_Hold]:
+    """The hold, where the schedule does both tasks."""
+    behind, ahead = {first}, {last}
+    for _ in judged.cell.tasks:
+        behind |= {n for n, task in judged.cell.tasks.items() if behind & set(task.predecessors)}
+        ahead |= {before for name in ahead for before in judged.cell.tasks[name].predecessors}
+    for one in judged.of_task.get(first, ()):
+        for other in judged.of_task.get(last, ()):
+            yield _Hold(first, last, one.start, other.end, frozenset(behind & ahead))
+
+
+def _lies_within(one: _Hold, other: _Hold) -> bool:
+    return {one.first, one.last} <= other.within or {other.first, other.last} <= one.within
+
+
 def stress_limits_are_kept(judged: Judged) -> Iterator[str]:
     for name, operator in judged.cell.operators.items():
         if operator.stress_limit is None:
@@ -402,6 +485,8 @@ RULES: tuple[Callable[[Judged], Iterator[str]], ...] = (
     breaks_are_free_of_walks_and_changeovers,
     tools_are_enough,
     zones_are_wide_enough,
+    kinds_are_kept_apart,
+    machines_hold_their_part,
     stress_limits_are_kept,
     pairs_have_the_same_operators,
     the_set_of_human_tasks_is_listed,

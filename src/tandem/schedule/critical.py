@@ -11,6 +11,7 @@ from tandem.cell.model import Cell
 from tandem.cell.written import number
 from tandem.schedule.measures import Ready, exact, made_ready
 from tandem.schedule.model import Assignment, Schedule
+from tandem.schedule.parts import parts_handed_over
 from tandem.schedule.queues import Kind, places_of, taken_by
 
 Reason = Literal[
@@ -26,6 +27,7 @@ Reason = Literal[
     "preparation",
     "tool",
     "zone",
+    "hold",
     "follower",
     "choice",
 ]
@@ -42,9 +44,10 @@ class Link:
         when its "predecessor" `by` ends, when its "wait" after task `by` is over, when the
         "operator" `by` is free, when that operator's "walk" or "changeover" is done, or both of
         them ("preparation"), when a unit of the "tool" or a place in the "zone" `by` is given back,
-        so late that its "follower" `by` still starts within its wait after it; or by "choice": it
-        could have started earlier.
-      by: name of the predecessor, follower, operator, tool or zone; empty otherwise.
+        when the machine `by` is free to "hold" a part, or free of the one that it held, so late
+        that its "follower" `by` still starts within its wait after it; or by "choice": it could
+        have started earlier.
+      by: name of the predecessor, follower, operator, tool, zone or machine; empty otherwise.
       waited_for: the task before it on the path, which ended then (or some time before, where a
         wait lies between them); None at the path's beginning.
     """
@@ -70,6 +73,7 @@ class Link:
             f" {self.waited_for}",
             "tool": f"when {self.waited_for} gives back tool {self.by}",
             "zone": f"when {self.waited_for} leaves zone {self.by}",
+            "hold": f"when {self.by} is free after {self.waited_for}",
             "choice": "later than it could",
         }
         return f"{self.assignment.task} at {number(self.assignment.start)} s, {wait[self.reason]}"
@@ -179,6 +183,7 @@ _PREFERENCE: tuple[Reason, ...] = (
     "tool",
     "zone",
     "follower",
+    "hold",
     "choice",
 )
 
@@ -216,14 +221,15 @@ class _Plan:
       followers: task -> (task that cannot start before it has ended, seconds that must lie
         between; less than 0 where the wait counts from its start).
       bound: task -> (task that must start within a wait after it, from its start or end, the most).
-      handed: task -> (reason, tool or zone, task that used the same unit of it directly before).
+      handed: task -> (reason, tool, zone or machine, task that used the same unit of it directly
+        before, seconds that must lie between).
     """
 
     cell: Cell
     of_task: Mapping[str, Assignment]
     turns: Mapping[str, list[_Turn]]
     followers: Mapping[str, list[tuple[str, Decimal]]]
-    handed: Mapping[str, list[tuple[Reason, str, str]]]
+    handed: Mapping[str, list[tuple[Reason, str, str, Decimal]]]
     bound: Mapping[str, list[tuple[str, bool, Decimal]]]
 
     @classmethod
@@ -231,7 +237,7 @@ class _Plan:
         of_task = {a.task: a for a in schedule}
         turns: dict[str, list[_Turn]] = {name: [] for name in of_task}
         followers: dict[str, list[tuple[str, Decimal]]] = {name: [] for name in of_task}
-        handed: dict[str, list[tuple[Reason, str, str]]] = {name: [] for name in of_task}
+        handed: dict[str, list[tuple[Reason, str, str, Decimal]]] = {name: [] for name in of_task}
         bound: dict[str, list[tuple[str, bool, Decimal]]] = {name: [] for name in of_task}
         for name in cell.operators:
             rows = schedule.of(name)
@@ -250,9 +256,16 @@ class _Plan:
                 followers[wait.after].append((name, exact(wait.at_least) - time))
                 if wait.at_most is not None:
                     bound[wait.after].append((name, is_start, exact(wait.at_most)))
-        for reason, place, before, after in _hand_overs(cell, schedule):
-            handed[after].append((reason, place, before))
+        for reason, place, before, after in dict.fromkeys(
+            [*_hand_overs(cell, schedule), *_others_out(cell, schedule)]
+        ):
+            handed[after].append((reason, place, before, Decimal(0)))
             followers[before].append((after, Decimal(0)))
+        for machine, before, after in parts_handed_over(cell, schedule):
+            mine = (turn.time for turn in turns[after] if turn.operator == machine)
+            gap = next(mine, Decimal(0))
+            handed[after].append(("hold", machine, before, gap))
+            followers[before].append((after, gap))
         return cls(cell, of_task, turns, followers, handed, bound)
 
     def caps(self, a: Assignment) -> dict[str, Decimal]:
@@ -311,8 +324,8 @@ class _Plan:
                     if exact(off.end) == begin
                 )
                 yield from (Link(a, off.what, turn.operator) for off in ended)
-        for reason, place, before in self.handed[a.task]:
-            if exact(self.of_task[before].end) == start:
+        for reason, place, before, gap in self.handed[a.task]:
+            if exact(self.of_task[before].end) + gap == start:
                 yield Link(a, reason, place, before)
 
     def latest_end(self, a: Assignment, limit: Decimal, time: Decimal) -> Decimal:
@@ -352,6 +365,20 @@ def _hand_overs(cell: Cell, schedule: Schedule) -> Iterator[tuple[Reason, str, s
                 if before is not None:
                     yield kind, name, before.task, a.task
                 units[unit] = a
+
+
+def _others_out(cell: Cell, schedule: Schedule) -> Iterator[tuple[Reason, str, str, str]]:
+    """The same of zones that keep kinds of operators apart: whoever comes waits for all of other
+    kinds that were there before.
+    """
+    rows = [(a, cell.tasks[a.task].zone) for a in schedule]
+    for place, (a, zone) in enumerate(rows):
+        apart = cell.zones[zone].apart if zone is not None and zone in cell.zones else ()
+        kinds = {cell.operators[who].kind for who in a.operators}.intersection(apart)
+        for before, its in rows[:place] if kinds else ():
+            theirs = {cell.operators[who].kind for who in before.operators}.intersection(apart)
+            if its == zone and theirs - kinds:
+                yield "zone", zone or "", before.task, a.task
 
 
 def _claim(last: Assignment | None, a: Assignment) -> tuple[bool, bool, Decimal]:

@@ -17,7 +17,8 @@ KINDS: tuple[Kind, ...] = ("tool", "zone")
 
 
 class Queue(NamedTuple):
-    """What one task waits for at its tool or its zone.
+    """What one task waits for at its tool or its zone; at a zone that keeps kinds of operators
+    apart, one queue for the places and one for the others to be out.
 
     Attributes:
       kind, name: of the tool or the zone.
@@ -96,6 +97,8 @@ def _queues_of(
         else:
             implied = frozenset().union(*(sure[row.task] for row in last.values()))
             last = {who: row for who, row in last.items() if row.task not in implied}
+        if kind == "zone" and spare:
+            yield from _other_kinds(cell, a, earlier, sure)
         if len(last) > spare:
             ends = sorted(exact(row.end) for row in last.values())
             order = sorted(last.items(), key=lambda entry: entry[1])
@@ -107,6 +110,33 @@ def _queues_of(
                 tuple((who, row.task) for who, row in order),
                 float(ends[len(ends) - spare - 1]),
             )
+
+
+def _other_kinds(
+    cell: Cell,
+    a: Assignment,
+    earlier: tuple[Assignment, ...],
+    sure: dict[str, frozenset[str]],
+) -> Iterator[Queue]:
+    """Those whom the zone keeps apart from the task's operators must all be out of it."""
+    name = cell.tasks[a.task].zone
+    apart = cell.zones[name].apart if name is not None and name in cell.zones else ()
+    kinds = {cell.operators[who].kind for who in a.operators}
+    if name is None or not kinds.intersection(apart):
+        return
+    last = {
+        who: row
+        for row in earlier
+        if cell.tasks[row.task].zone == name
+        for who in row.operators
+        if cell.operators[who].kind in set(apart) - kinds
+    }
+    implied = frozenset().union(*(sure[row.task] for row in last.values()))
+    last = {who: row for who, row in last.items() if row.task not in implied}
+    if last:
+        order = tuple((who, row.task) for who, row in sorted(last.items(), key=lambda one: one[1]))
+        end = max(exact(row.end) for row in last.values())
+        yield Queue("zone", name, places_of(cell, "zone", name), 0, order, float(end))
 
 
 def taken_by(cell: Cell, a: Assignment) -> Iterator[tuple[Kind, str, int]]:

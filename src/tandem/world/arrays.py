@@ -59,6 +59,12 @@ class Arrays(NamedTuple):
     another one; `[0, O]` when tools play no part. takes: `[W, U]` int32, how many of the tool the
     way needs. of_zone: `[T, Z]` bool, the zone that the task needs. tool_places, zone_places:
     `[U]`, `[Z]` int32, how many operators have room.
+    holds: `[H, 2]` int32, the first and the last task of each time in which a machine holds a part;
+    `[0, 2]` when none does. hold_of: `[H, O]` bool, the machine. hold_bars: `[H, W]` bool, the ways
+    that may not begin meanwhile. hold_rivals: `[H, H]` bool, those that one machine cannot have at
+    once. hold_ahead: `[H, T]` bool, the tasks that must have begun before.
+    apart: `[W, W]` bool, True where a zone keeps the operators of two ways apart; `[0, 0]` when
+    none keeps any.
     in_hand: `[O]` int32, the tool in hand at the start, -1 while the first one costs nothing.
     stands: `[O]` int32, the place where it stands at the start, -1 while the way to the first one
     costs nothing. place: `[T]` int32, where the task is done, -1 for anywhere; `[0]` when nobody
@@ -96,6 +102,12 @@ class Arrays(NamedTuple):
     tool_places: Array
     of_zone: Array
     zone_places: Array
+    apart: Array
+    holds: Array
+    hold_of: Array
+    hold_bars: Array
+    hold_rivals: Array
+    hold_ahead: Array
     in_hand: Array
     stands: Array
     place: Array
@@ -345,6 +357,55 @@ def _places(names: Names, layout: Layout) -> dict[str, Any]:
         "zone_places": np.array(
             [places or everybody for places in instance.zone_room[:zones]], np.int64
         ),
+        "apart": _apart(instance),
+    }
+
+
+def _apart(instance: Instance) -> Array:
+    """`[W, W]` bool, the ways that a zone keeps apart; `[0, 0]` when none keeps any."""
+    if not instance.has_apart:
+        return np.zeros((0, 0), bool)
+    there = [
+        (instance.zone[task], instance.sides(task, way))
+        for task, row in enumerate(instance.ways)
+        for way in row
+    ]
+    return np.array(
+        [
+            [
+                zone == place and bool(mine) and bool(theirs) and mine != theirs
+                for place, theirs in there
+            ]
+            for zone, mine in there
+        ],
+        bool,
+    )
+
+
+def _holds(names: Names, layout: Layout) -> dict[str, Any]:
+    instance = layout.instance
+    tasks, holds = range(len(instance.tasks)), range(len(instance.holds))
+    flat = [(task, way) for task, row in enumerate(instance.ways) for way in row]
+
+    def table(of_hold: Sequence[int], count: int) -> Array:
+        rows = [[number >> one & 1 for one in range(count)] for number in of_hold]
+        return np.array(rows, bool).reshape(len(holds), count)
+
+    barred, rivals = table(instance.barred, len(tasks)), table(instance.rivals, len(holds))
+    bars = np.zeros((len(holds), len(flat)), bool)
+    for hold in holds:
+        firsts = [instance.holds[other][1] for other in holds if rivals[hold, other]]
+        for number, (task, way) in enumerate(flat):
+            does = instance.holds[hold][0] in way.operators and barred[hold, task]
+            bars[hold, number] = does or task in firsts
+    return {
+        "holds": np.array([hold[1:] for hold in instance.holds], np.int64).reshape(-1, 2),
+        "hold_of": table(
+            [1 << operator for operator, _, _ in instance.holds], len(instance.operators)
+        ),
+        "hold_bars": bars,
+        "hold_rivals": rivals,
+        "hold_ahead": table(instance.ahead_of_hold, len(tasks)),
     }
 
 
@@ -393,7 +454,7 @@ def _walks(names: Names, layout: Layout) -> dict[str, Any]:
     }
 
 
-PARTS = (_ways, _tasks, _operators, _places, _walks, _sets, _lags)
+PARTS = (_ways, _tasks, _operators, _places, _walks, _holds, _sets, _lags)
 
 
 def _undoing(names: Names, layout: Layout, undo: float | None) -> dict[str, Any]:

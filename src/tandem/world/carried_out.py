@@ -63,8 +63,15 @@ class Plan(NamedTuple):
 
 
 def _needs(cell: Cell, row: Assignment) -> set[tuple[str, str]]:
-    """Its operators, their tools and its zone."""
-    return {("operator", who) for who in row.operators} | {
+    """Its operators, the machines that hold a part from it on or until then, its operators' tools
+    and its zone.
+    """
+    holding = (
+        who
+        for who, operator in cell.operators.items()
+        if any(row.task in pair for pair in operator.holds)
+    )
+    return {("operator", who) for who in (*row.operators, *holding)} | {
         (kind, name) for kind, name, _ in taken_by(cell, row)
     }
 

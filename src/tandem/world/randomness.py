@@ -42,8 +42,8 @@ class Chance:
       spread: one of `SPREADS`. The mean of lognormal and triangular durations is the nominal one.
       cv: coefficient of variation of the durations for which the cell states none.
       factors: for "empirical": measured durations divided by the nominal ones; each is as likely.
-      failure_s, repair_s: mean seconds (exponential) between two breakdowns of a robot, and until
-        it is repaired. None: robots do not fail.
+      failure_s, repair_s: mean seconds (exponential) between two breakdowns of a robot or
+        machine, and until it is repaired. None: they do not fail.
       absence_s, away_s: the same for humans being called away.
       undo: the disassembly of a task takes this share of its own time (ASSUMPTION: as long as
         mounting it).

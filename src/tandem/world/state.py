@@ -8,8 +8,9 @@ letter, so that a sound schedule replays to exactly its makespan and legal play 
 schedules:
 
 - A way may begin when the tasks before it have ended, its waits after other tasks have lasted as
-  long as they must at least, its release has come, all its operators are free, and its tool and its
-  zone have room.
+  long as they must at least, its release has come, all its operators are free, its tools and its
+  zone have room, nobody is in the zone whom it keeps apart from them, and no machine of theirs
+  holds a part to which the task does not belong.
 - Whoever stands at another place must walk there, and whoever holds another tool must take up the
   right one, first. An operator who was idle has used that time for it: the task starts at the later
   of the clock and, for each operator, the end of its last work or break plus the way and the
@@ -346,6 +347,8 @@ def _fitting(arrays: Arrays, state: State, tasks: Array) -> Array:
     fitting = fitting & ~(arrays.way_uses & ~free[None, :]).any(axis=1)
     for rule in (
         _has_room,
+        _is_kept_apart,
+        _is_held_by_no_machine,
         _is_clear_of_breaks,
         _keeps_limits,
         _stays_with_its_team,
@@ -388,10 +391,14 @@ def _at(xp: Any, numbers: Array, chosen: Array) -> Array:
 
 def _since(xp: Any, arrays: Arrays, state: State) -> Array:
     """`[O]` int32, since when the operator could have got ready for its next work: the end of its
-    work and of its last break.
+    work and of its last break; of a machine also when the part came out that it held.
     """
     over = xp.where(arrays.break_to <= state.clock, arrays.break_to, 0)
     rested = xp.maximum(state.free_at, over.max(axis=1)) if over.shape[1] else state.free_at
+    if arrays.holds.shape[0]:
+        last = arrays.holds[:, 1]
+        out = xp.where(mounted(state)[last], state.end_at[last], 0)
+        rested = xp.maximum(rested, xp.where(arrays.hold_of, out[:, None], 0).max(axis=0))
     return xp.maximum(rested, state.away_until)
 
 
@@ -438,6 +445,44 @@ def _has_room(xp: Any, arrays: Arrays, state: State) -> Array | None:
             arrays.way_size <= xp.where(arrays.of_task, room[None, :], NEVER).min(axis=1)
         )
     return fits
+
+
+def _is_kept_apart(xp: Any, arrays: Arrays, state: State) -> Array | None:
+    """Nobody is in the way's zone whom it keeps apart from the way's operators."""
+    if not arrays.apart.shape[0]:
+        return None
+    running = (state.way >= 0) & ~mounted(state)
+    in_hand = xp.arange(arrays.way_ticks.shape[0], dtype=xp.int32)[:, None] == state.way[None, :]
+    return ~(arrays.apart & (in_hand & running[None, :]).any(axis=1)[None, :]).any(axis=1)
+
+
+def _is_held_by_no_machine(xp: Any, arrays: Arrays, state: State) -> Array | None:
+    """No machine that holds a part would do something that does not lie within the hold, or take up
+    another part; and one that is to take up a part is free, and need do nothing else before.
+
+    What only mistakes can bring about bars nothing: two holds of a machine that are open at once,
+    and one that is open while a task that should lie before it is missing or has to come off.
+    """
+    if not arrays.holds.shape[0]:
+        return None
+    first, last = arrays.holds[:, 0], arrays.holds[:, 1]
+    begun, up = state.way >= 0, mounted(state)
+    over, missing = up, ~begun
+    if arrays.undo.shape[0]:
+        over, missing = up | state.undoing, ~begun | to_undo(arrays, state) | state.undoing
+    is_open = begun[first] & ~over[last] & ~(arrays.hold_ahead & missing[None, :]).any(axis=1)
+    opened = begun[first] & ~over[last]
+    active = is_open & ~(arrays.hold_rivals & opened[None, :]).any(axis=1)
+    barred = (active[:, None] & arrays.hold_bars).any(axis=0)
+    at_work = (arrays.hold_of & (state.free_at > state.clock)[None, :]).any(axis=1)
+    unready = (
+        at_work
+        | (arrays.hold_ahead & ~begun[None, :]).any(axis=1)
+        | (arrays.hold_rivals & (first[:, None] == first[None, :])).any(axis=1)
+    )
+    # beginning a task that is mounted takes it apart: then no part is taken up
+    opens = (arrays.way_task[None, :] == first[:, None]) & ~begun[arrays.way_task][None, :]
+    return ~(barred | (opens & unready[:, None]).any(axis=0))
 
 
 def _is_clear_of_breaks(xp: Any, arrays: Arrays, state: State) -> Array | None:

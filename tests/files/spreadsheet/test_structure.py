@@ -872,6 +872,12 @@ def test_a_machine_is_no_robot(header: str, tmp_path: Path) -> None:
     assert draft(tmp_path, rows, columns={"C": "ignore"}).cell().robots == ()
 
 
+def test_a_machine_that_does_whole_tasks_can_be_called_one(tmp_path: Path) -> None:
+    rows = [["Vorgang", "Zeit Mensch [s]", "Zeit Presse [s]"], ["a", 10, 12]]
+    assert "--machine Presse" in refusal(draft(tmp_path, rows))
+    assert draft(tmp_path, rows, machines=["Presse"]).cell().machines == ("Presse",)
+
+
 def test_a_machine_that_is_a_robot_can_be_called_one(tmp_path: Path) -> None:
     rows = [["Task", "Time human [s]", "Machine time [s]"], ["a", 10, 12]]
     assert draft(tmp_path, rows, robots=["machine"]).cell().robots == ("machine",)

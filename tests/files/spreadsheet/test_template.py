@@ -184,6 +184,9 @@ def _renamed(
         tasks[steps.get(name, name)] = {**task, "label": text(), "part": text()}
     for tool in data.get("tools", {}).values():
         tool["changeover"] = by_who(tool.get("changeover", {}))
+    for operator in data["operators"].values():
+        if operator.get("holds"):
+            operator["holds"] = [[steps.get(n, n) for n in pair] for pair in operator["holds"]]
     sets = data.get("stress_of_set")
     return {
         **data,

@@ -178,6 +178,17 @@ def test_a_quicker_way_of_taking_off_counts():
             },
             "stress of set",
         ),
+        (
+            {
+                "operators": {"robot": {"kind": "machine", "holds": [["a", "b"]]}},
+                "tasks": {
+                    "a": {"time": {"robot": 3}},
+                    "b": {"time": {"robot": 3}, "after": ["a"]},
+                },
+            },
+            "holds",
+        ),
+        ({"zones": {"jig": {"apart": ["human", "robot"]}}}, "zone that keeps kinds apart"),
     ],
 )
 def test_what_it_cannot_express_is_refused_by_name(more, names):

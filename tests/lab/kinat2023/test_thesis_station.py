@@ -78,6 +78,9 @@ def test_other_teams_are_refused():
     }
     with pytest.raises(CellError, match="1 robot and 2 humans"):
         station(cell_of({"a": ({"robot": 2}, 0, [])}).replace(operators=operators))
+    operators["second"]["kind"] = "machine"
+    with pytest.raises(CellError, match="1 robot, 1 human and 1 machine; the thesis's world has"):
+        station(cell_of({"a": ({"robot": 2}, 0, [])}).replace(operators=operators))
     with pytest.raises(CellError, match="0 robots and 1 human;"):
         station(
             Cell.model_validate(

@@ -516,18 +516,24 @@ def test_the_agents_see_the_bill_of_materials_and_not_the_future(small: Cell) ->
 def test_what_cannot_be_expressed_is_named_all_at_once() -> None:
     cell = cell_of(
         {
-            "operators": {"ann": {"kind": "human", "stress_limit": 9}, "bob": {"kind": "human"}},
+            "operators": {
+                "ann": {"kind": "human", "stress_limit": 9},
+                "bob": {"kind": "human"},
+                "saw": {"kind": "machine"},
+            },
             "tasks": {
                 "x": {"time": {"ann": 3, "bob": 4}, "deadline": 50},
                 "y": {"time": {"ann": 3}, "wait": {"after": "x", "at_least": 5}},
             },
+            "zones": {"bench": {"apart": ["human", "robot"]}},
             "stress_of_set": {"x": 1},
         }
     )
     with pytest.raises(CellError) as error:
         duo(cell)
     for words in (
-        "0 robots and 2 humans",
+        "0 robots, 2 humans and 1 machine",
+        "no zone that keeps kinds apart",
         "stress_of_set",
         "stress_limit",
         "leave the deadline out",

@@ -227,14 +227,17 @@ def _willing(situation: Situation, task: str, planned: tuple[str, ...]) -> tuple
 
 
 def _needs(moves: Moves, task: str, operators: tuple[str, ...]) -> Iterator[Need]:
-    """Its operators, and its tool and zone where these have fewer places than there are
-    operators.
+    """Its operators, the machines that hold a part from it on or until then, and its tool and zone
+    where these have fewer places than there are
+    operators, or keep some apart.
     """
     yield from (("operator", who) for who in operators)
     number, instance = moves.instance.tasks.index(task), moves.instance
+    for hold in (*instance.held_from[number], *instance.held_until[number]):
+        yield "operator", instance.operators[instance.holds[hold][0]]
     way, zone = moves.flat(task, operators), instance.zone[number]
     yield from (("tool", tool) for tool, _ in (moves.scarce[way] if way is not None else ()))
-    if zone is not None and moves.instance.zone_room[zone]:
+    if zone is not None and (instance.zone_room[zone] or instance.keeps_apart[zone]):
         yield "zone", zone
 
 

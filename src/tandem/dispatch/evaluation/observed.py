@@ -93,7 +93,7 @@ class Observer:
             running=running,
             past=tuple(sorted(past, key=lambda work: (work.end, work.task))),
             absent=frozenset(name for name in off if name in cell.humans),
-            failed=frozenset(name for name in off if name in cell.robots),
+            failed=frozenset(name for name in off if name not in cell.humans),
             refused=self._refused(row),
             announced={
                 name: self.names.tasks[task]

@@ -89,6 +89,7 @@ def rest(
         **left.stances(),
         breaks=left.breaks(),
         stress_limit=left.stress_limit(),
+        **left.holds(),
     )
     return Rest(instance, left.tasks, tuple(tuple(number for _, number in row) for row in rows))
 
@@ -131,6 +132,10 @@ class _Left:
             fixed = {}
         operators = range(len(moves.instance.operators))
         off = {o: ticks for way, ticks in away for o in operators if moves.who[way] >> o & 1}
+        for task, ticks in ends.items():  # what is being taken out still blocks its machine
+            for hold in moves.instance.held_until[task]:
+                machine = moves.instance.holds[hold][0]
+                off[machine] = max(off.get(machine, 0), ticks)
         return cls(moves, position, tuple(tasks), running, fixed, ends, off)
 
     def open_ways(self, task: int) -> list[tuple[Way, int]]:
@@ -171,6 +176,21 @@ class _Left:
             waits = self.position.waits
             ends += [left for number, left in waits if instance.lags[number].task == task]
         return max(0, instance.release[task] - self.position.clock, *ends)
+
+    def holds(self) -> dict[str, Any]:
+        """The parts that machines hold, or are still to hold. Two that one machine holds at once,
+        which only mistakes can bring about, are forgotten.
+        """
+        instance = self.moves.instance
+        begun = self.position.done | sum(1 << task for task in self.running)
+        held = instance.still_held(self.tasks, begun)
+        open_ = [operator for operator, first, _ in held["holds"] if first < 0]
+        kept = [
+            pair
+            for pair in zip(held["holds"], held["within"], strict=True)
+            if pair[0][1] >= 0 or open_.count(pair[0][0]) == 1
+        ]
+        return {"holds": tuple(h for h, _ in kept), "within": tuple(w for _, w in kept)}
 
     def latest_end(self, task: int, due: Mapping[int, int]) -> int | None:
         """Ticks from now by which the task must have ended; None where it need not. What is due is
@@ -350,21 +370,27 @@ def _appended(left: Rest, layout: Layout, plan: Plan) -> PartialSchedule | None:
     if any(step is None for step in steps):
         return None
     state = append_in_order(layout, [t for t, _ in order], [one for one in steps if one])
-    return state if in_time(left.instance, tuple(state.starts())) else None
+    if state is None or not in_time(left.instance, tuple(state.starts())):
+        return None
+    return state
 
 
 PRESOLVED_S = 0.05
 """Presolving, which is hardly counted as work, is left out of less."""
 
 
-def _plan(left: Rest, layout: Layout, found: Starts, bound: float, proven: bool) -> Plan:
-    """The plan with every task as early as its order allows."""
+def _plan(left: Rest, layout: Layout, found: Starts, bound: float, proven: bool) -> Plan | None:
+    """The plan with every task as early as its order allows; None where the parts that machines
+    hold do not let it be.
+    """
     order = sorted(range(len(found)), key=lambda t: (found[t][1], layout.instance.order.index(t)))
     steps = [
         next((step for step in layout.steps[t] if step.way == way), layout.steps[t][0])
         for t, (way, _) in enumerate(found)
     ]
     state = append_in_order(layout, order, steps)
+    if state is None:
+        return None
     return _as_plan(left, state, state.makespan, bound, proven)
 
 

@@ -420,8 +420,8 @@ class Moves:
         yield chosen
 
     def _may(self, position: Position, way: int) -> bool:
-        """Whether clock, waits, breaks, tools, zones, limits and teams allow the way now. Assumes
-        that it is ready and its operators are free.
+        """Whether clock, waits, breaks, tools, zones, holds, limits and teams allow the way now.
+        Assumes that it is ready and its operators are free.
         """
         instance, task, who = self.instance, self.task[way], self.who[way]
         if instance.has_lags and way < self.count and self._waits(position, task):
@@ -446,7 +446,9 @@ class Moves:
                 for off, back in instance.breaks[o]
             ):
                 return False
-        return self._has_tools(position, way) and self._has_zone(position, task, len(operators))
+        if not (self._has_tools(position, way) and self._has_zone(position, way)):
+            return False
+        return not instance.has_holds or not self._is_barred(position, way)
 
     def _waits(self, position: Position, task: int) -> bool:
         """Whether a wait of the task lasts still, or counts from a start that has not come."""
@@ -477,17 +479,47 @@ class Moves:
             for tool, count in self.scarce[way]
         )
 
-    def _has_zone(self, position: Position, task: int, count: int) -> bool:
-        zones = self.instance.timed_zone
-        mine = zones[task]
-        if mine < 0:
+    def _has_zone(self, position: Position, way: int) -> bool:
+        """Whether the zone has room, and nobody is in it whom it keeps apart from the way's
+        operators.
+        """
+        instance, zone = self.instance, self.instance.zone[self.task[way]]
+        if zone is None or not (instance.zone_room[zone] or instance.keeps_apart[zone]):
             return True
-        taken = sum(
-            self.who[way].bit_count()
-            for way, _ in self._at_work(position)
-            if zones[self.task[way]] == mine
+        there = [
+            other for other, _ in self._at_work(position) if instance.zone[self.task[other]] == zone
+        ]
+        if instance.zone_room[zone]:
+            taken = sum(self.who[other].bit_count() for other in (*there, way))
+            if taken > instance.zone_room[zone]:
+                return False
+        kinds = [self._sides(other) for other in there] if instance.keeps_apart[zone] else []
+        mine = self._sides(way) if kinds else frozenset()
+        return not mine or all(not theirs or theirs == mine for theirs in kinds)
+
+    def _sides(self, way: int) -> frozenset[int]:
+        return self.instance.sides(self.task[way], self.modes[way % self.count])
+
+    def _is_barred(self, position: Position, way: int) -> bool:
+        """Whether a machine holds a part that must come out first, or is at work where it is to
+        take up one.
+        """
+        instance, task = self.instance, self.task[way]
+        comes_off = way >= self.count
+        if not comes_off:
+            busy = 0
+            for other, _ in self._at_work(position):
+                busy |= self.who[other]
+            if any(busy >> instance.holds[hold][0] & 1 for hold in instance.held_from[task]):
+                return True
+        return instance.is_barred(
+            self.begun(position),
+            position.done,
+            task,
+            self.who[way],
+            wrong=position.wrong,
+            comes_off=comes_off,
         )
-        return taken + count <= self.instance.zone_room[mine]
 
     def _at_work(self, position: Position) -> Iterator[tuple[int, int]]:
         """What runs without the absences, which take no place."""

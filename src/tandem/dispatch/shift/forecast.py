@@ -64,7 +64,8 @@ def forecast(
 
     It knows operators, precedence, releases, breaks, tools, zones, changeovers, walking and
     `same_operator`; it does not foresee mistakes, refusals and absences to come, and knows no limit
-    of stress. ASSUMPTIONS are those of `deciders/beliefs.py`.
+    of stress, no part that a machine holds and no zone that keeps kinds apart: where these make
+    somebody wait, it says too early a time. ASSUMPTIONS are those of `deciders/beliefs.py`.
 
     Args:
       decision: what has just been decided.

@@ -77,11 +77,13 @@ KINDS: dict[str, EventKind] = {
     ),
     "failed": EventKind(
         "with `task`: the attempt is given up, nothing is mounted; with `operator` alone: this"
-        " robot is down, its work rests",
+        " robot or machine is down, its work rests",
         "may",
         "may",
     ),
-    "repaired": EventKind("the robot works again and goes on with its task", "no", "one"),
+    "repaired": EventKind(
+        "the robot or machine works again and goes on with its task", "no", "one"
+    ),
     "wrong": EventKind(
         "the task turned out to be mounted wrongly: it has to be taken apart, then done again",
         "must",

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from tandem.cell.model import Cell
 from tandem.cell.parts import Mode
+from tandem.cell.precedence import between
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
 
@@ -23,6 +24,8 @@ class Facts:
       behind: task -> its direct successors, in the cell's order.
       above: task -> all its successors, direct or not.
       team: task -> the other tasks that the same operators must do.
+      holds: of each machine that holds parts, `(machine, first, last, tasks within)`.
+      before: task -> all that must have ended, or begun, before it starts, directly or not.
       must: task -> operator -> the least stress that it puts on them, however it is done; only what
         is more than 0.
       sets: the listed sets of tasks done by humans that can come about; None where stress adds up.
@@ -33,6 +36,8 @@ class Facts:
     above: Mapping[str, frozenset[str]]
     team: Mapping[str, tuple[str, ...]]
     must: Mapping[str, Mapping[str, float]]
+    holds: tuple[tuple[str, str, str, frozenset[str]], ...]
+    before: Mapping[str, frozenset[str]]
     sets: tuple[frozenset[str], ...] | None
 
     @classmethod
@@ -66,6 +71,12 @@ class Facts:
                 }
                 for task, row in zip(names, layout.must, strict=True)
             },
+            holds=tuple(
+                (who, *pair, between(cell, *pair))
+                for who, operator in cell.operators.items()
+                for pair in operator.holds
+            ),
+            before=_before(instance),
             sets=_sets(layout),
         )
 
@@ -76,6 +87,16 @@ def _above(instance: Instance) -> dict[str, frozenset[str]]:
         direct = [instance.tasks[after] for after in instance.behind[task]]
         above[instance.tasks[task]] = frozenset(direct).union(*(above[name] for name in direct))
     return above
+
+
+def _before(instance: Instance) -> dict[str, frozenset[str]]:
+    before: dict[str, frozenset[str]] = {}
+    waits = instance.begun_first
+    for task in instance.order:
+        firsts = [first for first in range(len(instance.tasks)) if waits[task] >> first & 1]
+        direct = [instance.tasks[first] for first in firsts]
+        before[instance.tasks[task]] = frozenset(direct).union(*(before[name] for name in direct))
+    return before
 
 
 def _sets(layout: Layout) -> tuple[frozenset[str], ...] | None:

@@ -46,10 +46,11 @@ def legal(situation: Situation) -> list[tuple[str, tuple[str, ...]]]:
 
     Predecessors have ended (or, to take a task apart, nothing stands on it any more), its waits
     after other tasks have lasted as long as they must, its release has come, its tools are whole
-    and its part there, all operators are there and at nothing, tools and zone have room, no break
-    falls into walk, changeover or stated time, and refusals, stress limits (as far as the least
-    stress of what is left tells), `same_operator` and `stress_of_set` are kept. Deadlines, and what
-    a wait may last at most, rule out nothing: late is better than never.
+    and its part there, all operators are there and at nothing, tools and zone have room, nobody is
+    in the zone whom it keeps apart from them, no machine holds another part, no break falls into
+    walk, changeover or stated time, and refusals, stress limits (as far as the least stress of what
+    is left tells), `same_operator` and `stress_of_set` are kept. Deadlines, and what a wait may
+    last at most, rule out nothing: late is better than never.
     """
     idle = frozenset(situation.idle)
     found: dict[tuple[str, tuple[str, ...]], None] = {}
@@ -112,6 +113,8 @@ def hindrances(situation: Situation, task: str, way: Mode) -> Iterator[str]:
         _refusals,
         _times_off,
         _room,
+        _apart,
+        _parts_held,
         _stress_limits,
         _teams,
         _listed_sets,
@@ -248,6 +251,89 @@ def _room(situation: Situation, task: str, way: Mode) -> Iterator[str]:
                     if taken
                     else f"{kind} {name!r} has room for {places} only"
                 )
+
+
+def _apart(situation: Situation, task: str, way: Mode) -> Iterator[str]:
+    cell, name = situation.cell, situation.cell.tasks[task].zone
+    apart = cell.zones[name].apart if name is not None and name in cell.zones else ()
+    kinds = {cell.operators[who].kind for who in way.operators if apart}
+    for other, at in situation.running.items() if kinds.intersection(apart) else ():
+        for who in at.operators if cell.tasks[other].zone == name else ():
+            kind = cell.operators[who].kind
+            if kind in apart and not kinds.intersection(apart) <= {kind}:
+                yield f"zone {name!r} keeps {' and '.join(apart)} apart, and {who!r} is in it"
+
+
+def _parts_held(situation: Situation, task: str, way: Mode) -> Iterator[str]:
+    """Of machines that hold a part, and of those that are to take up one."""
+    for held in _holding(situation):
+        machine, first, last, within = held
+        takes_another = any(task == its_first for _, its_first, *_ in _rivals(situation, held))
+        if (machine in way.operators and task not in within) or takes_another:
+            yield f"{machine!r} holds the part of task {first!r} until task {last!r} is done"
+    if task in situation.wrong:
+        return
+    for held in situation.facts.holds:
+        machine, first, last, _ = held
+        if task != first:
+            continue
+        at = next((n for n, at in situation.running.items() if machine in at.operators), None)
+        if at is not None:
+            yield f"{machine!r} is to hold the part and is at task {at!r}"
+        begun = _begun(situation)
+        for name in sorted(_ahead(situation, held) - begun):
+            yield (
+                f"{machine!r} is to hold the part until task {last!r} is done, and must do task"
+                f" {name!r} before"
+            )
+        if any(its_first == first for _, its_first, *_ in _rivals(situation, held)):
+            yield f"{machine!r} cannot hold two parts"
+
+
+Held = tuple[str, str, str, frozenset[str]]
+
+
+def _holding(situation: Situation) -> list[Held]:
+    """The holds that are open and bar something: not two of a machine at once, and none behind
+    which a task that should lie before it must be done again, which only mistakes can bring about.
+    """
+    over, begun = situation.done.keys() | situation.wrong.keys(), _begun(situation)
+    opened = [held for held in situation.facts.holds if held[1] in begun and held[2] not in over]
+    return [
+        held
+        for held in opened
+        if not any(other in opened for other in _rivals(situation, held))
+        and not any(
+            name in situation.wrong or name not in begun for name in _ahead(situation, held)
+        )
+    ]
+
+
+def _begun(situation: Situation) -> set[str]:
+    return {*situation.done, *situation.wrong, *situation.running}
+
+
+def _rivals(situation: Situation, held: Held) -> Iterator[Held]:
+    """The holds that the machine cannot have at the same time as this one."""
+    machine, first, last, within = held
+    for other in situation.facts.holds:
+        nested = {first, last} <= other[3] or {other[1], other[2]} <= within
+        if other != held and other[0] == machine and not nested:
+            yield other
+
+
+def _ahead(situation: Situation, held: Held) -> set[str]:
+    """The tasks that must have begun before the hold: its last one waits for them, and only the
+    machine can do them.
+    """
+    machine, _, last, within = held
+    before = situation.facts.before[last]
+    ahead = {
+        name
+        for name in before - within
+        if all(machine in way.operators for way in situation.cell.modes(name))
+    }
+    return ahead | {its[2] for its in _rivals(situation, held) if its[1] in before}
 
 
 def _stress_limits(situation: Situation, task: str, way: Mode) -> Iterator[str]:

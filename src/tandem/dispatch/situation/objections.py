@@ -135,7 +135,7 @@ def _against_refused(situation: Situation, event: Event) -> Iterator[str]:
 def _against_failed(situation: Situation, event: Event) -> Iterator[str]:
     if event.task is None:
         for who in event.operators:
-            yield from _against_leaving(situation, who, "robot", situation.failed)
+            yield from _against_leaving(situation, who, False, situation.failed)
         return
     at = situation.running.get(event.task)
     if at is None:
@@ -150,32 +150,29 @@ def _against_failed(situation: Situation, event: Event) -> Iterator[str]:
 
 
 def _against_absent(situation: Situation, event: Event) -> Iterator[str]:
-    yield from _against_leaving(situation, event.operators[0], "human", situation.absent)
+    yield from _against_leaving(situation, event.operators[0], True, situation.absent)
 
 
 def _against_leaving(
-    situation: Situation, who: str, kind: str, gone: frozenset[str]
+    situation: Situation, who: str, human: bool, gone: frozenset[str]
 ) -> Iterator[str]:
-    actual = situation.cell.operators[who].kind
-    if actual != kind:
+    kind = situation.cell.operators[who].kind
+    if (kind == "human") != human:
         yield (
-            f"{who!r} is a {actual}; report"
-            f" {'a robot as failed' if actual == 'robot' else 'a human as absent'}."
+            f"{who!r} is a {kind}; report a {kind} as {'absent' if kind == 'human' else 'failed'}."
         )
     elif who in gone:
-        yield f"{who!r} was reported as {'failed' if kind == 'robot' else 'absent'} already."
+        yield f"{who!r} was reported as {'absent' if human else 'failed'} already."
 
 
 def _against_coming(situation: Situation, event: Event) -> Iterator[str]:
     [who] = event.operators
     kind = situation.cell.operators[who].kind
-    if kind != ("robot" if event.kind == "repaired" else "human"):
-        yield (
-            f"{who!r} is a {kind}; report"
-            f" {'a robot as repaired' if kind == 'robot' else 'a human as back'}."
-        )
+    human = kind == "human"
+    if human == (event.kind == "repaired"):
+        yield f"{who!r} is a {kind}; report a {kind} as {'back' if human else 'repaired'}."
     elif who not in situation.failed | situation.absent:
-        yield f"{who!r} was not reported as {'failed' if kind == 'robot' else 'absent'}."
+        yield f"{who!r} was not reported as {'absent' if human else 'failed'}."
 
 
 def _against_wrong(situation: Situation, event: Event) -> Iterator[str]:
@@ -237,7 +234,8 @@ def _stock(kind: str, name: str) -> str:
 def _against_person(situation: Situation, event: Event) -> Iterator[str]:
     [who] = event.operators
     if situation.cell.operators[who].kind != "human":
-        yield f"{who!r} is a robot; a person stands at a human's place."
+        kind = situation.cell.operators[who].kind
+        yield f"{who!r} is a {kind}; a person stands at a human's place."
         return
     for human in situation.cell.humans:
         if situation.person(human) == event.person:

@@ -160,16 +160,16 @@ class Choice(Protocol):
 
 
 def ordered(situation: Situation, choice: Choice, number: int) -> Situation:
-    """The situation once the decision of this number has been told: robots have their orders, and
-    humans know what they are asked for.
+    """The situation once the decision of this number has been told: robots and machines have their
+    orders, and humans know what they are asked for.
 
-    What robots take part in is an order; what only humans take part in is announced. An order that
-    was there before keeps its number.
+    What robots or machines take part in is an order; what only humans take part in is announced. An
+    order that was there before keeps its number.
     """
     orders, announced = {}, dict(choice.announced)
     for task, operators in choice.starts:
         before = situation.orders.get(task)
-        if any(situation.cell.operators[who].kind == "robot" for who in operators):
+        if any(situation.cell.operators[who].kind != "human" for who in operators):
             orders[task] = (
                 before
                 if before is not None and before.operators == operators

@@ -13,6 +13,7 @@ from pydantic import ValidationError
 
 from tandem.cell.model import Cell
 from tandem.cell.names import Known, clean
+from tandem.cell.parts import Kind
 from tandem.errors import CellError, Fault, UsageError
 from tandem.files.messages import flaws
 from tandem.files.spreadsheet.findings import Findings, Note, listed
@@ -41,7 +42,7 @@ from tandem.files.spreadsheet.said import enumerated, say
 from tandem.files.spreadsheet.scores import without_scores
 from tandem.files.spreadsheet.tasks import Tasks, read_tasks, unit_of
 from tandem.files.spreadsheet.values import marks_of
-from tandem.files.spreadsheet.vocabulary import Kind, Meaning, is_machine, key, kind_of
+from tandem.files.spreadsheet.vocabulary import Meaning, is_machine, key, kind_of
 from tandem.files.spreadsheet.who_can import is_table_of_abilities, restrict, with_time_of_each
 from tandem.files.spreadsheet.workbook import open_book, refused
 
@@ -89,6 +90,7 @@ def import_cell(
     columns: Mapping[str, str] | None = None,
     humans: Iterable[str] = (),
     robots: Iterable[str] = (),
+    machines: Iterable[str] = (),
 ) -> tuple[Cell, tuple[Note, ...]]:
     """The cell in a workbook, and everything that was left out or assumed on the way. The arguments
     are those of `read_workbook`.
@@ -97,7 +99,9 @@ def import_cell(
       CellError: with every fault and its place in the workbook; nothing is imported by halves.
       UsageError: a sheet, column or operator that the workbook does not have.
     """
-    draft = read_workbook(path, sheet=sheet, columns=columns, humans=humans, robots=robots)
+    draft = read_workbook(
+        path, sheet=sheet, columns=columns, humans=humans, robots=robots, machines=machines
+    )
     return draft.cell(), draft.notes
 
 
@@ -108,6 +112,7 @@ def read_workbook(
     columns: Mapping[str, str] | None = None,
     humans: Iterable[str] = (),
     robots: Iterable[str] = (),
+    machines: Iterable[str] = (),
 ) -> Draft:
     """Reads xlsx, xlsm, xls, xlsb, ods and csv as planners keep them; faults in the content are in
     the draft, not raised.
@@ -116,14 +121,19 @@ def read_workbook(
       sheet: the one with the tasks, when several look like it.
       columns: header or column letters -> what it means, such as `{"Spalte 4": "time robot [s]",
         "F": "ignore"}`.
-      humans, robots: operators whose names do not say what they are.
+      humans, robots, machines: operators whose names do not say what they are.
 
     Raises:
       CellError: the file cannot be opened, or no sheet or several look like tasks.
       UsageError: a sheet, column or operator that the workbook does not have.
     """
     return read_book(
-        open_book(Path(path)), sheet=sheet, columns=columns, humans=humans, robots=robots
+        open_book(Path(path)),
+        sheet=sheet,
+        columns=columns,
+        humans=humans,
+        robots=robots,
+        machines=machines,
     )
 
 
@@ -134,11 +144,13 @@ def read_book(
     columns: Mapping[str, str] | None = None,
     humans: Iterable[str] = (),
     robots: Iterable[str] = (),
+    machines: Iterable[str] = (),
 ) -> Draft:
     """The same for an open book; see `read_workbook`."""
     kinds: dict[str, Kind] = {
         **dict.fromkeys(map(clean, humans), "human"),
         **dict.fromkeys(map(clean, robots), "robot"),
+        **dict.fromkeys(map(clean, machines), "machine"),
     }
     overrides = overrides_from(columns or {})
     findings = Findings()
@@ -394,17 +406,18 @@ def _kinds(
     for name in unclear:
         if is_machine(name):
             findings.fault(
-                f"operator {name!r} is a machine by its name. One that works on its own, such as a"
-                " press or an oven, is no operator of a cell: leave "
-                'it out (--map "HEADER=ignore" leaves out a column). If it is a robot, say --robot'
-                f" {_quoted(name)}.",
+                f"operator {name!r} is a machine by its name. Does it do whole tasks by itself, as"
+                f" the others could? Then say --machine {_quoted(name)}, or --robot"
+                f" {_quoted(name)} if it is a robot. If its time is a part of what a person does,"
+                ' leave it out (--map "HEADER=ignore" leaves out a column), or make loading,'
+                " running and unloading tasks of their own.",
                 findings.places.get(("operators", name), ""),
             )
             continue
         findings.fault(
             f"operator {name!r}: is this a human or a robot? Say it with --human {_quoted(name)} or"
-            f" --robot {_quoted(name)}, or in a sheet 'Operators' with the columns 'operator' and"
-            " 'kind'.",
+            f" --robot {_quoted(name)} (--machine, if it is one), or in a sheet 'Operators' with"
+            " the columns 'operator' and 'kind'.",
             findings.places.get(("operators", name), ""),
         )
     if guessed:

@@ -68,12 +68,15 @@ HEADERS: dict[Language, dict[str, str]] = {
         "stress limit": "stress limit",
         "setup": "setup [s]",
         "breaks": "breaks [s]",
+        "holds": "holds",
         "capacity": "capacity",
+        "apart": "keeps apart",
         "changeover": "changeover {who} [s]",
         "sets": "tasks",
         "cell name": "name",
         "human": "human",
         "robot": "robot",
+        "machine": "machine",
     },
     "de": {
         "name": "Vorgang",
@@ -107,12 +110,15 @@ HEADERS: dict[Language, dict[str, str]] = {
         "stress limit": "Belastungsgrenze",
         "setup": "Rüstzeit [s]",
         "breaks": "Pausen [s]",
+        "holds": "hält",
         "capacity": "Anzahl",
+        "apart": "hält getrennt",
         "changeover": "Wechselzeit {who} [s]",
         "sets": "Vorgänge",
         "cell name": "Name",
         "human": "Mensch",
         "robot": "Roboter",
+        "machine": "Maschine",
     },
 }
 
@@ -130,7 +136,7 @@ class OperatorColumn(NamedTuple):
     word: str
     means: str
     key: str
-    holds: Literal["kind", "text", "amount", "time", "breaks"]
+    holds: Literal["kind", "text", "amount", "time", "breaks", "pairs"]
     width: int
 
 
@@ -143,6 +149,7 @@ OPERATOR_COLUMNS = (
     OperatorColumn("tool", "tool", "tool", "text", 16),
     OperatorColumn("place", "place", "place", "text", 16),
     OperatorColumn("speed", "walking speed", SPEED, "amount", 14),
+    OperatorColumn("holds", "holds", "holds", "pairs", 22),
 )
 """What a workbook says of an operator, behind the name: what is read, and in which order the
 template has it.
@@ -218,9 +225,17 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
         (
             "Sheet Operators",
             (
-                "kind: human or robot. Breaks: 300-600; 900-1000 in seconds since the start. Stress"
-                " limit: the most for this human."
+                "kind: human, robot or machine. Breaks: 300-600; 900-1000 in seconds since the"
+                " start. Stress limit: the most for this human."
             ),
+        ),
+        (
+            "holds",
+            "Sheet Operators: from and to which task a machine holds a part: load > unload; a > b.",
+        ),
+        (
+            "keeps apart",
+            "Sheet Zones: kinds that are never in the zone at once, such as human; robot.",
         ),
         (
             "setup [s]",
@@ -306,9 +321,17 @@ HELP: dict[Language, tuple[tuple[str, str], ...]] = {
         (
             "Blatt Bediener",
             (
-                "Art: Mensch oder Roboter. Pausen: 300-600; 900-1000 (Sekunden). Belastungsgrenze:"
-                " das Meiste für diesen Menschen."
+                "Art: Mensch, Roboter oder Maschine. Pausen: 300-600; 900-1000 (Sekunden)."
+                " Belastungsgrenze: das Meiste für diesen Menschen."
             ),
+        ),
+        (
+            "hält",
+            "Blatt Bediener: von wo bis wo eine Maschine ein Teil hält: laden > entladen; a > b.",
+        ),
+        (
+            "hält getrennt",
+            "Blatt Bereiche: Arten, die nie zugleich darin sind, etwa Mensch; Roboter.",
         ),
         (
             "Rüstzeit [s]",

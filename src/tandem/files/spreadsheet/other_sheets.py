@@ -9,15 +9,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from tandem.cell.parts import Kind
 from tandem.cell.walking import SPEED
 from tandem.files.spreadsheet.findings import Findings
 from tandem.files.spreadsheet.form import OPERATOR_COLUMNS, OperatorColumn
 from tandem.files.spreadsheet.grid import Grid, blank, shown, tidy
 from tandem.files.spreadsheet.header import Column, Table, best_table
-from tandem.files.spreadsheet.references import References, UnknownTaskError
+from tandem.files.spreadsheet.references import References, UnknownTaskError, unquoted
 from tandem.files.spreadsheet.said import say
 from tandem.files.spreadsheet.values import UnreadableError, number, seconds
-from tandem.files.spreadsheet.vocabulary import Meaning, key, kind_of, meaning
+from tandem.files.spreadsheet.vocabulary import Meaning, is_machine, key, kind_of, meaning
 from tandem.files.spreadsheet.walking import read_places, read_walks
 
 SHEETS: dict[str, str] = {
@@ -117,7 +118,7 @@ def tables_beside(grids: Mapping[str, Grid]) -> list[Table]:
     words = {
         "operators": OPERATOR_WORDS,
         "tools": ("tool", "task", "capacity", "changeover"),
-        "zones": ("zone", "task", "capacity"),
+        "zones": ("zone", "task", "capacity", "apart"),
     }
     return [
         table
@@ -219,12 +220,53 @@ def _value(
     match wanted.holds:
         case "breaks":
             return _breaks(text, unit, place, findings) or None
+        case "pairs":
+            return _pairs(text, place, findings) or None
         case "kind":
-            kind = kind_of(text)
+            kind = _kind(text)
             if kind is None:
-                findings.fault(f"holds {text!r}: the kind of {who!r} is 'human' or 'robot'.", place)
+                findings.fault(
+                    f"holds {text!r}: the kind of {who!r} is 'human', 'robot' or 'machine'.", place
+                )
             return kind or "human"
     return text
+
+
+def _kind(text: str) -> Kind | None:
+    return "machine" if is_machine(text) else kind_of(text)
+
+
+def _kinds(text: str, zone: str, place: str, findings: Findings) -> list[Kind]:
+    """ "human; robot" as kinds of operators."""
+    kinds: list[Kind] = []
+    for part in filter(None, map(str.strip, re.split("[;,+]", text))):
+        if (kind := _kind(part)) is None:
+            findings.fault(
+                f"holds {part!r}: zone {zone!r} keeps kinds of operators apart, each 'human',"
+                " 'robot' or 'machine', several with semicolons.",
+                place,
+            )
+        else:
+            kinds.append(kind)
+    return kinds
+
+
+PAIR = re.compile(r'\s*("[^"]+"|[^;>"]+?)\s*>\s*("[^"]+"|[^;>"]+?)\s*')
+
+
+def _pairs(text: str, place: str, findings: Findings) -> list[list[str]]:
+    """ "load > unload; a > b" as pairs of names."""
+    pairs = []
+    for part in filter(None, map(str.strip, re.split(r';(?=(?:[^"]*"[^"]*")*[^"]*$)', text))):
+        if (found := PAIR.fullmatch(part)) is None:
+            findings.fault(
+                f"holds {part!r}: write from and to which task the machine holds a part, several"
+                " pairs with semicolons, such as 'load > unload'.",
+                place,
+            )
+        else:
+            pairs.append([unquoted(name) for name in found.groups()])
+    return pairs
 
 
 def _breaks(text: str, unit: str, place: str, findings: Findings) -> list[list[float]]:
@@ -251,7 +293,7 @@ def _breaks(text: str, unit: str, place: str, findings: Findings) -> list[list[f
 def _things(
     grid: Grid, role: str, names: tuple[str, ...], found: Beside, findings: Findings
 ) -> None:
-    table = _table(grid, *names, "capacity", *(["changeover"] if role == "tools" else []))
+    table = _table(grid, *names, "capacity", "changeover" if role == "tools" else "apart")
     name = _column(table, *names) if table else None
     if table is None or name is None:
         findings.note(
@@ -278,6 +320,10 @@ def _things(
             if (places := findings.amount(grid, row, column.index, "a capacity")) is not None:
                 findings.places[role, thing, "capacity"] = grid.place(row, column.index)
                 data["capacity"] = int(places) if places.is_integer() else places
+        for column in table.having("apart"):
+            if text := findings.text(grid, row, column.index):
+                place = findings.places[role, thing, "apart"] = grid.place(row, column.index)
+                data["apart"] = _kinds(text, thing, place, findings)
         for column in table.having("changeover"):
             who = column.meaning.who if column.meaning else ()
             unit = (column.meaning.unit if column.meaning else None) or "s"

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
-from tandem.cell.parts import Task
+from tandem.cell.parts import KINDS, Task
 from tandem.cell.walking import SPEED
 from tandem.errors import UsageError
 from tandem.files.atomic import store
@@ -467,11 +467,12 @@ def _operators(book: Workbook, cell: Cell, lang: Language, every: bool) -> None:
         ):
             _put(sheet, row, place, value)
     for place, column in enumerate(columns, 2):
-        for row in range(2, len(cell.operators) + 12) if column.holds == "breaks" else ():
+        as_text = column.holds in ("breaks", "pairs")
+        for row in range(2, len(cell.operators) + 12) if as_text else ():
             sheet.cell(row, place).number_format = "@"
     kinds = DataValidation(
         type="list",
-        formula1=f'"{words["human"]},{words["robot"]}"',
+        formula1=f'"{",".join(words[kind] for kind in KINDS)}"',
         allow_blank=True,
         showErrorMessage=True,
     )
@@ -489,9 +490,15 @@ def _of_operator(cell: Cell, name: str, column: OperatorColumn, words: Mapping[s
             return words[value]
         case "breaks":
             return "; ".join(f"{plain(start)}-{plain(end)}" for start, end in value) or None
+        case "pairs":
+            return "; ".join(" > ".join(map(_in_pair, pair)) for pair in value) or None
         case "time":
             return value or None
     return value
+
+
+def _in_pair(name: str) -> str:
+    return f'"{name}"' if set(name) & set(';>"') else name
 
 
 def _things(book: Workbook, cell: Cell, lang: Language, every: bool) -> None:
@@ -510,10 +517,11 @@ def _things(book: Workbook, cell: Cell, lang: Language, every: bool) -> None:
                 _put(sheet, row, column, value)
     if every or cell.zones:
         sheet = book.create_sheet(SHEETS[lang]["zones"])
-        _header(sheet, [words["zone"], words["capacity"]], [18, 12])
+        _header(sheet, [words["zone"], words["capacity"], words["apart"]], [18, 12, 22])
         for row, (name, zone) in enumerate(cell.zones.items(), 2):
             _put(sheet, row, 1, name)
             _put(sheet, row, 2, zone.capacity if zone.capacity != 1 else None)
+            _put(sheet, row, 3, "; ".join(words[kind] for kind in zone.apart) or None)
 
 
 def _places_and_walking(book: Workbook, cell: Cell, lang: Language, every: bool) -> None:

@@ -13,12 +13,10 @@ import unicodedata
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 from importlib import resources
-from typing import Literal
 
+from tandem.cell.parts import Kind
 from tandem.files.spreadsheet.grid import tidy
 from tandem.files.spreadsheet.values import unit_named
-
-Kind = Literal["human", "robot"]
 
 VOCABULARY = json.loads(resources.files(__package__).joinpath("vocabulary.json").read_text("utf-8"))
 
@@ -32,10 +30,12 @@ MEANS = {spelling: what for what, spellings in PHRASES.items() for spelling in s
 KINDS: dict[str, Kind] = {
     word: kind for kind, words in VOCABULARY["kinds"].items() for word in words
 }
-"""Words in the name of an operator that say whether it is a human or a robot."""
+"""Words in the name of an operator that say whether it is a human or a robot. Those for machines
+stand apart: nobody is taken for one by its name alone.
+"""
 
 MACHINES = frozenset(VOCABULARY["machines"])
-"""Words for what works on its own and is neither a human nor a robot of the cell."""
+"""Words for what works on its own and is neither a human nor a robot."""
 
 APPLIANCES = MACHINES | frozenset(VOCABULARY["appliances"])
 """The same with words that are as likely a tool's name, so that they count only beside a word for

@@ -91,7 +91,8 @@ def _beyond_it(cell: Cell) -> Iterator[Fault]:
 
 
 def _unknown(key: str) -> str:
+    what = "zone that keeps kinds apart" if key == "apart" else key.replace("_", " ")
     return (
-        f"the product of Antonelli et al. knows no {key.replace('_', ' ')}: its states say which"
+        f"the product of Antonelli et al. knows no {what}: its states say which"
         " parts sit how, and nothing else. Leave it out."
     )

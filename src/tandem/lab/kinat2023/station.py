@@ -12,7 +12,7 @@ import numpy as np
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault, UsageError
 from tandem.lab.kinat2023.world import Station
-from tandem.lab.refusal import beyond
+from tandem.lab.refusal import beyond, enumerated_crew
 
 LONGEST = 30_000
 """The largest time, ticks, that the world's whole numbers are meant for."""
@@ -65,10 +65,9 @@ def whole_ticks(cell: Cell) -> int:
 
 
 def _one_robot_and_one_human(cell: Cell) -> Iterator[Fault]:
-    if len(cell.robots) != 1 or len(cell.humans) != 1:
+    if len(cell.robots) != 1 or len(cell.humans) != 1 or cell.machines:
         yield Fault(
-            f"the cell has {_count(len(cell.robots), 'robot')} and"
-            f" {_count(len(cell.humans), 'human')}; the thesis's world has exactly one of each.",
+            f"the cell has {enumerated_crew(cell)}; the thesis's world has exactly one of each.",
             ("operators",),
         )
 
@@ -129,7 +128,3 @@ def _ticks(seconds: float, per_second: int) -> Decimal:
 
 def _unknown(key: str) -> str:
     return f"the thesis's world knows no {key.replace('_', ' ')}; leave it out to train there."
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}{'' if number == 1 else 's'}"

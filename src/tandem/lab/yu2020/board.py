@@ -19,7 +19,7 @@ from tandem.cell.model import Cell
 from tandem.cell.parts import Task
 from tandem.errors import CellError, Fault
 from tandem.files.validate import cell_of
-from tandem.lab.refusal import beyond
+from tandem.lab.refusal import beyond, enumerated_crew
 from tandem.lab.yu2020.columns import MOST_SETS, TooManyError, clash, rows, spans
 
 ROBOT, HUMAN = "robot", "human"
@@ -232,10 +232,10 @@ def board_of(cell: Cell) -> Board:
 
 def one_robot_and_one_human(cell: Cell) -> Iterator[Fault]:
     """Two players."""
-    if (len(cell.robots), len(cell.humans)) != (1, 1):
+    if (len(cell.robots), len(cell.humans)) != (1, 1) or cell.machines:
         yield Fault(
-            f"the chessboard is played by one robot and one human; this cell has {len(cell.robots)}"
-            f" and {len(cell.humans)}.",
+            f"the chessboard is played by one robot and one human; this cell has"
+            f" {enumerated_crew(cell)}.",
             ("operators",),
         )
 

@@ -15,6 +15,7 @@ import numpy as np
 from tandem.cell.model import Cell
 from tandem.cell.parts import Mode
 from tandem.errors import CellError, Fault, UsageError
+from tandem.lab.refusal import enumerated_crew
 from tandem.world.arrays import Array, Arrays, Names
 
 ROBOT, HUMAN = 0, 1
@@ -241,11 +242,10 @@ def _abilities(cell: Cell, names: Names, robot: Any) -> Array:
 
 
 def _one_robot_and_one_human(cell: Cell) -> Iterator[Fault]:
-    robots, humans = len(cell.robots), len(cell.humans)
-    if robots != 1 or humans != 1:
-        count = f"{robots} robot{'s' * (robots != 1)} and {humans} human{'s' * (humans != 1)}"
+    if len(cell.robots) != 1 or len(cell.humans) != 1 or cell.machines:
         yield Fault(
-            f"the cell has {count}; two agents work side by side here, exactly one of each.",
+            f"the cell has {enumerated_crew(cell)}; two agents work side by side here, one"
+            " robot and one human.",
             ("operators",),
         )
 
@@ -268,6 +268,12 @@ def _only_what_it_knows(cell: Cell) -> Iterator[Fault]:
         yield Fault(
             "the two agents have all at hand and know no ways to walk. Leave walk out.", ("walk",)
         )
+    for name, zone in cell.zones.items():
+        if zone.apart:
+            yield Fault(
+                "these two agents know no zone that keeps kinds apart; leave `apart` out.",
+                ("zones", name, "apart"),
+            )
     for name, task in cell.tasks.items():
         if task.deadline is not None:
             yield Fault(
