@@ -34,6 +34,7 @@ from tandem.files.validate import cell_of
 from tandem.plan.cycle.methods import CYCLE_METHODS
 from tandem.plan.cycle.question import FRONT, CycleQuestion
 from tandem.plan.cycle.result import CycleFront, CycleResult
+from tandem.plan.instance import Instance
 from tandem.schedule import checker, cycle_checker
 from tandem.schedule.cycle import copied, start_up
 from tandem.schedule.measures import exact, makespan
@@ -43,8 +44,10 @@ FEWER = (20, 3, 2)
 """So many products are launched and played; fewer where the world cannot count the ticks."""
 AT_FIXED_TIMES = {"operators": ("breaks",), "tasks": ("release", "deadline")}
 """Keys that no cycle repeats."""
-SECONDS = 30.0
+SECONDS = 10.0
 """For one question; a small cell takes milliseconds."""
+FINE = 10_000
+"""Ticks in a second from which on a search may move a bound tick by tick, and end by time."""
 SLICE = 20
 """Cells that a process does at once."""
 FOUND = Path("tandem-out", "fuzz")
@@ -152,14 +155,17 @@ def _judged(
         except InfeasibleError:
             answers[name] = None
         except NothingFoundError as error:
-            if name == "exact":
+            if name == "exact" and Instance.of(cell).per_second < FINE:
                 found(f"{name}: {error}")
             tally.too_long += 1
             return None
+    front = answers["exact"]
+    if front is not None and not front.complete and Instance.of(cell).per_second >= FINE:
+        tally.too_long += 1
+        return None
     values = {name: _values(front) for name, front in answers.items()}
     if values["exact"] != values["exhaustive"]:
         found(f"{values}")
-    front = answers["exact"]
     if front is not None and not front.complete:
         found("exact is not complete")
     if question.is_front and question.minimize == "front":

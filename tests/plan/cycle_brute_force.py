@@ -6,9 +6,9 @@ For cells of a handful of tasks and cycles of a few ticks.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from decimal import Decimal
-from itertools import product
+from itertools import combinations, product
 from math import prod
 from typing import Any, NamedTuple
 
@@ -57,7 +57,8 @@ class Repeating:
         self.per_second = self._scale()
         self.ways = [list(self._ways(task)) for task in data["tasks"].values()]
         self.gaps = list(self._gaps())
-        self.is_bound = any(gap.most is not None for gap in self.gaps)
+        self.holds = list(self._holds())
+        self.is_bound = bool(self.holds) or any(gap.most is not None for gap in self.gaps)
         self.walk = self._walks()
 
     # ------------------------------------------------------------ questions
@@ -134,6 +135,7 @@ class Repeating:
             edges.append((gap.first, gap.task, own + gap.least))
             if gap.most is not None:
                 edges.append((gap.task, gap.first, -own - gap.most))
+        edges += [(last, first, ticks[last] - length) for _, first, last, _ in self.holds]
         starts, grown = places.copy(), True
         while grown:
             grown = False
@@ -169,8 +171,56 @@ class Repeating:
                         if a != b:
                             used += counts[a] * (behind[a, b] < chosen[a].ticks)
                     good &= (used <= room) | (counts[b] == 0)
+        for (one, two), ticks in behind.items():
+            if self._mind(one, two, chosen):
+                good &= ticks >= chosen[one].ticks
         for who in self.data["operators"]:
-            good &= self._is_ready(who, behind, chosen, places.shape[1])
+            ready = self._readying(who, behind, chosen, places.shape[1])
+            for task, needed in ready.items():
+                others = [other for other in ready if other != task]
+                free = [behind[a, task] - chosen[a].ticks for a in others]
+                good &= (needed == 0) | (np.min(free, axis=0) >= needed if free else True)
+            good &= self._holds_nothing_else(who, places, chosen, ready, length)
+        return good
+
+    def _mind(self, one: int, two: int, chosen: tuple[Way, ...]) -> bool:
+        """Whether the zone of both keeps their operators apart."""
+        zone = self._task(one).get("zone")
+        apart = set(self.data.get("zones", {}).get(zone, {}).get("apart", ()))
+        kinds = [{self.data["operators"][who]["kind"] for who in chosen[t].who} for t in (one, two)]
+        same = zone is not None and zone == self._task(two).get("zone")
+        return same and any(a != b for a in kinds[0] & apart for b in kinds[1] & apart)
+
+    def _holds_nothing_else(
+        self,
+        who: str,
+        places: np.ndarray,
+        chosen: tuple[Way, ...],
+        ready: dict[int, np.ndarray],
+        length: int,
+    ) -> np.ndarray:
+        """In which layouts the machine does nothing else while it holds a part. A hold is no longer
+        than a cycle, so that the places say how long it is.
+        """
+        good = np.ones(places.shape[1], dtype=bool)
+        spans = []
+        for machine, first, last, within in self.holds:
+            if machine != who:
+                continue
+            span = (places[last] + chosen[last].ticks - places[first] - 1) % length + 1
+            spans.append((first, last, within, span))
+            for task, needed in ready.items():
+                offset = (places[task] - places[first]) % length
+                if task in within:
+                    good &= offset - needed >= span - length
+                    continue
+                begun = (offset - needed) % length
+                good &= (begun >= span) & ((-begun) % length >= chosen[task].ticks + needed)
+        for (one, its_last, inside, span), (two, last, within, other) in combinations(spans, 2):
+            if {one, its_last} <= within or {two, last} <= inside:
+                continue
+            begun = (places[two] - places[one]) % length
+            good &= (begun >= span) & ((-begun) % length >= other)
         return good
 
     def _taken(self, kind: str, task: int, way: Way) -> list[str]:
@@ -180,53 +230,45 @@ class Repeating:
         zone = self._task(task).get("zone")
         return [] if zone is None else [zone] * len(way.who)
 
-    def _is_ready(
+    def _readying(
         self,
         who: str,
         behind: dict[tuple[int, int], np.ndarray],
         chosen: tuple[Way, ...],
         count: int,
-    ) -> np.ndarray:
-        """In which layouts the operator has the time to walk and to take up tools, around the
-        cycle.
+    ) -> dict[int, np.ndarray]:
+        """Task of the operator -> per layout, ticks that it needs before it to walk there and to
+        take up its tool, around the cycle.
         """
-        good = np.ones(count, dtype=bool)
         mine = [task for task in range(len(chosen)) if who in chosen[task].who]
+        ready = {}
         for task in mine:
             others = [other for other in mine if other != task]
-            if not others:
-                continue
             needed = np.zeros(count, dtype=int)
             tool, place = chosen[task].tools.get(who), self._task(task).get("place")
             change = self.data.get("tools", {}).get(tool, {}).get("changeover", {}).get(who, 0)
+            tools = [(other, chosen[other].tools.get(who)) for other in others]
             if tool is not None and change:
-                for other, is_last in self._last(
-                    task, others, behind, lambda t: chosen[t].tools.get(who)
-                ):
+                for other, is_last in self._last(task, tools, behind):
                     needed += is_last * (other != tool) * self._ticks(change)
+            stops = [(other, self._task(other).get("place")) for other in others]
             if place is not None:
-                for at, is_last in self._last(
-                    task, others, behind, lambda t: self._task(t).get("place")
-                ):
+                for at, is_last in self._last(task, stops, behind):
                     needed += is_last * self.walk.get((who, at, place), 0)
-            free = np.min([behind[a, task] - chosen[a].ticks for a in others], axis=0)
-            good &= (needed == 0) | (free >= needed)
-        return good
+            ready[task] = needed
+        return ready
 
     @staticmethod
     def _last(
         task: int,
-        others: list[int],
+        others: list[tuple[int, str | None]],
         behind: dict[tuple[int, int], np.ndarray],
-        of: Callable[[int], str | None],
     ) -> Iterator[tuple[str, np.ndarray]]:
         """What the latest task before this one that has any has, and in which layouts."""
-        having = [other for other in others if of(other) is not None]
+        having = [(other, value) for other, value in others if value is not None]
         if having:
-            latest = np.argmin([behind[a, task] for a in having], axis=0)
-            for number, other in enumerate(having):
-                value = of(other)
-                assert value is not None
+            latest = np.argmin([behind[other, task] for other, _ in having], axis=0)
+            for number, (_, value) in enumerate(having):
                 yield value, latest == number
 
     # ------------------------------------------------------------ the cell as data
@@ -240,6 +282,8 @@ class Repeating:
                 set(chosen[self.names.index(a)].who) != set(chosen[self.names.index(b)].who)
                 for a, b in pairs
             ):
+                continue
+            if any(self._mixes(task, way) for task, way in enumerate(chosen)):
                 continue
             loads = {
                 who: sum((way.stress.get(who, Decimal(0)) for way in chosen), Decimal(0))
@@ -264,6 +308,12 @@ class Repeating:
                 if set(filter(None, key.split(","))) == done:
                     yield chosen, Decimal(str(value))
 
+    def _mixes(self, task: int, way: Way) -> bool:
+        """Whether the zone keeps those who do it together apart."""
+        zone = self.data.get("zones", {}).get(self._task(task).get("zone"), {})
+        kinds = {self.data["operators"][who]["kind"] for who in way.who}
+        return len(kinds & set(zone.get("apart", ()))) > 1
+
     def _ways(self, task: Mapping[str, Any]) -> Iterator[Way]:
         for who, seconds in task.get("time", {}).items():
             yield Way(
@@ -286,6 +336,19 @@ class Repeating:
     def _tools(group: tuple[str, ...], tool: Any) -> dict[str, str]:
         stated = tool if isinstance(tool, Mapping) else {who: tool for who in group if tool}
         return {who: stated[who] for who in group if who in stated}
+
+    def _holds(self) -> Iterator[tuple[str, int, int, set[int]]]:
+        """(machine, first task, last task, tasks on the way from the one to the other)."""
+        for who, operator in self.data["operators"].items():
+            for pair in operator.get("holds", ()):
+                first, last = map(self.names.index, pair)
+                yield who, first, last, self._way(first, last)
+
+    def _way(self, first: int, last: int) -> set[int]:
+        if first == last:
+            return {last}
+        found = set().union(*(self._way(first, before) for before in self._before(last)), set())
+        return found | {last} if found else set()
 
     def _gaps(self) -> Iterator[Gap]:
         for task, entry in enumerate(self.data["tasks"].values()):

@@ -342,7 +342,7 @@ def _of_kinds(judged: Judged, row: Row, kinds: Iterable[str]) -> Iterator[tuple[
 
 def machines_hold_their_part(judged: Judged) -> Iterator[str]:
     for name, operator in judged.cell.operators.items():
-        found = [hold for pair in operator.holds for hold in _held(judged, *pair)]
+        found = [hold for pair in operator.holds for hold in held(judged, *pair)]
         begins = {
             id(before.row): before.start
             for who, before in (_preparations(judged) if found else ())
@@ -361,14 +361,14 @@ def machines_hold_their_part(judged: Judged) -> Iterator[str]:
         for place, hold in enumerate(found):
             for other in found[:place]:
                 first, then = sorted((hold, other), key=lambda one: (one.start, one.end))
-                if then.start < first.end and not _lies_within(hold, other):
+                if then.start < first.end and not lies_within(hold, other):
                     yield (
                         f"operator {name!r}: {first}, but takes up another one with task"
                         f" {then.first!r} at {_s(then.start)}; {_s(first.end)} is the earliest."
                     )
 
 
-class _Hold(NamedTuple):
+class Hold(NamedTuple):
     """A machine's part from the start of one task to the end of another; `within` are the tasks
     between them, and these two.
     """
@@ -386,7 +386,7 @@ class _Hold(NamedTuple):
         )
 
 
-def _held(judged: Judged, first: str, last: str) -> Iterator[_Hold]:
+def held(judged: Judged, first: str, last: str) -> Iterator[Hold]:
     """The hold, where the schedule does both tasks."""
     behind, ahead = {first}, {last}
     for _ in judged.cell.tasks:
@@ -394,10 +394,11 @@ def _held(judged: Judged, first: str, last: str) -> Iterator[_Hold]:
         ahead |= {before for name in ahead for before in judged.cell.tasks[name].predecessors}
     for one in judged.of_task.get(first, ()):
         for other in judged.of_task.get(last, ()):
-            yield _Hold(first, last, one.start, other.end, frozenset(behind & ahead))
+            yield Hold(first, last, one.start, other.end, frozenset(behind & ahead))
 
 
-def _lies_within(one: _Hold, other: _Hold) -> bool:
+def lies_within(one: Hold, other: Hold) -> bool:
+    """Whether one of the two belongs to what the machine does during the other."""
     return {one.first, one.last} <= other.within or {other.first, other.last} <= one.within
 
 

@@ -56,7 +56,8 @@ class PeriodicSchedule:
         """Where in the cycle a moment of a product's own clock lies: seconds, from 0 on and less
         than the cycle time.
         """
-        return float(exact(moment) % exact(self.cycle_time))
+        cycle = exact(self.cycle_time)
+        return float((exact(moment) % cycle + cycle) % cycle)
 
     def lap(self, moment: float) -> int:
         """How many cycles after its own launch: 0 in the first. In a cycle of the steady state, the
@@ -133,6 +134,13 @@ def combined(products: Sequence[Cell], *, one_allocation: bool = False) -> Cell:
             [copy_of(first, number), copy_of(second, number)]
             for first, second in product.same_operator
         ]
+    for operator in document["operators"].values():
+        if "holds" in operator:
+            operator["holds"] = [
+                [copy_of(first, number), copy_of(last, number)]
+                for number in range(1, len(products) + 1)
+                for first, last in operator["holds"]
+            ]
     if one_allocation:
         document["same_operator"] += _same_everywhere(products)
     for operator in document["operators"].values():

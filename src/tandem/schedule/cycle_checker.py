@@ -18,7 +18,7 @@ from typing import Literal, NamedTuple
 from tandem.cell.model import Cell
 from tandem.cell.written import number
 from tandem.schedule import checker
-from tandem.schedule.checker import Judged, Row
+from tandem.schedule.checker import Hold, Judged, Row
 from tandem.schedule.cycle import PeriodicSchedule
 from tandem.schedule.measures import exact, made_ready
 
@@ -102,6 +102,10 @@ class Arc(NamedTuple):
     def end(self) -> Decimal:
         return self.begin + self.length
 
+    def earlier(self, seconds: Decimal) -> Arc:
+        """The same, begun so much earlier."""
+        return Arc(self.begin - seconds, self.length + seconds, self.row)
+
 
 @dataclass(frozen=True)
 class Lap:
@@ -138,6 +142,24 @@ class Lap:
         """What one operator does, by where in the cycle it begins."""
         return [arc for arc in self.arcs if name in arc.row.who]
 
+    def span_of(self, hold: Hold) -> Arc:
+        """The hold on the cycle, in place of its first task."""
+        (row, *_) = self.product.of_task[hold.first]
+        return Arc(hold.start % self.length, hold.end - hold.start, row)
+
+    def prepared(self, name: str) -> Iterator[tuple[Arc, Decimal]]:
+        """What one operator does, and the seconds that it needs directly before it to get ready."""
+        arcs = self.of_operator(name)
+        rows = [arc.row.given for arc in arcs]
+        # where it stands at the start of the day, and with which tool, plays no part later on
+        ready = made_ready(self.product.cell, name, [*rows, *rows])[len(rows) :]
+        for arc, before in zip(arcs, ready, strict=True):
+            yield arc, exact(before.seconds)
+
+    def overlap(self, one: Arc, other: Arc) -> bool:
+        """Whether the two share more than a moment of some cycle."""
+        return bool(self.present(one, other.begin) or self.present(other, one.begin))
+
     def present(self, arc: Arc, moment: Decimal) -> int:
         """How many products have the arc's task under way at a moment of the cycle."""
         began = _floor((moment - arc.begin) / self.length)
@@ -162,7 +184,7 @@ def an_operator_does_one_task_at_a_time(lap: Lap) -> Iterator[str]:
                 )
         for place, arc in enumerate(arcs):
             for other in arcs[place + 1 :]:
-                if lap.present(arc, other.begin) or lap.present(other, arc.begin):
+                if lap.overlap(arc, other):
                     yield (
                         f"operator {name!r}: does task {arc.row.task!r} ({lap.told(arc)} of the"
                         f" cycle) and task {other.row.task!r} ({lap.told(other)}) at the same time."
@@ -197,11 +219,62 @@ def zones_are_wide_enough(lap: Lap) -> Iterator[str]:
     yield from _crowds(lap, "zone", {name: zone.capacity for name, zone in cell.zones.items()})
 
 
+def kinds_are_kept_apart(lap: Lap) -> Iterator[str]:
+    cell = lap.product.cell
+    for name, zone in cell.zones.items():
+        there = [
+            (arc, who, operator.kind)
+            for arc in lap.arcs
+            if cell.tasks[arc.row.task].zone == name
+            for who, operator in cell.operators.items()
+            if who in arc.row.who and operator.kind in zone.apart
+        ]
+        for place, (arc, who, kind) in enumerate(there):
+            for other, its, of_kind in there[:place]:
+                if of_kind != kind and lap.overlap(arc, other):
+                    yield (
+                        f"zone {name!r}: keeps {checker._and(zone.apart)} apart, but {its!r} (task"
+                        f" {other.row.task!r}, {lap.told(other)} of the cycle) and {who!r} (task"
+                        f" {arc.row.task!r}, {lap.told(arc)}) are in it at once."
+                    )
+
+
+def machines_hold_their_part(lap: Lap) -> Iterator[str]:
+    for name, operator in lap.product.cell.operators.items():
+        found = [hold for pair in operator.holds for hold in checker.held(lap.product, *pair)]
+        spans = [lap.span_of(hold) for hold in found]
+        for hold, span in zip(found, spans, strict=True):
+            if span.length > lap.length:
+                yield (
+                    f"operator {name!r}: {hold}, longer than the cycle of {_s(lap.length)}: the"
+                    " next product needs it meanwhile."
+                )
+                continue
+            for arc, ready in lap.prepared(name):
+                said = f"task {arc.row.task!r} ({lap.told(arc)} of the cycle)"
+                if arc.row.task not in hold.within:
+                    if lap.overlap(span, arc.earlier(ready)):
+                        yield f"operator {name!r}: {hold}, but does {said} meanwhile."
+                elif arc.row.start - ready < hold.end - lap.length:
+                    yield (
+                        f"operator {name!r}: {hold}, and gets ready for {said} while it holds that"
+                        " of the product before."
+                    )
+        for place, hold in enumerate(found):
+            for earlier, other in enumerate(found[:place]):
+                if not checker.lies_within(hold, other) and lap.overlap(
+                    spans[place], spans[earlier]
+                ):
+                    yield f"operator {name!r}: {hold}, and another product's: {other}."
+
+
 BETWEEN_PRODUCTS: tuple[Callable[[Lap], Iterator[str]], ...] = (
     an_operator_does_one_task_at_a_time,
     operators_are_at_hand_in_time,
     tools_are_enough,
     zones_are_wide_enough,
+    kinds_are_kept_apart,
+    machines_hold_their_part,
 )
 
 

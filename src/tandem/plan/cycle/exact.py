@@ -27,7 +27,7 @@ from tandem.plan.cpsat import SOLVER
 from tandem.plan.cycle.door import Admitted, CycleDoor
 from tandem.plan.cycle.effort import Answer, Effort
 from tandem.plan.cycle.model import Cycle, allocation, formulate
-from tandem.plan.cycle.pattern import Pattern, launched, lifted, most_laps, stacked
+from tandem.plan.cycle.pattern import Pattern, is_tied, launched, lifted, most_laps, stacked
 from tandem.plan.cycle.question import FRONT, CycleQuestion
 from tandem.plan.cycle.result import CycleBound, CycleFront, CycleResult
 from tandem.plan.door import RefusedScheduleWarning
@@ -222,8 +222,7 @@ class _Search:
     def laps(self) -> int | None:
         """The cycles that a product may be in the station; None when nothing limits them."""
         asked = self.question.max_in_process
-        if asked is None and self.instance.has_most_lags:
-            # what must follow in time ties the laps of tasks to each other
+        if asked is None and is_tied(self.instance):
             return most_laps(self.instance)
         return asked
 
@@ -234,6 +233,7 @@ class _Search:
         return (
             self.laps is None
             and not (instance.has_tools or instance.has_preparations)
+            and not (instance.has_apart or instance.has_holds)
             and max(instance.timed_zone, default=-1) < 0
             and all(len(way.operators) == 1 for ways in instance.ways for way in ways)
         )

@@ -45,6 +45,8 @@ class Cycle:
       start: per task, ticks since its product's launch; empty when the laps are not asked.
       makespan: of one product; None when the laps are not asked.
       at: per operator, the intervals that occupy it, each once a cycle and once more in the next.
+      prepared: per operator and task, the intervals in which it gets ready for it; `readying`: how
+        many ticks these take.
     """
 
     instance: Instance
@@ -58,6 +60,10 @@ class Cycle:
     makespan: cp_model.IntVar | None = None
     intervals: list[list[tuple[cp_model.IntervalVar, ...]]] = field(default_factory=list)
     at: dict[int, list[cp_model.IntervalVar]] = field(default_factory=lambda: defaultdict(list))
+    prepared: dict[tuple[int, int], list[cp_model.IntervalVar]] = field(
+        default_factory=lambda: defaultdict(list)
+    )
+    readying: dict[tuple[int, int], cp_model.LinearExprT] = field(default_factory=dict)
 
     @property
     def chosen(self) -> list[list[cp_model.IntVar]]:
@@ -111,6 +117,7 @@ def allocation(instance: Instance, high: int) -> Cycle:
             plan.chosen.append([model.new_constant(1)])
     for rule in ALLOCATION:
         rule(plan)
+    _no_way_mixes_what_is_kept_apart(plan)
     length = model.new_int_var(1, high, "cycle time")
     cycle = Cycle(instance, model, plan, length, None)
     _work_fits_the_cycle(cycle)
@@ -136,10 +143,12 @@ def formulate(instance: Instance, low: int, high: int, laps: int | None) -> Cycl
             cycle.model.add_no_overlap(cycle.at[operator])
     _share(cycle, _uses_of_tools(cycle), instance.tool_places)
     _share(cycle, _uses_of_zones(cycle), instance.zone_places)
+    _keep_apart(cycle)
     if laps is not None:
         _laps(cycle, low, high, laps)
         _predecessors_end_first(cycle)
         _waits_are_kept(cycle)
+        _hold_parts(cycle)
     else:
         # any turn of a pattern is as good
         cycle.model.add(cycle.place[0] == 0)
@@ -147,6 +156,15 @@ def formulate(instance: Instance, low: int, high: int, laps: int | None) -> Cycl
 
 
 # ---------------------------------------------------------------- what bounds the cycle
+
+
+def _no_way_mixes_what_is_kept_apart(plan: Decisions) -> None:
+    """No task is done together by kinds of operators that its zone keeps apart."""
+    instance = plan.instance
+    for task, ways in enumerate(instance.ways if instance.has_apart else ()):
+        for way, literal in zip(ways, plan.chosen[task], strict=True):
+            if len(instance.sides(task, way)) > 1:
+                plan.model.add(literal == 0)
 
 
 def _work_fits_the_cycle(cycle: Cycle) -> None:
@@ -314,6 +332,20 @@ def _share(cycle: Cycle, uses: list[list[Use]], places: tuple[int, ...]) -> None
             cycle.model.add_cumulative(intervals, demands, capacity)
 
 
+def _keep_apart(cycle: Cycle) -> None:
+    """In a zone that keeps kinds of operators apart, tasks by different kinds do not overlap."""
+    instance = cycle.instance
+    there: dict[int, list[tuple[int, int, tuple[cp_model.IntervalVar, ...]]]] = defaultdict(list)
+    for task, zone in enumerate(instance.zone if instance.has_apart else ()):
+        for way, both in zip(instance.ways[task], cycle.intervals[task], strict=True):
+            if zone is not None and len(kinds := instance.sides(task, way)) == 1:
+                there[zone].append((task, min(kinds), both))
+    for uses in there.values():
+        for (one, kind, first), (two, other, second) in combinations(uses, 2):
+            if one != two and kind != other:
+                cycle.model.add_no_overlap([*first, *second])
+
+
 # ---------------------------------------------------------------- walking and taking up tools
 
 
@@ -454,7 +486,10 @@ def _occupied_before(
     ends = [cycle.place[task], *([cycle.then[task]] if cycle.has_copies else [])]
     for end in ends:
         begin = model.new_int_var(-most, 2 * high, "")
-        cycle.at[operator].append(model.new_optional_interval_var(begin, length, end, some, ""))
+        interval = model.new_optional_interval_var(begin, length, end, some, "")
+        cycle.at[operator].append(interval)
+        cycle.prepared[operator, task].append(interval)
+    cycle.readying[operator, task] = spent
     return spent
 
 
@@ -510,3 +545,45 @@ def _waits_are_kept(cycle: Cycle) -> None:
             cycle.model.add(moment + lag.least <= cycle.start[lag.task])
         if lag.most is not None:
             cycle.model.add(cycle.start[lag.task] <= moment + lag.most)
+
+
+def _hold_parts(cycle: Cycle) -> None:
+    """From the start of the first task of a hold to the end of its last the machine does nothing
+    but what lies within it, in this product, and takes up no other product's part.
+    """
+    instance, model = cycle.instance, cycle.model
+    spans: list[list[cp_model.IntervalVar]] = []
+    for hold, (machine, first, last) in enumerate(instance.holds):
+        span = _span(cycle, first, last)
+        for task, ways in enumerate(instance.ways):
+            mine = [
+                interval
+                for way, both in zip(ways, cycle.intervals[task], strict=True)
+                if machine in way.operators
+                for interval in both
+            ]
+            mine += cycle.prepared[machine, task]
+            if instance.barred[hold] >> task & 1:
+                if mine:
+                    model.add_no_overlap([*span, *mine])
+            elif (ready := cycle.readying.get((machine, task))) is not None:
+                # not while it holds the part of the product before
+                begin = cycle.start[task] - ready  # type: ignore[operator]
+                model.add(begin >= cycle.end(last) - cycle.length)  # type: ignore[operator]
+        for other, its in enumerate(spans):
+            if instance.rivals[hold] >> other & 1:
+                model.add_no_overlap([*span, *its])
+        spans.append(span)
+
+
+def _span(cycle: Cycle, first: int, last: int) -> list[cp_model.IntervalVar]:
+    """The intervals of a hold on the cycle, no longer than it."""
+    model, high = cycle.model, cycle.allocation.upper
+    length = model.new_int_var(0, high, "")
+    model.add(length == cycle.end(last) - cycle.start[first])  # type: ignore[operator]
+    model.add(length <= cycle.length)
+    span = []
+    for begin in (cycle.place[first], *([cycle.then[first]] if cycle.has_copies else [])):
+        end = model.new_int_var(0, 3 * high, "")
+        span.append(model.new_interval_var(begin, length, end, ""))
+    return span

@@ -27,7 +27,7 @@ import numpy as np
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError, UsageError
 from tandem.plan.cycle.door import Admitted, CycleDoor
-from tandem.plan.cycle.pattern import Pattern, launched, lifted, most_laps, stacked
+from tandem.plan.cycle.pattern import Pattern, is_tied, launched, lifted, most_laps, stacked
 from tandem.plan.cycle.question import FRONT, CycleQuestion
 from tandem.plan.cycle.result import CycleBound, CycleFront, CycleResult
 from tandem.plan.instance import Instance
@@ -106,6 +106,17 @@ class _Pair(NamedTuple):
     shared: tuple[_Thing, ...]
 
 
+class _Held(NamedTuple):
+    """A hold from `first` to `last`, and what must lie outside it: from the start of `begin` to the
+    end of `end`.
+    """
+
+    first: int
+    last: int
+    begin: int
+    end: int
+
+
 class _Piece(NamedTuple):
     """How two tasks lie to each other; who is under way when the other starts."""
 
@@ -172,21 +183,20 @@ class _Allocation:
         tasks = range(len(self.ways))
         if any(self.ticks(task) > length for task in tasks):
             return None
-        if laps is None and self.instance.has_most_lags:
-            # what must follow in time ties the laps of tasks to each other
+        if laps is None and is_tied(self.instance):
             laps = most_laps(self.instance)
         network: Network | None = Network.of(
             len(tasks), length - 1 if laps is None else laps * length
         )
         if laps is not None:
             assert network is not None
-            network = network.with_edges(tuple(self._within_a_product(laps * length)))
+            network = network.with_edges(tuple(self._within_a_product(laps * length, length)))
         if network is None:
             return None
         pairs = list(self._pairs())
         if laps is None and not self._needs_search(pairs):
             return lifted(self.instance, stacked(self.instance, self.ways), length)
-        found = self._searched(network, pairs, {}, length)
+        found = self._searched(network, pairs, {}, list(self._held_against()), length)
         if found is None:
             return None
         chosen = tuple(zip(self.ways, found.starts(), strict=True))
@@ -204,16 +214,22 @@ class _Allocation:
         """
         return (
             self.instance.has_preparations
+            or self.instance.has_apart
+            or self.instance.has_holds
             or any(len(self.who(task)) > 1 for task in range(len(self.ways)))
             or any(pair.shared for pair in pairs)
         )
 
-    def _within_a_product(self, end: int) -> Iterator[Edge]:
-        """Predecessors end first, and everything by the end."""
+    def _within_a_product(self, end: int, length: int) -> Iterator[Edge]:
+        """Predecessors end first, and everything by the end; no part is held for longer than a
+        cycle.
+        """
         for task, firsts in enumerate(self.instance.before):
             yield Edge(task, -1, self.ticks(task) - end)
             for first in firsts:
                 yield Edge(first, task, self.ticks(first))
+        for _, first, last in self.instance.holds:
+            yield Edge(last, first, self.ticks(last) - length)
         for lag in self.instance.lags:
             own = 0 if lag.from_start else self.ticks(lag.before)
             yield Edge(lag.before, lag.task, own + lag.least)
@@ -223,10 +239,18 @@ class _Allocation:
     def _pairs(self) -> Iterator[_Pair]:
         """Every two tasks that mind each other."""
         for one, two in combinations(range(len(self.ways)), 2):
-            apart = bool(set(self.who(one)) & set(self.who(two)))
+            apart = bool(set(self.who(one)) & set(self.who(two))) or self._mind(one, two)
             shared = tuple(thing for thing in self.uses[one] if thing in self.uses[two])
             if apart or shared:
                 yield _Pair(one, two, apart, shared)
+
+    def _mind(self, one: int, two: int) -> bool:
+        """Whether the zone of both keeps their operators apart."""
+        instance = self.instance
+        if not instance.has_apart or instance.zone[one] != instance.zone[two]:
+            return False
+        sides = [instance.sides(t, instance.ways[t][self.ways[t]]) for t in (one, two)]
+        return bool(sides[0] and sides[1] and sides[0] != sides[1])
 
     @cached_property
     def uses(self) -> list[dict[_Thing, int]]:
@@ -252,8 +276,24 @@ class _Allocation:
 
     # ------------------------------------------------------------ the search
 
+    def _held_against(self) -> Iterator[_Held]:
+        """What must not lie within a hold: other tasks of the machine, and its other holds."""
+        instance = self.instance
+        for hold, (machine, first, last) in enumerate(instance.holds):
+            for task in range(len(self.ways)):
+                if instance.barred[hold] >> task & 1 and machine in self.who(task):
+                    yield _Held(first, last, task, task)
+            for other in range(hold):
+                if instance.rivals[hold] >> other & 1:
+                    yield _Held(first, last, *instance.holds[other][1:])
+
     def _searched(
-        self, network: Network, open_pairs: list[_Pair], held: dict[_Pair, _Piece], length: int
+        self,
+        network: Network,
+        open_pairs: list[_Pair],
+        held: dict[_Pair, _Piece],
+        parts: list[_Held],
+        length: int,
     ) -> Network | None:
         """The network with a choice for every pair; None when every choice ends in a circle. The
         pair with the fewest choices left comes first.
@@ -263,7 +303,7 @@ class _Allocation:
         if not self._has_room(held):
             return None
         if not open_pairs:
-            return self._ready_in_time(network, length)
+            return self._with_parts(network, parts, length)
         offers = []
         for pair in open_pairs:
             pieces = list(self._pieces(network, pair, length))
@@ -275,7 +315,28 @@ class _Allocation:
         for piece in pieces:
             tighter = network.with_edges(piece.edges)
             if tighter is not None:
-                found = self._searched(tighter, rest, {**held, pair: piece}, length)
+                found = self._searched(tighter, rest, {**held, pair: piece}, parts, length)
+                if found is not None:
+                    return found
+        return None
+
+    def _with_parts(self, network: Network, parts: list[_Held], length: int) -> Network | None:
+        """The network with a choice for everything that must not lie within a hold: in which gap
+        between two products' holds it lies.
+        """
+        if not parts:
+            return self._ready_in_time(network, length)
+        (first, last, begin, end), *rest = parts
+        low, high = int(network.least[first, begin]), -int(network.least[begin, first])
+        for lap in range(low // length - 1, high // length + 2):
+            tighter = network.with_edges(
+                (
+                    Edge(last, begin, self.ticks(last) + lap * length),
+                    Edge(end, first, self.ticks(end) - (lap + 1) * length),
+                )
+            )
+            if tighter is not None:
+                found = self._with_parts(tighter, rest, length)
                 if found is not None:
                     return found
         return None
@@ -351,6 +412,18 @@ class _Allocation:
             if ticks and place >= len(row):
                 laps = (starts[task] - starts[before]) // length
                 yield Edge(before, task, self.ticks(before) + ticks + laps * length)
+                yield from self._not_while_holding(operator, task, ticks, starts, length)
+
+    def _not_while_holding(
+        self, operator: int, task: int, ticks: int, starts: list[int], length: int
+    ) -> Iterator[Edge]:
+        """Getting ready for a task falls into no hold of another part."""
+        for hold, (machine, first, last) in enumerate(self.instance.holds):
+            if machine == operator:
+                is_barred = self.instance.barred[hold] >> task & 1
+                # of what belongs to the hold, the part of the product before is another
+                laps = (starts[task] - starts[first]) // length if is_barred else -1
+                yield Edge(last, task, self.ticks(last) + ticks + laps * length)
 
 
 def solve(
@@ -483,6 +556,8 @@ def _allowed(instance: Instance) -> Iterator[tuple[tuple[int, ...], int]]:
         if any(
             chosen[one].operators != chosen[two].operators for one, two in instance.same_operator
         ):
+            continue
+        if any(len(instance.sides(task, way)) > 1 for task, way in enumerate(chosen)):
             continue
         loads = [0] * len(instance.operators)
         for way in chosen:

@@ -54,6 +54,13 @@ def stacked(instance: Instance, ways: Sequence[int]) -> Pattern:
     return tuple(places)
 
 
+def is_tied(instance: Instance) -> bool:
+    """Whether laps of tasks hang together: something must follow in time, or a machine holds a part
+    from one task to another.
+    """
+    return instance.has_most_lags or instance.has_holds
+
+
 def most_laps(instance: Instance) -> int:
     """A product need not stay for more cycles than this: from one task to the next it waits at most
     for its place in the next cycle, and no cycle is shorter than the longest of the tasks that it
