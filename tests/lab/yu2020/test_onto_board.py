@@ -180,7 +180,8 @@ def test_every_reason_is_given_at_once():
     assert {".".join(map(str, fault.path)) for fault in caught.value.faults} == {
         "operators", "operators.human.breaks", "tasks.a.time", "tasks.b.time.robot",
         "tasks.a.stress", "tasks.a.tool", "tasks.a.zone",
-        "tasks.a.deadline", "tasks.a.release", "tasks.a.wait", "tasks.c.together", "same_operator", "tasks.b.after",
+        "tasks.a.deadline", "tasks.a.release", "tasks.a.wait", "tasks.c.together", "same_operator",
+        "tasks.b.after",
     }  # fmt: skip
     assert "takes robot 2 s and human 3 s" in str(caught.value)
     assert "1.5 s: the chessboard counts whole seconds" in str(caught.value)
