@@ -91,7 +91,6 @@ def walks_name_pairs_of_places(cell: Fields) -> Iterator[Fault]:
     is stated once.
     """
     names = dict.fromkeys(cell.place_names)
-    known = Known(names)
     for who, table in cell.walk.items():
         seen: dict[Pair, str] = {}
         for key in table:
@@ -100,7 +99,7 @@ def walks_name_pairs_of_places(cell: Fields) -> Iterator[Fault]:
             path: Path = ("walk", who, key)
             pairs = pairs_of(key, names)
             if len(pairs) != 1:
-                yield Fault(f"walk of {who!r}: {_no_pair(key, pairs, known)}", path)
+                yield Fault(f"walk of {who!r}: {_no_pair(key, pairs, names)}", path)
                 continue
             [(one, other)] = pairs
             first = seen.setdefault((one, other), key)
@@ -118,7 +117,7 @@ def walks_name_pairs_of_places(cell: Fields) -> Iterator[Fault]:
                 )
 
 
-def _no_pair(key: str, pairs: list[Pair], known: Known) -> str:
+def _no_pair(key: str, pairs: list[Pair], known: Collection[str]) -> str:
     if pairs:
         meant = " or ".join(f"from {one!r} to {other!r}" for one, other in pairs)
         return f"{key!r} can mean {meant}. Rename one of the places."
@@ -128,7 +127,8 @@ def _no_pair(key: str, pairs: list[Pair], known: Known) -> str:
         )
     start, _, end = key.partition("-")
     strange = next((name for name in (clean(start), clean(end)) if name not in known), key)
-    return f"{key!r} names {strange!r}, which is no place of the cell. {known.hint(strange)}"
+    hint = Known(known).hint(strange) if known else "Give tasks a `place` first."
+    return f"{key!r} names {strange!r}, which is no place of the cell. {hint}"
 
 
 def speeds_lead_between_coordinates(cell: Fields) -> Iterator[Fault]:
@@ -180,7 +180,7 @@ def _detour(cell: Fields, who: str, start: str, by: str, end: str) -> Fault:
     remedy = (
         f" State {' and '.join(map(repr, zero))} too: a way that is not stated takes 0 s."
         if zero
-        else " Correct one of the three."
+        else " Give the right time of each of the three ways."
     )
     key = next(
         (key for key in cell.walk[who] if pairs_of(key, known) in ([(start, end)], [(end, start)])),
