@@ -179,13 +179,15 @@ class PartialSchedule:
                     start = free[operator]
             return start
         stance, zone = self.stance, instance.timed_zone[task]
-        for operator in step.operators:
-            if free[operator] > start:
-                start = free[operator]
-        for operator, preparation in zip(step.operators, step.preparations, strict=False):
-            begin = free[operator] + preparation[stance[operator]][0]
-            if begin > start:
-                start = begin
+        if step.preparations:
+            for operator, preparation in zip(step.operators, step.preparations, strict=True):
+                begin = free[operator] + preparation[stance[operator]][0]
+                if begin > start:
+                    start = begin
+        else:
+            for operator in step.operators:
+                if free[operator] > start:
+                    start = free[operator]
         for tool, count in step.scarce:
             start = max(start, self.tool_free[tool][count - 1])
         if zone >= 0:
@@ -202,8 +204,9 @@ class PartialSchedule:
         for operator, load in zip(step.operators, step.load, strict=True):
             self.free[operator] = end
             self.load[operator] += load
-        for operator, preparation in zip(step.operators, step.preparations, strict=False):
-            self.stance[operator] = preparation[self.stance[operator]][1]
+        if step.preparations:
+            for operator, preparation in zip(step.operators, step.preparations, strict=True):
+                self.stance[operator] = preparation[self.stance[operator]][1]
         self.stress += step.stress
         # tools and zones with room for all are never full, so nobody counts their places
         for tool, count in step.scarce:
@@ -251,11 +254,12 @@ class PartialSchedule:
 
     def _behind_breaks(self, step: Step, start: int) -> int:
         breaks, moved = self.instance.breaks, True
-        needs = [
-            preparation[self.stance[o]][0]
-            for o, preparation in zip(step.operators, step.preparations, strict=False)
-        ]
-        needs = needs or [0] * len(step.operators)
+        needs = [0] * len(step.operators)
+        if step.preparations:
+            needs = [
+                preparation[self.stance[o]][0]
+                for o, preparation in zip(step.operators, step.preparations, strict=True)
+            ]
         while moved:
             moved = False
             for operator, need in zip(step.operators, needs, strict=True):
