@@ -20,7 +20,7 @@ from tandem.cell.times import (
     exact_planning_can_count_it,
     numbers_have_few_decimals,
 )
-from tandem.cell.walking import RULES as WALKING
+from tandem.cell.walks import RULES as WALKING
 from tandem.cell.written import number
 from tandem.errors import Fault
 

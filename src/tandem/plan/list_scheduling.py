@@ -9,7 +9,7 @@ and stress.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -214,21 +214,21 @@ class PartialSchedule:
                     start = free[operator]
             return start
         stance, zone = self.stance, instance.timed_zone[task]
-        for operator in step.operators:
-            if free[operator] > start:
-                start = free[operator]
-        for operator, preparation in zip(step.operators, step.preparations, strict=False):
-            begin = free[operator] + preparation[stance[operator]][0]
-            if begin > start:
-                start = begin
+        if step.preparations:
+            for operator, preparation in zip(step.operators, step.preparations, strict=True):
+                begin = free[operator] + preparation[stance[operator]][0]
+                if begin > start:
+                    start = begin
+        else:
+            for operator in step.operators:
+                if free[operator] > start:
+                    start = free[operator]
         for tool, count in step.scarce:
             start = max(start, self.tool_free[tool][count - 1])
         if zone >= 0:
             start = max(start, self.zone_free[zone][len(step.operators) - 1])
-        for hold in instance.held_from[task] if instance.has_holds else ():
-            start = max(start, free[instance.holds[hold][0]])
-        if step.side >= 0:
-            start = max(start, *self._others_in_the_zone(task, step))
+        if instance.has_holds or step.side >= 0:
+            start = max(start, self._given_back(task, step))
         return self._behind_breaks(step, start) if instance.has_breaks else start
 
     def put(self, task: int, step: Step, start: int) -> list[int]:
@@ -241,8 +241,9 @@ class PartialSchedule:
         for operator, load in zip(step.operators, step.load, strict=True):
             self.free[operator] = end
             self.load[operator] += load
-        for operator, preparation in zip(step.operators, step.preparations, strict=False):
-            self.stance[operator] = preparation[self.stance[operator]][1]
+        if step.preparations:
+            for operator, preparation in zip(step.operators, step.preparations, strict=True):
+                self.stance[operator] = preparation[self.stance[operator]][1]
         if instance.has_holds:
             self._take_out_parts(task, end)
         self.stress += step.stress
@@ -301,10 +302,16 @@ class PartialSchedule:
             machine = self.instance.holds[hold][0]
             self.free[machine] = max(self.free[machine], end)
 
-    def _others_in_the_zone(self, task: int, step: Step) -> Iterator[int]:
-        """When those have left the task's zone whom it keeps apart from the step's operators."""
-        kinds = self.apart_free[self.instance.zone[task]]  # type: ignore[index]
-        return (end for side, end in enumerate(kinds) if side != step.side)
+    def _given_back(self, task: int, step: Step) -> int:
+        """When the machines are free that are to hold a part, and those have left the task's zone
+        whom it keeps apart from the step's operators.
+        """
+        machines = (self.instance.holds[hold][0] for hold in self.instance.held_from[task])
+        moments = [0, *(self.free[machine] for machine in machines)]
+        if step.side >= 0:
+            kinds = self.apart_free[self.instance.zone[task]]  # type: ignore[index]
+            moments += [end for side, end in enumerate(kinds) if side != step.side]
+        return max(moments)
 
     def _within_limits(self, task: int, step: Step) -> bool:
         must, limits = self.layout.must[task], self.instance.stress_limit
@@ -319,11 +326,12 @@ class PartialSchedule:
 
     def _behind_breaks(self, step: Step, start: int) -> int:
         breaks, moved = self.instance.breaks, True
-        needs = [
-            preparation[self.stance[o]][0]
-            for o, preparation in zip(step.operators, step.preparations, strict=False)
-        ]
-        needs = needs or [0] * len(step.operators)
+        needs = [0] * len(step.operators)
+        if step.preparations:
+            needs = [
+                preparation[self.stance[o]][0]
+                for o, preparation in zip(step.operators, step.preparations, strict=True)
+            ]
         while moved:
             moved = False
             for operator, need in zip(step.operators, needs, strict=True):
