@@ -187,3 +187,28 @@ def test_rules_give_sound_schedules_of_random_cells_with_holds(seed: int) -> Non
         if state is not None:
             said = faults(instance.cell, instance.schedule(state.starts()))
             assert said == [], (name, said)
+
+
+@pytest.mark.parametrize("key", ["holds", "apart"])
+def test_taking_the_rule_out_never_makes_a_plan_longer(key: str) -> None:
+    longer, shorter = 0, 0
+    for seed in range(1, 61):
+        _, data = drawn(seed, key)
+        free = {
+            **data,
+            **{
+                table: {
+                    name: {k: v for k, v in entry.items() if k != key}
+                    for name, entry in data[table].items()
+                }
+                for table in ("operators", "zones")
+            },
+        }
+        try:
+            bound = plan(cell_of(data), minimize="makespan", workers=1)[0].makespan
+        except (CellError, InfeasibleError):
+            continue
+        makespan = plan(cell_of(free), minimize="makespan", workers=1)[0].makespan
+        longer, shorter = longer + (makespan > bound), shorter + (makespan < bound)
+    assert longer == 0
+    assert shorter > 0
