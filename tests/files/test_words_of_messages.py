@@ -137,6 +137,7 @@ def test_every_fault_of_a_broken_value_names_the_place_in_the_document() -> None
 
 
 UNFIT = {
+    "invested_money_is_spread_over_hours": {"cost": {"invest": 9000}},
     "operators_are_known": {"tasks": {"a": {"time": {"q": 1}}}},
     "names_can_be_told_apart": {"tasks": {"a": {"time": {"h": 1}}, "\u0430": {"time": {"h": 1}}}},
     "tasks_are_known": {"tasks": {"a": {"time": {"h": 1}, "after": ["q"]}}},
