@@ -172,13 +172,15 @@ def test_a_rule_that_comes_to_a_dead_end_says_that_it_found_nothing() -> None:
 @pytest.mark.parametrize("seed", range(1, 40))
 def test_rules_give_sound_schedules_of_random_cells_with_holds(seed: int) -> None:
     _, data = drawn(seed, "holds")
+    for task in data["tasks"].values():  # what is late breaks nothing here
+        task.pop("deadline", None)
+        for wait in task.get("wait", ()):
+            wait.pop("at_most", None)
     try:
         cell = cell_of(data)
     except CellError:
         return
-    instance = Instance.of(cell.replace(tasks={
-        name: task.model_copy(update={"deadline": None}) for name, task in cell.tasks.items()
-    }))  # fmt: skip
+    instance = Instance.of(cell)
     layout = Layout.of(instance)
     if layout.impossible() or cell.stress_of_set is not None:
         return
@@ -192,7 +194,7 @@ def test_rules_give_sound_schedules_of_random_cells_with_holds(seed: int) -> Non
 @pytest.mark.parametrize("key", ["holds", "apart"])
 def test_taking_the_rule_out_never_makes_a_plan_longer(key: str) -> None:
     longer, shorter = 0, 0
-    for seed in range(1, 61):
+    for seed in range(1, 101):
         _, data = drawn(seed, key)
         free = {
             **data,
