@@ -478,7 +478,7 @@ class Fields(Frozen):
         """Operator to seconds from one place to another, pairs of places that take none left
         out.
         """
-        return walking_times(self)
+        return walking_times(self.walk, self.places, self.place_names)
 
     @cached_property
     def zone_names(self) -> tuple[str, ...]:
