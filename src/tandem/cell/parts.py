@@ -636,8 +636,7 @@ class Fields(Frozen):
         """Operator to seconds from one place to another, pairs of places that take none left
         out.
         """
-        known = dict.fromkeys(self.place_names)
-        return {who: walking_times(table, self.places, known) for who, table in self.walk.items()}
+        return walking_times(self.walk, self.places, self.place_names)
 
     @cached_property
     def zone_names(self) -> tuple[str, ...]:

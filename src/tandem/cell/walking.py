@@ -16,6 +16,8 @@ from tandem.cell.names import clean
 
 Pair = tuple[str, str]
 """From one place to another."""
+Metres = tuple[float, float]
+"""Coordinates of a place."""
 
 SPEED = "speed"
 """The key beside the pairs: metres a second."""
@@ -24,21 +26,28 @@ TENTHS = 10
 
 
 def walking_times(
-    table: Mapping[str, float],
-    places: Mapping[str, tuple[float, float]],
-    known: Collection[str],
-) -> dict[Pair, float]:
-    """The seconds that an operator needs from one place to another, by its table in `walk`; pairs
-    that take none are not in it. Keys that name no pair, or several, are stepped over.
+    walk: Mapping[str, Mapping[str, float]],
+    places: Mapping[str, Metres],
+    names: Collection[str],
+) -> dict[str, dict[Pair, float]]:
+    """Operator to the seconds that it needs from one place to another; pairs that take none are
+    not in it. Keys that name no pair, or several, are stepped over.
 
     Args:
-      places: coordinates in metres. known: every place that the cell names.
+      walk, places: as a cell states them.
+      names: all places that there are.
     """
+    known = dict.fromkeys(names)
+    return {who: _times_of(table, places, known) for who, table in walk.items()}
+
+
+def _times_of(
+    table: Mapping[str, float], places: Mapping[str, Metres], known: Collection[str]
+) -> dict[Pair, float]:
     times: dict[Pair, float] = {}
     if table.get(SPEED):
         for one, other in permutations(places, 2):
-            metres = places[one], places[other]
-            times[one, other] = seconds_at(table[SPEED], *metres)
+            times[one, other] = seconds_at(table[SPEED], places[one], places[other])
     stated = {
         pairs[0]: seconds
         for key, seconds in table.items()

@@ -23,7 +23,8 @@ class Step(NamedTuple):
     Attributes:
       way: its index in `Instance.ways`.
       operators: indices; `ticks` its duration; `stress` the sum of `load`, the stress per operator.
-      preparations: per operator, what it needs before the task; empty where nobody needs any time.
+      preparations: `(operator, what it needs before the task)`, of those who need a tool or a place
+        for it that may cost time.
       scarce: `(tool, how many of it)`, of the tools that not all can have at once.
       side: which of the kinds that the task's zone keeps apart its operators are; -1 for none.
     """
@@ -33,7 +34,7 @@ class Step(NamedTuple):
     ticks: int
     stress: int
     load: tuple[int, ...]
-    preparations: tuple[Preparation, ...]
+    preparations: tuple[tuple[int, Preparation], ...]
     scarce: tuple[tuple[int, int], ...]
     side: int = -1
 
@@ -214,17 +215,16 @@ class PartialSchedule:
                     start = free[operator]
             return start
         stance, zone = self.stance, instance.timed_zone[task]
-        if step.preparations:
-            for operator, preparation in zip(step.operators, step.preparations, strict=True):
-                begin = free[operator] + preparation[stance[operator]][0]
-                if begin > start:
-                    start = begin
-        else:
-            for operator in step.operators:
-                if free[operator] > start:
-                    start = free[operator]
+        for operator in step.operators:
+            if free[operator] > start:
+                start = free[operator]
+        for operator, preparation in step.preparations:
+            begin = free[operator] + preparation[stance[operator]][0]
+            if begin > start:
+                start = begin
         for tool, count in step.scarce:
-            start = max(start, self.tool_free[tool][count - 1])
+            if (there := self.tool_free[tool][count - 1]) > start:
+                start = there
         if zone >= 0:
             start = max(start, self.zone_free[zone][len(step.operators) - 1])
         if instance.has_holds or step.side >= 0:
@@ -242,8 +242,9 @@ class PartialSchedule:
             self.free[operator] = end
             self.load[operator] += load
         if step.preparations:
-            for operator, preparation in zip(step.operators, step.preparations, strict=True):
-                self.stance[operator] = preparation[self.stance[operator]][1]
+            stance = self.stance
+            for operator, preparation in step.preparations:
+                stance[operator] = preparation[stance[operator]][1]
         if instance.has_holds:
             self._take_out_parts(task, end)
         self.stress += step.stress
@@ -326,15 +327,14 @@ class PartialSchedule:
 
     def _behind_breaks(self, step: Step, start: int) -> int:
         breaks, moved = self.instance.breaks, True
-        needs = [0] * len(step.operators)
+        needs = [(operator, 0) for operator in step.operators]
         if step.preparations:
-            needs = [
-                preparation[self.stance[o]][0]
-                for o, preparation in zip(step.operators, step.preparations, strict=True)
-            ]
+            stance = self.stance
+            ready = {o: preparation[stance[o]][0] for o, preparation in step.preparations}
+            needs = [(operator, ready.get(operator, 0)) for operator in step.operators]
         while moved:
             moved = False
-            for operator, need in zip(step.operators, needs, strict=True):
+            for operator, need in needs:
                 for off, back in breaks[operator]:
                     if off < start + step.ticks and start - need < back:
                         start, moved = back + need, True
@@ -433,7 +433,7 @@ def _steps(instance: Instance, task: int) -> list[Step]:
                 ticks=way.ticks,
                 stress=way.stress,
                 load=way.load,
-                preparations=instance.preparations(task, way),
+                preparations=instance.prepared(task, way),
                 scarce=instance.scarce(way),
                 side=max(sides, default=-1),
             )

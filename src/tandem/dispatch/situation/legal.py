@@ -240,9 +240,8 @@ def _times_off(situation: Situation, task: str, way: Mode) -> Iterator[str]:
 def _room(situation: Situation, task: str, way: Mode) -> Iterator[str]:
     cell = situation.cell
     for kind in KINDS:
-        if not (cell.tool_names if kind == "tool" else cell.tasks[task].zone):
-            continue
-        for name, count in Counter(cell.takes(kind, task, way.operators).values()).items():
+        takes = cell.takes(kind, task, way.operators)
+        for name, count in Counter(takes.values()).items() if takes else ():
             places = places_of(cell, kind, name)
             taken = sum(
                 used == name

@@ -1,4 +1,6 @@
-"""What must be so of walking: its rules, by which a cell is judged sound."""
+"""What the ways between places must be: known pairs, speeds with coordinates, and no detour that is
+shorter.
+"""
 
 from __future__ import annotations
 
