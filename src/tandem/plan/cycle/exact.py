@@ -23,6 +23,7 @@ from ortools.sat.python import cp_model
 
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError
+from tandem.plan import cpsat
 from tandem.plan.cpsat import SOLVER
 from tandem.plan.cycle.door import Admitted, CycleDoor
 from tandem.plan.cycle.effort import Answer, Effort
@@ -141,6 +142,9 @@ class _Search:
 
     def run(self) -> None:
         """Answers the question as far as time allows."""
+        if is_tied(self.instance) and not self._one_product_can_be_made():
+            self.closed = True
+            return
         if self.question.takt is not None:
             self._within_takt()
         elif self.question.minimize == "stress":
@@ -148,6 +152,20 @@ class _Search:
         else:
             self._walk()
         self._settle()
+
+    def _one_product_can_be_made(self) -> bool:
+        """False when it is proven that not even one product can be made, by operators who have the
+        tools at hand: then none can be made again and again.
+        """
+        nobody = (None,) * len(self.instance.operators)
+        alone = replace(
+            self.instance,
+            breaks=((),) * len(self.instance.operators),
+            in_hand=nobody,
+            stands=nobody,
+        )
+        answer = self.effort.solve(cpsat.formulate(alone, alone.horizon).model, 0, share=0.25)
+        return answer.solver is not None or not answer.proven
 
     def _walk(self) -> None:
         """From the least cycle time on; only to that where nothing else is asked for."""
