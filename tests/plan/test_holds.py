@@ -85,6 +85,51 @@ def test_a_changeover_for_something_else_waits_until_the_part_is_out() -> None:
     assert plan(cell, minimize="makespan", workers=1)[0].makespan == front_in_order(data)[0][0]
 
 
+def test_a_walk_to_something_else_waits_until_the_part_is_out() -> None:
+    """A handling machine stands at the jig while it holds the part, and stamps elsewhere."""
+    data = two_parts().to_dict()
+    for part in "12":
+        data["tasks"][f"run {part}"]["place"] = "jig"
+    data["tasks"]["stamp"]["place"] = "anvil"
+    data["walk"] = {"press": {"jig-anvil": 2}}
+    cell = cell_of(data)
+    assert faults(cell, by_hand(stamp=19, **{"in 2": 21, "run 2": 25, "out 2": 35})) == []
+    [said] = faults(cell, by_hand(stamp=18, **{"in 2": 21, "run 2": 25, "out 2": 35}))
+    assert said.endswith(
+        "gets ready for task 'stamp' from 16 s on meanwhile; 19 s is the earliest."
+    )
+    for method in ("exact", "exhaustive"):
+        # walking back to the jig lies within the second hold, or the stamp comes first
+        assert METHODS[method](cell, Question("makespan")).points == front_in_order(data)
+
+
+@pytest.mark.parametrize("method", ["exact", "exhaustive"])
+def test_a_hold_reaches_over_waits_and_the_part_cures_in_the_machine(method: str) -> None:
+    """No task stands in `after`: what comes between is said by waits alone."""
+    data = press(holds=[["load", "unload"]])
+    data["tasks"]["run"] |= {"after": [], "wait": {"after": "load", "at_most": 5}}
+    data["tasks"]["unload"] |= {"after": [], "wait": {"after": "run", "at_least": 30}}
+    data["tasks"]["stamp"] = {"time": {"press": 2}}
+    cell = cell_of(data)
+    assert Instance.of(cell).within == (bits(range(3)),)
+    # 4 + 20, cured for 30 s, 3 to take it out; the press stamps before or behind, not meanwhile
+    front = METHODS[method](cell, Question("makespan"))
+    assert front.points[0] == (59, 4) == front_in_order(data)[0]
+    assert faults(cell, front[0].schedule) == []
+    assert replay(cell, front[0].schedule) == 59
+
+
+def test_what_must_have_begun_before_the_last_task_is_done_before_the_part_goes_in() -> None:
+    """A wait from a start: heating need not have ended, but only the press can do it."""
+    data = press(holds=[["load", "unload"]])
+    data["tasks"]["heat"] = {"time": {"press": 6}}
+    data["tasks"]["unload"]["wait"] = {"after": "heat", "between": "start-start", "at_least": 1}
+    cell = cell_of(data)
+    instance = Instance.of(cell)
+    assert instance.ahead_of_hold == (bits({instance.tasks.index("heat")}),)
+    assert plan(cell, minimize="makespan", workers=1)[0].makespan == front_in_order(data)[0][0]
+
+
 def test_the_critical_path_leads_through_the_machine() -> None:
     assert [(link.reason, link.by) for link in critical_path(two_parts(), by_hand())][-4:] == [
         ("hold", "press"),
