@@ -7,16 +7,19 @@ from dataclasses import dataclass
 from typing import Literal
 
 from tandem.cell.model import Cell
-from tandem.draw.style import Look, looks, task_label
+from tandem.draw.style import Look, looks, shade, task_label
 from tandem.schedule.critical import critical_path
-from tandem.schedule.measures import changeovers, utilisation, working
+from tandem.schedule.cycle import PeriodicSchedule
+from tandem.schedule.measures import changeovers, exact, utilisation, working
 from tandem.schedule.model import Schedule
+from tandem.schedule.steady import rounds
 
 
 @dataclass(frozen=True)
 class Bar:
     """One task in one lane. `start`, `end` and `deadline` in seconds; `joint` when other lanes hold
-    the same task too.
+    the same task too; `product` where several are assembled: 0 is launched with the first cycle
+    that is shown, 1 a cycle later, -1 a cycle before.
     """
 
     task: str
@@ -26,6 +29,19 @@ class Bar:
     joint: bool
     critical: bool
     deadline: float | None
+    product: int | None = None
+
+    @property
+    def mark(self) -> str:
+        """What tells the product: "#1", "#2" for those launched in the first and second cycle that
+        are shown, "-1", "-2" for those launched one and two cycles before; else empty.
+        """
+        return "" if self.product is None else product_mark(self.product)
+
+
+def product_mark(product: int) -> str:
+    """What charts and sheets call a product of a station that repeats, counted as in a `Bar`."""
+    return f"#{product + 1}" if product >= 0 else str(product)
 
 
 @dataclass(frozen=True)
@@ -71,13 +87,19 @@ class Shaded:
 
 @dataclass(frozen=True)
 class Lane:
-    """One operator over time. `busy` seconds on tasks, `utilisation` as a share of the makespan."""
+    """One operator over time. `busy` seconds on tasks, `utilisation` as a share of the makespan; of
+    a station that repeats, both of one cycle.
+    """
 
     look: Look
     bars: tuple[Bar, ...]
     shaded: tuple[Shaded, ...]
     busy: float
     utilisation: float
+
+    def look_of(self, bar: Bar) -> Look:
+        """The operator's look, in the shade of the bar's product."""
+        return self.look if bar.product is None else shade(self.look, bar.product)
 
 
 def lanes(
@@ -121,6 +143,49 @@ def lanes(
             shaded.append(Shaded(*span, "setup"))
         found.append(Lane(look, bars, tuple(shaded), busy[name], used[name]))
     return tuple(found)
+
+
+def steady_lanes(cell: Cell, periodic: PeriodicSchedule, cycles: int = 2) -> tuple[Lane, ...]:
+    """Every operator's lane over so many cycles of the steady state, from the launch of a product
+    on: the bars and changeovers of all products that are in the station then. What begins before or
+    ends after has its own start and end; charts cut it.
+    """
+    length, found = exact(periodic.cycle_time), []
+    turned = rounds(cell, periodic)
+    for name, look in looks(cell).items():
+        bars, shaded = [], []
+        for turn in turned[name].turns:
+            a = turn.assignment
+            for cycle in range(-1, cycles + 1):
+                start = exact(turn.begin) + cycle * length
+                end = start + exact(turn.seconds)
+                if start < cycles * length and end > 0:
+                    joint, label = len(a.operators) > 1, task_label(cell, a.task)
+                    bars.append(
+                        Bar(
+                            a.task,
+                            label,
+                            float(start),
+                            float(end),
+                            joint,
+                            critical=False,
+                            deadline=None,
+                            product=cycle - turn.lap,
+                        )
+                    )
+                begin = start - exact(turn.change)
+                if turn.change and begin < cycles * length and start > 0:
+                    shaded.append(Shaded(float(begin), float(start), "changeover", turn.tool))
+        bars.sort(key=lambda bar: (bar.start, bar.end))
+        turns = turned[name]
+        share = turns.share(turns.working)
+        found.append(Lane(look, tuple(bars), tuple(shaded), turns.working, share))
+    return tuple(found)
+
+
+def products_shown(rows: Iterable[Lane]) -> list[int]:
+    """The products in these lanes, the oldest first: a legend explains them."""
+    return sorted({bar.product for lane in rows for bar in lane.bars if bar.product is not None})
 
 
 def kinds_shaded(rows: Iterable[Lane]) -> list[str]:
