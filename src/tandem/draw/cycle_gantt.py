@@ -1,5 +1,5 @@
-"""A station that repeats as a Gantt chart: the steady state over two cycles, with every product that
-is in the station then.
+"""A station that repeats as a Gantt chart: the steady state over two cycles, with every product
+that is in the station then.
 """
 
 from __future__ import annotations
