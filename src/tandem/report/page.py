@@ -31,6 +31,7 @@ def page(
     t: Words,
     *,
     opens: int,
+    shades: bool = False,
 ) -> str:
     """The page as text.
 
@@ -38,10 +39,11 @@ def page(
       header: what stands below the title; `main`: the sections.
       document: the result document, so that every number of the page can be read by a program.
       opens: the plan with which the page opens, counted from 1.
+      shades: drawings tell products apart by shade.
     """
     body = tag(
         "body",
-        hatches(looks(cell)),
+        hatches(looks(cell), shades=shades),
         tag("header", tag("h1", title), *header),
         tag("main", *main),
         tag("footer", tag("p", t("safety"), class_="note")),
