@@ -8,8 +8,9 @@ steps, from here, stand in the page, in the workbook and in Markdown, for people
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 from tandem.cell.model import Cell
 from tandem.draw.style import looks, task_label
@@ -29,7 +30,8 @@ class Condition:
       kind: "previous", "own", "both" (the step before, predecessors on this sheet, both of them),
         "break" (the operator's own), "release", "done" (a predecessor that others do), "freed" (a
         task of others that holds the tool or the zone until then), "tool.room", "zone.room" (of
-        several places, enough are free), "partner"; or "start": there is nothing to wait for.
+        several places, enough are free), "launch" (of a station that repeats: the product is
+        there), "partner"; or "start": there is nothing to wait for.
       says: the sentence.
       moment: when it becomes true in the plan, seconds.
       last: of all conditions of the step, this one is expected to become true last.
@@ -74,6 +76,19 @@ class Step:
         return self.task or self.does
 
 
+class Row(Protocol):
+    """What every row of an instruction sheet has, of one plan or of a cycle."""
+
+    @property
+    def task(self) -> str: ...
+
+    @property
+    def does(self) -> str: ...
+
+    @property
+    def begin(self) -> tuple[Condition, ...]: ...
+
+
 COLUMNS = (
     *("number", "task", "does", "what", "means"),
     *("begin", "then", "start", "end", "deadline"),
@@ -87,15 +102,15 @@ def steps(cell: Cell, schedule: Schedule, operator: str, t: Words) -> tuple[Step
     return tuple(replace(step, number=n) for n, step in enumerate(sheet.steps(), 1))
 
 
-def columns(found: tuple[Step, ...]) -> tuple[str, ...]:
-    """What a sheet of these steps shows: that which one of them has. Names and labels of tasks
-    stand in columns of their own; without labels there is one column.
+def columns(found: Sequence[Row], order: Sequence[str] = COLUMNS) -> tuple[str, ...]:
+    """What a sheet of these steps shows: that which one of them has, in this order. Names and
+    labels of tasks stand in columns of their own; without labels there is one column.
     """
     labelled = any(step.task and step.does for step in found)
     left_out = {"what"} if labelled else {"task", "does"}
     return tuple(
         key
-        for key in COLUMNS
+        for key in order
         if key not in left_out
         and (key == "then" or any(getattr(step, key) not in ("", (), None) for step in found))
     )
@@ -140,7 +155,7 @@ class _Sheet:
         if self.own.tasks and (span := self.cell.operators[self.operator].setting_up) is not None:
             setup = self.t.seconds(self.cell.operators[self.operator].setup)
             does = self.t("steps.setup", seconds=setup)
-            yield Step(0, "", does, *span, _with_last([*self._breaks(0.0, span[0])], self.t))
+            yield Step(0, "", does, *span, with_last([*self._breaks(0.0, span[0])], self.t))
         for place, a in enumerate(self.own.tasks):
             begun = bool(place or self.own.ready)
             if seconds := self.own.changes[place]:
@@ -157,7 +172,7 @@ class _Sheet:
             does=self.t("steps.take_up", tool=tool, seconds=self.t.seconds(seconds)),
             start=start,
             end=a.start,
-            begin=_with_last([*found, *self._breaks(self.own.ended(place), start)], self.t),
+            begin=with_last([*found, *self._breaks(self.own.ended(place), start)], self.t),
         )
 
     def _task(self, place: int, a: Assignment, begun: bool) -> Step:
@@ -169,7 +184,7 @@ class _Sheet:
             does="" if label == a.task else label,
             start=a.start,
             end=a.end,
-            begin=_with_last([*self._conditions(place, a, begun)], self.t),
+            begin=with_last([*self._conditions(place, a, begun)], self.t),
             then=tuple(self._then(a)),
             means=tuple(self._means(a)),
             deadline=task.deadline,
@@ -322,7 +337,7 @@ class _Own:
 
 
 RANK = (
-    *("previous", "both", "own", "break", "release", "partner"),
+    *("previous", "both", "own", "break", "release", "launch", "partner"),
     *("zone.room", "tool.room", "freed", "done"),
 )
 """Of several conditions that become true at the same moment, the one whose kind stands last here
@@ -330,7 +345,14 @@ is the one to look out for: others are less sure than one's own hands.
 """
 
 
-def _with_last(found: list[Condition], t: Words) -> tuple[Condition, ...]:
+def means(
+    cell: Cell, schedule: Schedule, a: Assignment, operator: str, t: Words
+) -> tuple[str, ...]:
+    """With what, where and with whom the operator does a task, each a short sentence."""
+    return tuple(_Sheet(cell, schedule, operator, t)._means(a))
+
+
+def with_last(found: list[Condition], t: Words) -> tuple[Condition, ...]:
     """The conditions with the last one marked, or the sentence that there are none."""
     if not found:
         return (Condition("start", t("steps.wait.start"), 0.0),)

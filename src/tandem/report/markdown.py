@@ -10,7 +10,7 @@ from tandem.draw.imprint import imprint, remarks
 from tandem.draw.style import looks
 from tandem.plan.result import Front, Result
 from tandem.report.html import summary
-from tandem.report.instructions import Step, columns, origin, rules, steps
+from tandem.report.instructions import Row, columns, origin, rules, steps
 from tandem.report.language import Words, words
 from tandem.report.risk import is_told, risk_heads, risk_note, risk_rows
 from tandem.report.sources import assumptions, made
@@ -126,7 +126,7 @@ def _instructions(result: Result, operator: str, plan: str, t: Words) -> list[st
     if not found:
         return [title, t("steps.none")]
     shown = columns(found)
-    rows = [[_said(step, key, t) for key in shown] for step in found]
+    rows = [[said(step, key, t) for key in shown] for step in found]
     return [
         title,
         *map(_text, rules(result.cell, operator, t)),
@@ -135,7 +135,7 @@ def _instructions(result: Result, operator: str, plan: str, t: Words) -> list[st
     ]
 
 
-def _said(step: Step, key: str, t: Words) -> str:
+def said(step: Row, key: str, t: Words) -> str:
     """What stands in a column of an instruction sheet; of the conditions, the one expected last in
     bold.
     """

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import tandem
 from tandem.draw.style import looks
+from tandem.plan.cycle.result import CycleFront
 from tandem.plan.result import Front, Status
 from tandem.report.language import Words
 
 
-def assumptions(front: Front, t: Words) -> list[str]:
+def assumptions(front: Front | CycleFront, t: Words) -> list[str]:
     """What was modelled and how far it is proven, in sentences. Only what this cell has."""
     cell = front.cell
     shown = looks(cell)
@@ -82,7 +83,9 @@ def assumptions(front: Front, t: Words) -> list[str]:
     return found
 
 
-def made(front: Front, t: Words, command: str = "", date: str = "") -> list[tuple[str, str]]:
+def made(
+    front: Front | CycleFront, t: Words, command: str = "", date: str = ""
+) -> list[tuple[str, str]]:
     """(what, value) of program, solver, seed and the like; what is not known is left out."""
     entries = [
         ("program", f"tandem {tandem.__version__}"),

@@ -46,7 +46,8 @@ def front_chart(front: Front | CycleFront, t: Words, players: Sequence[Player] =
     places = [at(time_of(r), r.stress) for r in front]
     knee = front.knee_place
     labelled = _labelled(front, places, knee, t)
-    for place, result in enumerate(front):
+    results: tuple[Result | CycleResult, ...] = front.results
+    for place, result in enumerate(results):
         bounds = at(least_time(result), result.bound.stress)
         pieces.append(
             _point(

@@ -113,7 +113,7 @@ def _panel(
     for place, lane in enumerate(rows):
         pieces += _empty(lane, TOP + place * LANE, left, t)
     # a bar that runs on into the next cycle hides its end, so that the bar's name stays legible
-    pieces += _lines(ends, begin, stop, x, len(rows), t) if boundaries else []
+    pieces += _lines(ends, "boundary", begin, stop, x, len(rows), t) if boundaries else []
     joints: dict[tuple[str, int | None], list[float]] = {}
     for place, lane in enumerate(rows):
         y = TOP + place * LANE
@@ -141,7 +141,7 @@ def _panel(
         pieces.append(
             tag("line", x1=middle, x2=middle, y1=min(ys) + 9 + BAR, y2=max(ys) + 9, class_="joint")
         )
-    pieces += [] if boundaries else _lines(ends, begin, stop, x, len(rows), t)
+    pieces += [] if boundaries else _lines(ends, "end", begin, stop, x, len(rows), t)
     return tag(
         "svg",
         *pieces,
@@ -174,6 +174,7 @@ def _off(off: Shaded, x0: float, x1: float, y: float, t: Words) -> Markup:
 
 def _lines(
     ends: Sequence[float],
+    kind: str,
     begin: float,
     stop: float,
     x: Callable[[float], float],
@@ -185,7 +186,7 @@ def _lines(
     for end in ends:
         if begin < end <= stop:
             low = TOP + LANE * count
-            pieces.append(tag("line", x1=x(end), x2=x(end), y1=TOP - 8, y2=low, class_="end"))
+            pieces.append(tag("line", x1=x(end), x2=x(end), y1=TOP - 8, y2=low, class_=kind))
             pieces.append(
                 text(x(end), TOP - 12, t.seconds(end), text_anchor="end", class_="strong")
             )

@@ -12,7 +12,7 @@ from tandem.cell.model import Cell, plain
 from tandem.draw.imprint import remarks
 from tandem.draw.style import contrast, looks
 from tandem.plan.result import Front, Result
-from tandem.report.instructions import Step, columns, origin, rules, steps
+from tandem.report.instructions import Row, columns, origin, rules, steps
 from tandem.report.language import Words, words
 from tandem.report.risk import is_told, risk_heads, risk_note, risk_values
 from tandem.report.sources import assumptions, made
@@ -320,13 +320,13 @@ def _instructions(book: Workbook, result: Result, operator: str, plan: str, t: W
     shown = columns(found)
     write_header(sheet, 3, [t(f"steps.{key}") for key in shown], [WIDTHS[key] for key in shown])
     for row, step in enumerate(found, 4):
-        write_row(sheet, row, [_said(step, key) for key in shown])
+        write_row(sheet, row, [said(step, key) for key in shown])
     spread(sheet, 2, " ".join(rules(result.cell, operator, t)), len(shown))
     put(sheet, len(found) + 5, 1, origin(result, operator, plan, t))
     sheet.page_setup.fitToHeight = 1 if len(found) <= ON_A_PAGE else 0
 
 
-def _said(step: Step, key: str) -> Any:
+def said(step: Row, key: str) -> Any:
     """What stands in a column of an instruction sheet; of the conditions, the one expected last in
     bold.
     """
