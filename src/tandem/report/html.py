@@ -185,7 +185,8 @@ def _printing(front: Front, t: Words) -> Markup:
     """What is printed, and what more can be: two boxes to tick, which need no script."""
     if not len(front):
         return Markup("")
-    return printing(("plans", "more") if len(front) > 1 else ("more",), t)
+    keys = ("plans", "more") if len(front) > 1 else ("more",)
+    return printing({key: t(f"print.{key}") for key in keys}, t)
 
 
 def _trade_off(front: Front, t: Words, players: Sequence[Player]) -> Markup:

@@ -116,7 +116,7 @@ def _cell(step: Row, key: str, t: Words) -> Markup:
         return tag("td", _lines(value), class_="told")
     if key in NUMBERS:
         says = value if isinstance(value, str) else "–" if value is None else t.number(value)
-        return tag("td", says, class_="number")
+        return tag("td", says, class_=f"number {key}")
     heads_row = key == "what" or key == ("task" if step.task else "does")
     return tag("th", value, scope="row") if heads_row else tag("td", value or "–")
 

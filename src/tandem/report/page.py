@@ -71,18 +71,18 @@ def lead(sentences: Iterable[str], *, stale: bool) -> list[Markup]:
     ]
 
 
-def printing(keys: Iterable[str], t: Words) -> Markup:
-    """What is printed, and what more can be ("plans", "more"): boxes to tick, which need no
-    script.
+def printing(more: Mapping[str, str], t: Words) -> Markup:
+    """What is printed, and what more can be, as ("plans" or "more", words): boxes to tick, which
+    need no script.
     """
     boxes = (
         tag(
             "label",
             Markup(f'<input type="checkbox" id="print-{key}" autocomplete="off">'),
             " ",
-            t(f"print.{key}"),
+            said,
         )
-        for key in keys
+        for key, said in more.items()
     )
     return tag("p", t("print.lead"), *boxes, class_="screen printing")
 

@@ -48,7 +48,7 @@ def cycle_gantt(
     rows, length = steady_lanes(cell, periodic, cycles), exact(periodic.cycle_time)
     left = _left(rows, t)
     spans = [(bar.end - bar.start, f"{bar.task} {bar.mark}") for row in rows for bar in row.bars]
-    count = _panels_wanted(spans, float(cycles * length), WIDTH - left - 22)
+    count = _panels_wanted(spans, float(cycles * length), WIDTH - left - 22, most=120)
     parts = 1 if count == 1 else cycles * math.ceil(count / cycles)
     ends = [float(cycle * length) for cycle in range(1, cycles + 1)]
     moments = [float(cycles * length * part / parts) for part in range(parts + 1)]
@@ -78,11 +78,13 @@ def panel_times(schedule: Schedule, width: float) -> list[tuple[float, float]]:
     return [(i * piece, (i + 1) * piece) for i in range(math.ceil(end / piece - 1e-9))]
 
 
-def _panels_wanted(spans: Sequence[tuple[float, str]], end: float, width: float) -> int:
+def _panels_wanted(
+    spans: Sequence[tuple[float, str]], end: float, width: float, *, most: float = 60
+) -> int:
     """How many drawings of this width make most bars, of so many seconds and with these names,
-    wide enough.
+    wide enough: for the name, if it takes no more than `most` pixels.
     """
-    found = sorted(span / min(max(width_of(name, 16) + 6, 20), 60) for span, name in spans)
+    found = sorted(span / min(max(width_of(name, 16) + 6, 20), most) for span, name in spans)
     return min(MOST_PANELS, max(1, math.ceil(end / (width * found[len(found) // 8]) - 0.15)))
 
 
@@ -251,7 +253,8 @@ def _bar(
                 text(*middle, upright, text_anchor="middle", class_="on-bar", transform=turned),
                 class_="task",
             )
-        lines = [fitting([bar.task], room)]
+        name = fitting([bar.task], room)
+        lines = [name, bar.mark] if name and bar.mark and width_of(bar.mark, 16) <= room else [name]
     for place, line in enumerate(lines):
         shift = (place - (len(lines) - 1) / 2) * 18
         if line:

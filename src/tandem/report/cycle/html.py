@@ -4,8 +4,6 @@ cycles, the load of the operators, and a sheet for each human.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from tandem.draw.imprint import imprint, remarks
 from tandem.draw.lanes import kinds_shaded, steady_lanes
 from tandem.draw.style import looks
@@ -20,7 +18,7 @@ from tandem.report.cycle.sheet import (
 from tandem.report.cycle.svg_yamazumi import yamazumi
 from tandem.report.cycle.tables import load, points, steps
 from tandem.report.cycle.told import assumed as assumptions
-from tandem.report.cycle.told import summary, title, values, which
+from tandem.report.cycle.told import summary, title, values
 from tandem.report.instruction_sheet import sheet_of
 from tandem.report.language import Words, words
 from tandem.report.markup import Markup, join, tag
@@ -51,14 +49,13 @@ def html(
 ) -> str:
     """The report as text; see `report.cycle.files.write`."""
     t = words(language)
-    keys: Sequence[str] = () if not len(front) else ("plans",) if len(front) > 1 else ()
     opens = 0 if not len(front) else front.knee_place + 1 if point is None else point
     return page(
         front.cell,
         t("cycle.title", name=front.cell.name or t("unnamed")),
         [
             *lead(summary(front, t, point, stale), stale=stale),
-            printing(keys, t) if len(front) else Markup(""),
+            _printing(front, t),
         ],
         [
             _trade_off(front, t),
@@ -73,6 +70,14 @@ def html(
     )
 
 
+def _printing(front: CycleFront, t: Words) -> Markup:
+    """What is printed, and what more can be."""
+    if not len(front):
+        return Markup("")
+    plans = {"plans": t("cycle.print.points")} if len(front) > 1 else {}
+    return printing({**plans, "more": t("cycle.print.load")}, t)
+
+
 def _trade_off(front: CycleFront, t: Words) -> Markup:
     if not len(front):
         return Markup("")
@@ -82,8 +87,8 @@ def _trade_off(front: CycleFront, t: Words) -> Markup:
         all_or_one(t) if len(front) > 1 else Markup(""),
         front_chart(front, t),
         tag("p", t("front.legend"), class_="note"),
-        tag("div", points(front, t), class_="wide-below"),
-        class_="trade",
+        points(front, t),
+        class_="trade cycle",
     )
 
 
@@ -104,29 +109,28 @@ def _point(front: CycleFront, place: int, t: Words, opens: int, stale: bool) -> 
         tag("p", _legend(result, t), class_="note"),
         tag(
             "div",
-            tag("h3", t("yamazumi.title")),
-            yamazumi(
-                front.cell,
-                result.periodic,
-                t,
-                takt=front.question.takt,
-                label=t("cycle.yamazumi", **told),
+            _load_chart(front, result, t),
+            tag(
+                "div",
+                tag("h3", t("cycle.steps")),
+                tag("div", steps(result, t), class_="steps"),
+                class_="keep" if len(result.schedule) <= ON_A_PAGE else None,
             ),
-            class_="keep",
+            class_="pair",
         ),
-        tag("div", tag("h3", t("cycle.load.title")), load(result, t), class_="keep"),
-        tag("p", which(result, t)),
-        tag(
-            "div",
-            tag("h3", t("cycle.steps")),
-            tag("div", steps(result, t), class_="steps"),
-            class_="keep" if len(result.schedule) <= ON_A_PAGE else None,
-        ),
+        tag("div", tag("h3", t("cycle.load.title")), load(result, t), class_="keep extra"),
         _sheets(result, "; ".join([named, *remarks(result, t, stale=stale)]), t),
         id=f"plan-{place + 1}",
         class_="plan chosen" if place == opens - 1 else "plan",
         data_plan=place + 1,
     )
+
+
+def _load_chart(front: CycleFront, result: CycleResult, t: Words) -> Markup:
+    label = t("cycle.yamazumi", **values(result, t))
+    takt = front.question.takt
+    chart = yamazumi(front.cell, result.periodic, t, takt=takt, label=label)
+    return tag("div", tag("h3", t("yamazumi.title")), chart, class_="keep")
 
 
 def _legend(result: CycleResult, t: Words) -> str:

@@ -11,7 +11,7 @@ from tandem.report.cycle.sheet import until_told
 from tandem.report.cycle.told import idle, in_process, per_hour, status
 from tandem.report.language import Words
 from tandem.report.markup import Markup, join, tag
-from tandem.report.tables import MOST_PRINTED, named, shown_plans, table
+from tandem.report.tables import MOST_PRINTED, named, pieces, shown_plans, table
 from tandem.schedule.cycle import PeriodicSchedule
 from tandem.schedule.measures import exact, mode_of, stress_by_human
 from tandem.schedule.model import Assignment
@@ -44,7 +44,7 @@ def points(front: CycleFront, t: Words) -> Markup:
             tag("td", per_hour(result, t), class_="number"),
             tag("td", t.number(result.makespan), class_="number"),
             tag("td", in_process(result, t), class_="number"),
-            tag("td", idle(result, t)),
+            tag("td", pieces(idle(result, t))),
             tag("td", status(result, t)),
             tag("td", tag("code", result.periodic.digest)),
         ]

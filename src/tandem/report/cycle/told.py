@@ -80,12 +80,10 @@ def in_process(result: CycleResult, t: Words) -> str:
     return shown if fewest == result.in_process else f"{shown} (>= {t.number(fewest)})"
 
 
-def idle(result: CycleResult, t: Words) -> str:
+def idle(result: CycleResult, t: Words) -> list[str]:
     """Every operator's idle share of the cycle."""
     turned, shown = rounds(result.cell, result.periodic), looks(result.cell)
-    return ", ".join(
-        f"{shown[name].label} {t.share(own.share(own.idle))}" for name, own in turned.items()
-    )
+    return [f"{shown[name].label} {t.share(own.share(own.idle))}" for name, own in turned.items()]
 
 
 def which(result: CycleResult, t: Words) -> str:
