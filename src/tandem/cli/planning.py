@@ -25,6 +25,7 @@ from tandem.errors import CellError, Fault, UnsoundScheduleError, UsageError
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
+    from tandem.plan.cycle.result import CycleFront
     from tandem.plan.result import Front
     from tandem.schedule.model import Schedule
 
@@ -257,7 +258,7 @@ def kept_when_interrupted(front: Front, files: Iterable[Path], cell_file: str) -
 
 
 def write_outputs(
-    front: Front,
+    front: Front | CycleFront,
     files: Iterable[Path],
     lang: str,
     *,
@@ -265,18 +266,22 @@ def write_outputs(
     stale: bool = False,
 ) -> None:
     """Writes the files, with the command and the day."""
+    from tandem.plan.cycle.result import CycleFront
+    from tandem.report.cycle.files import write as write_cycle
     from tandem.report.files import write
 
+    about: dict[str, Any] = {
+        "command": shlex.join(["tandem", *sys.argv[1:]]),
+        "date": datetime.date.today().isoformat(),
+        "language": lang,
+        "point": point,
+        "stale": stale,
+    }
     for path in files:
-        write(
-            front,
-            path,
-            command=shlex.join(["tandem", *sys.argv[1:]]),
-            date=datetime.date.today().isoformat(),
-            language=lang,
-            point=point,
-            stale=stale,
-        )
+        if isinstance(front, CycleFront):
+            write_cycle(front, path, **about)
+        else:
+            write(front, path, **about)
 
 
 def tell_written(files: Iterable[Path], lang: str) -> None:
@@ -311,7 +316,7 @@ def _show_variant(
 
 
 def show(
-    front: Front,
+    front: Front | CycleFront,
     as_json: bool,
     lang: str = "en",
     *,
@@ -324,11 +329,16 @@ def show(
         return
     from rich.console import Console
 
+    from tandem.plan.cycle.result import CycleFront
+    from tandem.report.cycle.terminal import CycleView
     from tandem.report.terminal import FrontView
 
-    Console(file=sys.stdout, highlight=False).print(
-        FrontView(front, language=lang, point=point, stale=stale)
+    view = (
+        CycleView(front, language=lang, point=point, stale=stale)
+        if isinstance(front, CycleFront)
+        else FrontView(front, language=lang, point=point, stale=stale)
     )
+    Console(file=sys.stdout, highlight=False).print(view)
 
 
 @click.command("check")
@@ -358,7 +368,7 @@ def check_command(
     not sound, 6 when a schedule breaks it.
     """
     from tandem.files.load import load
-    from tandem.report.results import points_of, read_result, schedules_of, stale
+    from tandem.report.results import patterns_of, points_of, read_result, stale
     from tandem.report.stored import cell_in, faults_in, stale_note, stale_now
 
     if cell_file != "-" and Path(cell_file).is_dir():
@@ -369,12 +379,12 @@ def check_command(
         return tell_folder(Path(cell_file), as_json)
     if result_file is None and is_plan(cell_file):
         result_file = Path(cell_file)
-        document = read_result(result_file)
+        document = read_result(result_file, cycles=True)
         cell, values = cell_in(document, result_file), points_of(document, cell_file)
         is_stale: bool | None = stale_now(document, result_file)[1]
     else:
         cell, values = load(cell_file, form), []
-        document = read_result(result_file) if result_file else {"front": []}
+        document = read_result(result_file, cycles=True) if result_file else {"front": []}
         is_stale = stale(document, cell)
     found = faults_in(document, cell, values)
     if as_json:
@@ -385,7 +395,7 @@ def check_command(
         }
         if result_file:
             answer["stale"] = is_stale
-            answer["plans"] = [schedule.digest for schedule in schedules_of(document)]
+            answer["plans"] = [pattern.digest for pattern in patterns_of(document)]
         wrong = [{"point": place, "fault": fault} for place, fault in found]
         click.echo(json.dumps({**answer, "faults": wrong}, ensure_ascii=False))
     if result_file and is_stale:
