@@ -75,6 +75,7 @@ def write_made(
     for sentence in [*sentences, t("safety")]:
         put(sheet, row, 2, sentence)
         sheet.cell(row, 2).alignment = Alignment(wrap_text=True, vertical="top")
+        sheet.row_dimensions[row].height = 15 * _lines(sentence, 110)
         row += 1
     put(sheet, row + 1, 1, t("made.title"), bold=True)
     for offset, (what, value) in enumerate(entries, 2):

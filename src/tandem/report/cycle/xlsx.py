@@ -40,7 +40,7 @@ from tandem.report.xlsx import ON_A_PAGE, WIDTHS, said
 if TYPE_CHECKING:
     from openpyxl import Workbook
 
-ACROSS = {**WIDTHS, "at": 9, "until": 14, "product": 24}
+ACROSS = {**WIDTHS, "at": 8, "until": 12, "product": 18}
 """Characters across the columns of an instruction sheet."""
 SHARE = "0%"
 """How a workbook shows a share."""
