@@ -4,11 +4,8 @@ a cell or a schedule.
 
 from __future__ import annotations
 
-import datetime
 import json
-import shlex
-import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -16,7 +13,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tandem.cli.cycle import Outputs, Repeated, answer, cycle_options
 from tandem.cli.options import FORMAT, LANGUAGE, OUTPUTS, Weights
+from tandem.cli.outputs import (
+    kept_when_interrupted,
+    show,
+    source_of,
+    tell_written,
+    write_outputs,
+)
 from tandem.cli.project import sound, tell_folder
 from tandem.cli.risk import told_risk
 from tandem.cli.stored import is_plan
@@ -25,7 +30,6 @@ from tandem.errors import CellError, Fault, UnsoundScheduleError, UsageError
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
-    from tandem.plan.cycle.result import CycleFront
     from tandem.plan.result import Front
     from tandem.schedule.model import Schedule
 
@@ -38,8 +42,11 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--minimize",
-    type=click.Choice(["makespan", "stress"]),
-    help="Only the one schedule that is best in this and, among those, in the other.",
+    type=click.Choice(["makespan", "stress", "cycle_time"]),
+    help=(
+        "Only the one schedule that is best in this and, among those, in the other; cycle_time goes"
+        " with --cycle."
+    ),
 )
 @click.option(
     "--weights",
@@ -50,6 +57,7 @@ if TYPE_CHECKING:
 @click.option(
     "--max-makespan", type=float, help="Only schedules whose makespan is at most so many seconds."
 )
+@cycle_options
 @click.option(
     "--time-limit",
     type=float,
@@ -131,6 +139,10 @@ def plan_command(
     weights: tuple[float, float] | None,
     max_stress: float | None,
     max_makespan: float | None,
+    cycle: bool,
+    takt: float | None,
+    max_in_process: int | None,
+    batch: int | None,
     time_limit: float,
     work: float | None,
     seed: int,
@@ -156,6 +168,8 @@ def plan_command(
       tandem plan cell.yaml
       tandem plan cell.yaml --minimize makespan --json > result.json
       tandem plan cell.yaml --cv 0.2 --robust
+      tandem plan cell.yaml --cycle
+      tandem plan cell.yaml --takt 30 --max-in-process 2 --report takt.html
       tandem plan cell.yaml -o plan.json -o sheets.xlsx --point 2 --lang de
       tandem plan cell.yaml --seed 7 --work 5 --json
       tandem plan cell.yaml --set tasks.6.time.robot=8 --without robot2 --force 5=human
@@ -163,6 +177,10 @@ def plan_command(
     With --set, --without or --force the variant is planned, and what becomes of each point of
     CELL's own front is said. `tandem report plan.json` makes any file later, of any point, without
     planning anew.
+
+    With --cycle or --takt the station makes one product after the other, and operators may work on
+    several at once: the cycle time is then what a line is planned by, and the makespan only how
+    long one product stays.
 
     Ctrl-C ends the search: what was found so far is printed with its bounds and saved (in
     CELL.interrupted.json when no .json file was asked for), and the exit code is 130.
@@ -180,6 +198,33 @@ def plan_command(
     if minimize and weights:
         raise UsageError("--minimize and --weights exclude each other: give one of them.")
     files = [*outputs, *([report] if report else [])]
+    repeated = Repeated(cycle, takt, max_in_process, batch)
+    if repeated:
+        repeated.check(minimize, _is_given)
+        cell = load(cell_file, form)
+        changed = bool(sets or without or force)
+        return answer(
+            variant(cell, sets, without, force) if changed else cell,
+            repeated,
+            minimize,
+            Outputs(
+                tuple(files),
+                source_of(cell_file, is_variant=changed),
+                "stdin" if cell_file == "-" else Path(cell_file).stem,
+                as_json,
+                point,
+                lang,
+                quiet,
+            ),
+            method=method,
+            max_stress=max_stress,
+            time_limit=time_limit,
+            work=work,
+            seed=seed,
+            workers=workers,
+        )
+    if minimize == "cycle_time":
+        raise UsageError("--minimize cycle_time goes with --cycle.")
     ready_to_write(files)
     kind = minimize or ("weighted" if weights else "front")
     question = Question(kind, weights or (1.0, 1.0), max_makespan, max_stress)  # type: ignore[arg-type]
@@ -242,56 +287,6 @@ def _existing(front: Front, point: int, files: Sequence[Path], lang: str) -> int
         raise
 
 
-def source_of(cell_file: str, *, is_variant: bool) -> str | None:
-    """The file that a plan names as its cell's. A variant stands in none, so that none can have
-    changed since.
-    """
-    return None if is_variant or cell_file == "-" else cell_file
-
-
-def kept_when_interrupted(front: Front, files: Iterable[Path], cell_file: str) -> list[Path]:
-    """Where an interrupted front is kept when no file was asked for that holds all of it."""
-    if not front.interrupted or any(path.suffix == ".json" for path in files):
-        return []
-    name = "stdin" if cell_file == "-" else Path(cell_file).stem
-    return [Path(f"{name}.interrupted.json")]
-
-
-def write_outputs(
-    front: Front | CycleFront,
-    files: Iterable[Path],
-    lang: str,
-    *,
-    point: int | None = None,
-    stale: bool = False,
-) -> None:
-    """Writes the files, with the command and the day."""
-    from tandem.plan.cycle.result import CycleFront
-    from tandem.report.cycle.files import write as write_cycle
-    from tandem.report.files import write
-
-    about: dict[str, Any] = {
-        "command": shlex.join(["tandem", *sys.argv[1:]]),
-        "date": datetime.date.today().isoformat(),
-        "language": lang,
-        "point": point,
-        "stale": stale,
-    }
-    for path in files:
-        if isinstance(front, CycleFront):
-            write_cycle(front, path, **about)
-        else:
-            write(front, path, **about)
-
-
-def tell_written(files: Iterable[Path], lang: str) -> None:
-    """Says on stderr which files were written."""
-    from tandem.report.language import words
-
-    for path in files:
-        click.echo(words(lang)("terminal.wrote", path=path), err=True)
-
-
 def _show_variant(
     base: Cell,
     front: Front,
@@ -313,32 +308,6 @@ def _show_variant(
         return
     show(front, as_json, lang, point=point)
     tell_difference(base, front, plan_base, lang)
-
-
-def show(
-    front: Front | CycleFront,
-    as_json: bool,
-    lang: str = "en",
-    *,
-    point: int | None = None,
-    stale: bool = False,
-) -> None:
-    """The front on stdout: as the result document, or for people."""
-    if as_json:
-        click.echo(json.dumps(front.to_dict(), ensure_ascii=False))
-        return
-    from rich.console import Console
-
-    from tandem.plan.cycle.result import CycleFront
-    from tandem.report.cycle.terminal import CycleView
-    from tandem.report.terminal import FrontView
-
-    view = (
-        CycleView(front, language=lang, point=point, stale=stale)
-        if isinstance(front, CycleFront)
-        else FrontView(front, language=lang, point=point, stale=stale)
-    )
-    Console(file=sys.stdout, highlight=False).print(view)
 
 
 @click.command("check")

@@ -24,7 +24,7 @@ from tandem.cli.options import (
     check_time,
     point_options,
 )
-from tandem.cli.planning import kept_when_interrupted, source_of, tell_written, write_outputs
+from tandem.cli.outputs import kept_when_interrupted, source_of, tell_written, write_outputs
 from tandem.cli.what_if import variant_options
 from tandem.errors import UsageError
 

@@ -53,7 +53,7 @@ def report_command(
     code 6 when a schedule breaks the cell that PLAN holds, or CELL. The cycles of a station that
     repeats, kept in the same way, are read too: --point and --stress choose among them.
     """
-    from tandem.cli.planning import show, tell_written, write_outputs
+    from tandem.cli.outputs import show, tell_written, write_outputs
     from tandem.files.load import load
     from tandem.plan.choice import point_of
     from tandem.report.cycle import files as cycle_files

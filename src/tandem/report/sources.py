@@ -10,7 +10,9 @@ from tandem.report.language import Words
 
 
 def assumptions(front: Front | CycleFront, t: Words) -> list[str]:
-    """What was modelled and how far it is proven, in sentences. Only what this cell has."""
+    """What was modelled and how far it is proven, in sentences. Only what this cell has; of a
+    station that repeats it is said that breaks and set-up play no part.
+    """
     cell = front.cell
     shown = looks(cell)
     found = [
@@ -62,8 +64,9 @@ def assumptions(front: Front | CycleFront, t: Words) -> list[str]:
                 ),
             )
         )
-    found += [t("assume.breaks", breaks=", ".join(breaks))] if breaks else []
-    found += [t("assume.setup", setups=", ".join(setups))] if setups else []
+    repeats = "cycle." if isinstance(front, CycleFront) else ""
+    found += [t(f"{repeats}assume.breaks", breaks=", ".join(breaks))] if breaks else []
+    found += [t(f"{repeats}assume.setup", setups=", ".join(setups))] if setups else []
     found += [t("assume.limits", limits=", ".join(limits))] if limits else []
     found += (
         [t("assume.same", pairs=", ".join(f"{a} + {b}" for a, b in cell.same_operator))]

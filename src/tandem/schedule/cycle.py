@@ -64,16 +64,17 @@ class PeriodicSchedule:
         """
         return int(exact(moment) // exact(self.cycle_time))
 
-    def products(self, count: int) -> Schedule:
-        """So many products, one launched each cycle, on one clock; task names as `copied` gives
-        them.
+    def products(self, count: int, begin: float = 0.0) -> Schedule:
+        """So many products on one clock, the first launched at `begin`, then one each cycle; task
+        names as `copied` gives them. The product of number k leaves at `begin + makespan + (k - 1)
+        * cycle_time`.
         """
-        step = exact(self.cycle_time)
+        step, first = exact(self.cycle_time), exact(begin)
         return Schedule(
             tuple(
                 Assignment(
-                    float(exact(a.start) + number * step),
-                    float(exact(a.end) + number * step),
+                    float(exact(a.start) + first + number * step),
+                    float(exact(a.end) + first + number * step),
                     copy_of(a.task, number + 1),
                     a.operators,
                 )
@@ -82,22 +83,16 @@ class PeriodicSchedule:
             )
         )
 
-    def later(self, seconds: Decimal) -> PeriodicSchedule:
-        """The same pattern, each product launched so much before its first task."""
-        return PeriodicSchedule(
-            Schedule(
-                tuple(
-                    Assignment(
-                        float(exact(a.start) + seconds),
-                        float(exact(a.end) + seconds),
-                        a.task,
-                        a.operators,
-                    )
-                    for a in self.schedule
-                )
-            ),
-            self.cycle_time,
-        )
+
+def start_up(cell: Cell) -> float:
+    """Seconds after which every operator is ready for any task, at the start of a day: set up, and
+    with the time to take up a tool.
+    """
+    longest = Decimal(0)
+    for name, operator in cell.operators.items():
+        swaps = [exact(tool.changeover.get(name, 0.0)) for tool in cell.tools.values()]
+        longest = max(longest, exact(operator.setup) + max(swaps, default=Decimal(0)))
+    return float(longest)
 
 
 def copy_of(task: str, product: int) -> str:

@@ -2,7 +2,8 @@
 
 What holds within a product is judged by the rules of `checker.py`. What products share, each other
 in the way, is judged here, modulo the cycle time: operators, changeovers around the cycle, tools
-and zones. Times are compared as the exact decimals that they print as.
+and zones. Times are compared as the exact decimals that they print as. Breaks, `setup` and the tool
+in hand at the start of a day play no part: a cycle time holds between breaks.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from math import isfinite
 from typing import NamedTuple
 
 from tandem.cell.model import Cell
+from tandem.cell.written import number
 from tandem.schedule import checker
 from tandem.schedule.checker import Judged, Row
 from tandem.schedule.cycle import PeriodicSchedule
@@ -55,7 +57,7 @@ def faults(
     if not (isfinite(periodic.cycle_time) and periodic.cycle_time > 0):
         return [f"a cycle time of {periodic.cycle_time} s: must be a number of more than 0."]
     lap = Lap.of(cell, periodic, max_stress)
-    found = [*not_periodic(cell)]
+    found = [sentence for _, sentence in not_periodic(cell)]
     found += [sentence for rule in WITHIN_A_PRODUCT for sentence in rule(lap.product)]
     found += [sentence for rule in BETWEEN_PRODUCTS for sentence in rule(lap)]
     if max_in_process is not None and lap.span > max_in_process * lap.length:
@@ -71,22 +73,17 @@ def faults(
     return found
 
 
-def not_periodic(cell: Cell) -> Iterator[str]:
-    """What stands in the cell at a time of its own and so cannot repeat with every product, a
-    sentence each; nothing for a cell that can.
+def not_periodic(cell: Cell) -> Iterator[tuple[tuple[str, ...], str]]:
+    """What stands in the cell at a time of its own and so cannot repeat with every product: its
+    place in the document and a sentence each; nothing for a cell that can.
     """
-    for name, operator in cell.operators.items():
-        if operator.breaks:
-            yield (
-                f"operator {name!r}: has breaks at fixed times, and no cycle repeats them. Leave"
-                " out `breaks`; the cycle time holds between them."
-            )
     for name, task in cell.tasks.items():
         for key, value in (("release", task.release), ("deadline", task.deadline)):
             if value:
                 yield (
-                    f"task {name!r}: has a {key} at a fixed time, and no cycle repeats it. Leave"
-                    f" out `{key}`."
+                    ("tasks", name, key),
+                    f"task {name!r}: has a {key} at {number(value)} s, a fixed time, and no cycle"
+                    f" repeats it. Leave out `{key}`.",
                 )
 
 

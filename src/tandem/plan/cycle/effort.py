@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import ceil
 from time import monotonic
 
@@ -33,22 +33,26 @@ class Answer:
 
 @dataclass
 class Effort:
-    """How hard to work.
+    """How hard to work. Questions may be asked from several threads at once.
 
     Attributes:
       until: `monotonic()` seconds at which to stop; None for never.
       meter: how much work is left, of one worker; None for no limit.
+      stopped: somebody interrupted; nothing is begun any more.
     """
 
     until: float | None
     seed: int
     workers: int
     meter: Meter | None = None
+    stopped: bool = False
+    running: set[cp_model.CpSolver] = field(default_factory=set)
 
     @property
     def is_spent(self) -> bool:
-        """Time is up, or the work is done."""
-        return self.left() <= 0 or (self.meter is not None and self.meter.left <= 0)
+        """Time is up, the work is done, or somebody interrupted."""
+        used_up = self.meter is not None and self.meter.left <= 0
+        return self.stopped or used_up or self.left() <= 0
 
     def left(self) -> float:
         """Seconds left."""
@@ -70,11 +74,41 @@ class Effort:
             time; the clock still ends it.
         """
         model.minimize(objective)
+        solver = self._solver(share, work)
+        solving = ThreadPoolExecutor(1)
+        self.running.add(solver)
+        try:
+            # in a thread, so that Ctrl-C is heard at once
+            future = solving.submit(solver.solve, model)
+            while wait([future], 0.1).not_done:
+                if self.stopped:
+                    solver.stop_search()
+        except KeyboardInterrupt:
+            self.stop()
+            raise
+        finally:
+            solving.shutdown()
+            self.running.discard(solver)
+        if self.meter is not None:
+            self.meter.spend(solver.response_proto.deterministic_time)
+        return self._answer(solver, model, solver.status_name(future.result()))
+
+    def stop(self) -> None:
+        """Ends what is under way."""
+        self.stopped = True
+        for solver in list(self.running):
+            solver.stop_search()
+
+    def _solver(self, share: float, work: float | None) -> cp_model.CpSolver:
         solver = cp_model.CpSolver()
         parameters = solver.parameters
         parameters.random_seed = self.seed if work is None else 0
         parameters.num_workers = self.workers if work is None and self.meter is None else 1
         parameters.catch_sigint_signal = False
+        if work is not None:
+            # on models of this size they cost more than they save
+            parameters.symmetry_level = 0
+            parameters.cp_model_probing_level = 0
         if self.until is not None:
             parameters.max_time_in_seconds = max(0.01, share * self.left())
         limits = [work] if work is not None else []
@@ -82,27 +116,13 @@ class Effort:
             limits.append(max(1e-4, share * self.meter.left))
         if limits:
             parameters.max_deterministic_time = min(limits)
-        status = _status(solver, model)
-        if self.meter is not None:
-            self.meter.spend(solver.response_proto.deterministic_time)
+        return solver
+
+    def _answer(self, solver: cp_model.CpSolver, model: cp_model.CpModel, status: str) -> Answer:
+        assert status != "MODEL_INVALID", model.validate()
+        late = self.until is not None and self.left() < 0.1 + 0.2 * solver.wall_time
+        cut = status not in ("OPTIMAL", "INFEASIBLE") and (late or self.stopped)
         if status in ("OPTIMAL", "FEASIBLE"):
             bound = ceil(solver.best_objective_bound - 1e-6)
-            late = self.until is not None and self.left() < 0.1 + 0.2 * solver.wall_time
-            cut = status == "FEASIBLE" and late
             return Answer(solver, round(solver.objective_value), bound, status == "OPTIMAL", cut)
-        assert status != "MODEL_INVALID", model.validate()
-        return Answer(None, None, 0, status == "INFEASIBLE")
-
-
-def _status(solver: cp_model.CpSolver, model: cp_model.CpModel) -> str:
-    """Solves in a thread, so that Ctrl-C is heard at once."""
-    with ThreadPoolExecutor(1) as pool:
-        solving = pool.submit(solver.solve, model)
-        try:
-            while wait([solving], 0.1).not_done:
-                pass
-        except KeyboardInterrupt:
-            while wait([solving], 0.02).not_done:
-                solver.stop_search()
-            raise
-    return solver.status_name(solving.result())
+        return Answer(None, None, 0, status == "INFEASIBLE", cut)

@@ -13,6 +13,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from decimal import ROUND_FLOOR
 from time import monotonic
@@ -21,7 +22,7 @@ from typing import NamedTuple
 from ortools.sat.python import cp_model
 
 from tandem.cell.model import Cell
-from tandem.errors import CellError, Fault, InfeasibleError, NothingFoundError
+from tandem.errors import InfeasibleError, NothingFoundError
 from tandem.plan.cpsat import SOLVER
 from tandem.plan.cycle.door import Admitted, CycleDoor
 from tandem.plan.cycle.effort import Answer, Effort
@@ -31,12 +32,11 @@ from tandem.plan.cycle.question import FRONT, CycleQuestion
 from tandem.plan.cycle.result import CycleBound, CycleFront, CycleResult
 from tandem.plan.door import RefusedScheduleWarning
 from tandem.plan.instance import Instance
-from tandem.plan.portfolio import Meter
+from tandem.plan.portfolio import MANY_TICKS, Meter
 from tandem.plan.result import Status
-from tandem.schedule.cycle_checker import not_periodic
 from tandem.schedule.measures import exact
 
-SETTLING = (0.01, 0.1, 1.0)
+SETTLING = (0.01, 0.1)
 """CP-SAT's deterministic seconds for the choice among the patterns of a point; more are spent only
 when none was found.
 """
@@ -85,12 +85,9 @@ def solve(
         KeyboardInterrupt.
 
     Raises:
-      CellError: the cell has something at a fixed time, which cannot repeat.
       InfeasibleError: it is proven that no pattern answers the question.
       NothingFoundError: none was found within the limit.
     """
-    if wrong := list(not_periodic(cell)):
-        raise CellError([Fault(sentence, ()) for sentence in wrong])
     meter = None if work is None else Meter(work)
     threads = 1 if meter is not None else workers or os.cpu_count() or 1
     search = _Search(cell, question, time_limit, Effort(None, seed, threads, meter), on_point)
@@ -109,6 +106,13 @@ class _Starts(NamedTuple):
 
     pattern: Pattern
     length: int
+
+
+class _Trial(NamedTuple):
+    """One cycle time tried: what the solver says, and the pattern if there is one."""
+
+    answer: Answer
+    found: _Starts | None
 
 
 class _Search:
@@ -141,16 +145,13 @@ class _Search:
             self._least_stress_first()
         else:
             self._walk()
-        for place, point in enumerate(self.points):
-            if self.effort.is_spent:
-                return
-            self.points[place] = self._settled(point)
+        self._settle()
 
     def _walk(self) -> None:
         """From the least cycle time on; only to that where nothing else is asked for."""
         cap, low = self.max_stress, 1
         while not self.effort.is_spent:
-            quickest, starts = self._least_length(low, self.horizon, cap)
+            quickest, starts = self._least_length(low, cap)
             if starts is None:
                 self.closed = quickest.proven
                 return
@@ -173,7 +174,7 @@ class _Search:
         if starts is None:
             self.closed = calmest.proven
             return
-        quickest, better = self._least_length(1, self.horizon, calmest.value)
+        quickest, better = self._least_length(1, calmest.value)
         bound = quickest.bound if better is not None else 1
         point = self._point(better or starts, bound, calmest.bound)
         self.closed = point is not None and point.proven
@@ -229,26 +230,72 @@ class _Search:
             and all(len(way.operators) == 1 for ways in instance.ways for way in ways)
         )
 
-    def _model(self, low: int, high: int) -> Cycle:
+    def _asked(self, low: int, high: int, cap: int | None) -> Cycle:
+        """The model of cycle times from `low` to `high` ticks and at most this stress."""
         if self.only_load_binds:
             cycle = allocation(self.instance, high)
             cycle.model.add(cycle.length >= low)
-            return cycle
-        return formulate(self.instance, low, high, self.laps)
-
-    def _least_length(self, low: int, high: int, cap: int | None) -> tuple[Answer, _Starts | None]:
-        """The least cycle time at or above `low` of patterns with at most this stress."""
-        cycle = self._model(low, high)
+        else:
+            cycle = formulate(self.instance, low, high, self.laps)
         if cap is not None:
             cycle.model.add(cycle.stress <= cap)
+        return cycle
+
+    def _least_length(self, low: int, cap: int | None) -> tuple[Answer, _Starts | None]:
+        """The least cycle time at or above `low` of patterns with at most this stress."""
+        if not self.only_load_binds:
+            # what the work of each asks for is a bound, and often enough
+            cycle = allocation(self.instance, self.horizon)
+            if cap is not None:
+                cycle.model.add(cycle.stress <= cap)
+            load = self.effort.solve(cycle.model, cycle.length, share=0.25)
+            if load.solver is None and load.proven:
+                return load, None
+            low = max(low, load.bound)
+            at_once = self._refuted_or_found(low, cap)
+            if at_once.found is not None:
+                return Answer(at_once.answer.solver, low, low, True), at_once.found
+            low += at_once.answer.proven
+            if self.horizon - low > MANY_TICKS:
+                return self._halved(low, cap)
+        cycle = self._asked(low, self.horizon, cap)
         answer = self.effort.solve(cycle.model, cycle.length, share=0.5)
         return answer, None if answer.solver is None else self._read(cycle, answer.solver)
 
+    def _halved(self, low: int, cap: int | None) -> tuple[Answer, _Starts | None]:
+        """The same where the ticks are fine, and a search that moves its bound tick by tick would
+        take too long: spans of cycle times are refuted, at first short ones, then halves.
+
+        What is possible in a cycle is possible in every longer one.
+        """
+        best: tuple[Answer, _Starts] | None = None
+        step, high = 1, self.horizon
+        while low <= high:
+            # while nothing is known, steps that double; then the middle
+            length = min(low + step - 1, high) if best is None else (low + high) // 2
+            step *= 2
+            answer, found = self._refuted_or_found(length, cap)
+            if found is not None:
+                best = answer, found
+                high = length - 1
+            elif answer.proven:
+                low = length + 1
+            else:
+                break
+        if best is None:
+            return Answer(None, None, 0, low > high), None
+        return Answer(best[0].solver, best[1].length, low, low > high), best[1]
+
+    def _refuted_or_found(self, length: int, cap: int | None) -> _Trial:
+        """Any pattern of this cycle time and at most this stress."""
+        cycle = self._asked(length, length, cap)
+        answer = self.effort.solve(cycle.model, 0, share=0.5)
+        found = None if answer.solver is None else self._read(cycle, answer.solver)
+        return _Trial(answer, found)
+
     def _least_stress(self, low: int, high: int, cap: int | None) -> tuple[Answer, _Starts | None]:
         """The least stress of patterns of these cycle times."""
-        cycle = self._model(low, high)
-        if cap is not None:
-            cycle.model.add(cycle.stress <= cap)
+        cycle = self._asked(low, high, cap)
         answer = self.effort.solve(cycle.model, cycle.stress, share=0.5)
         return answer, None if answer.solver is None else self._read(cycle, answer.solver)
 
@@ -279,36 +326,48 @@ class _Search:
             head + tail for head, tail in zip(self.instance.head, self.instance.tail, strict=True)
         )
 
+    def _settle(self) -> None:
+        """Behind each point the fewest in process; several points at once."""
+        with ThreadPoolExecutor(self.effort.workers) as pool:
+            settling = [pool.submit(self._settled, point) for point in self.points]
+            try:
+                for place, settled in enumerate(settling):
+                    self.points[place] = settled.result()
+            except KeyboardInterrupt:
+                self.effort.stop()
+                self.points = [settled.result() for settled in settling]
+                raise
+
     def _settled(self, point: Point) -> Point:
         """The point with the fewest in process behind it and, of such patterns, the one of the
-        shortest stay that bounded work finds: the same in every run.
+        shortest stay that bounded work of one thread finds: the same in every run.
         """
-        fewest, proven = self._fewest(point)
-        found, laps = fewest.found, fewest.found.in_process
-        for work in SETTLING if proven and point.proven else ():
+        found = point.found
+        for laps in range(point.least_in_process, found.in_process + 1):
+            point = replace(point, least_in_process=laps)
             cycle = self._behind(found, laps)
             assert cycle.makespan is not None
-            choice = self.effort.solve(cycle.model, cycle.makespan, work=work)
-            if choice.solver is None or choice.ended_by_clock:
-                continue
-            chosen = self.door.vouched(*self._read(cycle, choice.solver))
-            if chosen is not None and chosen.stress <= found.stress:
-                return replace(fewest, found=chosen, canonical=True)
-        return fewest
-
-    def _fewest(self, point: Point) -> tuple[Point, bool]:
-        """The point with as few in process as could be found, and whether that is proven."""
-        found = point.found
-        for laps in range(point.least_in_process, found.in_process):
-            cycle = self._behind(found, laps)
-            answer = self.effort.solve(cycle.model, 0, share=0.5)
-            if answer.solver is not None:
-                better = self.door.vouched(*self._read(cycle, answer.solver))
-                if better is not None and better.stress <= found.stress:
-                    return replace(point, found=better, least_in_process=laps), True
-            if not answer.proven:
-                return replace(point, least_in_process=laps), False
-        return replace(point, least_in_process=found.in_process), True
+            for work in SETTLING:
+                if self.effort.is_spent:
+                    return point
+                choice = self.effort.solve(cycle.model, cycle.makespan, work=work)
+                if choice.solver is not None or choice.proven:
+                    break
+            if choice.solver is not None:
+                chosen = self.door.vouched(*self._read(cycle, choice.solver))
+                if chosen is None or chosen.stress > found.stress:
+                    return point
+                canonical = point.proven and not choice.ended_by_clock
+                return replace(point, found=chosen, canonical=canonical)
+            if not choice.proven and laps < found.in_process:
+                # what bounded work does not settle, all the time that is left may
+                anything = self.effort.solve(cycle.model, 0, share=0.5)
+                if anything.solver is not None:
+                    better = self.door.vouched(*self._read(cycle, anything.solver))
+                    return point if better is None else replace(point, found=better)
+                if not anything.proven:
+                    return point
+        return point
 
     def _behind(self, found: Admitted, laps: int) -> Cycle:
         """The model of all patterns of the same values, a product in so many cycles."""

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from itertools import permutations
+from itertools import combinations, permutations
 
 from ortools.sat.python import cp_model
 
@@ -123,8 +123,10 @@ def formulate(instance: Instance, low: int, high: int, laps: int | None) -> Cycl
     """
     cycle = allocation(instance, high)
     cycle.laps = laps
+    if low == high:
+        cycle.model.add(cycle.length == low)
     cycle.model.add(cycle.length >= low)
-    _places(cycle, high)
+    _places(cycle, low, high)
     for operator in range(len(instance.operators)):
         _take_up_tools(cycle, operator)
         if len(cycle.at[operator]) > 1:
@@ -146,14 +148,8 @@ def _work_fits_the_cycle(cycle: Cycle) -> None:
     """
     instance, model = cycle.instance, cycle.model
     for operator in range(len(instance.operators)):
-        work = [
-            way.ticks * x
-            for ways, xs in zip(instance.ways, cycle.chosen, strict=True)
-            for way, x in zip(ways, xs, strict=True)
-            if operator in way.operators
-        ]
-        if work:
-            model.add(sum(work) <= cycle.length)
+        if work := _work_of(cycle, operator):
+            model.add(sum([*work, *_least_changes(cycle, operator)]) <= cycle.length)
     for needs, places in (
         (instance.tool, instance.tool_places),
         (instance.zone, instance.zone_places),
@@ -169,17 +165,60 @@ def _work_fits_the_cycle(cycle: Cycle) -> None:
                 model.add(sum(used) <= capacity * cycle.length)
 
 
-def _places(cycle: Cycle, high: int) -> None:
+def _next_time(cycle: Cycle, place: cp_model.IntVar, low: int, high: int) -> cp_model.LinearExprT:
+    """The same place in the next cycle."""
+    if low == high:
+        return place + low
+    place_then = cycle.model.new_int_var(0, 2 * high, "")
+    cycle.model.add(place_then == place + cycle.length)
+    return place_then
+
+
+def _work_of(cycle: Cycle, operator: int) -> list[cp_model.LinearExprT]:
+    """What the operator does for a product, in ticks; a term for each way."""
+    return [
+        way.ticks * x
+        for ways, xs in zip(cycle.instance.ways, cycle.chosen, strict=True)
+        for way, x in zip(ways, xs, strict=True)
+        if operator in way.operators
+    ]
+
+
+def _least_changes(cycle: Cycle, operator: int) -> list[cp_model.LinearExprT]:
+    """What the operator needs at least to take up tools in a cycle: of two or more kinds, each is
+    taken up once.
+    """
+    instance, model = cycle.instance, cycle.model
+    kinds: dict[int, list[cp_model.IntVar]] = defaultdict(list)
+    for task, tool in enumerate(instance.tool):
+        if tool is not None:
+            kinds[tool] += cycle.allocation.does(task, operator)
+    kinds = {tool: literals for tool, literals in kinds.items() if literals}
+    if len(kinds) < 2 or not any(instance.changeover[tool][operator] for tool in kinds):
+        return []
+    several = model.new_bool_var("")
+    used = {tool: model.new_bool_var("") for tool in kinds}
+    terms: list[cp_model.LinearExprT] = []
+    for tool, literals in kinds.items():
+        for literal in literals:
+            model.add_implication(literal, used[tool])
+        taken_up = model.new_bool_var("")
+        model.add_bool_or([used[tool].negated(), several.negated(), taken_up])
+        terms.append(instance.changeover[tool][operator] * taken_up)
+    for one, two in combinations(used.values(), 2):
+        model.add_bool_or([one.negated(), two.negated(), several])
+    return terms
+
+
+def _places(cycle: Cycle, low: int, high: int) -> None:
     """Where in the cycle each task is, and whom it occupies there."""
     instance, model = cycle.instance, cycle.model
     for task, ways in enumerate(instance.ways):
         place = model.new_int_var(0, high - 1, f"place {task}")
         model.add(place < cycle.length)
-        starts = [place]
+        starts: list[cp_model.LinearExprT] = [place]
         if cycle.has_copies:
-            next_time = model.new_int_var(0, 2 * high, "")
-            model.add(next_time == place + cycle.length)
-            starts.append(next_time)
+            starts.append(_next_time(cycle, place, low, high))
         cycle.place.append(place)
         cycle.intervals.append([])
         for way, literal in zip(ways, cycle.chosen[task], strict=True):
@@ -247,11 +286,15 @@ def _take_up_tools(cycle: Cycle, operator: int) -> None:
             into[two].append(follows)
     model.add_circuit(arcs)
     _around_the_cycle(cycle, tasks, first, last, into)
+    work = _work_of(cycle, operator)
     for task in tasks:
         if into[task] and cost[task]:
             swap = model.new_bool_var("")
             model.add(sum(into[task]) <= swap)
             _occupied_before(cycle, operator, task, cost[task], swap)
+            work.append(cost[task] * swap)
+    # implied, and seen at once where times are fine
+    model.add(sum(work) <= cycle.length)
 
 
 def _around_the_cycle(

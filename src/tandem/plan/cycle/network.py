@@ -24,14 +24,13 @@ from typing import NamedTuple
 import numpy as np
 
 from tandem.cell.model import Cell
-from tandem.errors import CellError, Fault, InfeasibleError, NothingFoundError
+from tandem.errors import InfeasibleError, NothingFoundError, UsageError
 from tandem.plan.cycle.door import Admitted, CycleDoor
 from tandem.plan.cycle.pattern import Pattern, launched, lifted, stacked
 from tandem.plan.cycle.question import FRONT, CycleQuestion
 from tandem.plan.cycle.result import CycleBound, CycleFront, CycleResult
 from tandem.plan.instance import Instance
 from tandem.plan.result import Status
-from tandem.schedule.cycle_checker import not_periodic
 from tandem.schedule.measures import exact
 
 SOLVER = "difference constraints"
@@ -191,8 +190,10 @@ class _Allocation:
         """Whether more than work can bind: tasks of several operators, tools or zones that are
         shared, changeovers. Where not, an operator does what is theirs in any order.
         """
-        return self.instance.has_swaps or any(
-            pair.shared or len(self.who(task)) > 1 for pair in pairs for task in pair[:2]
+        return (
+            self.instance.has_swaps
+            or any(len(self.who(task)) > 1 for task in range(len(self.ways)))
+            or any(pair.shared for pair in pairs)
         )
 
     def _within_a_product(self, end: int) -> Iterator[Edge]:
@@ -341,21 +342,15 @@ def solve(
     """The complete front of a small cell, or the one pattern asked for, with proof.
 
     Raises:
-      CellError: the cell is too large, or has something at a fixed time.
+      UsageError: the cell is too large.
       InfeasibleError: it is proven that no pattern answers the question.
       NothingFoundError: the time was over before the proof.
     """
-    wrong = [Fault(sentence, ()) for sentence in not_periodic(cell)]
-    if not wrong and len(cell.tasks) > MOST_TASKS:
-        wrong.append(
-            Fault(
-                f"the cell has {len(cell.tasks)} tasks: the exhaustive method tries every"
-                f" allocation and is for cells of at most {MOST_TASKS}. Use the method exact.",
-                ("tasks",),
-            )
+    if len(cell.tasks) > MOST_TASKS:
+        raise UsageError(
+            f"the cell has {len(cell.tasks)} tasks: the exhaustive method tries every allocation"
+            f" and is for cells of at most {MOST_TASKS}. Use the method exact."
         )
-    if wrong:
-        raise CellError(wrong)
     began = monotonic()
     try:
         points = _Enumeration(cell, question, time_limit).points()

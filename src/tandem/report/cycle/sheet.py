@@ -160,9 +160,9 @@ def sheet_rules(result: CycleResult, operator: str, t: Words) -> tuple[str, ...]
     """How to read the operator's sheet, and what to do before the first cycle; sentences that stand
     above the steps.
     """
-    setup = result.cell.operators[operator].setup
-    ready = [t("cycle.sheet.setup", seconds=t.seconds(setup))] if setup else []
-    return (t("cycle.sheet.rule"), *ready)
+    own = result.cell.operators[operator]
+    ready = [t("cycle.sheet.setup", seconds=t.seconds(own.setup))] if own.setup else []
+    return (t("cycle.sheet.rule"), *([t("cycle.sheet.breaks")] if own.breaks else []), *ready)
 
 
 def sheet_title(result: CycleResult, operator: str, t: Words) -> str:

@@ -1,0 +1,250 @@
+"""The station that repeats: what is known of cells, and what must hold for all of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from random import Random
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from tests.fuzz import cycles
+from tests.fuzz.cycles import drawn
+
+import tandem
+from tandem.cell.model import Cell
+from tandem.errors import CellError, InfeasibleError, NothingFoundError, UsageError
+from tandem.files.generators import layered
+from tandem.files.validate import cell_of
+from tandem.plan.cycle import exact
+from tandem.plan.cycle.batch import plan_batch
+from tandem.plan.cycle.door import CycleDoor
+from tandem.plan.cycle.methods import CYCLE_METHODS, plan_cycle
+from tandem.plan.cycle.result import CycleFront
+from tandem.plan.door import RefusedScheduleWarning
+from tandem.schedule.cycle import copied
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+@pytest.fixture(scope="module")
+def thesis() -> Cell:
+    return tandem.load(EXAMPLES / "thesis.yaml")
+
+
+@pytest.fixture(scope="module")
+def cover() -> Cell:
+    return tandem.load(EXAMPLES / "cover.yaml")
+
+
+@pytest.mark.parametrize("method", CYCLE_METHODS)
+def test_the_front_of_the_thesis(thesis: Cell, method: str):
+    front = plan_cycle(thesis, method=method)
+    assert front.points == [(19, 12), (20, 7), (24, 3), (34, 2)]
+    assert [point.in_process for point in front] == [2, 2, 1, 1]
+    assert front.complete
+    alone = plan_cycle(thesis, method=method, max_in_process=1)
+    assert alone.points == [(23, 7), (24, 3), (34, 2)]
+
+
+@pytest.mark.parametrize("method", CYCLE_METHODS)
+def test_a_takt_asks_for_the_least_stress_that_keeps_it(thesis: Cell, method: str):
+    def one(takt: float) -> tuple[float, float, int]:
+        (point,) = plan_cycle(thesis, method=method, takt=takt)
+        return point.cycle_time, point.stress, point.in_process
+
+    assert one(30) == (24, 3, 1)
+    assert one(23.9) == (23, 7, 1)  # one product is enough: 20 s would need two
+    assert one(22) == (20, 7, 2)
+    assert one(19) == (19, 12, 2)
+    with pytest.raises(InfeasibleError, match="least cycle time that can be kept is 19 s"):
+        one(18.5)
+
+
+def test_single_answers(thesis: Cell):
+    assert plan_cycle(thesis, minimize="cycle_time").points == [(19, 12)]
+    assert plan_cycle(thesis, minimize="stress").points == [(34, 2)]
+    assert plan_cycle(thesis, max_stress=5).points == [(24, 3), (34, 2)]
+
+
+def test_the_makespan_is_no_cycle_time(cover: Cell):
+    """Planned in 48 s; one allocation for all products brings one every 31 s, and that is proven
+    by what the two have to do. Twelve products show that no mix of allocations comes below 28 s.
+    """
+    assert tandem.plan(cover, minimize="makespan")[0].makespan == 48
+    for method in CYCLE_METHODS:
+        assert plan_cycle(cover, method=method).points == [(31, 9), (33, 8), (40, 5)]
+
+
+@pytest.mark.parametrize(("products", "seconds"), [(1, 48), (2, 66), (4, 116), (6, 172)])
+def test_a_batch_is_the_cell_that_makes_all_products(cover: Cell, products: int, seconds: int):
+    batch = plan_batch(cover, products, time_limit=60)
+    assert (batch[0].makespan, batch.complete) == (seconds, True)
+    copies = tandem.plan(copied(cover, products), minimize="makespan", time_limit=60)
+    assert copies[0].makespan == seconds
+
+
+def test_a_batch_begins_with_the_steady_state():
+    """Where nothing is proven, the pattern of the steady state is a schedule of the batch."""
+    cell = layered(12, 2, 1, seed=1)
+    steady = plan_cycle(cell, minimize="cycle_time")[0]
+    batch = plan_batch(cell, 40, time_limit=3)[0]
+    assert batch.makespan <= steady.makespan + 39 * steady.cycle_time + 1e-6
+    assert batch.bound.makespan <= batch.makespan
+
+
+def test_random_cells_have_one_answer():
+    total = cycles.slice_of(list(range(2001, 2061)), None)
+    assert total.findings == []
+    assert total.by_brute_force > 40
+    assert total.replayed > 100
+
+
+def test_a_limited_zone_and_a_changeover_make_the_cycle_longer():
+    data = {
+        "operators": {"ann": {"kind": "human"}, "bob": {"kind": "human"}},
+        "tools": {"saw": {"changeover": {"ann": 3}}, "file": {"changeover": {"ann": 2}}},
+        "tasks": {
+            "cut": {"time": {"ann": 4}, "tool": "saw"},
+            "smooth": {"time": {"ann": 6}, "tool": "file"},
+            "paint": {"time": {"bob": 8}},
+            "pack": {"time": {"bob": 5}},
+        },
+    }
+    for method in CYCLE_METHODS:
+        assert plan_cycle(cell_of(data), method=method)[0].cycle_time == 15
+    data["tasks"]["smooth"]["zone"] = data["tasks"]["paint"]["zone"] = "bench"
+    data["tasks"]["pack"]["zone"] = "bench"
+    for method in CYCLE_METHODS:
+        assert plan_cycle(cell_of(data), method=method)[0].cycle_time == 19
+
+
+def _front(data: dict, **asked: int) -> CycleFront | None:
+    try:
+        return plan_cycle(cell_of(data), workers=1, **asked)
+    except InfeasibleError:
+        return None
+
+
+def _drawn(seed: int) -> dict | None:
+    _, data = drawn(seed)
+    try:
+        cell_of(data)
+    except CellError:
+        return None
+    return data
+
+
+@given(seed=st.integers(0, 10**6))
+def test_more_in_process_never_lengthens_the_cycle(seed: int):
+    if (data := _drawn(seed)) is None:
+        return
+    fronts = [_front(data, max_in_process=laps) for laps in (1, 2, 3)]
+    for tighter, wider in zip(fronts, [*fronts[1:], _front(data)], strict=True):
+        _covers(wider, tighter)
+
+
+@given(seed=st.integers(0, 10**6))
+def test_leaving_out_a_rule_never_lengthens_the_cycle(seed: int):
+    if (data := _drawn(seed)) is None:
+        return
+    front, random = _front(data, max_in_process=2), Random(seed)
+    key = random.choice(("after", "zone", "tool", "stress_limit", "same_operator"))
+    for table in ("tasks", "operators"):
+        for entry in data[table].values():
+            entry.pop(key if table == "tasks" or key == "stress_limit" else "", None)
+    data.pop(key, None)
+    _covers(_front(data, max_in_process=2), front)
+
+
+def _covers(wider: CycleFront | None, tighter: CycleFront | None) -> None:
+    """Every point of the one is equalled or beaten by the other."""
+    for time, stress in tighter.points if tighter is not None else ():
+        assert wider is not None
+        assert any(t <= time and s <= stress for t, s in wider.points)
+
+
+@given(seed=st.integers(0, 10**6))
+def test_no_cycle_is_shorter_than_the_work_of_anybody(seed: int):
+    if (data := _drawn(seed)) is None or (front := _front(data)) is None:
+        return
+    for point in front:
+        assert max(point.utilisation.values()) <= 1 + 1e-9
+        assert point.makespan <= point.in_process * point.cycle_time + 1e-6
+        assert point.makespan > (point.in_process - 1) * point.cycle_time - 1e-6
+
+
+def test_a_pattern_that_the_checker_refuses_proves_nothing(thesis: Cell, monkeypatch):
+    """Whatever a model says counts only when the checker has accepted it."""
+    vouched = CycleDoor.vouched
+    monkeypatch.setattr(
+        CycleDoor, "vouched", lambda door, pattern, length: vouched(door, pattern, length - 1)
+    )
+    with pytest.raises(NothingFoundError, match="bug in Tandem"):
+        exact.solve(thesis)
+
+
+def test_a_later_refusal_takes_the_proof_back(thesis: Cell, monkeypatch):
+    vouched = CycleDoor.vouched
+
+    def refuse_the_first(door, pattern, length):
+        return vouched(door, pattern, length - (length == 19))
+
+    monkeypatch.setattr(CycleDoor, "vouched", refuse_the_first)
+    with pytest.raises(NothingFoundError, match="bug in Tandem"):
+        exact.solve(thesis)
+    monkeypatch.setattr(
+        CycleDoor,
+        "vouched",
+        lambda door, pattern, length: vouched(door, pattern, length - (length == 24)),
+    )
+    with pytest.warns(RefusedScheduleWarning):
+        front = exact.solve(thesis)
+    assert not front.complete
+    assert {str(point.status) for point in front} == {"feasible"}
+
+
+def test_a_limit_on_work_repeats():
+    cell = layered(30, 2, 2, seed=5)
+    one, two = (plan_cycle(cell, work=0.5, seed=3).to_dict() for _ in range(2))
+    assert {**one, "wall_s": 0} == {**two, "wall_s": 0}
+    assert one["ended_by"] in ("work", "proof")
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({"takt": 0}, "takt 0: must be"),
+        ({"max_in_process": 0}, "max_in_process 0: must be 1 or more"),
+        ({"max_stress": -1}, "max_stress -1: must be"),
+        ({"minimize": "makespan"}, "choose front, cycle_time or stress"),
+        ({"method": "exat"}, "Did you mean 'exact'"),
+        ({"time_limit": 0}, "time limit 0"),
+        ({"work": float("nan")}, "work nan"),
+        ({"workers": 0}, "workers 0"),
+    ],
+)
+def test_wrong_questions_are_refused(thesis: Cell, asked: dict, said: str):
+    with pytest.raises(UsageError, match=said):
+        plan_cycle(thesis, **asked)
+
+
+def test_what_cannot_repeat_is_refused_at_once():
+    data = tandem.load(EXAMPLES / "thesis.yaml").to_dict()
+    data["tasks"]["1"]["release"] = 5
+    data["tasks"]["3"]["deadline"] = 50
+    with pytest.raises(CellError) as refused:
+        plan_cycle(cell_of(data))
+    assert [fault.path for fault in refused.value.faults] == [
+        ("tasks", "1", "release"),
+        ("tasks", "3", "deadline"),
+    ]
+    with pytest.raises(CellError):
+        plan_batch(cell_of(data), 3)
+
+
+def test_breaks_play_no_part(thesis: Cell):
+    data = thesis.to_dict()
+    data["operators"]["human"]["breaks"] = [[10, 20]]
+    data["operators"]["human"]["setup"] = 4
+    assert plan_cycle(cell_of(data)).points == plan_cycle(thesis).points
