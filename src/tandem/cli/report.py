@@ -66,7 +66,8 @@ def report_command(
     of_cycles = holds_cycles(plan_file)
     if of_cycles and makespan is not None:
         raise UsageError(
-            f"--makespan {makespan:g}: {plan_file} holds cycles; choose one with --point or --stress."
+            f"--makespan {makespan:g}: {plan_file} holds cycles; choose one with --point or"
+            " --stress."
         )
     (cycle_files.ready_to_write if of_cycles else ready_to_write)(outputs)
     read = stored_cycle if of_cycles else stored_plan
