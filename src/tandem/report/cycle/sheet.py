@@ -221,7 +221,8 @@ class _Sheets:
         label = task_label(self.cell, task)
         begin = [*self._conditions(operator, place)]
         if turn.change:
-            at = self.periodic.position(float(exact(turn.begin) - exact(turn.change)))
+            around = exact(length) if exact(turn.begin) < exact(turn.change) else 0
+            at = float(exact(turn.begin) - exact(turn.change) + around)
             says = self.t("steps.take_up", tool=turn.tool, seconds=self.t.seconds(turn.change))
             until = until_told(at, turn.change, length, self.t)
             yield CycleStep(0, at, until, "", says, "", with_last(begin[:1], self.t))
