@@ -27,6 +27,9 @@ if TYPE_CHECKING:
         UsageError,
     )
     from tandem.files.load import load
+    from tandem.plan.cycle.methods import plan_cycle
+    from tandem.plan.cycle.question import CycleQuestion
+    from tandem.plan.cycle.result import CycleFront, CycleResult
     from tandem.plan.least_change import replan
     from tandem.plan.methods import plan
     from tandem.plan.question import Question
@@ -38,6 +41,9 @@ __all__ = [
     "Assignment",
     "Cell",
     "CellError",
+    "CycleFront",
+    "CycleQuestion",
+    "CycleResult",
     "Fault",
     "Front",
     "InfeasibleError",
@@ -56,6 +62,7 @@ __all__ = [
     "faults",
     "load",
     "plan",
+    "plan_cycle",
     "replan",
 ]
 
@@ -72,6 +79,9 @@ _HOME = {
         "UnsoundScheduleError",
         "UsageError",
     ),
+    "tandem.plan.cycle.methods": ("plan_cycle",),
+    "tandem.plan.cycle.question": ("CycleQuestion",),
+    "tandem.plan.cycle.result": ("CycleFront", "CycleResult"),
     "tandem.plan.least_change": ("replan",),
     "tandem.plan.question": ("Question",),
     "tandem.plan.result": ("Front", "Result"),

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import sys
 import time
 from collections import Counter
@@ -210,7 +211,8 @@ def wrong_on_the_floor(cell: Cell, result: CycleResult, question: CycleQuestion)
         many = copied(cell, products)
         schedule = result.periodic.products(products, start_up(cell))
         if wrong := checker.faults(many, schedule):
-            return f"{products} products: {wrong[0]}"
+            steady = [fault for fault in wrong if not is_run_in(fault, result.in_process)]
+            return f"{products} products: {steady[0]}" if steady else ""
         leaves = exact(start_up(cell)) + exact(result.makespan)
         leaves += (products - 1) * exact(result.cycle_time)
         try:
@@ -221,6 +223,15 @@ def wrong_on_the_floor(cell: Cell, result: CycleResult, question: CycleQuestion)
             return f"in the world product {products} leaves at {played} instead of {leaves}"
         return ""
     return "no count of products can be played"
+
+
+def is_run_in(fault: str, in_process: int) -> bool:
+    """Whether a fault of many products on one clock is about the first cycles alone: the tool in
+    hand there is another than in the steady state, and a task without a tool stands where it would
+    be changed.
+    """
+    said = re.search(r"to take up tool .* before task '[^']* #(\d+)'", fault)
+    return said is not None and int(said[1]) <= in_process
 
 
 def _effortless(cell: Cell) -> Cell:

@@ -17,10 +17,12 @@ import pytest
 from rich.console import Console
 from tests.draw.cycles import FRONTS, bench, bench_front, thesis_cycles
 
+from tandem.cell.model import Cell
 from tandem.cli.root import run
 from tandem.errors import CellError, UnsoundScheduleError, UsageError
 from tandem.files.load import dump, dumps
 from tandem.files.spreadsheet import import_cell
+from tandem.plan.cycle.mix import plan_mix
 from tandem.plan.cycle.result import CycleFront
 from tandem.report.cycle.files import COLUMNS, EXPORTERS, ready_to_write, to_csv, write
 from tandem.report.cycle.stored import read_cycle
@@ -202,12 +204,47 @@ def test_the_summary_tells_a_takt_a_front_and_a_changed_cell() -> None:
     t = words("en")
     front = " ".join(summary(thesis_cycles(), t))
     assert "There are 4 sensible compromises between cycle time and stress" in front
-    assert "We recommend point 3: one product every 24 s, 150 in an hour" in front
+    assert "We recommend point 3: a cycle time of 24 s, 150 products in an hour" in front
     chosen = summary(bench_front(), t, stale=True)
     assert chosen[0].startswith("Stale:")
     assert "Asked for: a takt of 26 s." in chosen[1]
-    assert "Every 24 s one product is finished, 150 in an hour" in chosen[1]
+    assert "The cycle time is 24 s, which makes 150 products in an hour" in chosen[1]
     assert "by 2 humans and 1 robot" in chosen[1]
+
+
+def mixed() -> CycleFront:
+    """Two of the bench's products in each cycle, one a variant, and what a piece costs."""
+    document = {
+        **bench().to_dict(),
+        "cost": {"operators": {"anna": 30, "ben": 30}, "station": 12},
+        "variants": {"long": {"tasks": {"screw": {"time": {"cobot": 9}}}}},
+    }
+    return plan_mix(
+        Cell.model_validate(document), {"base": 1, "long": 1}, minimize="cycle_time", workers=1
+    )
+
+
+def test_a_mix_is_told_as_one_and_counted_by_its_products(tmp_path: Path) -> None:
+    front = mixed()
+    time = front[0].cycle_time
+    an_hour, piece = round(2 * 3600 / time, 1), round(72 * time / 3600 / 2, 4)
+    (row, *_) = csv.DictReader(io.StringIO(to_csv(front)))
+    assert (float(row["per_hour"]), float(row["cost"])) == (an_hour, pytest.approx(piece, abs=1e-4))
+    text = " ".join(printed(CycleView(front), 120).split())
+    assert "the products of a cycle, 1 of base and 1 of long, are finished" in text
+    assert f"{an_hour:g} products per hour" in text
+    for ending in (".md", ".html"):
+        page = write(front, tmp_path / f"cycle{ending}").read_text()
+        assert "in each cycle, which makes 1 of base and 1 of long." in page
+        assert "cost a piece" in page
+    book = openpyxl.load_workbook(write(front, tmp_path / "cycle.xlsx"))
+    heads = [cell.value for cell in book["Front"][3]]
+    assert book["Front"].cell(4, heads.index("cost a piece") + 1).value == pytest.approx(
+        piece, abs=1e-4
+    )
+    stored = read_cycle(write(front, tmp_path / "cycle.json"))
+    assert stored.front.mix == front.mix
+    assert stored.front.to_dict()["front"] == front.to_dict()["front"]
 
 
 # --- read back ------------------------------------------------------------------------------------

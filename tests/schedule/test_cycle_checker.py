@@ -10,7 +10,7 @@ from dataclasses import replace
 from random import Random
 
 import pytest
-from tests.fuzz.cycles import drawn
+from tests.fuzz.cycles import drawn, is_run_in
 from tests.schedule.cells import thesis
 
 import tandem
@@ -134,7 +134,11 @@ def test_a_pattern_is_sound_when_its_products_are_on_one_clock():
             for changed in _changed(random, result.periodic):
                 count = changed.in_process + 2
                 many = changed.products(count, start_up(cell))
-                on_one_clock = checker.faults(copied(cell, count), many)
+                on_one_clock = [
+                    fault
+                    for fault in checker.faults(copied(cell, count), many)
+                    if not is_run_in(fault, changed.in_process)
+                ]
                 assert bool(faults(cell, changed)) == bool(on_one_clock), (seed, changed)
                 broken += bool(on_one_clock)
                 sound += not on_one_clock

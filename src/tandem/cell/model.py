@@ -10,15 +10,16 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import Any, Self
 
-from pydantic import model_validator
+from pydantic import ValidationError, model_validator
 
 from tandem.cell import soundness
 from tandem.cell.parts import Fields
-from tandem.errors import CellError
+from tandem.cell.variants import at_variant, left_out_in_vain, merged
+from tandem.errors import CellError, Fault
 
 
 class Cell(Fields):
@@ -34,7 +35,20 @@ class Cell(Fields):
     def _is_sound(self) -> Self:
         if faults := list(soundness.faults(self)):
             raise CellError(faults)
+        if self.variants and (faults := list(self._faults_of_variants())):
+            raise CellError(faults)
         return self
+
+    def _faults_of_variants(self) -> Iterator[Fault]:
+        for name in self.variants:
+            yield from left_out_in_vain(self.to_dict(), name)
+            try:
+                self.variant(name)
+            except CellError as error:
+                yield from (at_variant(name, fault) for fault in error.faults)
+            except ValidationError as error:
+                for item in error.errors(include_url=False):
+                    yield at_variant(name, Fault(f"{item['msg']}.", item["loc"]))
 
     @cached_property
     def digest(self) -> str:
@@ -45,6 +59,14 @@ class Cell(Fields):
         """The cell as a cell file holds it: plain values, keys that say nothing left out."""
         data = self.model_dump(mode="json", exclude_defaults=True)
         return {"format": self.format, **plain(data)}
+
+    def variant(self, name: str) -> Cell:
+        """The cell of a variant: this one with its changes. Raises KeyError when there is none of
+        this name.
+        """
+        document = merged(self.to_dict(), self.variants[name].tasks)
+        document["name"] = f"{self.name}, {name}" if self.name else name
+        return type(self).model_validate(document)
 
     def replace(self, **changes: Any) -> Cell:
         """A checked variant: the same cell with some top-level keys changed."""

@@ -301,6 +301,54 @@ class Zone(Frozen):
     capacity: Places = Field(default=1, description="How many operators it holds at once.")
 
 
+NAMED = ("after", "operators", "tool", "zone", "place", "label", "part")
+"""Keys of a task whose values are names, where digits need no quotes."""
+
+
+def _frozen(value: Any, named: bool = False) -> Any:
+    """Plain values that stay as they are, all the way down; names in their one spelling."""
+    if isinstance(value, Mapping):
+        return Table(
+            {clean(str(key)): _frozen(item, named=key in NAMED) for key, item in value.items()}
+        )
+    if isinstance(value, list | tuple):
+        return tuple(_frozen(item, named) for item in value)
+    return _spelled(value) if named else value
+
+
+class Cost(Frozen):
+    """What an hour of the station costs, in whatever currency."""
+
+    operators: PerOperator = Field(
+        default_factory=Table, description="Operator to the cost of an hour; 0 when absent."
+    )
+    station: Amount = Field(
+        default=0.0, description="Cost of an hour of everything else: floor, energy, maintenance."
+    )
+    invest: Amount = Field(default=0.0, description="Money invested once.")
+    hours: Seconds | None = Field(
+        default=None, description="Working hours over which `invest` is spread."
+    )
+
+
+class Variant(Frozen):
+    """Another product of the same station: the cell plus these changes."""
+
+    share: Seconds = Field(
+        default=1.0,
+        description="How often it is made beside the other variants: a weight of the mix.",
+    )
+    tasks: Annotated[
+        Mapping[Name, Mapping[str, Any] | None], OneEntryAName, AfterValidator(_frozen)
+    ] = Field(
+        default_factory=Table,
+        description=(
+            "Changes to tasks, as a merge patch (RFC 7396): keys that are named replace those of"
+            " the cell's task, a new name is a new task, and null takes a key or a task out."
+        ),
+    )
+
+
 @dataclass(frozen=True)
 class Mode:
     """One way of doing a task.
@@ -359,6 +407,15 @@ class Fields(Frozen):
             " Index): the tasks done by humans, in the cell's order and joined by commas, to the"
             " stress of doing just these. A set that is not listed is not allowed."
         ),
+    )
+
+    cost: Cost | None = Field(
+        default=None,
+        description="What an hour costs; then each plan says what a piece costs.",
+    )
+    variants: Annotated[Mapping[Name, Variant], OneEntryAName, AfterValidator(Table)] = Field(
+        default_factory=Table,
+        description="Other products of the station: name to what is different about it.",
     )
 
     @cached_property

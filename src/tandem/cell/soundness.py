@@ -37,7 +37,9 @@ def faults(cell: Fields) -> Iterator[Fault]:
 def operators_are_known(cell: Fields) -> Iterator[Fault]:
     """Whoever a task or a tool names is one of the cell's operators."""
     known = Known(cell.operators)
-    for path, name, what in _operators_named(cell):
+    of_cost = cell.cost.operators if cell.cost is not None else {}
+    costs = ((("cost", "operators", who), who, "cost") for who in of_cost)
+    for path, name, what in (*_operators_named(cell), *costs):
         if name not in known:
             yield Fault(
                 f"{what} names {name!r}, who is no operator of the cell. {known.hint(name)}", path
@@ -336,6 +338,18 @@ def _operators_named(cell: Fields) -> Iterator[tuple[Path, str, str]]:
             yield ("tools", name, "changeover", who), who, f"tool {name!r}: changeover"
 
 
+def invested_money_is_spread_over_hours(cell: Fields) -> Iterator[Fault]:
+    """Money that was invested says nothing about a piece without the hours that it lasts."""
+    if cell.cost is not None and (cell.cost.invest > 0) != (cell.cost.hours is not None):
+        missing = "hours" if cell.cost.hours is None else "invest"
+        stated = "invest" if cell.cost.hours is None else "hours"
+        yield Fault(
+            f"cost states {stated} ({number(getattr(cell.cost, stated) or 0.0)}) but not {missing}:"
+            f" invested money is spread over hours. State both, or leave {stated} out.",
+            ("cost", stated),
+        )
+
+
 def _stresses(cell: Fields) -> Iterator[tuple[Path, Mapping[str, float], str]]:
     """Every stress that is stated per human."""
     for name, task in cell.tasks.items():
@@ -383,4 +397,5 @@ RULES: tuple[Callable[[Fields], Iterator[Fault]], ...] = (
     tools_and_zones_are_spelled_alike,
     numbers_have_few_decimals,
     exact_planning_can_count_it,
+    invested_money_is_spread_over_hours,
 )

@@ -16,11 +16,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from tandem.cell.names import clean
 from tandem.cli.outputs import kept_when_interrupted, show, tell_written, write_outputs
 from tandem.errors import UsageError
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
+    from tandem.plan.cycle.mix import Alone
     from tandem.plan.cycle.result import CycleFront
     from tandem.plan.result import Front
 
@@ -30,9 +32,50 @@ NOT_OF_A_CYCLE = ("weights", "max_makespan", "cv", "robust", "risk", "hint")
 """Options that ask about one product alone."""
 
 
+SHARES = "shares"
+"""Instead of counts: as the cell's own shares say."""
+
+
+class Mix(click.ParamType):  # type: ignore[type-arg]  # older releases of click take no parameter
+    """Names and counts, `short=2,long=1`; or `shares`."""
+
+    name = "NAME=N,..."
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> dict[str, int] | str:
+        if isinstance(value, dict):
+            return value
+        if value == SHARES:
+            return SHARES
+        mix: dict[str, int] = {}
+        for part in str(value).split(","):
+            name, equals, count = part.rpartition("=")
+            if not (
+                equals and name.strip() and count.strip().isascii() and count.strip().isdigit()
+            ):
+                self.fail(
+                    f"{part!r} is no name and count, such as short=2,long=1; nor {SHARES}.",
+                    param,
+                    ctx,
+                )
+            if clean(name) in mix:
+                self.fail(f"{clean(name)!r} stands there twice.", param, ctx)
+            mix[clean(name)] = int(count)
+        return mix
+
+
 def cycle_options(command: F) -> F:
-    """--cycle, --takt, --max-in-process and --batch, in this order in the help."""
+    """--cycle, --takt, --max-in-process, --mix, --one-allocation, --batch and --variant, in this
+    order in the help.
+    """
     for option in (
+        click.option(
+            "--variant",
+            "product",
+            metavar="NAME",
+            help="Plan this variant of the cell instead of the cell itself.",
+        ),
         click.option(
             "--batch",
             type=click.IntRange(1),
@@ -40,6 +83,20 @@ def cycle_options(command: F) -> F:
             help=(
                 "The least time for N products, from an empty station to an empty one, each"
                 " assembled in its own way where that helps."
+            ),
+        ),
+        click.option(
+            "--one-allocation",
+            is_flag=True,
+            help="With --mix: a task is done by the same operators in every product that has it.",
+        ),
+        click.option(
+            "--mix",
+            type=Mix(),
+            help=(
+                "With --cycle: what each cycle makes, as variants and how many of each (`base` is"
+                " the cell itself), in whatever order is best; `shares` for the smallest mix that"
+                " has the variants' shares."
             ),
         ),
         click.option(
@@ -81,6 +138,8 @@ class Repeated:
     takt: float | None
     max_in_process: int | None
     batch: int | None
+    mix: dict[str, int] | str | None = None
+    one_allocation: bool = False
 
     @property
     def of_cycle(self) -> bool:
@@ -88,7 +147,8 @@ class Repeated:
         return self.cycle or self.takt is not None
 
     def __bool__(self) -> bool:
-        return self.of_cycle or self.max_in_process is not None or self.batch is not None
+        others = (self.max_in_process, self.batch, self.mix)
+        return self.of_cycle or self.one_allocation or any(one is not None for one in others)
 
     def check(self, minimize: str | None, given: Callable[[str], bool]) -> None:
         """Raises UsageError when other options do not go with these.
@@ -102,8 +162,16 @@ class Repeated:
         if wrong := [name for name in NOT_OF_A_CYCLE if given(name)]:
             names = " and ".join(f"--{name.replace('_', '-')}" for name in wrong)
             raise UsageError(f"{names}: asks about one product alone, and not with {asked}.")
-        if self.of_cycle and minimize == "makespan":
-            raise UsageError("--minimize makespan: with --cycle choose cycle_time or stress.")
+        if self.of_cycle and minimize in ("makespan", "worst-stress"):
+            raise UsageError(f"--minimize {minimize}: with --cycle choose cycle_time or stress.")
+        if (self.mix is not None or self.one_allocation) and not self.cycle:
+            raise UsageError("--mix and --one-allocation go with --cycle.")
+        if self.one_allocation and self.mix is None:
+            raise UsageError("--one-allocation goes with --mix: it is one allocation for several.")
+        if self.mix is not None and (
+            self.takt is not None or self.batch is not None or self.max_in_process is not None
+        ):
+            raise UsageError("--mix does not go with --takt, --batch or --max-in-process.")
         if self.takt is not None and minimize is not None:
             raise UsageError("--minimize and --takt exclude each other: give one of them.")
         if not self.of_cycle and minimize not in (None, "makespan"):
@@ -140,34 +208,58 @@ def answer(
     if not asked.of_cycle:
         return _batch_alone(cell, asked, outputs, effort)
     from tandem.plan.cycle.methods import plan_cycle
+    from tandem.plan.cycle.mix import each_alone, plan_mix
     from tandem.report.cycle.files import ready_to_write
     from tandem.report.language import words
 
     ready_to_write(outputs.files)
     _tell_left_out(cell)
     with _counting(outputs) as on_point:
-        front = plan_cycle(
-            cell,
-            minimize=minimize or "front",  # type: ignore[arg-type]
-            takt=asked.takt,
-            max_in_process=asked.max_in_process,
-            on_point=on_point,
+        asked_of: dict[str, Any] = {
+            "minimize": minimize or "front",
+            "on_point": on_point,
             **effort,
+        }
+        mix = _mix(cell, asked)
+        front = (
+            plan_mix(cell, mix, one_allocation=asked.one_allocation, **asked_of)
+            if mix
+            else plan_cycle(cell, takt=asked.takt, max_in_process=asked.max_in_process, **asked_of)
         )
-    front = replace(front, source=outputs.source)
+    # the cell of a mix stands in no file
+    front = replace(front, source=None if mix else outputs.source)
     if outputs.point is not None and not 1 <= outputs.point <= len(front):
         points = ", ".join(f"({time:g} s, {load:g})" for time, load in front.points)
         raise UsageError(f"--point {outputs.point}: the front has {len(front)}: {points}.")
-    batch = None
+    batch, alone = None, None
     if asked.batch is not None and not front.interrupted:
         batch = _batch(cell, asked.batch, effort)
-    _show(front, batch, asked, outputs)
+    if mix and not front.interrupted:
+        alone = each_alone(cell, mix, **effort)
+    _show(front, batch, alone, asked, outputs)
     if front.interrupted:
         click.echo(words(outputs.lang)("terminal.stopped"), err=True)
     return 130 if front.interrupted else 0
 
 
-def _show(front: CycleFront, batch: Front | None, asked: Repeated, outputs: Outputs) -> None:
+def _mix(cell: Cell, asked: Repeated) -> dict[str, int]:
+    """What each cycle makes; empty where it is one product."""
+    from tandem.plan.cycle.mix import shares
+
+    if asked.mix == SHARES and not cell.variants:
+        raise UsageError("--mix shares: the cell has no variants.")
+    if asked.mix == SHARES:
+        return shares(cell)
+    return asked.mix if isinstance(asked.mix, dict) else {}
+
+
+def _show(
+    front: CycleFront,
+    batch: Front | None,
+    alone: Alone | None,
+    asked: Repeated,
+    outputs: Outputs,
+) -> None:
     """Writes the files, and the document or the view on stdout."""
     from rich.console import Console
 
@@ -192,13 +284,31 @@ def _show(front: CycleFront, batch: Front | None, asked: Repeated, outputs: Outp
         if batch is not None and asked.batch is not None:
             assignments = batch[0].schedule.to_list()
             document["batch"] = {**told(batch, asked.batch), "assignments": assignments}
+        if alone is not None:
+            document["alone"] = alone.to_dict()
         click.echo(json.dumps(document, ensure_ascii=False))
     else:
         console = Console(file=sys.stdout, highlight=False)
         console.print(CycleView(front, language=outputs.lang, point=outputs.point))
         if batch is not None and asked.batch is not None:
             _tell_batch(batch, asked.batch)
+        if alone is not None:
+            _tell_mix(front, alone)
     tell_written(files, outputs.lang)
+
+
+def _tell_mix(front: CycleFront, alone: Alone) -> None:
+    """What a cycle makes, and what each product would take alone."""
+    from tandem.cell.written import number
+
+    made = ", ".join(f"{count} {name}" for name, count in front.mix)
+    least = round(front[0].cycle_time / front.products, 4)
+    own = ", ".join(f"{name} {number(time)} s" for name, time in alone.seconds.items())
+    click.echo(f"Each cycle makes {made}: {number(least)} s a product at the quickest point.")
+    click.echo(
+        f"Each made alone: {own}; mean {number(round(alone.mean, 4))} s, worst"
+        f" {number(alone.worst)} s."
+    )
 
 
 def _batch_alone(cell: Cell, asked: Repeated, outputs: Outputs, effort: dict[str, Any]) -> int:

@@ -42,10 +42,10 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--minimize",
-    type=click.Choice(["makespan", "stress", "cycle_time"]),
+    type=click.Choice(["makespan", "stress", "worst-stress", "cycle_time"]),
     help=(
-        "Only the one schedule that is best in this and, among those, in the other; cycle_time goes"
-        " with --cycle."
+        "Only the one schedule that is best in this and, among those, in the other; worst-stress is"
+        " that of the human who has most, and then the makespan. cycle_time goes with --cycle."
     ),
 )
 @click.option(
@@ -142,7 +142,10 @@ def plan_command(
     cycle: bool,
     takt: float | None,
     max_in_process: int | None,
+    mix: dict[str, int] | str | None,
+    one_allocation: bool,
     batch: int | None,
+    product: str | None,
     time_limit: float,
     work: float | None,
     seed: int,
@@ -170,6 +173,7 @@ def plan_command(
       tandem plan cell.yaml --cv 0.2 --robust
       tandem plan cell.yaml --cycle
       tandem plan cell.yaml --takt 30 --max-in-process 2 --report takt.html
+      tandem plan cell.yaml --cycle --mix short=2,long=1
       tandem plan cell.yaml -o plan.json -o sheets.xlsx --point 2 --lang de
       tandem plan cell.yaml --seed 7 --work 5 --json
       tandem plan cell.yaml --set tasks.6.time.robot=8 --without robot2 --force 5=human
@@ -187,6 +191,7 @@ def plan_command(
     """
     from tandem.explain.variant import variant
     from tandem.files.load import load
+    from tandem.plan.cycle.mix import product_of
     from tandem.plan.methods import plan
     from tandem.plan.question import Question
     from tandem.report.files import ready_to_write
@@ -198,54 +203,38 @@ def plan_command(
     if minimize and weights:
         raise UsageError("--minimize and --weights exclude each other: give one of them.")
     files = [*outputs, *([report] if report else [])]
-    repeated = Repeated(cycle, takt, max_in_process, batch)
+    repeated = Repeated(cycle, takt, max_in_process, batch, mix, one_allocation)
     if repeated:
         repeated.check(minimize, _is_given)
-        cell = load(cell_file, form)
-        changed = bool(sets or without or force)
-        return answer(
-            variant(cell, sets, without, force) if changed else cell,
-            repeated,
-            minimize,
-            Outputs(
-                tuple(files),
-                source_of(cell_file, is_variant=changed),
-                "stdin" if cell_file == "-" else Path(cell_file).stem,
-                as_json,
-                point,
-                lang,
-                quiet,
-            ),
-            method=method,
-            max_stress=max_stress,
-            time_limit=time_limit,
-            work=work,
-            seed=seed,
-            workers=workers,
-        )
-    if minimize == "cycle_time":
+    elif minimize == "cycle_time":
         raise UsageError("--minimize cycle_time goes with --cycle.")
-    ready_to_write(files)
-    kind = minimize or ("weighted" if weights else "front")
-    question = Question(kind, weights or (1.0, 1.0), max_makespan, max_stress)  # type: ignore[arg-type]
-    cell, base = load(cell_file, form), None
+    else:
+        ready_to_write(files)
+    cell, base = product_of(load(cell_file, form), product), None
     if sets or without or force:
         base, cell = cell, variant(cell, sets, without, force)
+    source = source_of(cell_file, is_variant=base is not None or product is not None)
+    effort: dict[str, Any] = {
+        "time_limit": time_limit,
+        "work": work,
+        "seed": seed,
+        "workers": workers,
+    }
+    if repeated:
+        stem = "stdin" if cell_file == "-" else Path(cell_file).stem
+        where = Outputs(tuple(files), source, stem, as_json, point, lang, quiet)
+        return answer(
+            cell, repeated, minimize, where, method=method, max_stress=max_stress, **effort
+        )
+    kind = minimize or ("weighted" if weights else "front")
+    question = Question(kind, weights or (1.0, 1.0), max_makespan, max_stress)  # type: ignore[arg-type]
     begin = _first_schedule(hint, cell) if hint else None
-    solve = partial(
-        plan,
-        question=question,
-        method=method,
-        time_limit=time_limit,
-        work=work,
-        seed=seed,
-        workers=workers,
-    )
+    solve = partial(plan, question=question, method=method)
     with SolveProgress(quiet=quiet, language=lang) as progress:
-        front = solve(cell, hint=begin, on_solution=progress)
+        front = solve(cell, hint=begin, on_solution=progress, **effort)
     if not front.interrupted:
         front = told_risk(front, cv, robust, risk, quiet)
-    front = replace(front, source=source_of(cell_file, is_variant=base is not None))
+    front = replace(front, source=source)
     files += kept_when_interrupted(front, files, cell_file)
     point = None if point is None else _existing(front, point, files, lang) + 1
     write_outputs(front, files, lang, point=point)
@@ -256,7 +245,7 @@ def plan_command(
             base,
             front,
             as_json,
-            partial(solve, base),
+            partial(solve, base, **effort),
             lang,
             point,
         )

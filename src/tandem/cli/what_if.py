@@ -124,6 +124,10 @@ def difference_lines(base: Front, other: Front, lang: str = "en") -> list[str]:
     )
     lines = aligned(table)
     lines.append(t("fronts.then" if other.complete else "fronts.then.open", points=points))
+    before, after = base[0].cost, other[0].cost
+    if before is not None and after is not None:
+        more = t.signed(round(after - before, 4))
+        lines.append(t("fronts.cost", before=t.number(before), after=t.number(after), more=more))
     if not (base.complete and other.complete):
         lines.append(t("fronts.unproven"))
     return lines

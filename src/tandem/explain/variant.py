@@ -224,6 +224,7 @@ def _leave_out(data: dict[str, Any], name: str) -> None:
     for tool in data.get("tools", {}).values():
         if isinstance(tool.get("changeover"), dict):
             tool["changeover"].pop(name, None)
+    data.get("cost", {}).get("operators", {}).pop(name, None)
 
 
 def _leave_out_sets(data: dict[str, Any]) -> None:

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from tandem.cell.model import Cell
 from tandem.cell.names import Known, clean, harm_in
-from tandem.cell.parts import Operator, Task, Together, Tool, Zone
+from tandem.cell.parts import Cost, Operator, Task, Together, Tool, Variant, Zone
 from tandem.cell.written import number
 from tandem.errors import Fault
 
@@ -111,6 +111,10 @@ def _model(path: Path) -> tuple[type[Any], str]:
             return Tool, f"tool {shown(name)}"
         case ("zones", name, _, *_):
             return Zone, f"zone {shown(name)}"
+        case ("cost", _, *_):
+            return Cost, "cost"
+        case ("variants", name, _, *_):
+            return Variant, f"variant {shown(name)}"
     return Cell, ""
 
 

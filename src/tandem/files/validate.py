@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from tandem.cell.model import Cell
 from tandem.cell.names import clean
+from tandem.cell.variants import at_variant, left_out_in_vain, merged
 from tandem.errors import CellError, Fault
 from tandem.files.messages import Flaw, flaws
 from tandem.files.positions import Path, Place
@@ -42,7 +43,9 @@ def cell_of(
     try:
         cell = Cell.model_validate(_named(data))
     except CellError as error:
-        found += _placed(error.faults, place)
+        own = [fault for fault in error.faults if fault.path[:1] != ("variants",)]
+        # of variants the form is told here too, where there are words for it
+        found += _placed(own or _faults_of_variants(data) or error.faults, place)
     except ValidationError as error:
         known = flaws(error, MOST_FLAWS)
         uncounted = max(0, error.error_count() - MOST_FLAWS)
@@ -83,6 +86,19 @@ def _misfits(data: Any, known: list[Flaw]) -> list[Fault]:
         else:
             return []
     return []
+
+
+def _faults_of_variants(data: Any) -> list[Fault]:
+    """What is wrong with the variants of a cell that is sound itself, in the words of a cell."""
+    found: list[Fault] = []
+    named = _named(data)
+    for name, variant in named["variants"].items():
+        found += left_out_in_vain(named, str(name))
+        try:
+            cell_of(merged(named, variant.get("tasks", {})))
+        except CellError as error:
+            found += [at_variant(str(name), fault) for fault in error.faults]
+    return found
 
 
 def _placed(

@@ -12,7 +12,7 @@ from typing import Any
 
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault, InfeasibleError, UsageError
-from tandem.plan import dynamic_programming, exact
+from tandem.plan import dynamic_programming, exact, worst_stress
 from tandem.plan.canonical import settled
 from tandem.plan.infeasible import reasons
 from tandem.plan.method import Method, Progress
@@ -112,30 +112,8 @@ def plan(
         cell's words, what stands in the way.
       NothingFoundError: none was found within the limit.
     """
-    if (minimize if question is None else question.minimize) == "change":
-        raise UsageError("fewest changes are counted from an old plan: ask tandem.replan for them.")
-    if method not in METHODS:
-        near = get_close_matches(method, METHODS, 1, 0.5)
-        hint_text = f"Did you mean {near[0]!r}? " if near else ""
-        raise UsageError(
-            f"there is no method {method!r}. {hint_text}There are {', '.join(METHODS)}."
-        )
-    if time_limit is not None and not time_limit > 0:
-        raise UsageError(f"time limit {time_limit}: must be more than 0 seconds.")
-    if work is not None and not 0 < work < inf:
-        raise UsageError(f"work {work}: must be a number of more than 0.")
-    if workers is not None and workers < 1:
-        raise UsageError(f"workers {workers}: must be 1 or more.")
-    if len(cell.tasks) > MOST_TASKS:
-        raise CellError(
-            [
-                Fault(
-                    f"the cell has {len(cell.tasks):,} tasks, and at most {MOST_TASKS:,} can be"
-                    " planned. Split it.",
-                    ("tasks",),
-                )
-            ]
-        )
+    _check(cell, minimize if question is None else question.minimize, method)
+    check_effort(time_limit, work, workers)
     if question is None:
         question = Question(minimize, weights, max_makespan, max_stress)  # type: ignore[arg-type]
     began = monotonic()
@@ -146,19 +124,60 @@ def plan(
         if work is None
         else {"time_limit": None, "work": work}
     )
-    try:
-        front = METHODS[method](
-            cell,
+
+    def solve(asked: Cell, question: Question, seconds: float | None) -> Front:
+        return METHODS[method](
+            asked,
             question,
-            **limit,
+            **{**limit, "time_limit": seconds},
             seed=seed,
             workers=workers,
             hint=hint,
             on_solution=on_solution,
         )
+
+    try:
+        if question.minimize == "worst-stress":
+            front = worst_stress.solve(cell, question, solve, limit["time_limit"])
+        else:
+            front = solve(cell, question, limit["time_limit"])
     except InfeasibleError as error:
         raise InfeasibleError(str(error), reasons(cell, question)) from error
     if METHODS[method].settles and not front.interrupted:
         until = None if work is not None or time_limit is None else began + time_limit
         front = settled(front, until=until, workers=workers or os.cpu_count() or 1)
+    if front.cell is not cell:
+        front = worst_stress.unlimited(front, cell)
     return replace(front, wall_s=monotonic() - began)
+
+
+def _check(cell: Cell, minimize: str, method: str) -> None:
+    """Refuses what cannot be asked."""
+    if minimize == "change":
+        raise UsageError("fewest changes are counted from an old plan: ask tandem.replan for them.")
+    if method not in METHODS:
+        near = get_close_matches(method, METHODS, 1, 0.5)
+        hint_text = f"Did you mean {near[0]!r}? " if near else ""
+        raise UsageError(
+            f"there is no method {method!r}. {hint_text}There are {', '.join(METHODS)}."
+        )
+    if len(cell.tasks) > MOST_TASKS:
+        raise CellError(
+            [
+                Fault(
+                    f"the cell has {len(cell.tasks):,} tasks, and at most {MOST_TASKS:,} can be"
+                    " planned. Split it.",
+                    ("tasks",),
+                )
+            ]
+        )
+
+
+def check_effort(time_limit: float | None, work: float | None, workers: int | None) -> None:
+    """Refuses limits that are none, with UsageError."""
+    if time_limit is not None and not time_limit > 0:
+        raise UsageError(f"time limit {time_limit}: must be more than 0 seconds.")
+    if work is not None and not 0 < work < inf:
+        raise UsageError(f"work {work}: must be a number of more than 0.")
+    if workers is not None and workers < 1:
+        raise UsageError(f"workers {workers}: must be 1 or more.")

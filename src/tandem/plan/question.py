@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, get_args, get_type_hints
 
 from tandem.cell.model import plain
 from tandem.cell.written import number
@@ -18,21 +18,23 @@ class Question:
     Attributes:
       minimize: "front" for every compromise; "makespan" or "stress" for the one schedule that is
         best in it and, among those, best in the other; "weighted" for the least `weights[0] *
-        makespan + weights[1] * stress`. "change" is what `least_change.replan` asks: fewest changes
-        to an old plan.
+        makespan + weights[1] * stress`; "worst-stress" for the least stress of the human who has
+        most and, of those schedules, the quickest (`worst_stress.solve`). "change" is what
+        `least_change.replan` asks: fewest changes to an old plan.
       weights: used by "weighted" only.
       max_makespan, max_stress: limits on every schedule, seconds and the cell's measure of stress.
     """
 
-    minimize: Literal["front", "makespan", "stress", "weighted", "change"] = "front"
+    minimize: Literal["front", "makespan", "stress", "worst-stress", "weighted", "change"] = "front"
     weights: tuple[float, float] = (1.0, 1.0)
     max_makespan: float | None = None
     max_stress: float | None = None
 
     def __post_init__(self) -> None:
-        if self.minimize not in ("front", "makespan", "stress", "weighted", "change"):
+        if self.minimize not in get_args(get_type_hints(Question)["minimize"]):
             raise UsageError(
-                f"cannot minimize {self.minimize!r}: choose front, makespan, stress or weighted."
+                f"cannot minimize {self.minimize!r}: choose front, makespan, stress, worst-stress"
+                " or weighted."
             )
         if any(not math.isfinite(w) or w < 0 for w in self.weights) or not any(self.weights):
             raise UsageError(

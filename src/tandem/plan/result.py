@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
 from tandem.plan.question import Question
-from tandem.schedule.measures import makespan, stress
+from tandem.schedule.cost import cost_of_a_piece
+from tandem.schedule.measures import makespan, stress, stress_by_human
 from tandem.schedule.model import Schedule
 
 if TYPE_CHECKING:
@@ -101,6 +102,16 @@ class Result:
         """
         return stress(self.cell, self.schedule)
 
+    @cached_property
+    def worst_stress(self) -> float:
+        """The stress of the human who has most; 0 without humans."""
+        return max(stress_by_human(self.cell, self.schedule).values(), default=0.0)
+
+    @property
+    def cost(self) -> float | None:
+        """Of a piece, where the station makes one at a time; None when the cell states no cost."""
+        return cost_of_a_piece(self.cell, self.makespan)
+
     @property
     def gap(self) -> float:
         """How far the makespan may be above the best, as a share of it; 0 when optimal."""
@@ -115,6 +126,7 @@ class Result:
             "bound": {"makespan": plain(self.bound.makespan), "stress": plain(self.bound.stress)},
             "canonical": self.canonical,
             "digest": self.schedule.digest,
+            **({} if self.cost is None else {"cost_per_piece": plain(self.cost)}),
             **({} if self.risk is None else {"risk": self.risk.to_dict()}),
             "assignments": self.schedule.to_list(),
         }
@@ -209,6 +221,7 @@ class Front:
 
     def to_dict(self) -> dict[str, Any]:
         """The result document of `tandem plan --json`."""
+        asks_for_worst = self.question.minimize == "worst-stress"
         return {
             "schema_version": SCHEMA_VERSION,
             "cell": self.cell.name,
@@ -223,7 +236,13 @@ class Front:
             **({"recommended_by": "p95"} if self.robust else {}),
             "ended_by": self.ended_by,
             "question": self.question.to_dict(),
-            "front": [result.to_dict() for result in self.results],
+            "front": [
+                {
+                    **result.to_dict(),
+                    **({"worst_stress": plain(result.worst_stress)} if asks_for_worst else {}),
+                }
+                for result in self.results
+            ],
             "source": self.source,
             "cell_document": self.cell.to_dict(),
         }

@@ -51,6 +51,7 @@ def plans(front: Front, t: Words) -> Markup:
         (t("front.plan"), ""),
         (t("front.makespan"), "number"),
         (t("front.stress"), "number"),
+        *([(t("front.cost"), "number")] if front.cell.cost is not None else []),
         (t("front.status"), ""),
         (t("front.digest"), ""),
     ]
@@ -68,6 +69,7 @@ def plans(front: Front, t: Words) -> Markup:
             tag("th", mark, scope="row"),
             _number(result.makespan, t),
             _number(result.stress, t),
+            *([_number(result.cost, t)] if result.cost is not None else []),
             tag("td", status(result, t)),
             tag("td", tag("code", result.schedule.digest)),
         ]

@@ -142,11 +142,14 @@ def front_table(front: Front, *, width: int = 80, language: str = "en") -> Table
     The knee has a star. Bounds stand behind a value that is not proven.
     """
     t = words(language)
-    heads = [(t("front.makespan"), "right"), (t("front.stress"), "right"), (t("front.status"), "")]
+    heads = [(t("front.makespan"), "right"), (t("front.stress"), "right")]
+    heads += [(t("front.cost"), "right")] if front.cell.cost is not None else []
+    heads += [(t("front.status"), "")]
     rows = [
         (
             bounded(r.makespan, r.bound.makespan, t),
             bounded(r.stress, r.bound.stress, t),
+            *([t.number(r.cost)] if r.cost is not None else []),
             status(r, language),
         )
         for r in front

@@ -112,11 +112,13 @@ def _front(book: Workbook, front: Front, t: Words, point: int | None, stale: boo
         t("front.plan"),
         t("front.makespan"),
         t("front.stress"),
+        *([t("front.cost")] if front.cell.cost is not None else []),
         t("front.status"),
         t("front.digest"),
         *(t("front.does", who=look.label) for look in shown.values()),
     ]
-    write_header(sheet, 3, heads, [8, 14, 10, 26, 16, *[34] * len(shown)])
+    cost = [14] if front.cell.cost is not None else []
+    write_header(sheet, 3, heads, [8, 14, 10, *cost, 26, 16, *[34] * len(shown)])
     for row, result in enumerate(front, 4):
         does = [
             ", ".join(a.task for a in result.schedule.of(name)) or "–"
@@ -129,6 +131,7 @@ def _front(book: Workbook, front: Front, t: Words, point: int | None, stale: boo
                 row - 3,
                 result.makespan,
                 result.stress,
+                *([result.cost] if result.cost is not None else []),
                 status(result, t),
                 result.schedule.digest,
                 *does,

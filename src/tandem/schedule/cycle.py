@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Decimal
 from functools import cached_property
@@ -101,32 +101,50 @@ def copy_of(task: str, product: int) -> str:
 
 
 def copied(cell: Cell, count: int) -> Cell:
-    """The cell that makes so many products: each task once for each of them, with the rules that
-    hold within a product. Limits on stress hold for all of them together.
+    """The cell that makes so many products: each task once for each of them."""
+    return combined([cell] * count)
+
+
+def combined(products: Sequence[Cell], *, one_allocation: bool = False) -> Cell:
+    """The cell that makes these products, of one station: the tasks of each, with the rules that
+    hold within it. Limits on stress hold for all of them together.
 
     A table of stress by sets says nothing about several products, and is left out.
+
+    Args:
+      products: cells with the same operators, tools and zones.
+      one_allocation: tasks of the same name are done by the same operators in every product.
+
+    Raises CellError when one allocation cannot be, since nobody can do a task in every product.
     """
-    document = cell.to_dict()
-    numbers = range(1, count + 1)
-    document["tasks"] = {
-        copy_of(name, number): {
-            **task,
-            **(
-                {"after": [copy_of(first, number) for first in task["after"]]}
-                if "after" in task
-                else {}
-            ),
-        }
-        for number in numbers
-        for name, task in document["tasks"].items()
-    }
-    document["same_operator"] = [
-        [copy_of(first, number), copy_of(second, number)]
-        for number in numbers
-        for first, second in cell.same_operator
-    ]
+    document = products[0].to_dict()
+    document["tasks"], document["same_operator"] = {}, []
+    for number, product in enumerate(products, 1):
+        own = product.to_dict()
+        for name, task in own["tasks"].items():
+            if "after" in task:
+                task["after"] = [copy_of(first, number) for first in task["after"]]
+            document["tasks"][copy_of(name, number)] = task
+        document["same_operator"] += [
+            [copy_of(first, number), copy_of(second, number)]
+            for first, second in product.same_operator
+        ]
+    if one_allocation:
+        document["same_operator"] += _same_everywhere(products)
     for operator in document["operators"].values():
         if "stress_limit" in operator:
-            operator["stress_limit"] *= count
+            operator["stress_limit"] *= len(products)
     document.pop("stress_of_set", None)
+    document.pop("variants", None)
     return Cell.model_validate(document)
+
+
+def _same_everywhere(products: Sequence[Cell]) -> list[list[str]]:
+    """Pairs that tie each task to the one of the same name in the product before that has it."""
+    pairs, last = [], dict[str, int]()
+    for number, product in enumerate(products, 1):
+        for name in product.tasks:
+            if name in last:
+                pairs.append([copy_of(name, last[name]), copy_of(name, number)])
+            last[name] = number
+    return pairs

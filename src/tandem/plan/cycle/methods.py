@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from difflib import get_close_matches
-from math import inf
 from typing import Literal, Protocol
 
 from tandem.cell.model import Cell
@@ -15,7 +14,7 @@ from tandem.plan.cycle import exact, network
 from tandem.plan.cycle.question import CycleQuestion
 from tandem.plan.cycle.result import CycleFront
 from tandem.plan.infeasible import reasons
-from tandem.plan.methods import MOST_TASKS
+from tandem.plan.methods import MOST_TASKS, check_effort
 from tandem.plan.question import Question
 from tandem.schedule.cycle_checker import not_periodic
 
@@ -86,7 +85,8 @@ def plan_cycle(
       NothingFoundError: none was found within the limit.
     """
     question = CycleQuestion(minimize, takt, max_in_process, max_stress)
-    _check(method, time_limit, work, workers)
+    _check(method)
+    check_effort(time_limit, work, workers)
     if wrong := _cannot_repeat(cell):
         raise CellError(wrong)
     try:
@@ -103,19 +103,13 @@ def plan_cycle(
         raise InfeasibleError(str(error), _reasons(cell, question, time_limit)) from error
 
 
-def _check(method: str, time_limit: float | None, work: float | None, workers: int | None) -> None:
+def _check(method: str) -> None:
     if method not in CYCLE_METHODS:
         near = get_close_matches(method, CYCLE_METHODS, 1, 0.5)
         hint = f"Did you mean {near[0]!r}? " if near else ""
         raise UsageError(
             f"no method {method!r} plans a cycle. {hint}There are {', '.join(CYCLE_METHODS)}."
         )
-    if time_limit is not None and not time_limit > 0:
-        raise UsageError(f"time limit {time_limit}: must be more than 0 seconds.")
-    if work is not None and not 0 < work < inf:
-        raise UsageError(f"work {work}: must be a number of more than 0.")
-    if workers is not None and workers < 1:
-        raise UsageError(f"workers {workers}: must be 1 or more.")
 
 
 def _cannot_repeat(cell: Cell) -> list[Fault]:

@@ -11,6 +11,7 @@ from tandem.cell.model import Cell, plain
 from tandem.plan.cycle.question import FRONT, CycleQuestion
 from tandem.plan.result import SCHEMA_VERSION, Status, knee_index
 from tandem.schedule import measures
+from tandem.schedule.cost import cost_of_a_piece
 from tandem.schedule.cycle import PeriodicSchedule
 from tandem.schedule.model import Schedule
 
@@ -88,6 +89,11 @@ class CycleResult:
         return (self.cycle_time - self.bound.cycle_time) / self.cycle_time
 
     @property
+    def cost(self) -> float | None:
+        """Of all that a cycle makes; None when the cell states no cost."""
+        return cost_of_a_piece(self.cell, self.cycle_time)
+
+    @property
     def per_hour(self) -> float:
         """Products in an hour of the steady state."""
         return 3600 / self.cycle_time
@@ -108,6 +114,7 @@ class CycleResult:
             "status": str(self.status),
             "bound": self.bound.to_dict(),
             "canonical": self.canonical,
+            **({} if self.cost is None else {"cost_per_piece": plain(self.cost)}),
             "digest": self.periodic.digest,
             "assignments": self.schedule.to_list(),
         }
@@ -122,6 +129,8 @@ class CycleFront:
       interrupted: the search was stopped from outside; what it had is here.
       out_of_time: the time limit ended the search.
       source: the file of the cell as it was named; None when the cell came from elsewhere.
+      mix: variant -> how many of it each cycle makes, in the order of the products; empty where
+        each makes one product of the cell.
     """
 
     cell: Cell
@@ -135,6 +144,12 @@ class CycleFront:
     question: CycleQuestion = FRONT
     source: str | None = None
     out_of_time: bool = False
+    mix: tuple[tuple[str, int], ...] = ()
+
+    @property
+    def products(self) -> int:
+        """How many products a cycle makes."""
+        return sum(count for _, count in self.mix) or 1
 
     def __iter__(self) -> Iterator[CycleResult]:
         return iter(self.results)
@@ -188,6 +203,7 @@ class CycleFront:
             "interrupted": self.interrupted,
             "ended_by": self.ended_by,
             "question": self.question.to_dict(),
+            **({"mix": dict(self.mix), "products_per_cycle": self.products} if self.mix else {}),
             "front": [result.to_dict() for result in self.results],
             "source": self.source,
             "cell_document": self.cell.to_dict(),

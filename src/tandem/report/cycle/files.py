@@ -17,11 +17,12 @@ from tandem.files.atomic import store
 from tandem.plan.cycle.result import CycleFront
 from tandem.report import files
 from tandem.report.cycle.tables import load_of
+from tandem.report.cycle.told import cost, per_hour
 from tandem.report.files import About, harmless, table_bytes, to_json, yes
 from tandem.report.language import words
 
 COLUMNS = (
-    "point", "cycle_time_s", "stress", "makespan_s", "in_process", "per_hour", "status",
+    "point", "cycle_time_s", "stress", "makespan_s", "in_process", "per_hour", "cost", "status",
     "bound_cycle_time_s", "bound_stress", "bound_in_process", "knee", "task", "label", "operators",
     "start_s", "end_s", "place_s", "lap", "task_stress", "cycle", "canonical", "shown", "stale",
 )  # fmt: skip
@@ -95,14 +96,15 @@ def to_csv(front: CycleFront, *, point: int | None = None, stale: bool = False) 
 def _rows(front: CycleFront, point: int | None, stale: bool) -> Iterator[list[str]]:
     shown = front.knee_place if point is None and len(front) else (point or 0) - 1
     for place, result in enumerate(front):
-        bound = result.bound
+        bound, price = result.bound, cost(front, result)
         values = [
             str(place + 1),
             number(result.cycle_time),
             number(result.stress),
             number(result.makespan),
             str(result.in_process),
-            number(round(result.per_hour, 1)),
+            number(per_hour(front, result)),
+            "" if price is None else number(price),
             str(result.status),
             number(bound.cycle_time),
             number(bound.stress),

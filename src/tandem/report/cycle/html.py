@@ -18,7 +18,7 @@ from tandem.report.cycle.sheet import (
 from tandem.report.cycle.svg_yamazumi import yamazumi
 from tandem.report.cycle.tables import load, points, steps
 from tandem.report.cycle.told import assumed as assumptions
-from tandem.report.cycle.told import summary, title, values
+from tandem.report.cycle.told import more, summary, title, values
 from tandem.report.instruction_sheet import sheet_of
 from tandem.report.language import Words, words
 from tandem.report.markup import Markup, join, tag
@@ -98,12 +98,12 @@ def _point(front: CycleFront, place: int, t: Words, opens: int, stale: bool) -> 
     if opens - 1 == front.knee_place:
         del marks[1]
     special = [mark for mark, marked in marks if len(front) > 1 and place == marked]
-    named, told = title(front, place, t), values(result, t)
+    named, told = title(front, place, t), values(front, result, t)
     return tag(
         "section",
         tag("h2", named, *badges(special, t)),
         tag("p", imprint(result, t, stale=stale), class_="note"),
-        tag("p", t("cycle.more", **told)),
+        tag("p", more(front, result, t)),
         cycle_gantt(front.cell, result.periodic, t, label=t("cycle.chart", n=place + 1, **told)),
         tag("p", *(key(look, front.cell) for look in looks(front.cell).values())),
         tag("p", _legend(result, t), class_="note"),
@@ -127,7 +127,7 @@ def _point(front: CycleFront, place: int, t: Words, opens: int, stale: bool) -> 
 
 
 def _load_chart(front: CycleFront, result: CycleResult, t: Words) -> Markup:
-    label = t("cycle.yamazumi", **values(result, t))
+    label = t("cycle.yamazumi", **values(front, result, t))
     takt = front.question.takt
     chart = yamazumi(front.cell, result.periodic, t, takt=takt, label=label)
     return tag("div", tag("h3", t("yamazumi.title")), chart, class_="keep")

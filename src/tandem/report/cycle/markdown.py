@@ -17,7 +17,16 @@ from tandem.report.cycle.sheet import (
     until_told,
 )
 from tandem.report.cycle.tables import LOAD, by_place, load_of, load_rows, load_words
-from tandem.report.cycle.told import assumed, idle, in_process, per_hour, status, summary, title
+from tandem.report.cycle.told import (
+    assumed,
+    cost,
+    idle,
+    in_process,
+    per_hour,
+    status,
+    summary,
+    title,
+)
 from tandem.report.language import Words, words
 from tandem.report.markdown import escaped, said, table
 from tandem.report.sources import made
@@ -72,6 +81,7 @@ def _points(front: CycleFront, t: Words) -> str:
         t("cycle.per_hour"),
         t("cycle.makespan"),
         t("cycle.in_process"),
+        *([t("front.cost")] if front.cell.cost is not None else []),
         t("cycle.idle"),
         t("front.status"),
         t("front.digest"),
@@ -84,9 +94,10 @@ def _points(front: CycleFront, t: Words) -> str:
                 f"**{place + 1}** ({t('plan.recommended')})" if knee else str(place + 1),
                 t.number(result.cycle_time),
                 t.number(result.stress),
-                per_hour(result, t),
+                t.number(per_hour(front, result)),
                 t.number(result.makespan),
                 in_process(result, t),
+                *(t.number(each) for each in [cost(front, result)] if each is not None),
                 escaped(", ".join(idle(result, t))),
                 status(result, t),
                 result.periodic.digest,

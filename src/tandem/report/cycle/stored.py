@@ -55,7 +55,14 @@ def _front(document: Mapping[str, Any], cell: Cell) -> CycleFront:
         _question(document.get("question")),
         source if isinstance(source, str) else None,
         out_of_time=document.get("ended_by") == "time",
+        mix=_mix(document.get("mix")),
     )
+
+
+def _mix(told: Any) -> tuple[tuple[str, int], ...]:
+    """What a cycle makes; one product of the cell where the document does not say."""
+    told = told if isinstance(told, Mapping) else {}
+    return tuple((str(name), count) for name, count in told.items() if whole_of(count) > 0)
 
 
 def _bound(row: Mapping[str, Any]) -> CycleBound:

@@ -8,7 +8,7 @@ from tandem.draw.lanes import product_mark
 from tandem.draw.style import looks
 from tandem.plan.cycle.result import CycleFront, CycleResult
 from tandem.report.cycle.sheet import until_told
-from tandem.report.cycle.told import idle, in_process, per_hour, status
+from tandem.report.cycle.told import cost, idle, in_process, per_hour, status
 from tandem.report.language import Words
 from tandem.report.markup import Markup, join, tag
 from tandem.report.tables import MOST_PRINTED, named, pieces, shown_plans, table
@@ -27,6 +27,7 @@ def points(front: CycleFront, t: Words) -> Markup:
         (t("cycle.per_hour"), "number"),
         (t("cycle.makespan"), "number"),
         (t("cycle.in_process"), "number"),
+        *([(t("front.cost"), "number")] if front.cell.cost is not None else []),
         (t("cycle.idle"), ""),
         (t("front.status"), ""),
         (t("front.digest"), ""),
@@ -41,9 +42,14 @@ def points(front: CycleFront, t: Words) -> Markup:
             tag("th", link, scope="row"),
             tag("td", t.number(result.cycle_time), class_="number"),
             tag("td", t.number(result.stress), class_="number"),
-            tag("td", per_hour(result, t), class_="number"),
+            tag("td", t.number(per_hour(front, result)), class_="number"),
             tag("td", t.number(result.makespan), class_="number"),
             tag("td", in_process(result, t), class_="number"),
+            *(
+                tag("td", t.number(each), class_="number")
+                for each in [cost(front, result)]
+                if each is not None
+            ),
             tag("td", pieces(idle(result, t))),
             tag("td", status(result, t)),
             tag("td", tag("code", result.periodic.digest)),

@@ -14,13 +14,14 @@ from tandem.draw.style import looks
 from tandem.plan.cycle.result import CycleFront, CycleResult
 from tandem.plan.result import Status
 from tandem.report.cycle.told import (
+    cost,
     crew,
     in_process,
     limits,
     listed,
+    more,
     per_hour,
     title,
-    values,
     which,
 )
 from tandem.report.language import Words, words
@@ -68,10 +69,10 @@ class CycleView:
         place = front.knee_place if self.point is None else self.point - 1
         yield Text(title(front, place, t, knee=True), style="bold")
         yield CycleText(front.cell, result.periodic, language=self.language)
-        yield Text(t("cycle.more", **values(result, t)))
+        yield Text(more(front, result, t))
         for line in load(result, t):
             yield Text(line)
-        yield Text(which(result, t))
+        yield Text(which(front, result, t))
         yield Text(imprint(result, t, stale=self.stale), style="dim")
 
 
@@ -117,6 +118,7 @@ def cycle_table(front: CycleFront, *, width: int = 80, language: str = "en") -> 
         (t("cycle.head.makespan"), "right"),
         (t("cycle.head.in_process"), "right"),
         (t("cycle.head.per_hour"), "right"),
+        *([(t("front.cost"), "right")] if front.cell.cost is not None else []),
         (t("front.status"), ""),
     ]
     rows = []
@@ -129,7 +131,8 @@ def cycle_table(front: CycleFront, *, width: int = 80, language: str = "en") -> 
                 bounded(r.stress, least[1], t),
                 t.number(r.makespan),
                 in_process(r, t),
-                per_hour(r, t),
+                t.number(per_hour(front, r)),
+                *(t.number(each) for each in [cost(front, r)] if each is not None),
                 t("front.proven") if proven else t("terminal.gap", gap=t.share(r.gap)),
             )
         )

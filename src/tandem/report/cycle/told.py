@@ -45,20 +45,31 @@ def limits(front: CycleFront, t: Words, *, within: bool = False) -> list[str]:
     ]
 
 
-def values(result: CycleResult, t: Words) -> dict[str, str]:
+def mix(front: CycleFront, t: Words) -> str:
+    """What a cycle makes, where that is not one product of the cell."""
+    return listed([t("cycle.mix", n=count, name=name) for name, count in front.mix], t)
+
+
+def values(front: CycleFront, result: CycleResult, t: Words) -> dict[str, str]:
     """The numbers of a point, as sentences take them."""
     return {
+        "mix": mix(front, t),
         "cycle_time": t.seconds(result.cycle_time),
         "stress": t.number(result.stress),
         "makespan": t.seconds(result.makespan),
         "in_process": str(result.in_process),
-        "per_hour": per_hour(result, t),
+        "per_hour": t.number(per_hour(front, result)),
     }
 
 
-def per_hour(result: CycleResult, t: Words) -> str:
+def per_hour(front: CycleFront, result: CycleResult) -> float:
     """Products in an hour, to a tenth."""
-    return t.number(round(result.per_hour, 1))
+    return round(result.per_hour * front.products, 1)
+
+
+def cost(front: CycleFront, result: CycleResult) -> float | None:
+    """Of one product; None when the cell states no cost."""
+    return None if result.cost is None else round(result.cost / front.products, 4)
 
 
 def status(result: CycleResult, t: Words) -> str:
@@ -86,16 +97,21 @@ def idle(result: CycleResult, t: Words) -> list[str]:
     return [f"{shown[name].label} {t.share(own.share(own.idle))}" for name, own in turned.items()]
 
 
-def which(result: CycleResult, t: Words) -> str:
+def which(front: CycleFront, result: CycleResult, t: Words) -> str:
     """Which of makespan and cycle time a planner needs."""
-    return t("cycle.which", **values(result, t))
+    return t("cycle.which.mix" if front.mix else "cycle.which", **values(front, result, t))
+
+
+def more(front: CycleFront, result: CycleResult, t: Words) -> str:
+    """What a point means for the station."""
+    return t("cycle.more.mix" if front.mix else "cycle.more", **values(front, result, t))
 
 
 def title(front: CycleFront, place: int, t: Words, *, knee: bool = False) -> str:
     """What a point is called: its number and values; place counted from 0."""
     result = front[place]
     key = "cycle.point.knee" if knee and len(front) > 2 and result is front.knee else "cycle.point"
-    return t(key, n=place + 1, **values(result, t))
+    return t(key, n=place + 1, **values(front, result, t))
 
 
 def summary(
@@ -105,7 +121,8 @@ def summary(
     cell = front.cell
     first = [
         t(
-            "cycle.summary.cell",
+            "cycle.summary.mix" if front.mix else "cycle.summary.cell",
+            mix=mix(front, t),
             tasks=t.count("task", len(cell.tasks)),
             operators=listed(crew(cell, t), t),
         )
@@ -116,22 +133,24 @@ def summary(
     if not len(front):
         return [*warned, " ".join(first), t("cycle.summary.none")]
     if len(front) == 1:
-        first.append(t("cycle.summary.one", **values(front[0], t)))
+        first.append(t("cycle.summary.one", **values(front, front[0], t)))
     else:
         ends = {
-            f"{which}_{key}": value
-            for which, result in (("first", front[0]), ("last", front[len(front) - 1]))
-            for key, value in values(result, t).items()
+            f"{end}_{key}": value
+            for end, result in (("first", front[0]), ("last", front[len(front) - 1]))
+            for key, value in values(front, result, t).items()
         }
         first.append(t("cycle.summary.many", n=len(front), **ends))
-        first.append(t("cycle.summary.knee", n=front.knee_place + 1, **values(front.knee, t)))
+        first.append(
+            t("cycle.summary.knee", n=front.knee_place + 1, **values(front, front.knee, t))
+        )
     proof = "open" if not front.complete else "proven" if front.question.is_front else "answer"
     sentences = [" ".join(first), t(f"cycle.summary.{proof}")]
     sentences += [t("summary.interrupted")] if front.interrupted else []
     chosen = front.shown(point)
     if chosen is not front.knee:
-        sentences.append(t("cycle.summary.shown", n=point, **values(chosen, t)))
-    return [*warned, *sentences, which(chosen, t)]
+        sentences.append(t("cycle.summary.shown", n=point, **values(front, chosen, t)))
+    return [*warned, *sentences, which(front, chosen, t)]
 
 
 def assumed(front: CycleFront, t: Words) -> list[str]:

@@ -18,7 +18,16 @@ from tandem.report.cycle.sheet import (
     sheet_title,
 )
 from tandem.report.cycle.tables import LOAD, by_place, load_of, load_rows
-from tandem.report.cycle.told import assumed, idle, in_process, status, title, which
+from tandem.report.cycle.told import (
+    assumed,
+    cost,
+    idle,
+    in_process,
+    per_hour,
+    status,
+    title,
+    which,
+)
 from tandem.report.language import Words, words
 from tandem.report.sources import made
 from tandem.report.tables import named
@@ -84,11 +93,13 @@ def _points(book: Workbook, front: CycleFront, t: Words, point: int | None, stal
         t("cycle.per_hour"),
         t("cycle.makespan"),
         t("cycle.in_process"),
+        *([t("front.cost")] if front.cell.cost is not None else []),
         t("cycle.idle"),
         t("front.status"),
         t("front.digest"),
     ]
-    write_header(sheet, 3, heads, [8, 14, 11, 14, 14, 12, 40, 26, 16])
+    price = [14] if front.cell.cost is not None else []
+    write_header(sheet, 3, heads, [8, 14, 11, 14, 14, 12, *price, 40, 26, 16])
     for row, result in enumerate(front, 4):
         fewest = in_process(result, t)
         write_row(
@@ -98,9 +109,10 @@ def _points(book: Workbook, front: CycleFront, t: Words, point: int | None, stal
                 row - 3,
                 result.cycle_time,
                 result.stress,
-                round(result.per_hour, 1),
+                per_hour(front, result),
                 result.makespan,
                 result.in_process if fewest.isdecimal() else fewest,
+                *(each for each in [cost(front, result)] if each is not None),
                 ", ".join(idle(result, t)),
                 status(result, t),
                 result.periodic.digest,
@@ -114,7 +126,7 @@ def _points(book: Workbook, front: CycleFront, t: Words, point: int | None, stal
     for row, says in enumerate(below, len(front) + 5):
         put(sheet, row, 1, says)
     if len(front):
-        spread(sheet, len(front) + 6 + len(below), which(front.shown(point), t), len(heads))
+        spread(sheet, len(front) + 6 + len(below), which(front, front.shown(point), t), len(heads))
     sheet.freeze_panes = "B4"
 
 
