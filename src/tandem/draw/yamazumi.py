@@ -139,12 +139,15 @@ def plot_yamazumi(
 
 
 def names_in(block: Block, t: Words) -> list[str]:
-    """What may stand in a block, from the fullest to the shortest."""
+    """What may stand in a block, from the fullest to the shortest; the second is in two lines."""
     label = block.label or t("picture.changeover")
     name = (block.task or label) + ("+" if block.joint else "")
     full = name if label in (block.task, name) else f"{name}: {label}"
     seconds = t.seconds(block.seconds)
-    return [f"{full}, {seconds}", f"{name}, {seconds}", name]
+    whole = f"{full}, {seconds}"
+    folded = textwrap.wrap(whole, len(whole) // 2 + 4, break_long_words=False)
+    two = ["\n".join(folded)] if len(folded) == 2 else []
+    return [whole, *two, f"{name}, {seconds}", name]
 
 
 def _block(ax: Axes, place: int, look: Look, block: Block, t: Words) -> None:

@@ -16,7 +16,7 @@ from tandem.report.tables import table
 
 PAGE, LINE, GAP = 142.0, 4.5, 1.8
 """Height of a printed page for rows, of a line and between rows, millimetres."""
-ACROSS = {"does": 16, "what": 16, "means": 20, "begin": 36, "then": 22}
+ACROSS = {"does": 16, "what": 16, "product": 14, "means": 20, "begin": 36, "then": 22}
 """Characters across a column on paper."""
 NUMBERS = ("number", "start", "end", "deadline", "at", "until")
 
@@ -86,7 +86,7 @@ def _height(found: Sequence[Row]) -> float:
 
 def _lines_of(step: Row, key: str) -> int:
     """Lines of one column."""
-    value = getattr(step, key)
+    value = getattr(step, key, "")
     if key == "begin":
         value = tuple(condition.says for condition in value)
     sentences = value if isinstance(value, tuple) else (value,)

@@ -117,14 +117,15 @@ def _panel(
     # a bar that runs on into the next cycle hides its end, so that the bar's name stays legible
     pieces += _lines(ends, "boundary", begin, stop, x, len(rows), t) if boundaries else []
     joints: dict[tuple[str, int | None], list[float]] = {}
+    bars = []
     for place, lane in enumerate(rows):
         y = TOP + place * LANE
         for off in lane.shaded:
             if off.end > begin and off.start < stop:
-                pieces.append(_off(off, x(off.start), x(off.end), y + 9, t))
+                bars.append(_off(off, x(off.start), x(off.end), y + 9, t))
         for bar in lane.bars:
             if bar.end > begin and bar.start < stop:
-                pieces.append(
+                bars.append(
                     _bar(
                         lane.look_of(bar),
                         bar,
@@ -143,6 +144,7 @@ def _panel(
         pieces.append(
             tag("line", x1=middle, x2=middle, y1=min(ys) + 9 + BAR, y2=max(ys) + 9, class_="joint")
         )
+    pieces += bars  # over the links, which pass behind whoever takes no part
     pieces += [] if boundaries else _lines(ends, "end", begin, stop, x, len(rows), t)
     return tag(
         "svg",

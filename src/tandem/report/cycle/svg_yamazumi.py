@@ -14,6 +14,8 @@ from tandem.schedule.cycle import PeriodicSchedule
 LEFT, TOP, HIGH, BOTTOM = 80.0, 34.0, 380.0, 78.0
 STACK, GAP, LEAST = 200.0, 44.0, 460.0
 """Pixels across a stack, between stacks, and across the chart at least."""
+LINE = 19.0
+"""Pixels from one line of a name to the next."""
 
 
 def yamazumi(
@@ -80,26 +82,37 @@ def _block(
         tag("title", title),
         tag("rect", x=x, y=top, width=STACK, height=low - top, fill=paint, class_="bar"),
     ]
-    words = fitting(names_in(block, t), STACK - 12) if low - top >= 19 else ""
-    if words:
-        middle, wide = (top + low) / 2, width_of(words, 16)
+    lines = _lines(block, low - top, t)
+    for place, line in enumerate(lines):
+        middle = (top + low) / 2 + (place - (len(lines) - 1) / 2) * LINE
         if stack.look.hatch or not block.task:
-            back = stack.look.tint if block.task else "#E9ECEF"
+            wide = min(width_of(line, 16), STACK - 4)
             pieces.append(
                 tag(
                     "rect",
-                    x=x + STACK / 2 - min(wide, STACK - 4) / 2,
+                    x=x + STACK / 2 - wide / 2,
                     y=middle - 9,
-                    width=min(wide, STACK - 4),
+                    width=wide,
                     height=18,
                     rx=3,
-                    fill=back,
+                    fill=stack.look.tint if block.task else "#E9ECEF",
                 )
             )
         pieces.append(
-            text(x + STACK / 2, middle + 5.5, words, text_anchor="middle", class_="on-bar")
+            text(x + STACK / 2, middle + 5.5, line, text_anchor="middle", class_="on-bar")
         )
     return tag("g", *pieces, class_="task")
+
+
+def _lines(block: Block, high: float, t: Words) -> list[str]:
+    """The fullest wording that fits into a block of so many pixels; nothing where none does."""
+    room = STACK - 12
+    for words in names_in(block, t):
+        lines = words.split("\n")
+        if len(lines) * LINE <= high and all(width_of(line, 16) <= room for line in lines):
+            return lines
+    cut = fitting(names_in(block, t)[-1:], room) if high >= LINE else ""
+    return [cut] if cut else []
 
 
 def _foot(stack: Stack, middle: float, t: Words) -> list[Markup]:
