@@ -186,7 +186,7 @@ def _printing(front: Front, t: Words) -> Markup:
     if not len(front):
         return Markup("")
     keys = ("plans", "more") if len(front) > 1 else ("more",)
-    return printing({key: t(f"print.{key}") for key in keys}, t)
+    return printing(t("print.lead"), {key: t(f"print.{key}") for key in keys})
 
 
 def _trade_off(front: Front, t: Words, players: Sequence[Player]) -> Markup:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from math import ceil
+from typing import Any
 
 from tandem.draw.style import looks
 from tandem.plan.result import Result
@@ -86,9 +87,9 @@ def _height(found: Sequence[Row]) -> float:
 
 def _lines_of(step: Row, key: str) -> int:
     """Lines of one column."""
-    value = getattr(step, key, "")
+    value: Any = getattr(step, key, "")
     if key == "begin":
-        value = tuple(condition.says for condition in value)
+        value = tuple(condition.says for condition in step.begin)
     sentences = value if isinstance(value, tuple) else (value,)
     return sum(ceil(len(sentence) / ACROSS[key]) for sentence in sentences)
 

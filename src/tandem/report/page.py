@@ -71,7 +71,7 @@ def lead(sentences: Iterable[str], *, stale: bool) -> list[Markup]:
     ]
 
 
-def printing(more: Mapping[str, str], t: Words) -> Markup:
+def printing(says: str, more: Mapping[str, str]) -> Markup:
     """What is printed, and what more can be, as ("plans" or "more", words): boxes to tick, which
     need no script.
     """
@@ -84,7 +84,7 @@ def printing(more: Mapping[str, str], t: Words) -> Markup:
         )
         for key, said in more.items()
     )
-    return tag("p", t("print.lead"), *boxes, class_="screen printing")
+    return tag("p", says, *boxes, class_="screen printing")
 
 
 def all_or_one(t: Words) -> Markup:

@@ -75,7 +75,7 @@ def _printing(front: CycleFront, t: Words) -> Markup:
     if not len(front):
         return Markup("")
     plans = {"plans": t("cycle.print.points")} if len(front) > 1 else {}
-    return printing({**plans, "more": t("cycle.print.load")}, t)
+    return printing(t("cycle.print.lead"), {**plans, "more": t("cycle.print.load")})
 
 
 def _trade_off(front: CycleFront, t: Words) -> Markup:

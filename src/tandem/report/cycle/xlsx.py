@@ -4,6 +4,7 @@ operator, a sheet for each human, assumptions; and the cell itself, as `tandem i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from tandem.draw.imprint import remarks
@@ -11,6 +12,7 @@ from tandem.draw.lanes import product_mark
 from tandem.draw.style import looks
 from tandem.plan.cycle.result import CycleFront, CycleResult
 from tandem.report.cycle.sheet import (
+    CycleStep,
     cycle_steps,
     sheet_columns,
     sheet_origin,
@@ -76,8 +78,8 @@ def xlsx(
         _load(book, result, named_so, t)
         name_plan(book, result, t, stale)
         told = "; ".join([named_so, *remarks(result, t, stale=stale)])
-        for operator in front.cell.humans:
-            _sheet(book, result, operator, told, t)
+        for operator, found in cycle_steps(result, t).items():
+            _sheet(book, result, operator, found, told, t)
             name_on_paper(book, result, t, stale)
     write_made(book, assumed(front, t), made(front, t, command, date), t)
     return finished(book, cell_sheets)
@@ -169,11 +171,17 @@ def _load(book: Workbook, result: CycleResult, named_so: str, t: Words) -> None:
     sheet.freeze_panes = "B4"
 
 
-def _sheet(book: Workbook, result: CycleResult, operator: str, told: str, t: Words) -> None:
+def _sheet(
+    book: Workbook,
+    result: CycleResult,
+    operator: str,
+    found: Sequence[CycleStep],
+    told: str,
+    t: Words,
+) -> None:
     """A human's instructions for one cycle."""
     sheet = book.create_sheet(sheet_name(book, looks(result.cell)[operator].label))
     write_title(sheet, sheet_title(result, operator, t))
-    found = cycle_steps(result, t)[operator]
     if not found:
         put(sheet, 4, 1, t("cycle.sheet.none"))
         return
