@@ -69,7 +69,7 @@ def test_every_shade_of_every_operator_is_one_on_which_black_text_reads() -> Non
 
 def test_the_changeover_into_a_cycle_is_at_the_end_of_the_one_before() -> None:
     cobot = steady_lanes(bench(), bench_pattern())[2]
-    spans = [(off.start, off.end, off.tool) for off in cobot.shaded]
+    spans = [(off.start, off.end, off.what) for off in cobot.shaded]
     assert sorted(spans) == [
         (11, 14, "driver"),
         (22, 24, "gripper"),

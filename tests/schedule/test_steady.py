@@ -4,17 +4,19 @@ lost.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from decimal import Decimal
+
 import pytest
 from tests.draw.cycles import bench, bench_pattern, thesis_cycles
 from tests.fuzz.cycles import drawn
 
-from tandem.cell.model import Cell
 from tandem.errors import CellError, InfeasibleError
 from tandem.files.validate import cell_of
 from tandem.plan.cycle.methods import plan_cycle
 from tandem.schedule.cycle import copied, start_up
 from tandem.schedule.cycle_checker import faults
-from tandem.schedule.measures import changeovers, exact, working
+from tandem.schedule.measures import Changeover, Walk, changeovers, exact, walks, working
 from tandem.schedule.steady import rounds
 
 
@@ -34,7 +36,7 @@ def test_a_round_is_in_the_order_of_the_cycle_and_says_of_which_product() -> Non
 def test_the_first_changeover_of_a_cycle_is_from_the_last_tool_of_the_cycle_before() -> None:
     """The cobot begins a day with the gripper in hand and a cycle with the driver."""
     cobot = rounds(bench(), bench_pattern())["cobot"]
-    assert [(turn.assignment.task, turn.change, turn.tool) for turn in cobot.turns] == [
+    assert [(turn.assignment.task, turn.ready.change, turn.ready.tool) for turn in cobot.turns] == [
         ("place", 2, "gripper"),
         ("lift", 0, ""),
         ("screw", 3, "driver"),
@@ -54,8 +56,8 @@ def test_who_does_nothing_is_idle_all_the_cycle() -> None:
 
 @pytest.mark.parametrize("seed", range(40))
 def test_rounds_are_what_many_products_on_one_clock_do_in_the_middle(seed: int) -> None:
-    """Work and changeovers of one cycle, counted by the measures of schedules in the last cycle of
-    many.
+    """Work, walks and changeovers of one cycle, counted by the measures of schedules in the
+    last cycle of many.
     """
     try:
         cell = cell_of(drawn(seed)[1])
@@ -67,18 +69,22 @@ def test_rounds_are_what_many_products_on_one_clock_do_in_the_middle(seed: int) 
         many = result.periodic.products(count, start_up(cell))
         several = copied(cell.replace(stress_of_set=None), count)
         begin = exact(start_up(cell)) + (count - 2) * exact(result.cycle_time)
-        changes = _changing(several, many, begin, begin + exact(result.cycle_time))
+        end = begin + exact(result.cycle_time)
+        changes = _within(changeovers(several, many), begin, end)
+        ways = _within(walks(several, many), begin, end)
         for name, own in rounds(cell, result.periodic).items():
             assert own.working == working(cell, result.schedule)[name]
-            assert own.working + own.changing + own.idle == pytest.approx(result.cycle_time)
+            spent = own.working + own.walking + own.changing + own.idle
+            assert spent == pytest.approx(result.cycle_time)
             assert own.idle >= 0
             assert own.changing == pytest.approx(changes.get(name, 0.0))
+            assert own.walking == pytest.approx(ways.get(name, 0.0))
 
 
-def _changing(cell: Cell, schedule: object, begin: object, end: object) -> dict[str, float]:
-    """Seconds of changeovers before what begins in a span of time."""
-    found: dict[str, float] = {}
-    for change in changeovers(cell, schedule):  # type: ignore[arg-type]
-        if begin <= exact(change.end) < end:  # type: ignore[operator]
-            found[change.operator] = found.get(change.operator, 0.0) + change.end - change.start
-    return found
+def _within(found: Iterable[Changeover | Walk], begin: Decimal, end: Decimal) -> dict[str, float]:
+    """Seconds per operator of what ends in a span of time."""
+    spent: dict[str, float] = {}
+    for piece in found:
+        if begin <= exact(piece.end) < end:
+            spent[piece.operator] = spent.get(piece.operator, 0.0) + piece.end - piece.start
+    return spent

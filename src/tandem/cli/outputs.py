@@ -24,7 +24,9 @@ def source_of(cell_file: str, *, is_variant: bool) -> str | None:
     return None if is_variant or cell_file == "-" else cell_file
 
 
-def kept_when_interrupted(front: Front, files: Iterable[Path], cell_file: str) -> list[Path]:
+def kept_when_interrupted(
+    front: Front | CycleFront, files: Iterable[Path], cell_file: str
+) -> list[Path]:
     """Where an interrupted front is kept when no file was asked for that holds all of it."""
     if not front.interrupted or any(path.suffix == ".json" for path in files):
         return []
