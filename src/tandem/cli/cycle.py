@@ -4,10 +4,7 @@ makes one product after the other.
 
 from __future__ import annotations
 
-import datetime
 import json
-import shlex
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -261,24 +258,11 @@ def _show(
     outputs: Outputs,
 ) -> None:
     """Writes the files, and the document or the view on stdout."""
-    from rich.console import Console
-
     from tandem.plan.cycle.batch import told
-    from tandem.report.cycle.files import write
-    from tandem.report.cycle.terminal import CycleView
 
-    files = list(outputs.files)
-    if front.interrupted and not any(path.suffix == ".json" for path in files):
-        files.append(Path(f"{outputs.stem}.interrupted.json"))
-    for path in files:
-        write(
-            front,
-            path,
-            command=shlex.join(["tandem", *sys.argv[1:]]),
-            date=datetime.date.today().isoformat(),
-            language=outputs.lang,
-            point=outputs.point,
-        )
+    files = [*outputs.files]
+    files += kept_when_interrupted(front, files, f"{outputs.stem}.yaml")
+    write_outputs(front, files, outputs.lang, point=outputs.point)
     if outputs.as_json:
         document = front.to_dict()
         if batch is not None and asked.batch is not None:
@@ -288,8 +272,7 @@ def _show(
             document["alone"] = alone.to_dict()
         click.echo(json.dumps(document, ensure_ascii=False))
     else:
-        console = Console(file=sys.stdout, highlight=False)
-        console.print(CycleView(front, language=outputs.lang, point=outputs.point))
+        show(front, False, outputs.lang, point=outputs.point)
         if batch is not None and asked.batch is not None:
             _tell_batch(batch, asked.batch)
         if alone is not None:

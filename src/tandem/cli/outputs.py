@@ -8,11 +8,12 @@ import shlex
 import sys
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 if TYPE_CHECKING:
+    from tandem.plan.cycle.result import CycleFront
     from tandem.plan.result import Front
 
 
@@ -23,7 +24,9 @@ def source_of(cell_file: str, *, is_variant: bool) -> str | None:
     return None if is_variant or cell_file == "-" else cell_file
 
 
-def kept_when_interrupted(front: Front, files: Iterable[Path], cell_file: str) -> list[Path]:
+def kept_when_interrupted(
+    front: Front | CycleFront, files: Iterable[Path], cell_file: str
+) -> list[Path]:
     """Where an interrupted front is kept when no file was asked for that holds all of it."""
     if not front.interrupted or any(path.suffix == ".json" for path in files):
         return []
@@ -32,7 +35,7 @@ def kept_when_interrupted(front: Front, files: Iterable[Path], cell_file: str) -
 
 
 def write_outputs(
-    front: Front,
+    front: Front | CycleFront,
     files: Iterable[Path],
     lang: str,
     *,
@@ -40,18 +43,22 @@ def write_outputs(
     stale: bool = False,
 ) -> None:
     """Writes the files, with the command and the day."""
+    from tandem.plan.cycle.result import CycleFront
+    from tandem.report.cycle.files import write as write_cycle
     from tandem.report.files import write
 
+    about: dict[str, Any] = {
+        "command": shlex.join(["tandem", *sys.argv[1:]]),
+        "date": datetime.date.today().isoformat(),
+        "language": lang,
+        "point": point,
+        "stale": stale,
+    }
     for path in files:
-        write(
-            front,
-            path,
-            command=shlex.join(["tandem", *sys.argv[1:]]),
-            date=datetime.date.today().isoformat(),
-            language=lang,
-            point=point,
-            stale=stale,
-        )
+        if isinstance(front, CycleFront):
+            write_cycle(front, path, **about)
+        else:
+            write(front, path, **about)
 
 
 def tell_written(files: Iterable[Path], lang: str) -> None:
@@ -63,7 +70,7 @@ def tell_written(files: Iterable[Path], lang: str) -> None:
 
 
 def show(
-    front: Front,
+    front: Front | CycleFront,
     as_json: bool,
     lang: str = "en",
     *,
@@ -76,8 +83,13 @@ def show(
         return
     from rich.console import Console
 
+    from tandem.plan.cycle.result import CycleFront
+    from tandem.report.cycle.terminal import CycleView
     from tandem.report.terminal import FrontView
 
-    Console(file=sys.stdout, highlight=False).print(
-        FrontView(front, language=lang, point=point, stale=stale)
+    view = (
+        CycleView(front, language=lang, point=point, stale=stale)
+        if isinstance(front, CycleFront)
+        else FrontView(front, language=lang, point=point, stale=stale)
     )
+    Console(file=sys.stdout, highlight=False).print(view)

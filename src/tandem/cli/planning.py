@@ -326,7 +326,7 @@ def check_command(
     not sound, 6 when a schedule breaks it.
     """
     from tandem.files.load import load
-    from tandem.report.results import points_of, read_result, schedules_of, stale
+    from tandem.report.results import patterns_of, points_of, read_result, stale
     from tandem.report.stored import cell_in, faults_in, stale_note, stale_now
 
     if cell_file != "-" and Path(cell_file).is_dir():
@@ -337,12 +337,12 @@ def check_command(
         return tell_folder(Path(cell_file), as_json)
     if result_file is None and is_plan(cell_file):
         result_file = Path(cell_file)
-        document = read_result(result_file)
+        document = read_result(result_file, cycles=True)
         cell, values = cell_in(document, result_file), points_of(document, cell_file)
         is_stale: bool | None = stale_now(document, result_file)[1]
     else:
         cell, values = load(cell_file, form), []
-        document = read_result(result_file) if result_file else {"front": []}
+        document = read_result(result_file, cycles=True) if result_file else {"front": []}
         is_stale = stale(document, cell)
     found = faults_in(document, cell, values)
     if as_json:
@@ -353,7 +353,7 @@ def check_command(
         }
         if result_file:
             answer["stale"] = is_stale
-            answer["plans"] = [schedule.digest for schedule in schedules_of(document)]
+            answer["plans"] = [pattern.digest for pattern in patterns_of(document)]
         wrong = [{"point": place, "fault": fault} for place, fault in found]
         click.echo(json.dumps({**answer, "faults": wrong}, ensure_ascii=False))
     if result_file and is_stale:

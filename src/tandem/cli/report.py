@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from tandem.cli.options import AS_JSON, FORMAT, LANGUAGE, OUTPUTS, point_options
-from tandem.cli.stored import stored_plan
+from tandem.cli.stored import holds_cycles, stored_cycle, stored_plan
 from tandem.errors import UsageError
 
 
@@ -50,19 +50,28 @@ def report_command(
 
     PLAN is what `tandem plan CELL -o plan.json` wrote. Without -o the plan is shown in the
     terminal. A plan whose cell has changed since is stale: that is said, in the files too. Exit
-    code 6 when a schedule breaks the cell that PLAN holds, or CELL.
+    code 6 when a schedule breaks the cell that PLAN holds, or CELL. The cycles of a station that
+    repeats, kept in the same way, are read too: --point and --stress choose among them.
     """
     from tandem.cli.outputs import show, tell_written, write_outputs
     from tandem.files.load import load
     from tandem.plan.choice import point_of
+    from tandem.report.cycle import files as cycle_files
     from tandem.report.files import ready_to_write
 
     if more and not outputs:
         files = " ".join(map(str, more))
         raise UsageError(f"{files}: one PLAN is read; name files to write with -o {files}.")
     outputs = (*outputs, *more)
-    ready_to_write(outputs)
-    plan = stored_plan(plan_file, load(cell_file, form) if cell_file else None, lang)
+    of_cycles = holds_cycles(plan_file)
+    if of_cycles and makespan is not None:
+        raise UsageError(
+            f"--makespan {makespan:g}: {plan_file} holds cycles; choose one with --point or"
+            " --stress."
+        )
+    (cycle_files.ready_to_write if of_cycles else ready_to_write)(outputs)
+    read = stored_cycle if of_cycles else stored_plan
+    plan = read(plan_file, load(cell_file, form) if cell_file else None, lang)
     place = point_of(plan.front, point, makespan, stress) + 1
     if as_json:
         stale = {"stale": True} if plan.is_stale else {}

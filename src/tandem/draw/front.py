@@ -1,4 +1,4 @@
-"""The trade-off between makespan and stress as a chart."""
+"""The trade-off between makespan, or cycle time, and stress as a chart."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 from tandem.draw.figure import axes_or_new, legend_below, numbers_in
 from tandem.draw.language import Words, words
 from tandem.draw.style import INK, RULE, SHADE
-from tandem.plan.result import Front, Result, Status
+from tandem.plan.cycle.result import CycleFront, CycleResult
+from tandem.plan.result import Bound, Front, Result, Status
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -18,7 +19,11 @@ MOST_LABELS = 40
 
 
 def plot_front(
-    front: Front, ax: Axes | None = None, *, language: str = "en", point: int | None = None
+    front: Front | CycleFront,
+    ax: Axes | None = None,
+    *,
+    language: str = "en",
+    point: int | None = None,
 ) -> Axes:
     """Draws every point with its numbers and returns the axes.
 
@@ -31,7 +36,7 @@ def plot_front(
     left, right, low, high = window(front)
     ax.set_xlim(left, right)
     ax.set_ylim(low, high)
-    ax.set_xlabel(t("front.makespan"))
+    ax.set_xlabel(t(time_axis(front)))
     ax.set_ylabel(t("front.stress"))
     numbers_in(ax.xaxis, t)
     numbers_in(ax.yaxis, t)
@@ -57,14 +62,32 @@ def plot_front(
     return ax
 
 
-def window(front: Front) -> tuple[float, float, float, float]:
+def time_of(result: Result | CycleResult) -> float:
+    """What the chart goes by to the right, seconds: the cycle time of a pattern that repeats, else
+    the makespan.
+    """
+    return result.cycle_time if isinstance(result, CycleResult) else result.makespan
+
+
+def least_time(result: Result | CycleResult) -> float:
+    """The bound on it, seconds."""
+    bound = result.bound
+    return bound.makespan if isinstance(bound, Bound) else bound.cycle_time
+
+
+def time_axis(front: Front | CycleFront) -> str:
+    """The key of the words for it."""
+    return "front.cycle_time" if isinstance(front, CycleFront) else "front.makespan"
+
+
+def window(front: Front | CycleFront) -> tuple[float, float, float, float]:
     """Left, right, low, high of a chart in which every point and bound has room, seconds and
     stress.
     """
     times = [
         value
         for r in front
-        for value in (r.makespan, r.bound.makespan if r.status != Status.OPTIMAL else r.makespan)
+        for value in (time_of(r), least_time(r) if r.status != Status.OPTIMAL else time_of(r))
     ] or [0.0, 1.0]
     loads = [
         value
@@ -89,17 +112,17 @@ def window(front: Front) -> tuple[float, float, float, float]:
     )
 
 
-def staircase(front: Front, right: float, high: float) -> list[tuple[float, float]]:
+def staircase(front: Front | CycleFront, right: float, high: float) -> list[tuple[float, float]]:
     """Corners of the edge between what the points dominate and the rest, from top left to bottom
     right.
     """
-    corners = [(front[0].makespan, high)]
+    corners = [(time_of(front[0]), high)]
     for result in front:
-        corners += [(result.makespan, corners[-1][1]), (result.makespan, result.stress)]
+        corners += [(time_of(result), corners[-1][1]), (time_of(result), result.stress)]
     return [*corners[1:], (right, corners[-1][1])]
 
 
-def _dominated(ax: Axes, front: Front, right: float, high: float) -> None:
+def _dominated(ax: Axes, front: Front | CycleFront, right: float, high: float) -> None:
     from matplotlib.patches import Polygon
 
     edge = staircase(front, right, high)
@@ -111,12 +134,12 @@ def _dominated(ax: Axes, front: Front, right: float, high: float) -> None:
     ax.plot([x for x, _ in edge], [y for _, y in edge], color="#7A828A", lw=1.1, zorder=1)
 
 
-def _point(ax: Axes, result: Result) -> None:
-    x, y = result.makespan, result.stress
+def _point(ax: Axes, result: Result | CycleResult) -> None:
+    x, y = time_of(result), result.stress
     proven = result.status == Status.OPTIMAL
     if not proven:
         ax.plot(
-            [result.bound.makespan, x],
+            [least_time(result), x],
             [y, y],
             color=POINT,
             lw=1.3,
@@ -156,24 +179,25 @@ FRAMES: dict[str, dict[str, Any]] = {
 }
 
 
-def _frame(ax: Axes, result: Result, why: str) -> None:
-    at = [result.makespan], [result.stress]
+def _frame(ax: Axes, result: Result | CycleResult, why: str) -> None:
+    at = [time_of(result)], [result.stress]
     ax.plot(*at, ms=17, zorder=4, gid=why, **FRAMES[why])
 
 
-def _labels(ax: Axes, front: Front, point: int | None, t: Words) -> None:
+def _labels(ax: Axes, front: Front | CycleFront, point: int | None, t: Words) -> None:
     """The knee and the ends first, then every other point whose label meets no other."""
     from matplotlib.transforms import Bbox
 
-    knee, shown = (front.results.index(result) for result in (front.knee, front.shown(point)))
+    knee = front.knee_place
+    shown = knee if point is None else point - 1
     order = list(dict.fromkeys([knee, 0, len(front) - 1, *range(len(front))]))
     to_points = 72 / ax.figure.dpi
-    dots = [to_points * ax.transData.transform((r.makespan, r.stress)) for r in front]
+    dots = [to_points * ax.transData.transform((time_of(r), r.stress)) for r in front]
     taken: list[Bbox] = [Bbox.from_bounds(x - 5, y - 5, 10, 10) for x, y in dots]
     for place in order[: 3 * MOST_LABELS]:
         result, (x, y) = front[place], dots[place]
         key = "picture.point.knee" if place == knee and len(front) > 2 else "picture.point"
-        label = t(key, makespan=t.seconds(result.makespan), stress=t.number(result.stress))
+        label = t(key, makespan=t.seconds(time_of(result)), stress=t.number(result.stress))
         away = 10 if place in (knee, shown) else 7
         # Above right of a point lies only what it dominates: the one side that is always free of
         # other points.
@@ -189,10 +213,10 @@ def _labels(ax: Axes, front: Front, point: int | None, t: Words) -> None:
             "fontweight": bold,
             "zorder": 6,
         }
-        ax.annotate(label, (result.makespan, result.stress), (away, away - 2), **at)
+        ax.annotate(label, (time_of(result), result.stress), (away, away - 2), **at)
 
 
-def _legend(ax: Axes, front: Front, point: int | None, t: Words) -> None:
+def _legend(ax: Axes, front: Front | CycleFront, point: int | None, t: Words) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 

@@ -65,7 +65,7 @@ def plot_gantt(
     draw_lanes(ax, rows, t)
     if critical:
         _critical_links(ax, cell, schedule)
-    _joint_links(ax, rows)
+    joint_links(ax, rows)
     _end_line(ax, makespan(schedule), limit, t)
     if title is None:
         title = t(
@@ -73,7 +73,7 @@ def plot_gantt(
             makespan=t.seconds(makespan(schedule)),
             stress=t.number(stress(cell, schedule)),
         )
-    _dress(ax, rows, title, t)
+    dress(ax, rows, title, t)
     if legend:
         draw_legend(ax, rows, t, critical=critical and len(schedule) > 0)
     return ax
@@ -88,7 +88,8 @@ def draw_lanes(
     ax: Axes, rows: Sequence[Lane], t: Words, *, at: float = 0.0, deadlines: bool = True
 ) -> None:
     """Bars, breaks, walks and changeovers of every lane, the first lane at height `at`; a dotted
-    line for a wait before a task, and from a task's end to its deadline a line if wanted.
+    line for a wait before a task, and from a task's end to its deadline a line if wanted. Names
+    stand in the part of a bar that the axes show.
     """
     for place, lane in enumerate(rows):
         y = at + place
@@ -119,31 +120,32 @@ def _bar(ax: Axes, lane: Lane, bar: Bar, y: float) -> None:
 
     from tandem.draw.fitted import fitted_text
 
-    place, width = (bar.start, y - HALF), bar.end - bar.start
+    place, width, look = (bar.start, y - HALF), bar.end - bar.start, lane.look_of(bar)
+    left, right = _seen(ax, bar.start, bar.end)
     with matplotlib.rc_context({"hatch.linewidth": 0.6}):
         patch = Rectangle(
             place,
             width,
             2 * HALF,
-            facecolor=lane.look.tint,
-            edgecolor=lane.look.colour,
-            hatch=lane.look.hatch,
+            facecolor=look.tint,
+            edgecolor=look.colour,
+            hatch=look.hatch,
             lw=0,
             zorder=2,
         )
         ax.add_patch(patch)
     edge, weight, above = (INK, 2.2, 4) if bar.critical else ("#6B7280", 0.8, 3)
     outline = Rectangle(place, width, 2 * HALF, fill=False, edgecolor=edge, lw=weight, zorder=above)
-    outline.set_gid(f"task {bar.task} {lane.look.operator}")
+    outline.set_gid(" ".join(filter(None, ["task", bar.task, look.operator, bar.mark])))
     ax.add_patch(outline)
     backing = (
-        {"boxstyle": "round,pad=0.12", "facecolor": lane.look.tint, "edgecolor": "none"}
-        if lane.look.hatch
+        {"boxstyle": "round,pad=0.12", "facecolor": look.tint, "edgecolor": "none"}
+        if look.hatch
         else None
     )
     text = fitted_text(
         ax,
-        (bar.start, y - HALF, bar.end, y + HALF),
+        (left, y - HALF, right, y + HALF),
         wordings(bar),
         size=10,
         bbox=backing,
@@ -154,7 +156,8 @@ def _bar(ax: Axes, lane: Lane, bar: Bar, y: float) -> None:
 
 def wordings(bar: Bar) -> list[str]:
     """What may stand in a bar, from the fullest to the shortest. The name is always there, so that
-    no bar has a number where its neighbour has a label.
+    no bar has a number where its neighbour has a label; the mark of the product, if there are
+    several, as long as there is room.
     """
     full = bar.label if bar.label == bar.task else f"{bar.task}: {bar.label}"
     longest = max((len(word) for word in full.split()), default=1)
@@ -162,7 +165,17 @@ def wordings(bar: Bar) -> list[str]:
         textwrap.wrap(full, max(longest, -(-len(full) // lines) + 1), break_long_words=False)
         for lines in (2, 3)
     ]
-    return [full, *("\n".join(lines) for lines in folded if 1 < len(lines) < 4), bar.task]
+    found = [full, *("\n".join(lines) for lines in folded if 1 < len(lines) < 4), bar.task]
+    if not bar.mark:
+        return found
+    below = [f"{bar.task}\n{bar.mark}"]
+    return [*(f"{words} {bar.mark}" for words in found), *below, bar.task]
+
+
+def _seen(ax: Axes, start: float, end: float) -> tuple[float, float]:
+    """The part of a span of time that the axes show; the span when they show none of it."""
+    low, high = ax.get_xlim()
+    return (max(start, low), min(end, high)) if start < high and end > low else (start, end)
 
 
 def _shaded(ax: Axes, start: float, end: float, y: float, why: str, hatch: str) -> None:
@@ -171,6 +184,7 @@ def _shaded(ax: Axes, start: float, end: float, y: float, why: str, hatch: str) 
 
     from tandem.draw.fitted import fitted_text
 
+    left, right = _seen(ax, start, end)
     with matplotlib.rc_context({"hatch.linewidth": 0.5}):
         ax.add_patch(
             Rectangle(
@@ -187,7 +201,7 @@ def _shaded(ax: Axes, start: float, end: float, y: float, why: str, hatch: str) 
     backing = {"boxstyle": "round,pad=0.1", "facecolor": SHADE, "edgecolor": "none"}
     fitted_text(
         ax,
-        (start, y - HALF, end, y + HALF),
+        (left, y - HALF, right, y + HALF),
         [why],
         size=8,
         color=FAINT_INK,
@@ -218,15 +232,16 @@ def _critical_links(ax: Axes, cell: Cell, schedule: Schedule) -> None:
         )
 
 
-def _joint_links(ax: Axes, rows: Sequence[Lane]) -> None:
-    spans: dict[str, list[tuple[int, Bar]]] = {}
+def joint_links(ax: Axes, rows: Sequence[Lane]) -> None:
+    """Lines between the bars of each joint task."""
+    spans: dict[tuple[str, int | None], list[tuple[int, Bar]]] = {}
     for y, lane in enumerate(rows):
         for bar in lane.bars:
             if bar.joint:
-                spans.setdefault(bar.task, []).append((y, bar))
+                spans.setdefault((bar.task, bar.product), []).append((y, bar))
     for found in spans.values():
         bar, ys = found[0][1], [y for y, _ in found]
-        middle = (bar.start + bar.end) / 2
+        middle = sum(_seen(ax, bar.start, bar.end)) / 2
         ax.plot(
             [middle] * 2,
             [min(ys) + HALF, max(ys) - HALF],
@@ -262,7 +277,8 @@ def _end_line(ax: Axes, end: float, limit: float | None, t: Words) -> None:
         )
 
 
-def _dress(ax: Axes, rows: Sequence[Lane], title: str, t: Words) -> None:
+def dress(ax: Axes, rows: Sequence[Lane], title: str, t: Words) -> None:
+    """Names of the lanes, the axis of time and the title."""
     from matplotlib.ticker import MaxNLocator
 
     ax.set_yticks(range(len(rows)), [lane_name(lane, t) for lane in rows], fontsize=10)
@@ -286,6 +302,11 @@ def lane_name(lane: Lane, t: Words) -> str:
 
 def draw_legend(ax: Axes, rows: Sequence[Lane], t: Words, *, critical: bool) -> None:
     """Explains, below the axes, the marks that occur."""
+    legend_below(ax, legend_entries(rows, t, critical=critical))
+
+
+def legend_entries(rows: Sequence[Lane], t: Words, *, critical: bool) -> list[tuple[Artist, str]]:
+    """The marks that occur, and what they mean."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -317,4 +338,4 @@ def draw_legend(ax: Axes, rows: Sequence[Lane], t: Words, *, critical: bool) -> 
         entries.append((Line2D([], [], color=INK, lw=1.2, ls=WAIT), t("picture.wait")))
     if any(bar.deadline is not None for lane in rows for bar in lane.bars):
         entries.append((Line2D([], [], color=ACCENT, lw=1.4), t("picture.deadline")))
-    legend_below(ax, entries)
+    return entries

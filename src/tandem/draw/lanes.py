@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from decimal import Decimal
 from typing import Literal
 
 from tandem.cell.model import Cell
-from tandem.draw.style import Look, looks, task_label
+from tandem.draw.style import Look, looks, shade, task_label
 from tandem.schedule.critical import critical_path
-from tandem.schedule.measures import changeovers, utilisation, walks, working
+from tandem.schedule.cycle import PeriodicSchedule
+from tandem.schedule.measures import changeovers, exact, utilisation, walks, working
 from tandem.schedule.model import Assignment, Schedule
 from tandem.schedule.parts import Hold, holds
+from tandem.schedule.steady import Turn, rounds
 
 
 @dataclass(frozen=True)
 class Bar:
     """One task in one lane. `start`, `end` and `deadline` in seconds; `joint` when other lanes hold
-    the same task too; `since`: the moments from which its waits after other tasks count.
+    the same task too; `since`: the moments from which its waits after other tasks count; `product`
+    where several are assembled: 0 is launched with the first cycle that is shown, 1 a cycle later,
+    -1 a cycle before.
     """
 
     task: str
@@ -28,6 +33,19 @@ class Bar:
     critical: bool
     deadline: float | None
     since: tuple[float, ...] = ()
+    product: int | None = None
+
+    @property
+    def mark(self) -> str:
+        """What tells the product: "#1", "#2" for those launched in the first and second cycle that
+        are shown, "-1", "-2" for those launched one and two cycles before; else empty.
+        """
+        return "" if self.product is None else product_mark(self.product)
+
+
+def product_mark(product: int) -> str:
+    """What charts and sheets call a product of a station that repeats, counted as in a `Bar`."""
+    return f"#{product + 1}" if product >= 0 else str(product)
 
 
 @dataclass(frozen=True)
@@ -75,13 +93,19 @@ class Shaded:
 
 @dataclass(frozen=True)
 class Lane:
-    """One operator over time. `busy` seconds on tasks, `utilisation` as a share of the makespan."""
+    """One operator over time. `busy` seconds on tasks, `utilisation` as a share of the makespan; of
+    a station that repeats, both of one cycle.
+    """
 
     look: Look
     bars: tuple[Bar, ...]
     shaded: tuple[Shaded, ...]
     busy: float
     utilisation: float
+
+    def look_of(self, bar: Bar) -> Look:
+        """The operator's look, in the shade of the bar's product."""
+        return self.look if bar.product is None else shade(self.look, bar.product)
 
 
 def lanes(
@@ -146,6 +170,72 @@ def _holding(
                     idle.append(Shaded(start, stop, "hold"))
                 start = max(start, end)
     return idle
+
+
+def steady_lanes(cell: Cell, periodic: PeriodicSchedule, cycles: int = 2) -> tuple[Lane, ...]:
+    """Every operator's lane over so many cycles of the steady state, from the launch of a product
+    on: the bars, walks and changeovers of all products that are in the station then, and when a
+    machine holds a part of one. What begins before or ends after has its own start and end; charts
+    cut it.
+    """
+    length, found = exact(periodic.cycle_time), []
+    until = cycles * length
+    turned = rounds(cell, periodic)
+    held = [
+        hold.later(float(product * length))
+        for hold in holds(cell, periodic.schedule)
+        for product in range(-periodic.in_process, cycles)
+    ]
+    for name, look in looks(cell).items():
+        bars: list[Bar] = []
+        shaded: list[Shaded] = []
+        turns = turned[name]
+        for turn in turns.turns:
+            a = turn.assignment
+            for cycle in range(-1, cycles + 1):
+                start = exact(turn.begin) + cycle * length
+                end = start + exact(turn.seconds)
+                if start < until and end > 0:
+                    joint, label = len(a.operators) > 1, task_label(cell, a.task)
+                    bars.append(
+                        Bar(
+                            a.task,
+                            label,
+                            float(start),
+                            float(end),
+                            joint,
+                            critical=False,
+                            deadline=None,
+                            product=cycle - turn.lap,
+                        )
+                    )
+                shaded += _before(turn, start)
+        shaded = [off for off in shaded if off.start < until and off.end > 0]
+        bars.sort(key=lambda bar: (bar.start, bar.end))
+        shaded += [
+            replace(off, start=max(off.start, 0.0), end=min(off.end, float(until)))
+            for off in _holding(name, bars, shaded, held)
+            if off.start < until and off.end > 0
+        ]
+        share = turns.share(turns.working)
+        found.append(Lane(look, tuple(bars), tuple(shaded), turns.working, share))
+    return tuple(found)
+
+
+def _before(turn: Turn, start: Decimal) -> Iterator[Shaded]:
+    """The walk and the changeover directly before a task that starts then."""
+    ready = turn.ready
+    there = start - exact(ready.change)
+    if ready.walk:
+        begin = there - exact(ready.walk)
+        yield Shaded(float(begin), float(there), "walk", ready.place)
+    if ready.change:
+        yield Shaded(float(there), float(start), "changeover", ready.tool)
+
+
+def products_shown(rows: Iterable[Lane]) -> list[int]:
+    """The products in these lanes, the oldest first: a legend explains them."""
+    return sorted({bar.product for lane in rows for bar in lane.bars if bar.product is not None})
 
 
 def kinds_shaded(rows: Iterable[Lane]) -> list[str]:

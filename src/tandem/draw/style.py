@@ -10,7 +10,7 @@ operator has letters of its own.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from tandem.cell.model import Cell
 from tandem.cell.parts import Kind
@@ -82,6 +82,20 @@ def looks(cell: Cell) -> dict[str, Look]:
             name, operator.label or name, operator.kind, letters[name], colour, tint(colour), hatch
         )
     return found
+
+
+SHADES = (0.45, 0.72, 0.18)
+"""Strengths of tint by which neighbouring products are told apart."""
+
+
+def shade_of(product: int) -> int:
+    """Which of the `SHADES` a product has; products launched one after the other differ."""
+    return product % len(SHADES)
+
+
+def shade(look: Look, product: int) -> Look:
+    """The operator's look in the shade of one of several products."""
+    return replace(look, tint=tint(look.colour, SHADES[shade_of(product)]))
 
 
 def task_label(cell: Cell, task: str) -> str:

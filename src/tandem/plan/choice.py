@@ -7,6 +7,7 @@ from math import inf
 
 from tandem.cell.written import number
 from tandem.errors import UsageError
+from tandem.plan.cycle.result import CycleFront
 from tandem.plan.result import Front, knee_index
 
 CLOSE = 1e-6
@@ -14,7 +15,7 @@ CLOSE = 1e-6
 
 
 def point_of(
-    front: Front,
+    front: Front | CycleFront,
     point: int | None = None,
     makespan: float | None = None,
     stress: float | None = None,

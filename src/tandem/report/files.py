@@ -18,6 +18,7 @@ from tandem.draw.saving import save
 from tandem.draw.style import task_label
 from tandem.errors import UsageError
 from tandem.files.atomic import store
+from tandem.plan.cycle.result import CycleFront
 from tandem.plan.result import Front
 from tandem.report.html import write_html
 from tandem.report.language import words
@@ -90,7 +91,7 @@ def _not_ready(path: Path) -> str:
     return ""
 
 
-def to_json(front: Front, *, stale: bool = False) -> str:
+def to_json(front: Front | CycleFront, *, stale: bool = False) -> str:
     """The result document as text; with `stale` when the cell has changed since."""
     document = {**front.to_dict(), **({"stale": True} if stale else {})}
     return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
@@ -121,13 +122,13 @@ def _rows(front: Front, point: int | None, stale: bool) -> Iterator[list[str]]:
             str(result.status),
             number(result.bound.makespan),
         ]
-        values += [number(result.bound.stress), _yes(result is knee)]
-        plan = [result.schedule.digest, _yes(result.canonical), _yes(result is shown), _yes(stale)]
+        values += [number(result.bound.stress), yes(result is knee)]
+        plan = [result.schedule.digest, yes(result.canonical), yes(result is shown), yes(stale)]
         for a in result.schedule:
             mode = mode_of(front.cell, a)
             load = number(sum(mode.stress.values())) if mode else ""
             names = [
-                _harmless(name)
+                harmless(name)
                 for name in (a.task, task_label(front.cell, a.task), " + ".join(a.operators))
             ]
             yield [
@@ -137,16 +138,25 @@ def _rows(front: Front, point: int | None, stale: bool) -> Iterator[list[str]]:
                 number(a.end),
                 load,
                 number(slacks[a.task]),
-                _yes(a.task in path),
+                yes(a.task in path),
                 *plan,
             ]
 
 
-def _yes(value: bool) -> str:
+def table_bytes(text: str) -> bytes:
+    """The text of a .csv file as its bytes."""
+    # Excel takes a CSV file for the local 8-bit encoding unless it begins with this mark; plain
+    # ASCII does without.
+    return text.encode("ascii" if text.isascii() else "utf-8-sig")
+
+
+def yes(value: bool) -> str:
+    """As a table for programs says it."""
     return "yes" if value else "no"
 
 
-def _harmless(name: str) -> str:
+def harmless(name: str) -> str:
+    """A name that no spreadsheet takes for a formula."""
     risky = name[:1] in "=+@\t\r" or (
         name[:1] == "-" and not name[1:].replace(".", "", 1).isdecimal()
     )
@@ -181,10 +191,7 @@ def _write_json(front: Front, path: Path, about: About) -> None:
 
 
 def _write_csv(front: Front, path: Path, about: About) -> None:
-    text = to_csv(front, point=about.point, stale=about.stale)
-    # Excel takes a CSV file for the local 8-bit encoding unless it begins with this mark; plain
-    # ASCII does without.
-    store(path, text if text.isascii() else text.encode("utf-8-sig"))
+    store(path, table_bytes(to_csv(front, point=about.point, stale=about.stale)))
 
 
 def _write_picture(front: Front, path: Path, about: About) -> None:

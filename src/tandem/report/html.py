@@ -4,22 +4,30 @@ to be read.
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Sequence
-from functools import lru_cache
-from importlib import resources
 from pathlib import Path
 
 from tandem.cell.model import Cell
 from tandem.draw.imprint import imprint, remarks
 from tandem.draw.lanes import kinds_shaded, lanes
-from tandem.draw.style import Look, looks
+from tandem.draw.style import looks
 from tandem.files.atomic import store
 from tandem.plan.result import Front, Result, Status
 from tandem.report.instruction_sheet import sheets
 from tandem.report.language import Words, words
-from tandem.report.markup import Markup, hatch_id, hatches, tag
+from tandem.report.markup import Markup, tag
+from tandem.report.page import (
+    ON_A_PAGE,
+    all_or_one,
+    assumed,
+    badges,
+    how_made,
+    key,
+    lead,
+    page,
+    printing,
+)
 from tandem.report.players import Player, players_section
 from tandem.report.risk import is_told, risk_heads, risk_note, risk_rows
 from tandem.report.sources import assumptions, made
@@ -28,12 +36,6 @@ from tandem.report.svg_gantt import gantt
 from tandem.report.svg_graph import chain_words, graph
 from tandem.report.tables import balance, plans, steps, table, tasks
 from tandem.schedule.critical import critical_path
-
-POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
-"""What a browser may load for this page: nothing that is not in it."""
-
-ON_A_PAGE = 40
-"""So many steps of a plan fit on a page of paper, and so are not torn apart."""
 
 
 def write_html(
@@ -60,7 +62,7 @@ def write_html(
       OSError: the file cannot be written; nothing is left behind.
       UsageError: there is no such language.
     """
-    page = html(
+    text = html(
         front,
         command=command,
         date=date,
@@ -69,7 +71,7 @@ def write_html(
         point=point,
         stale=stale,
     )
-    store(path, page)
+    store(path, text)
     return Path(path)
 
 
@@ -94,34 +96,16 @@ def html(
         _graph(front.cell, t),
         _tasks(front, t),
     ]
-    body = tag(
-        "body",
-        hatches(looks(front.cell)),
-        tag(
-            "header",
-            tag("h1", t("title", name=name)),
-            *(
-                tag("p", tag("strong", said) if stale and not place else said, class_="lead")
-                for place, said in enumerate(summary(front, t, point, stale))
-            ),
-            _printing(front, t),
-        ),
-        tag("main", *sections, _assumptions(front, t), _made(front, t, command, date)),
-        tag("footer", tag("p", t("safety"), class_="note")),
-        _data(front, stale),
-        tag("script", Markup(_shipped("page.js"))),
-        data_opens=opens,
+    document = {**front.to_dict(), **({"stale": True} if stale else {})}
+    return page(
+        front.cell,
+        t("title", name=name),
+        [*lead(summary(front, t, point, stale), stale=stale), _printing(front, t)],
+        [*sections, assumed(assumptions(front, t), t), how_made(made(front, t, command, date), t)],
+        document,
+        t,
+        opens=opens,
     )
-    head = tag(
-        "head",
-        Markup('<meta charset="utf-8">'),
-        Markup(f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'),
-        Markup('<meta name="viewport" content="width=device-width, initial-scale=1">'),
-        Markup('<link rel="icon" href="data:,">'),
-        tag("title", t("title", name=name)),
-        tag("style", Markup(_shipped("page.css"))),
-    )
-    return "<!DOCTYPE html>\n" + tag("html", head, body, lang=t("language")) + "\n"
 
 
 def summary(front: Front, t: Words, point: int | None = None, stale: bool = False) -> list[str]:
@@ -198,31 +182,13 @@ def _printing(front: Front, t: Words) -> Markup:
     if not len(front):
         return Markup("")
     keys = ("plans", "more") if len(front) > 1 else ("more",)
-    boxes = (
-        tag(
-            "label",
-            Markup(f'<input type="checkbox" id="print-{key}" autocomplete="off">'),
-            " ",
-            t(f"print.{key}"),
-        )
-        for key in keys
-    )
-    return tag("p", t("print.lead"), *boxes, class_="screen printing")
+    return printing(t("print.lead"), {key: t(f"print.{key}") for key in keys})
 
 
 def _trade_off(front: Front, t: Words, players: Sequence[Player]) -> Markup:
     if not len(front):
         return Markup("")
-    button = tag(
-        "button",
-        t("front.all"),
-        id="all",
-        type="button",
-        hidden=True,
-        data_all=t("front.all"),
-        data_single=t("front.single"),
-    )
-    hint = tag("p", t("front.hint"), " ", button, class_="screen") if len(front) > 1 else Markup("")
+    hint = all_or_one(t) if len(front) > 1 else Markup("")
     legend = tag("p", t("front.legend"), class_="note")
     return tag(
         "section",
@@ -261,19 +227,14 @@ def _plan(front: Front, place: int, t: Words, point: int | None, stale: bool) ->
     }
     marks = [("plan.recommended", front.knee)]
     marks += [("plan.shown", front.shown(point))] if front.shown(point) is not front.knee else []
-    badge = [
-        piece
-        for key, marked in marks
-        if len(front) > 1 and result is marked
-        for piece in (" ", tag("span", t(key), class_="badge"))
-    ]
+    special = [mark for mark, marked in marks if len(front) > 1 and result is marked]
     title, origin = t("plan.title", **values), imprint(result, t, stale=stale)
     return tag(
         "section",
-        tag("h2", title, *badge),
+        tag("h2", title, *badges(special, t)),
         tag("p", origin, class_="note"),
         gantt(front.cell, result.schedule, t, label=t("plan.chart", **values)),
-        tag("p", *(_key(look, front.cell) for look in looks(front.cell).values())),
+        tag("p", *(key(look, front.cell) for look in looks(front.cell).values())),
         tag("p", _legend(front.cell, result, t), class_="note"),
         tag("p", t("plan.critical", chain=_chain(result))),
         tag(
@@ -300,18 +261,6 @@ def _chain(result: Result) -> str:
     return " → ".join([*names[:20], "…", *names[-10:]] if len(names) > 32 else names)
 
 
-def _key(look: Look, cell: Cell) -> Markup:
-    """An operator's fill, name and letters."""
-    box = tag(
-        "svg",
-        tag("rect", width=30, height=20, fill=f"url(#{hatch_id(look, looks(cell))})"),
-        width=30,
-        height=20,
-        aria_hidden="true",
-    )
-    return tag("span", box, f"{look.letters}: {look.label}", class_="key")
-
-
 def _legend(cell: Cell, result: Result, t: Words) -> str:
     found = [t("plan.legend")]
     found += [t("plan.legend.machine")] if cell.machines else []
@@ -325,7 +274,7 @@ def _legend(cell: Cell, result: Result, t: Words) -> str:
 
 def _graph(cell: Cell, t: Words) -> Markup:
     notes = [tag("p", chain_words(cell, t)), tag("p", t("graph.legend"), class_="note")]
-    keys = tag("p", *(_key(look, cell) for look in looks(cell).values()))
+    keys = tag("p", *(key(look, cell) for look in looks(cell).values()))
     return tag(
         "section",
         tag("h2", t("graph.title"), id="graph"),
@@ -341,54 +290,3 @@ def _tasks(front: Front, t: Words) -> Markup:
     return tag(
         "section", tag("h2", t("tasks.title"), id="tasks"), tasks(front, t), class_="page extra"
     )
-
-
-def _assumptions(front: Front, t: Words) -> Markup:
-    """What was modelled and how far it is proven. Only what this cell has."""
-    found = assumptions(front, t)
-    return tag(
-        "section",
-        tag("h2", t("assume.title"), id="assumptions"),
-        tag("ul", *(tag("li", sentence) for sentence in found)),
-        class_="keep papers",
-    )
-
-
-def _made(front: Front, t: Words, command: str, date: str) -> Markup:
-    listed = tag(
-        "dl",
-        *(
-            piece
-            for key, value in made(front, t, command, date)
-            for piece in (tag("dt", key), tag("dd", value))
-        ),
-    )
-    return tag(
-        "section",
-        tag("h2", t("made.title"), id="made"),
-        listed,
-        tag("p", t("made.data"), class_="note"),
-        class_="keep",
-    )
-
-
-def _data(front: Front, stale: bool) -> Markup:
-    """The result document and the cell, so that every number of the page can be read by a
-    program.
-    """
-    document = {**front.to_dict(), **({"stale": True} if stale else {})}
-    text = json.dumps(document, ensure_ascii=False, separators=(",", ":"))
-    for sign, safe in (
-        ("<", "\\u003c"),
-        (">", "\\u003e"),
-        ("&", "\\u0026"),
-        ("\u2028", "\\u2028"),
-        ("\u2029", "\\u2029"),
-    ):
-        text = text.replace(sign, safe)
-    return tag("script", Markup(text), type="application/json", id="result")
-
-
-@lru_cache
-def _shipped(name: str) -> str:
-    return (resources.files("tandem.report") / name).read_text("utf-8")

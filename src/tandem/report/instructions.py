@@ -8,8 +8,9 @@ same steps, from here, stand in the page, in the workbook and in Markdown, for p
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 from tandem.cell.model import Cell
 from tandem.cell.parts import Wait, Zone
@@ -35,7 +36,8 @@ class Condition:
         the start of a task), "hold" (another task must follow this one within a time, and cannot
         sooner), "done" (a predecessor that others do), "freed" (a
         task of others that holds the tool or the zone until then), "tool.room", "zone.room" (of
-        several places, enough are free), "partner"; or "start": there is nothing to wait for.
+        several places, enough are free), "launch" (of a station that repeats: the product is
+        there), "partner"; or "start": there is nothing to wait for.
       says: the sentence.
       moment: when it becomes true in the plan, seconds.
       last: of all conditions of the step, this one is expected to become true last.
@@ -81,6 +83,19 @@ class Step:
         return self.task or self.does
 
 
+class Row(Protocol):
+    """What every row of an instruction sheet has, of one plan or of a cycle."""
+
+    @property
+    def task(self) -> str: ...
+
+    @property
+    def does(self) -> str: ...
+
+    @property
+    def begin(self) -> tuple[Condition, ...]: ...
+
+
 COLUMNS = (
     *("number", "task", "does", "what", "means"),
     *("begin", "then", "start", "end", "deadline"),
@@ -99,15 +114,15 @@ def steps(cell: Cell, schedule: Schedule, operator: str, t: Words) -> tuple[Step
     return tuple(replace(step, number=n) for n, step in enumerate(sheet.steps(), 1))
 
 
-def columns(found: tuple[Step, ...]) -> tuple[str, ...]:
-    """What a sheet of these steps shows: that which one of them has. Names and labels of tasks
-    stand in columns of their own; without labels there is one column.
+def columns(found: Sequence[Row], order: Sequence[str] = COLUMNS) -> tuple[str, ...]:
+    """What a sheet of these steps shows: that which one of them has, in this order. Names and
+    labels of tasks stand in columns of their own; without labels there is one column.
     """
     labelled = any(step.task and step.does for step in found)
     left_out = {"what"} if labelled else {"task", "does"}
     return tuple(
         key
-        for key in COLUMNS
+        for key in order
         if key not in left_out
         and (key == "then" or any(getattr(step, key) not in ("", (), None) for step in found))
     )
@@ -157,7 +172,7 @@ class _Sheet:
         if self.own.tasks and (span := self.cell.operators[self.operator].setting_up) is not None:
             setup = self.t.seconds(self.cell.operators[self.operator].setup)
             does = self.t("steps.setup", seconds=setup)
-            yield Step(0, "", does, *span, _with_last([*self._breaks(0.0, span[0])], self.t))
+            yield Step(0, "", does, *span, with_last([*self._breaks(0.0, span[0])], self.t))
         for place, a in enumerate(self.own.tasks):
             begun = bool(place or self.own.ready)
             yield from self._preparation(place, a, begun)
@@ -169,12 +184,12 @@ class _Sheet:
         ended, there_at = self.own.ended(place), float(exact(a.start) - exact(change))
         start = float(exact(there_at) - exact(walk))
         found = [self._when("previous", ended)] if begun else []
-        begin = _with_last([*found, *self._breaks(ended, start)], self.t)
+        begin = with_last([*found, *self._breaks(ended, start)], self.t)
         if walk:
             seconds = self.t.seconds(walk)
             does = self.t("steps.walk", origin=origin, place=there, seconds=seconds)
             yield Step(0, "", does, start, there_at, begin)
-            begin = _with_last([self._when("previous", there_at)], self.t)
+            begin = with_last([self._when("previous", there_at)], self.t)
         if change:
             does = self.t("steps.take_up", tool=tool, seconds=self.t.seconds(change))
             yield Step(0, "", does, there_at, a.start, begin)
@@ -188,21 +203,21 @@ class _Sheet:
             does="" if label == a.task else label,
             start=a.start,
             end=a.end,
-            begin=_with_last([*self._conditions(place, a, begun)], self.t),
+            begin=with_last([*self._conditions(place, a, begun)], self.t),
             then=tuple(self._then(a)),
-            means=tuple(self._means(a)),
+            means=means(self.cell, a, self.operator, self.t),
             deadline=task.deadline,
         )
 
     def _conditions(self, place: int, a: Assignment, begun: bool) -> Iterator[Condition]:
         """All that must be true before a task begins: one's own part first, then the others'."""
-        before = [name for name in self._predecessors(a.task) if self._is_own(name)]
+        before = [name for name in must_be_over(self.cell, a.task) if self._is_own(name)]
         yield from self._own_part(place, before, begun)
         if not self.own.before[place].seconds:
             yield from self._breaks(self.own.ended(place), a.start)
         if release := self.cell.tasks[a.task].release:
             yield self._when("release", release, release=self.t.seconds(release))
-        for wait in self._waits(a.task):
+        for wait in waits_of(self.cell, a.task):
             yield self._wait(wait)
         yield from self._others(a)
         yield from self._rooms(a)
@@ -211,35 +226,10 @@ class _Sheet:
             ready = _Own(self.cell, self.schedule, who).able(a)
             yield self._when("partner", ready, who=self._label(who))
 
-    def _predecessors(self, task: str) -> list[str]:
-        """Tasks that must have ended, but for those of which a wait says so."""
-        waited = {w.after for w in self._waits(task) if w.between == "end-start"}
-        return [name for name in self.cell.tasks[task].predecessors if name not in waited]
-
-    def _waits(self, task: str) -> list[Wait]:
-        """The task's waits that say more than that another task must have ended."""
-        return [
-            wait
-            for wait in self.cell.tasks[task].wait
-            if wait.at_least or wait.at_most is not None or wait.between == "start-start"
-        ]
-
     def _wait(self, wait: Wait) -> Condition:
-        first, is_start = self.rows[wait.after], wait.between == "start-start"
-        moment = exact(first.start if is_start else first.end) + exact(wait.at_least)
-        both = wait.at_most is not None and bool(wait.at_least) and wait.at_least != wait.at_most
-        return self._when(
-            "lag.start" if is_start else "lag.end",
-            float(moment),
-            who=self._names(wait.after),
-            task=named(self.cell, wait.after),
-            span=self.t(f"steps.span.{kind_of(wait)}", **self._span(wait)),
-            until=self.t("steps.until", **self._span(wait)) if both else "",
-        )
-
-    def _span(self, wait: Wait) -> dict[str, str]:
-        most = "" if wait.at_most is None else self.t.seconds(wait.at_most)
-        return {"least": self.t.seconds(wait.at_least), "most": most}
+        first = self.rows[wait.after]
+        who, task = self._names(wait.after), named(self.cell, wait.after)
+        return waiting(wait, first, who, task, self.t)
 
     def _held_back(self, a: Assignment) -> Iterator[Condition]:
         """The task waits for nothing but that another one can follow it in time."""
@@ -267,7 +257,7 @@ class _Sheet:
         """Each task of others that must be done before, with the tool, the zone and the machine
         that it leaves free.
         """
-        after = [name for name in self._predecessors(a.task) if not self._is_own(name)]
+        after = [name for name in must_be_over(self.cell, a.task) if not self._is_own(name)]
         tasks: dict[str, list[str]] = {name: [] for name in after}
         for queue in self.queues[a.task]:
             for _, task in queue.before if not queue.spare else ():
@@ -312,13 +302,13 @@ class _Sheet:
 
     def _then(self, a: Assignment) -> Iterator[str]:
         """All that can begin when the task is done, in the order of the plan."""
-        own = [row.task for row in self.own.tasks if a.task in self._predecessors(row.task)]
+        own = [row.task for row in self.own.tasks if a.task in must_be_over(self.cell, row.task)]
         if own:
             yield self.t("steps.then.own", tasks=", ".join(own))
         for row in self.schedule:
-            for wait in self._waits(row.task):
+            for wait in waits_of(self.cell, row.task):
                 if wait.after == a.task:
-                    yield self._later(row, wait)
+                    yield later(wait, self._with(self._names(row.task), row.task), self.t)
         for row in self.schedule:
             if self.operator in row.operators:
                 continue
@@ -335,42 +325,11 @@ class _Sheet:
             said = self._with(self._names(row.task), row.task)
             if freed:
                 yield self.t("steps.then.freed", then=said, freed=", ".join(freed))
-            elif a.task in self._predecessors(row.task):
+            elif a.task in must_be_over(self.cell, row.task):
                 yield said
-
-    def _later(self, row: Assignment, wait: Wait) -> str:
-        """Who can begin the task that waits, and when."""
-        return self.t(
-            "steps.then.begun" if wait.between == "start-start" else "steps.then.wait",
-            then=self._with(self._names(row.task), row.task),
-            span=self.t(f"steps.later.{kind_of(wait)}", **self._span(wait)),
-        )
 
     def _with(self, who: str, task: str) -> str:
         return self.t("steps.with", who=who, task=named(self.cell, task))
-
-    def _means(self, a: Assignment) -> Iterator[str]:
-        """With what, where and with whom."""
-        task = self.cell.tasks[a.task]
-        if task.part:
-            yield self.t("steps.means.part", part=task.part)
-        if task.place:
-            yield self.t("steps.means.place", place=task.place)
-        for kind in KINDS:
-            name = self.cell.takes(kind, a.task, a.operators).get(self.operator)
-            if name is not None:
-                places = places_of(self.cell, kind, name)
-                many = "one" if places == 1 else "other"
-                yield self.t(f"steps.means.{kind}.{many}", name=name, n=places)
-        if apart := self.cell.zones.get(task.zone or "", Zone()).apart:
-            yield self.t("steps.means.apart", name=task.zone, kinds=", ".join(map(self.t, apart)))
-        for machine, operator in self.cell.operators.items():
-            for first, last in operator.holds:
-                if first == a.task:
-                    values = {"name": self._label(machine), "task": named(self.cell, last)}
-                    yield self.t("steps.means.hold", **values)
-        for who in self._partners(a):
-            yield self.t("steps.means.partner", who=self._label(who))
 
     def _partners(self, a: Assignment) -> tuple[str, ...]:
         return tuple(who for who in a.operators if who != self.operator)
@@ -415,7 +374,7 @@ class _Own:
 
 
 RANK = (
-    *("previous", "both", "own", "break", "release", "partner"),
+    *("previous", "both", "own", "break", "release", "launch", "partner"),
     *("zone.room", "tool.room", "freed", "done", "lag.start", "lag.end", "hold"),
 )
 """Of several conditions that become true at the same moment, the one whose kind stands last here
@@ -423,7 +382,77 @@ is the one to look out for: others are less sure than one's own hands.
 """
 
 
-def _with_last(found: list[Condition], t: Words) -> tuple[Condition, ...]:
+def must_be_over(cell: Cell, task: str) -> list[str]:
+    """Tasks that must have ended before this one, but for those of which a wait says so."""
+    waited = {w.after for w in waits_of(cell, task) if w.between == "end-start"}
+    return [name for name in cell.tasks[task].predecessors if name not in waited]
+
+
+def waits_of(cell: Cell, task: str) -> list[Wait]:
+    """The task's waits that say more than that another task must have ended."""
+    return [
+        wait
+        for wait in cell.tasks[task].wait
+        if wait.at_least or wait.at_most is not None or wait.between == "start-start"
+    ]
+
+
+def waiting(wait: Wait, first: Assignment, who: str, task: str, t: Words) -> Condition:
+    """That a wait after the task `first` is over; who does that one, and what it is called."""
+    is_start = wait.between == "start-start"
+    moment = exact(first.start if is_start else first.end) + exact(wait.at_least)
+    both = wait.at_most is not None and bool(wait.at_least) and wait.at_least != wait.at_most
+    kind = "lag.start" if is_start else "lag.end"
+    says = t(
+        f"steps.wait.{kind}",
+        who=who,
+        task=task,
+        span=t(f"steps.span.{kind_of(wait)}", **_ends(wait, t)),
+        until=t("steps.until", **_ends(wait, t)) if both else "",
+    )
+    return Condition(kind, says, float(moment))
+
+
+def later(wait: Wait, then: str, t: Words) -> str:
+    """Who can begin the task that waits (`then`), and when."""
+    key = "steps.then.begun" if wait.between == "start-start" else "steps.then.wait"
+    return t(key, then=then, span=t(f"steps.later.{kind_of(wait)}", **_ends(wait, t)))
+
+
+def _ends(wait: Wait, t: Words) -> dict[str, str]:
+    most = "" if wait.at_most is None else t.seconds(wait.at_most)
+    return {"least": t.seconds(wait.at_least), "most": most}
+
+
+def means(cell: Cell, a: Assignment, operator: str, t: Words) -> tuple[str, ...]:
+    """With what, where and with whom the operator does a task, each a short sentence."""
+    return tuple(_means(cell, a, operator, t))
+
+
+def _means(cell: Cell, a: Assignment, operator: str, t: Words) -> Iterator[str]:
+    task, shown = cell.tasks[a.task], looks(cell)
+    if task.part:
+        yield t("steps.means.part", part=task.part)
+    if task.place:
+        yield t("steps.means.place", place=task.place)
+    for kind in KINDS:
+        name = cell.takes(kind, a.task, a.operators).get(operator)
+        if name is not None:
+            places = places_of(cell, kind, name)
+            many = "one" if places == 1 else "other"
+            yield t(f"steps.means.{kind}.{many}", name=name, n=places)
+    if apart := cell.zones.get(task.zone or "", Zone()).apart:
+        yield t("steps.means.apart", name=task.zone, kinds=", ".join(map(t, apart)))
+    for machine, does in cell.operators.items():
+        for first, last in does.holds:
+            if first == a.task:
+                yield t("steps.means.hold", name=shown[machine].label, task=named(cell, last))
+    for who in a.operators:
+        if who != operator:
+            yield t("steps.means.partner", who=shown[who].label)
+
+
+def with_last(found: list[Condition], t: Words) -> tuple[Condition, ...]:
     """The conditions with the last one marked, or the sentence that there are none."""
     if not found:
         return (Condition("start", t("steps.wait.start"), 0.0),)

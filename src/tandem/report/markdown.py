@@ -10,7 +10,7 @@ from tandem.draw.imprint import imprint, remarks
 from tandem.draw.style import looks
 from tandem.plan.result import Front, Result
 from tandem.report.html import summary
-from tandem.report.instructions import Step, columns, instructed, origin, rules, steps
+from tandem.report.instructions import Row, columns, instructed, origin, rules, steps
 from tandem.report.language import Words, words
 from tandem.report.risk import is_told, risk_heads, risk_note, risk_rows
 from tandem.report.sources import assumptions, made
@@ -31,8 +31,8 @@ def markdown(
     """The report as text; see `write`. Raises UsageError when reports do not speak the language."""
     t = words(language)
     parts = [
-        f"# {_text(t('title', name=front.cell.name or t('unnamed')))}",
-        *map(_text, summary(front, t, point, stale)),
+        f"# {escaped(t('title', name=front.cell.name or t('unnamed')))}",
+        *map(escaped, summary(front, t, point, stale)),
     ]
     if len(front):
         parts += [f"## {t('front.title')}", _front(front, t)]
@@ -46,7 +46,7 @@ def markdown(
             makespan=t.seconds(result.makespan),
             stress=t.number(result.stress),
         )
-        parts += [f"## {title}", f"*{_text(imprint(result, t, stale=stale))}*", _steps(result, t)]
+        parts += [f"## {title}", f"*{escaped(imprint(result, t, stale=stale))}*", _steps(result, t)]
         plan = "; ".join([title, *remarks(result, t, stale=stale)])
         parts += [
             part
@@ -55,12 +55,12 @@ def markdown(
         ]
     parts += [
         f"## {t('assume.title')}",
-        "\n".join(f"- {_text(sentence)}" for sentence in assumptions(front, t)),
+        "\n".join(f"- {escaped(sentence)}" for sentence in assumptions(front, t)),
     ]
     parts += [
         f"## {t('made.title')}",
-        "\n".join(f"- {what}: {_text(value)}" for what, value in made(front, t, command, date)),
-        f"*{_text(t('safety'))}*",
+        "\n".join(f"- {what}: {escaped(value)}" for what, value in made(front, t, command, date)),
+        f"*{escaped(t('safety'))}*",
     ]
     return "\n\n".join(parts) + "\n"
 
@@ -74,7 +74,7 @@ def _front(front: Front, t: Words) -> str:
         *([t("front.cost")] if front.cell.cost is not None else []),
         t("front.status"),
         t("front.digest"),
-        *(_text(t("front.does", who=look.label)) for look in shown.values()),
+        *(escaped(t("front.does", who=look.label)) for look in shown.values()),
     ]
     rows = []
     for place, result in enumerate(front, 1):
@@ -95,7 +95,7 @@ def _front(front: Front, t: Words) -> str:
                 *([t.number(result.cost)] if result.cost is not None else []),
                 status(result, t),
                 result.schedule.digest,
-                *map(_text, does),
+                *map(escaped, does),
             ]
         )
     return table(heads, rows)
@@ -115,7 +115,14 @@ def _steps(result: Result, t: Words) -> str:
         late = t("plan.step.critical") if a.task in critical else t.number(free[a.task])
         who = " + ".join(shown[o].label for o in a.operators)
         rows.append(
-            [_text(named(cell, a.task)), _text(who), t.number(a.start), t.number(a.end), load, late]
+            [
+                escaped(named(cell, a.task)),
+                escaped(who),
+                t.number(a.start),
+                t.number(a.end),
+                load,
+                late,
+            ]
         )
     return table(
         [t(f"plan.step.{key}") for key in ("task", "who", "start", "end", "stress", "slack")], rows
@@ -124,34 +131,34 @@ def _steps(result: Result, t: Words) -> str:
 
 def _instructions(result: Result, operator: str, plan: str, t: Words) -> list[str]:
     found = steps(result.cell, result.schedule, operator, t)
-    title = f"### {_text(t('steps.title', who=looks(result.cell)[operator].label))}"
+    title = f"### {escaped(t('steps.title', who=looks(result.cell)[operator].label))}"
     if not found:
         return [title, t("steps.none")]
     shown = columns(found)
-    rows = [[_said(step, key, t) for key in shown] for step in found]
+    rows = [[said(step, key, t) for key in shown] for step in found]
     return [
         title,
-        *map(_text, rules(result.cell, operator, t)),
+        *map(escaped, rules(result.cell, operator, t)),
         table([t(f"steps.{key}") for key in shown], rows),
-        _text(origin(result, operator, plan, t)),
+        escaped(origin(result, operator, plan, t)),
     ]
 
 
-def _said(step: Step, key: str, t: Words) -> str:
+def said(step: Row, key: str, t: Words) -> str:
     """What stands in a column of an instruction sheet; of the conditions, the one expected last in
     bold.
     """
     if key == "begin":
         return "<br>".join(
-            f"**{_text(condition.says)}**" if condition.last else _text(condition.says)
+            f"**{escaped(condition.says)}**" if condition.last else escaped(condition.says)
             for condition in step.begin
         )
     value = getattr(step, key)
     if isinstance(value, tuple):
-        return "<br>".join(map(_text, value)) or "–"
+        return "<br>".join(map(escaped, value)) or "–"
     if isinstance(value, float):
         return t.number(value)
-    return "–" if value in ("", None) else _text(str(value))
+    return "–" if value in ("", None) else escaped(str(value))
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -160,7 +167,7 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
-def _text(text: str) -> str:
+def escaped(text: str) -> str:
     """The text with nothing in it that Markdown or HTML would take for a sign."""
     escaped = text.replace("&", "&amp;").replace("<", "&lt;")
     for sign in "\\`*_[]|#":

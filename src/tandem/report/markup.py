@@ -10,7 +10,7 @@ import unicodedata
 from collections.abc import Iterable, Iterator
 
 from tandem.cell.written import number
-from tandem.draw.style import Look
+from tandem.draw.style import SHADES, Look, shade, shade_of
 
 CELLS = ("td", "th", "div", "span")
 """Elements in which a table's cell holds its text."""
@@ -123,18 +123,26 @@ def fitting(wordings: Iterable[str], room: float, size: float = 16) -> str:
     return ""
 
 
-def hatch_id(look: Look, order: dict[str, Look]) -> str:
-    """The name of an operator's fill in the page."""
-    return f"fill-{list(order).index(look.operator)}"
+def hatch_id(look: Look, order: dict[str, Look], product: int | None = None) -> str:
+    """The name of an operator's fill in the page; in the shade of one of several products."""
+    name = f"fill-{list(order).index(look.operator)}"
+    return name if product is None else f"{name}-{shade_of(product)}"
 
 
-def hatches(order: dict[str, Look]) -> Markup:
-    """An invisible drawing that defines every operator's fill, for all other drawings of the
-    page.
+def hatches(order: dict[str, Look], *, shades: bool = False) -> Markup:
+    """An invisible drawing that defines every operator's fill, for all other drawings of the page;
+    with `shades` also those that tell products apart.
     """
+    kinds = [None, *(range(len(SHADES)) if shades else ())]
     patterns = [
-        _pattern(hatch_id(look, order), look.tint, look.colour, look.hatch[:1])
+        _pattern(
+            hatch_id(look, order, product),
+            (look if product is None else shade(look, product)).tint,
+            look.colour,
+            look.hatch[:1],
+        )
         for look in order.values()
+        for product in kinds
     ]
     patterns.append(_pattern("fill-break", "#E9ECEF", "#8A929A", "x"))
     patterns.append(_pattern("fill-walk", "#E9ECEF", "#8A929A", "|"))

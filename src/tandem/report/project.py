@@ -16,8 +16,7 @@ from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault, UsageError
 from tandem.files.atomic import store
 from tandem.files.load import dumps, load
-from tandem.report.results import is_result, schedules_of
-from tandem.schedule.checker import faults
+from tandem.report.results import faults_of, is_result, patterns_of
 
 CELL, VARIANTS, RESULTS, README = "cell.yaml", "variants", "results", "README.md"
 EXAMPLE_VARIANT = "faster.yaml"
@@ -201,19 +200,19 @@ def _standing(path: Path, cells: Mapping[Path, Cell], homes: Mapping[str, Path])
     if not isinstance(digest, str):
         return Standing(path, Freshness.UNKNOWN)
     try:
-        schedules = schedules_of(document) if is_result(document) else []
+        patterns = list(patterns_of(document)) if is_result(document) else []
     except CellError as error:
         damage = tuple(fault.at(str(path)) for fault in error.faults)
         return Standing(path, Freshness.DAMAGED, damage=damage)
     home = homes.get(digest)
     if home is None:
-        return Standing(path, Freshness.STALE, None, len(schedules))
+        return Standing(path, Freshness.STALE, None, len(patterns))
     found = [
         f"schedule {place}: {fault}"
-        for place, schedule in enumerate(schedules, 1)
-        for fault in faults(cells[home], schedule)
+        for place, pattern in enumerate(patterns, 1)
+        for fault in faults_of(document, cells[home], pattern)
     ]
-    return Standing(path, Freshness.CURRENT, home, len(schedules), tuple(found))
+    return Standing(path, Freshness.CURRENT, home, len(patterns), tuple(found))
 
 
 def stale_at_home(path: Path) -> bool:

@@ -5,28 +5,42 @@ place.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault
 from tandem.files.messages import shown
+from tandem.plan.cycle.result import OBJECTIVES
+from tandem.schedule import checker, cycle_checker
+from tandem.schedule.cycle import PeriodicSchedule
 from tandem.schedule.model import Schedule
 
+NO_PLAN = (
+    "holds the cycles of a station that repeats, and no plan of one product; `tandem report` and"
+    " `tandem check` read it. Plan without --cycle for this command."
+)
+"""What is said of a document of cycles where a plan is wanted."""
 LATEST = 1e15
 """No moment of a schedule is later, seconds: beyond it a float no longer holds microseconds."""
 
 
-def read_result(path: Path) -> dict[str, Any]:
+def read_result(path: Path, *, cycles: bool = False) -> dict[str, Any]:
     """The result document in a file, whose schedules have the form of schedules.
 
-    Raises CellError, with every fault and the file, when it cannot be read or is none.
+    Args:
+      cycles: the document may hold patterns of a station that repeats, too.
+
+    Raises CellError, with every fault and the file, when it cannot be read, is none, or holds
+    cycles where plans are wanted.
     """
     give = "Give what `tandem plan CELL --json` prints."
     try:
         document: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        schedules_of(document)
+        patterns_of(document)
+        if is_cycle(document) and not cycles:
+            raise CellError([Fault(NO_PLAN)])
     except OSError as error:
         why = (error.strerror or "unknown").lower()
         raise CellError(
@@ -42,6 +56,11 @@ def read_result(path: Path) -> dict[str, Any]:
     except CellError as error:
         raise CellError([fault.at(str(path)) for fault in error.faults]) from error
     return document
+
+
+def is_cycle(document: Any) -> bool:
+    """Whether a result holds patterns of a station that repeats, and no plans of one product."""
+    return is_result(document) and document.get("objectives") == OBJECTIVES
 
 
 def is_result(document: Any) -> bool:
@@ -83,6 +102,51 @@ def schedules_of(document: Mapping[str, Any]) -> list[Schedule]:
     if wrong := list(_misshapen(document)):
         raise CellError(wrong)
     return [Schedule.from_list(point["assignments"]) for point in document["front"]]
+
+
+def patterns_of(document: Mapping[str, Any]) -> Sequence[Schedule | PeriodicSchedule]:
+    """The schedules of a result document; those of a station that repeats with their cycle times.
+    Raises CellError with everything that keeps it from being one.
+    """
+    schedules = schedules_of(document)
+    if not is_cycle(document):
+        return schedules
+    wrong = [
+        Fault(
+            f"point {place} of the front: cycle_time is {_given(point, 'cycle_time')}, but must be"
+            " a number of more than 0 seconds."
+        )
+        for place, point in enumerate(document["front"], 1)
+        if not (is_number(point.get("cycle_time")) and point["cycle_time"] > 0)
+    ]
+    if wrong:
+        raise CellError(wrong)
+    return [
+        PeriodicSchedule(schedule, float(point["cycle_time"]))
+        for schedule, point in zip(schedules, document["front"], strict=True)
+    ]
+
+
+def faults_of(
+    document: Mapping[str, Any], cell: Cell, pattern: Schedule | PeriodicSchedule
+) -> list[str]:
+    """What the checker of its kind finds wrong with one of the `patterns_of` a result document; of
+    a station that repeats also what breaks the limits that were asked for.
+    """
+    if isinstance(pattern, Schedule):
+        return checker.faults(cell, pattern)
+    asked = document.get("question")
+    asked = asked if isinstance(asked, Mapping) else {}
+    limits = {
+        name: asked[key]
+        for name, key in (
+            ("max_cycle_time", "takt"),
+            ("max_in_process", "max_in_process"),
+            ("max_stress", "max_stress"),
+        )
+        if is_number(asked.get(key))
+    }
+    return cycle_checker.faults(cell, pattern, **limits)
 
 
 def _misshapen(document: Any) -> Iterator[Fault]:

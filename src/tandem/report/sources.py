@@ -8,13 +8,16 @@ import tandem
 from tandem.cell.model import Cell
 from tandem.cell.walking import SPEED
 from tandem.draw.style import looks
+from tandem.plan.cycle.result import CycleFront
 from tandem.plan.result import Front, Status
 from tandem.report.language import Words
 from tandem.report.waits import wait_words
 
 
-def assumptions(front: Front, t: Words) -> list[str]:
-    """What was modelled and how far it is proven, in sentences. Only what this cell has."""
+def assumptions(front: Front | CycleFront, t: Words) -> list[str]:
+    """What was modelled and how far it is proven, in sentences. Only what this cell has; of a
+    station that repeats it is said that breaks and set-up play no part.
+    """
     cell = front.cell
     shown = looks(cell)
     found = [
@@ -77,8 +80,11 @@ def assumptions(front: Front, t: Words) -> list[str]:
     if cell.walking:
         found.append(t("assume.walk", walks=", ".join(_walks(cell, t))))
     about_breaks = "assume.breaks.walk" if cell.walking else "assume.breaks"
+    about_setup = "assume.setup"
+    if isinstance(front, CycleFront):
+        about_breaks, about_setup = "cycle.assume.breaks", "cycle.assume.setup"
     found += [t(about_breaks, breaks=", ".join(breaks))] if breaks else []
-    found += [t("assume.setup", setups=", ".join(setups))] if setups else []
+    found += [t(about_setup, setups=", ".join(setups))] if setups else []
     found += [t("assume.limits", limits=", ".join(limits))] if limits else []
     found += (
         [t("assume.same", pairs=", ".join(f"{a} + {b}" for a, b in cell.same_operator))]
@@ -116,7 +122,9 @@ def _walks(cell: Cell, t: Words) -> Iterator[str]:
                 yield t("assume.walk.pair", who=name, origin=origin, place=place, seconds=seconds)
 
 
-def made(front: Front, t: Words, command: str = "", date: str = "") -> list[tuple[str, str]]:
+def made(
+    front: Front | CycleFront, t: Words, command: str = "", date: str = ""
+) -> list[tuple[str, str]]:
     """(what, value) of program, solver, seed and the like; what is not known is left out."""
     entries = [
         ("program", f"tandem {tandem.__version__}"),

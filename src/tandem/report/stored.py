@@ -12,7 +12,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from tandem.cell.model import Cell
 from tandem.cell.written import number
@@ -20,12 +20,20 @@ from tandem.errors import CellError, Fault, NotReadWarning, UnsoundScheduleError
 from tandem.files.load import load
 from tandem.files.messages import shown
 from tandem.plan.choice import point_of
+from tandem.plan.cycle.result import CycleFront
 from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Quantiles, Result, Risk, Status
 from tandem.report.language import words
 from tandem.report.project import stale_at_home
-from tandem.report.results import is_number, points_of, read_result, schedules_of
-from tandem.schedule.checker import faults
+from tandem.report.results import (
+    faults_of,
+    is_number,
+    patterns_of,
+    points_of,
+    read_result,
+    schedules_of,
+)
+from tandem.schedule.cycle import PeriodicSchedule
 from tandem.schedule.measures import makespan, stress
 from tandem.schedule.model import Schedule
 
@@ -36,9 +44,12 @@ CLOSE = 1e-6
 """
 
 
+F = TypeVar("F", Front, CycleFront)
+
+
 @dataclass(frozen=True)
-class StoredPlan:
-    """A front as it was stored.
+class Stored(Generic[F]):
+    """A front as it was stored, of plans or of cycles.
 
     Attributes:
       front: its points as they were stored, each accepted by the checker.
@@ -48,7 +59,7 @@ class StoredPlan:
       path: the file.
     """
 
-    front: Front
+    front: F
     made_for: str | None
     is_stale: bool
     changed: Cell | None
@@ -64,6 +75,9 @@ class StoredPlan:
         not.
         """
         return stale_note(self.path, language) if self.is_stale else ""
+
+
+StoredPlan = Stored[Front]
 
 
 def stale_note(path: str | Path, language: str = "en") -> str:
@@ -84,8 +98,32 @@ def read_plan(path: str | os.PathLike[str], cell: Cell | None = None) -> StoredP
       UnsoundScheduleError: a schedule breaks a cell that it is to keep, or is not worth what the
         document says.
     """
+    opened = open_stored(path, cell)
+    front = _front(opened.document, opened.cell)
+    return StoredPlan(front, opened.made_for, opened.is_stale, opened.changed, opened.path)
+
+
+class Opened(NamedTuple):
+    """A stored document whose schedules have been judged, the cell that it belongs to, and what a
+    `Stored` says of it.
+    """
+
+    document: dict[str, Any]
+    cell: Cell
+    made_for: str | None
+    is_stale: bool
+    changed: Cell | None
+    path: Path
+
+
+def open_stored(
+    path: str | os.PathLike[str], cell: Cell | None = None, *, cycles: bool = False
+) -> Opened:
+    """The document in a file, judged as `read_plan` says; with `cycles` one of a station that
+    repeats too. Raises as `read_plan` does.
+    """
     path = Path(path)
-    document = read_result(path)
+    document = read_result(path, cycles=cycles)
     held = _held(document, path) if cell is not None else cell_in(document, path)
     made_for = document.get("cell_digest")
     if cell is not None:
@@ -102,7 +140,7 @@ def read_plan(path: str | os.PathLike[str], cell: Cell | None = None) -> StoredP
     if wrong:
         told = [f"{path}: point {place}: {fault}" for place, fault in wrong]
         raise UnsoundScheduleError([*([stale_note(path)] if is_stale else []), *told])
-    return StoredPlan(_front(document, own), made_for, is_stale, changed, path)
+    return Opened(document, own, made_for, is_stale, changed, path)
 
 
 def cell_in(document: Mapping[str, Any], path: Path) -> Cell:
@@ -125,13 +163,14 @@ def faults_in(
     these makespans and stresses if any are given.
     """
     wrong = []
-    for place, schedule in enumerate(schedules_of(document), 1):
-        found = faults(cell, schedule)
+    for place, pattern in enumerate(patterns_of(document), 1):
+        point = document["front"][place - 1]
+        found = faults_of(document, cell, pattern)
         if values and not found:
-            found += _worth(cell, schedule, values[place - 1])
-        stated = document["front"][place - 1].get("digest")
-        if stated not in (None, schedule.digest):
-            found.append(f"is said to be plan {shown(stated)}, but is plan {schedule.digest}.")
+            found += _worth(cell, pattern, values[place - 1], point)
+        stated, kind = point.get("digest"), "plan" if isinstance(pattern, Schedule) else "cycle"
+        if stated not in (None, pattern.digest):
+            found.append(f"is said to be {kind} {shown(stated)}, but is {kind} {pattern.digest}.")
         wrong += [(place, fault) for fault in found]
     return wrong
 
@@ -182,15 +221,28 @@ def _loaded(file: Path) -> Cell | None:
         return None
 
 
-def _worth(cell: Cell, schedule: Schedule, told: tuple[float, float]) -> list[str]:
-    """That a schedule is not worth what is told, if it is not."""
-    found = (makespan(schedule), stress(cell, schedule))
-    if all(abs(one - other) <= CLOSE for one, other in zip(found, told, strict=True)):
-        return []
-    return [
-        f"is said to be worth {number(told[0])} s and a stress of {number(told[1])}, but takes"
-        f" {number(found[0])} s with {number(found[1])}."
-    ]
+def _worth(
+    cell: Cell,
+    pattern: Schedule | PeriodicSchedule,
+    told: tuple[float, float],
+    point: Mapping[str, Any],
+) -> list[str]:
+    """That a schedule is not worth what is told, if it is not; and that another number of products
+    than told is in process.
+    """
+    schedule = pattern if isinstance(pattern, Schedule) else pattern.schedule
+    found, wrong = (makespan(schedule), stress(cell, schedule)), []
+    if not all(abs(one - other) <= CLOSE for one, other in zip(found, told, strict=True)):
+        wrong.append(
+            f"is said to be worth {number(told[0])} s and a stress of {number(told[1])}, but takes"
+            f" {number(found[0])} s with {number(found[1])}."
+        )
+    if isinstance(pattern, PeriodicSchedule) and point.get("in_process") != pattern.in_process:
+        wrong.append(
+            f"is said to have {shown(point.get('in_process'))} in process, but has"
+            f" {pattern.in_process}."
+        )
+    return wrong
 
 
 def _front(document: Mapping[str, Any], cell: Cell) -> Front:
@@ -201,7 +253,7 @@ def _front(document: Mapping[str, Any], cell: Cell) -> Front:
             Result(
                 cell,
                 schedule,
-                _status(row),
+                status_of(row),
                 _bound(row),
                 row.get("canonical") is True,
                 _risk(row.get("risk")),
@@ -211,8 +263,8 @@ def _front(document: Mapping[str, Any], cell: Cell) -> Front:
         document.get("complete") is True,
         str(document.get("method", "")),
         str(document.get("solver", "")),
-        _whole(document.get("seed")),
-        float(_number(document.get("wall_s"), 0.0)),
+        whole_of(document.get("seed")),
+        float(number_or(document.get("wall_s"), 0.0)),
         document.get("interrupted") is True,
         _question(document.get("question")),
         source if isinstance(source, str) else None,
@@ -221,7 +273,8 @@ def _front(document: Mapping[str, Any], cell: Cell) -> Front:
     )
 
 
-def _status(row: Mapping[str, Any]) -> Status:
+def status_of(row: Mapping[str, Any]) -> Status:
+    """How far a point is proven."""
     return Status.OPTIMAL if row.get("status") == Status.OPTIMAL else Status.FEASIBLE
 
 
@@ -229,7 +282,7 @@ def _bound(row: Mapping[str, Any]) -> Bound:
     """What is proven about a point; nothing where the document does not say."""
     told = row.get("bound")
     told = told if isinstance(told, Mapping) else {}
-    return Bound(_number(told.get("makespan"), 0.0), _number(told.get("stress"), 0.0))
+    return Bound(number_or(told.get("makespan"), 0.0), number_or(told.get("stress"), 0.0))
 
 
 def _risk(told: Any) -> Risk | None:
@@ -262,9 +315,11 @@ def _question(told: Any) -> Question:
         return Question()
 
 
-def _number(value: Any, otherwise: float) -> float:
+def number_or(value: Any, otherwise: float) -> float:
+    """The number that a document holds there, if it is one."""
     return value if is_number(value) else otherwise
 
 
-def _whole(value: Any) -> int:
+def whole_of(value: Any) -> int:
+    """The whole number that a document holds there; 0 if it is none."""
     return value if is_number(value) and isinstance(value, int) else 0

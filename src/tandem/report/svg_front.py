@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tandem.draw.front import staircase, window
+from tandem.draw.front import least_time, staircase, time_axis, time_of, window
+from tandem.plan.cycle.result import CycleFront, CycleResult
 from tandem.plan.result import Front, Result, Status
 from tandem.report.language import Words
 from tandem.report.markup import Markup, figure, tag, text, ticks, width_of
@@ -14,7 +15,7 @@ WIDTH, HEIGHT = 740.0, 420.0
 LEFT, RIGHT, TOP, BOTTOM = 80.0, 20.0, 18.0, 58.0
 
 
-def front_chart(front: Front, t: Words, players: Sequence[Player] = ()) -> Markup:
+def front_chart(front: Front | CycleFront, t: Words, players: Sequence[Player] = ()) -> Markup:
     """The chart with dominated area, knee and, where something is not proven, bounds. Players are
     marked by diamonds.
     """
@@ -39,14 +40,15 @@ def front_chart(front: Front, t: Words, players: Sequence[Player] = ()) -> Marku
     line = " ".join(f"{x:.2f},{y:.2f}" for x, y in edge)
     pieces = [
         tag("polygon", tag("title", t("front.dominated")), points=area, class_="dominated"),
-        _axes(low_x, high_x, low_y, high_y, at, t),
+        _axes(low_x, high_x, low_y, high_y, at, t(time_axis(front)), t),
         tag("polyline", points=line, class_="edge"),
     ]
-    places = [at(r.makespan, r.stress) for r in front]
-    knee = front.results.index(front.knee)
+    places = [at(time_of(r), r.stress) for r in front]
+    knee = front.knee_place
     labelled = _labelled(front, places, knee, t)
-    for place, result in enumerate(front):
-        bounds = at(result.bound.makespan, result.bound.stress)
+    results: tuple[Result | CycleResult, ...] = front.results
+    for place, result in enumerate(results):
+        bounds = at(least_time(result), result.bound.stress)
         pieces.append(
             _point(
                 place,
@@ -63,6 +65,7 @@ def front_chart(front: Front, t: Words, players: Sequence[Player] = ()) -> Marku
         [(name, at(makespan, stress)) for name, makespan, stress in shown]
     ):
         pieces.append(_diamond(", ".join(names), place_of))
+    label = t("cycle.chart.front" if isinstance(front, CycleFront) else "front.chart")
     drawing = tag(
         "svg",
         *pieces,
@@ -70,14 +73,16 @@ def front_chart(front: Front, t: Words, players: Sequence[Player] = ()) -> Marku
         width=WIDTH,
         height=HEIGHT,
         role="group",
-        aria_label=t("front.chart"),
+        aria_label=label,
         class_="front",
         xmlns="http://www.w3.org/2000/svg",
     )
-    return figure(drawing, t("front.chart"))
+    return figure(drawing, label)
 
 
-def _axes(low_x: float, high_x: float, low_y: float, high_y: float, at: object, t: Words) -> Markup:
+def _axes(
+    low_x: float, high_x: float, low_y: float, high_y: float, at: object, time: str, t: Words
+) -> Markup:
     assert callable(at)
     base, pieces = HEIGHT - BOTTOM, []
     for value in ticks(low_x, high_x, 10):
@@ -89,7 +94,7 @@ def _axes(low_x: float, high_x: float, low_y: float, high_y: float, at: object, 
         pieces.append(tag("line", x1=LEFT - 5, x2=WIDTH - RIGHT, y1=y, y2=y, class_="grid"))
         pieces.append(text(LEFT - 10, y + 5.5, t.number(value), text_anchor="end", class_="faint"))
     pieces.append(tag("path", d=f"M{LEFT:g},{TOP:g} V{base:g} H{WIDTH - RIGHT:g}", class_="axis"))
-    pieces.append(text((LEFT + WIDTH) / 2, HEIGHT - 8, t("front.makespan"), text_anchor="middle"))
+    pieces.append(text((LEFT + WIDTH) / 2, HEIGHT - 8, time, text_anchor="middle"))
     middle = (TOP + base) / 2
     pieces.append(
         text(
@@ -103,12 +108,14 @@ def _axes(low_x: float, high_x: float, low_y: float, high_y: float, at: object, 
     return tag("g", *pieces)
 
 
-def _label(result: Result, t: Words, *, knee: bool) -> str:
-    values = t("picture.point", makespan=t.seconds(result.makespan), stress=t.number(result.stress))
+def _label(result: Result | CycleResult, t: Words, *, knee: bool) -> str:
+    values = t("picture.point", makespan=t.seconds(time_of(result)), stress=t.number(result.stress))
     return f"{values} ({t('front.knee')})" if knee else values
 
 
-def _labelled(front: Front, places: list[tuple[float, float]], knee: int, t: Words) -> set[int]:
+def _labelled(
+    front: Front | CycleFront, places: list[tuple[float, float]], knee: int, t: Words
+) -> set[int]:
     """The knee and the ends, then every other point whose label meets no other point or label."""
     boxes = [(x - 9, y - 9, x + 9, y + 9) for x, y in places]
     chosen: set[int] = set()
@@ -168,7 +175,7 @@ def _diamond(names: str, at: tuple[float, float]) -> Markup:
 
 def _point(
     place: int,
-    result: Result,
+    result: Result | CycleResult,
     at: tuple[float, float],
     bounds: tuple[float, float],
     t: Words,
@@ -179,12 +186,13 @@ def _point(
 ) -> Markup:
     x, y = at
     proven = result.status == Status.OPTIMAL
-    key = "front.point.proven" if proven else "front.point.open"
-    values = {"makespan": t.seconds(result.makespan), "stress": t.number(result.stress)}
+    room = "cycle" if isinstance(result, CycleResult) else "front"
+    key = f"{room}.point.proven" if proven else f"{room}.point.open"
+    values = {"makespan": t.seconds(time_of(result)), "stress": t.number(result.stress)}
     words = t(
         key,
         n=place + 1,
-        low_makespan=t.seconds(result.bound.makespan),
+        low_makespan=t.seconds(least_time(result)),
         low_stress=t.number(result.bound.stress),
         **values,
     )

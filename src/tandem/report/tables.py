@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from tandem.cell.model import Cell
 from tandem.draw.style import Look, looks, task_label
+from tandem.plan.cycle.result import CycleFront
 from tandem.plan.result import Front, Result, Status
 from tandem.report.language import Words
 from tandem.report.markup import Markup, hatch_id, join, tag
@@ -214,16 +215,14 @@ def _spent(parts: tuple[float, float, float], total: float, words: str, fill: st
     )
 
 
-def shown_plans(front: Front, point: int | None = None) -> list[int]:
+def shown_plans(front: Front | CycleFront, point: int | None = None) -> list[int]:
     """Indices of the plans that get a column: all, or the ends, the knee, the chosen `point` and
     some between.
     """
     if len(front) <= MOST_PLANS:
         return list(range(len(front)))
     spread = {round(i * (len(front) - 1) / (MOST_PLANS - 2)) for i in range(MOST_PLANS - 1)}
-    return sorted(
-        spread | {front.results.index(result) for result in (front.knee, front.shown(point))}
-    )
+    return sorted(spread | {front.knee_place, front.knee_place if point is None else point - 1})
 
 
 def tasks(front: Front, t: Words) -> Markup:

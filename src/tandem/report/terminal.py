@@ -11,13 +11,14 @@ from __future__ import annotations
 import itertools
 import math
 import textwrap
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from tandem.cell.model import Cell
 from tandem.draw.imprint import imprint
-from tandem.draw.lanes import SHADINGS, Lane, kinds_shaded, lanes
+from tandem.draw.lanes import SHADINGS, Bar, Lane, kinds_shaded, lanes
 from tandem.draw.style import looks, shorten, task_label
+from tandem.plan.cycle.result import CycleFront
 from tandem.plan.result import Front, Result, Status
 from tandem.report.language import Words, words
 from tandem.report.risk import is_told, risk_heads, risk_note, risk_rows
@@ -26,7 +27,7 @@ from tandem.schedule.measures import makespan
 from tandem.schedule.model import Schedule
 
 if TYPE_CHECKING:
-    from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
+    from rich.console import Console, ConsoleOptions, RenderResult
     from rich.table import Table
     from rich.text import Text
 
@@ -137,47 +138,65 @@ def front_table(front: Front, *, width: int = 80, language: str = "en") -> Table
 
     The knee has a star. Bounds stand behind a value that is not proven.
     """
+    t = words(language)
+    heads = [(t("front.makespan"), "right"), (t("front.stress"), "right")]
+    heads += [(t("front.cost"), "right")] if front.cell.cost is not None else []
+    heads += [(t("front.status"), "")]
+    rows = [
+        (
+            bounded(r.makespan, r.bound.makespan, t),
+            bounded(r.stress, r.bound.stress, t),
+            *([t.number(r.cost)] if r.cost is not None else []),
+            status(r, language),
+        )
+        for r in front
+    ]
+    return points_table(front, heads, rows, width=width, language=language)
+
+
+def points_table(
+    front: Front | CycleFront,
+    heads: Sequence[tuple[str, str]],
+    rows: Sequence[Sequence[str]],
+    *,
+    width: int,
+    language: str,
+) -> Table:
+    """The points as a table that fits into `width` characters: what `rows` say of each, and who
+    does what in short. The knee has a star.
+
+    Args:
+      heads: words, of one or more lines, and "right" where numbers stand.
+    """
     from rich.box import SIMPLE_HEAD
     from rich.markup import escape
     from rich.table import Table
     from rich.text import Text
 
     t = words(language)
-    cost = [t("front.cost")] if front.cell.cost is not None else []
-    heads = [t("front.makespan"), t("front.stress"), *cost, t("front.status")]
     table = Table(box=SIMPLE_HEAD, pad_edge=False, header_style="bold")
     table.add_column("", no_wrap=True)
-    table.add_column(escape(heads[0]), justify="right", no_wrap=True)
-    for head in heads[1:-1]:
-        table.add_column(head, justify="right", no_wrap=True)
-    table.add_column(heads[-1], no_wrap=True)
-    rows = [
-        (
-            _bounded(r.makespan, r.bound.makespan, t),
-            _bounded(r.stress, r.bound.stress, t),
-            *([t.number(r.cost)] if r.cost is not None else []),
-            status(r, language),
-        )
-        for r in front
-    ]
+    for head, side in heads:
+        table.add_column(escape(head), justify="right" if side else "left", no_wrap=True)
     taken = 6 + sum(
-        2 + max([len(head), *(len(row[i]) for row in rows)]) for i, head in enumerate(heads)
+        2 + max([*map(len, head.split("\n")), *(len(row[i]) for row in rows)])
+        for i, (head, _) in enumerate(heads)
     )
     shown = list(looks(front.cell).values())
     room = (width - taken) // len(shown) - 2
-    shown = shown if room >= 8 else []
+    shown = shown if room >= max(8, len(t.count("task", len(front.cell.tasks)))) else []
     for look in shown:
         table.add_column(
             escape(shorten(look.label, max(room, 8), "..")),
             overflow="fold",
             style=_colour(front.cell, look.operator),
         )
-    knee = front.knee if len(front) > 2 else None
-    for place, (result, row) in enumerate(zip(front, rows, strict=True), 1):
+    knee = front.knee_place if len(front) > 2 else None
+    for place, (schedule, row) in enumerate(zip([r.schedule for r in front], rows, strict=True)):
         cells = [
             Text(
                 tasks_in_short(
-                    result.schedule,
+                    schedule,
                     look.operator,
                     room,
                     lines=3 if len(front) <= 10 else 1,
@@ -187,10 +206,10 @@ def front_table(front: Front, *, width: int = 80, language: str = "en") -> Table
             for look in shown
         ]
         table.add_row(
-            f"{place}{'*' if result is knee else ''}",
+            f"{place + 1}{'*' if place == knee else ''}",
             *row,
             *cells,
-            style="bold" if result is knee else "",
+            style="bold" if place == knee else "",
         )
     if knee is not None:
         table.caption, table.caption_justify = t("terminal.knee"), "left"
@@ -222,7 +241,8 @@ def status(result: Result, language: str = "en") -> str:
     return t("terminal.gap", gap=t.share(result.gap))
 
 
-def _bounded(value: float, bound: float, t: Words) -> str:
+def bounded(value: float, bound: float, t: Words) -> str:
+    """The value, and behind it the bound where that is less."""
     shown = t.number(value)
     return shown if bound >= value else f"{shown} (>= {t.number(round(bound, 2))})"
 
@@ -246,7 +266,7 @@ class GanttText:
     when tasks would get too narrow.
 
     A bar begins with an edge and the task's name; humans' bars are solid, robots' shaded, machines'
-    shaded closer. `x` is a break, `~` a tool changeover, `>` walking, `·` a part held.
+    ruled. `x` is a break, `~` a tool changeover, `>` walking, `·` a part held.
     """
 
     def __init__(
@@ -261,38 +281,14 @@ class GanttText:
         if not len(self.schedule):
             yield Text(self.words("terminal.nobody"))
             return
-        marks = _Marks(plain=not _can_print(options.encoding, _Marks(plain=False)))
         rows = lanes(
             self.cell, self.schedule, until=makespan(self.schedule), critical=self.critical
         )
-        room = max(4, min(18, options.max_width // 4))
-        names = [shorten(lane.look.label, room, marks.ellipsis) for lane in rows]
-        left = max(map(len, names)) + 2
-        width = max(10, min(options.max_width, 160) - left - 1)
-        for begin, end in self._panels(width):
-            scale = width / (end - begin)
-            for name, lane in zip(names, rows, strict=True):
-                line = Text(name.ljust(left - 1) + marks.edge, no_wrap=True, overflow="crop")
-                line.append_text(
-                    _lane_text(
-                        lane,
-                        begin,
-                        end,
-                        scale,
-                        width,
-                        marks,
-                        _colour(self.cell, lane.look.operator),
-                    )
-                )
-                line.append(marks.edge)
-                yield line
-            yield Text(
-                " " * left + _axis(begin, end, scale, width, self.words),
-                style="dim",
-                no_wrap=True,
-                overflow="crop",
-            )
-        yield from self._notes(rows, marks, options.max_width)
+        chart = LanesText(self.cell, rows, options, self.words)
+        yield from chart.lines([[panel] for panel in self._panels(chart.width)])
+        yield from chart.notes()
+        yield from self._critical(chart.marks, options.max_width)
+        yield from chart.names()
 
     def _panels(self, width: int) -> list[tuple[float, float]]:
         """The time axis in pieces of the same length, so many that a typical bar can hold its
@@ -311,57 +307,101 @@ class GanttText:
             for i in range(math.ceil(end / piece - 1e-9))
         ]
 
-    def _notes(self, rows: Iterable[Lane], marks: _Marks, width: int) -> Iterator[RenderableType]:
+    def _critical(self, marks: _Marks, width: int) -> Iterator[Text]:
+        """The critical path, named."""
         from rich.text import Text
 
-        rows, t = list(rows), self.words
-        parts = [f"{marks.of[kind]} {t(kind)}" for kind in ("human", "robot")]
-        if self.cell.machines:
-            parts.append(f"{marks.of['machine']} {t('machine')}")
-        if any(bar.joint for lane in rows for bar in lane.bars):
-            parts.append(f"+ {t('picture.joint')}")
-        parts += [
-            f"{marks.shaded[SHADINGS[kind].fill]} {t(f'picture.{kind}')}"
-            for kind in kinds_shaded(rows)
-        ]
-        yield Text("  ".join(parts), style="dim")
         if self.critical:
             chain = [link.assignment.task for link in critical_path(self.cell, self.schedule)]
             arrow = f" {marks.arrow} "
             if len(arrow.join(chain)) > 3 * width:
                 chain = [*chain[:8], marks.ellipsis, *chain[-8:]]
-            yield Text(t("terminal.critical", chain=arrow.join(chain)))
+            yield Text(self.words("terminal.critical", chain=arrow.join(chain)))
+
+
+class LanesText:
+    """Lanes as lines of characters, as wide as the console.
+
+    Attributes:
+      width: characters across a lane.
+    """
+
+    def __init__(self, cell: Cell, rows: Iterable[Lane], options: ConsoleOptions, t: Words):
+        self.cell, self.rows, self.words = cell, list(rows), t
+        self.marks = _Marks(plain=not _can_print(options.encoding, _Marks(plain=False)))
+        room = max(4, min(18, options.max_width // 4))
+        self._names = [shorten(lane.look.label, room, self.marks.ellipsis) for lane in self.rows]
+        self._left = max(map(len, self._names)) + 2
+        self.width = max(10, min(options.max_width, 160) - self._left - 1)
+
+    def lines(self, folded: Iterable[Sequence[tuple[float, float]]]) -> Iterator[Text]:
+        """The lanes, once for each entry of `folded`: the pieces of time that stand side by side,
+        all of the same length, an edge behind each.
+        """
+        from rich.text import Text
+
+        for pieces in folded:
+            width = (self.width - len(pieces) + 1) // len(pieces)
+            scale = width / (pieces[0][1] - pieces[0][0])
+            for name, lane in zip(self._names, self.rows, strict=True):
+                colour = _colour(self.cell, lane.look.operator)
+                line = Text(
+                    name.ljust(self._left - 1) + self.marks.edge, no_wrap=True, overflow="crop"
+                )
+                for begin, end in pieces:
+                    line.append_text(_lane_text(lane, begin, end, scale, width, self.marks, colour))
+                    line.append(self.marks.edge)
+                yield line
+            axes = "".join(_axis(*piece, scale, width, self.words) for piece in pieces)
+            yield Text(" " * self._left + axes, style="dim", no_wrap=True, overflow="crop")
+
+    def notes(self) -> Iterator[Text]:
+        """What the signs mean."""
+        from rich.text import Text
+
+        marks, t = self.marks, self.words
+        several = any(bar.product is not None for lane in self.rows for bar in lane.bars)
+        parts = [
+            f"{marks.fill(kind, 0)}{marks.fill(kind, 1) if several else ''} {t(kind)}"
+            for kind in ("human", "robot", *(["machine"] if self.cell.machines else []))
+        ]
+        if any(bar.joint for lane in self.rows for bar in lane.bars):
+            parts.append(f"+ {t('picture.joint')}")
+        parts += [
+            f"{marks.shaded[SHADINGS[kind].fill]} {t(f'picture.{kind}')}"
+            for kind in kinds_shaded(self.rows)
+        ]
+        yield Text("  ".join(parts), style="dim")
+
+    def names(self) -> Iterator[Text]:
+        """What the tasks are called, unless they are too many."""
+        from rich.text import Text
+
         named = [
             bar
-            for bar in {bar.task: bar for lane in rows for bar in lane.bars}.values()
+            for bar in {bar.task: bar for lane in self.rows for bar in lane.bars}.values()
             if bar.label != bar.task
         ]
         if named and len(named) <= 24:
-            yield Text(
-                t(
-                    "terminal.tasks",
-                    names=", ".join(
-                        f"{bar.task} = {task_label(self.cell, bar.task)}" for bar in named
-                    ),
-                ),
-                style="dim",
-            )
+            names = ", ".join(f"{bar.task} = {task_label(self.cell, bar.task)}" for bar in named)
+            yield Text(self.words("terminal.tasks", names=names), style="dim")
 
 
 class _Marks:
     """The characters of a chart; `plain` keeps to ASCII."""
 
     def __init__(self, *, plain: bool):
-        self.human, self.robot, self.machine = ("#", "=", ":") if plain else ("█", "░", "▒")
+        self.human, self.robot = ("#%", "=-") if plain else ("█▓", "░▒")
+        self.machine = ":;" if plain else "▤▥"
         self.bar, self.edge = ("[", "|") if plain else ("▐", "│")
         self.arrow, self.ellipsis = ("->", "..") if plain else ("→", "…")
         self.pause, self.swap, self.walk = ("x", "~", ">") if plain else ("╳", "~", "›")
         self.hold = "." if plain else "·"
 
-    @property
-    def of(self) -> dict[str, str]:
-        """The fill of the bars of each kind of operator."""
-        return {"human": self.human, "robot": self.robot, "machine": self.machine}
+    def fill(self, kind: str, product: int) -> str:
+        """The sign of a bar; products that follow each other differ."""
+        of_kind = {"human": self.human, "robot": self.robot, "machine": self.machine}
+        return of_kind[kind][product % 2]
 
     @property
     def shaded(self) -> dict[str, str]:
@@ -389,7 +429,6 @@ def _lane_text(
     from rich.text import Text
 
     signs, styles = [" "] * width, [""] * width
-    fill = marks.of[lane.look.kind]
 
     def columns(start: float, stop: float) -> range:
         first, last = (
@@ -408,10 +447,9 @@ def _lane_text(
     for bar in lane.bars:
         places = columns(bar.start, bar.end)
         strong = f"bold {colour}" if bar.critical else colour
-        name = bar.task + ("+" if bar.joint else "")
+        fill = marks.fill(lane.look.kind, bar.product or 0)
         edge = marks.bar if bar.start >= begin else ""
-        room = len(places) - len(edge)
-        words = edge + (shorten(name, room, marks.ellipsis) if room >= min(len(name), 4) else "")
+        words = edge + _name_in(bar, len(places) - len(edge), marks)
         for place, x in enumerate(places):
             inside = place < len(words)
             signs[x] = words[place] if inside else fill
@@ -422,6 +460,17 @@ def _lane_text(
     for style, run in itertools.groupby(zip(signs, styles, strict=True), key=lambda pair: pair[1]):
         text.append("".join(sign for sign, _ in run), style=style)
     return text
+
+
+def _name_in(bar: Bar, room: int, marks: _Marks) -> str:
+    """As much of a bar's name, and of the mark of its product, as fits; nothing where that is too
+    little.
+    """
+    name = bar.task + ("+" if bar.joint else "")
+    mark = f" {bar.mark}" if bar.mark else ""
+    if mark and room >= min(len(name), 4) + len(mark):
+        return shorten(name, room - len(mark), marks.ellipsis) + mark
+    return shorten(name, room, marks.ellipsis) if room >= min(len(name), 4) else ""
 
 
 def _axis(begin: float, end: float, scale: float, width: int, t: Words) -> str:

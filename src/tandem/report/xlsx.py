@@ -5,21 +5,34 @@ workbook gives the same cell again.
 
 from __future__ import annotations
 
-import io
-from collections.abc import Sequence
 from math import ceil
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
-from tandem.draw.imprint import imprint, remarks
+from tandem.draw.imprint import remarks
 from tandem.draw.style import contrast, looks
-from tandem.files.spreadsheet.template import to_workbook, workbook_bytes
 from tandem.plan.result import Front, Result
-from tandem.report.instructions import Step, columns, instructed, origin, rules, steps
+from tandem.report.instructions import Row, columns, instructed, origin, rules, steps
 from tandem.report.language import Words, words
 from tandem.report.risk import is_told, risk_heads, risk_note, risk_values
 from tandem.report.sources import assumptions, made
 from tandem.report.tables import between, named, shown_plans, status
+from tandem.report.workbook import (
+    FONT,
+    book_of,
+    edge,
+    finished,
+    letter,
+    name_on_paper,
+    name_plan,
+    put,
+    sheet_name,
+    spread,
+    write_header,
+    write_made,
+    write_row,
+    write_title,
+)
 from tandem.schedule.critical import critical_path, slack
 from tandem.schedule.measures import (
     changing,
@@ -42,7 +55,6 @@ STEPS = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600
 """Seconds that one column may stand for."""
 PAGE = 118.0
 """Characters across a page in A4 landscape, beside the column of names."""
-FONT = "Calibri"
 WIDTHS = {
     "number": 7, "task": 10, "does": 30, "what": 30, "means": 28, "begin": 46, "then": 36,
     "start": 10, "end": 10, "deadline": 12,
@@ -50,7 +62,7 @@ WIDTHS = {
 """Characters across the columns of an instruction sheet."""
 ON_A_PAGE = 24
 """So many steps of an operator are printed on one page."""
-HEAD, RULE, BREAK = "1F4E5F", "C8CCD0", "BDBDBD"
+BREAK = "BDBDBD"
 
 
 def xlsx(
@@ -68,59 +80,33 @@ def xlsx(
     Raises:
       UsageError: reports do not speak the language.
     """
-    import openpyxl
-
     t = words(language)
-    book = openpyxl.load_workbook(
-        io.BytesIO(to_workbook(front.cell, lang="de" if language == "de" else "en"))
-    )
-    cell_sheets = len(book.sheetnames)
+    book, cell_sheets = book_of(front.cell, language)
     _front(book, front, t, point, stale)
     if is_told(front):
         _risk(book, front, t)
     for place in shown_plans(front, point) if len(front) else []:
         _plan(book, front[place], place + 1, t)
-        _origin(book, front[place], t, stale)
+        name_plan(book, front[place], t, stale)
         _gantt(book, front[place], place + 1, t)
-        _origin(book, front[place], t, stale)
+        name_plan(book, front[place], t, stale)
     if len(front):
         result = front.shown(point)
         title = _plan_title(result, front.results.index(result) + 1, t)
         title = "; ".join([title, *remarks(result, t, stale=stale)])
         for operator in instructed(front.cell):
             _instructions(book, result, operator, title, t)
-            _on_paper(book, result, t, stale)
-    _made(book, front, t, command, date)
-    book._sheets = [*book._sheets[cell_sheets:], *book._sheets[:cell_sheets]]
-    book.active = 0
-    for sheet in book:
-        _fit_to_page(sheet)
-        sheet.sheet_view.tabSelected = sheet is book.active
-    return workbook_bytes(book)
+            name_on_paper(book, result, t, stale)
+    write_made(book, assumptions(front, t), made(front, t, command, date), t)
+    return finished(book, cell_sheets)
 
 
 # --- sheets ---------------------------------------------------------------------------------------
 
 
-def _origin(book: Workbook, result: Result, t: Words, stale: bool) -> None:
-    """Names the plan under the title of the newest sheet, and on each printed page."""
-    from openpyxl.styles import Font
-
-    sheet = book.worksheets[-1]
-    _put(sheet, 2, 1, imprint(result, t, stale=stale))
-    sheet.cell(2, 1).font = Font(name=FONT, size=9, italic=True)
-    _on_paper(book, result, t, stale)
-
-
-def _on_paper(book: Workbook, result: Result, t: Words, stale: bool) -> None:
-    """Names the plan on each printed page of the newest sheet."""
-    sheet, says = book.worksheets[-1], imprint(result, t, stale=stale)
-    sheet.oddFooter.right.text = says.replace("&", "&&")
-
-
 def _front(book: Workbook, front: Front, t: Words, point: int | None, stale: bool) -> None:
     sheet = book.create_sheet(t("sheet.front"))
-    _title(sheet, t("title", name=front.cell.name or t("unnamed")))
+    write_title(sheet, t("title", name=front.cell.name or t("unnamed")))
     shown = looks(front.cell)
     heads = [
         t("front.plan"),
@@ -132,13 +118,13 @@ def _front(book: Workbook, front: Front, t: Words, point: int | None, stale: boo
         *(t("front.does", who=look.label) for look in shown.values()),
     ]
     cost = [14] if front.cell.cost is not None else []
-    _header(sheet, 3, heads, [8, 14, 10, *cost, 26, 16, *[34] * len(shown)])
+    write_header(sheet, 3, heads, [8, 14, 10, *cost, 26, 16, *[34] * len(shown)])
     for row, result in enumerate(front, 4):
         does = [
             ", ".join(a.task for a in result.schedule.of(name)) or "–"
             for name in front.cell.operators
         ]
-        _row(
+        write_row(
             sheet,
             row,
             [
@@ -156,18 +142,18 @@ def _front(book: Workbook, front: Front, t: Words, point: int | None, stale: boo
     if len(front) and front.shown(point) is not front.knee:
         below.append(f"{t('plan.shown')}: {point}")
     for row, says in enumerate([*below, *([t("summary.stale")] if stale else [])], len(front) + 5):
-        _put(sheet, row, 1, says)
+        put(sheet, row, 1, says)
     sheet.freeze_panes = "B4"
 
 
 def _risk(book: Workbook, front: Front, t: Words) -> None:
     """What the plans risk where times scatter."""
     sheet, rows = book.create_sheet(t("sheet.risk")), risk_values(front)
-    _title(sheet, t("risk.title"))
-    _header(sheet, 3, risk_heads(front, t), [8, *[16] * (len(rows[0]) - 1)])
+    write_title(sheet, t("risk.title"))
+    write_header(sheet, 3, risk_heads(front, t), [8, *[16] * (len(rows[0]) - 1)])
     for number, row in enumerate(rows, 4):
-        _row(sheet, number, row)
-    _spread(sheet, len(rows) + 5, risk_note(front, t), len(rows[0]))
+        write_row(sheet, number, row)
+    spread(sheet, len(rows) + 5, risk_note(front, t), len(rows[0]))
     sheet.freeze_panes = "B4"
 
 
@@ -184,9 +170,9 @@ def _plan(book: Workbook, result: Result, place: int, t: Words) -> None:
     """The steps of one plan, and below them the balance of its operators."""
     cell, schedule = result.cell, result.schedule
     sheet = book.create_sheet(t("sheet.plan", n=place))
-    _title(sheet, _plan_title(result, place, t))
+    write_title(sheet, _plan_title(result, place, t))
     keys = ("task", "who", "start", "end", "stress", "slack")
-    _header(
+    write_header(
         sheet,
         3,
         [t("plan.step.task"), *(t(f"plan.step.{key}") for key in keys[1:])],
@@ -201,7 +187,7 @@ def _plan(book: Workbook, result: Result, place: int, t: Words) -> None:
         mode = mode_of(cell, a)
         load = float(sum(map(exact, mode.stress.values()))) if mode and mode.stress else None
         late: Any = t("plan.step.critical") if a.task in critical else free[a.task]
-        _row(
+        write_row(
             sheet,
             row,
             [
@@ -220,13 +206,13 @@ def _plan(book: Workbook, result: Result, place: int, t: Words) -> None:
 
 def _balance(sheet: Worksheet, top: int, cell: Cell, schedule: Schedule, t: Words) -> None:
     keys = ("operator", "kind", "busy", between(cell), "break", "idle", "stress")
-    _put(sheet, top - 1, 1, t("balance.title"), bold=True)
-    _header(sheet, top, [t(f"balance.{key}") for key in keys], [])
+    put(sheet, top - 1, 1, t("balance.title"), bold=True)
+    write_header(sheet, top, [t(f"balance.{key}") for key in keys], [])
     busy, swaps, free = working(cell, schedule), changing(cell, schedule), idle(cell, schedule)
     loads, total = stress_by_human(cell, schedule), makespan(schedule)
     for row, (name, look) in enumerate(looks(cell).items(), top + 1):
         off = exact(total) - exact(busy[name]) - exact(swaps[name]) - exact(free[name])
-        _row(
+        write_row(
             sheet,
             row,
             [
@@ -247,14 +233,14 @@ def _gantt(book: Workbook, result: Result, place: int, t: Words) -> None:
 
     cell, schedule = result.cell, result.schedule
     sheet = book.create_sheet(t("sheet.gantt", n=place))
-    _title(sheet, _plan_title(result, place, t))
+    write_title(sheet, _plan_title(result, place, t))
     slot = slot_seconds(result.makespan)
     count = max(ceil(round(result.makespan / slot, 6)), 1)
     sheet.column_dimensions["A"].width = 20
     width = max(min(PAGE / count, 8), 1.0)
     for column in range(2, count + 2):
-        sheet.column_dimensions[_letter(column)].width = width
-        sheet.cell(3, column).border = _edge()
+        sheet.column_dimensions[letter(column)].width = width
+        sheet.cell(3, column).border = edge()
     every = max(round(count / 12), 1)
     for column in range(0, count, every):
         axis = sheet.cell(3, column + 2, plain(round(column * slot, 3)))
@@ -266,7 +252,7 @@ def _gantt(book: Workbook, result: Result, place: int, t: Words) -> None:
             end_column=min(column + every, count) + 1,
         )
     for row, (name, look) in enumerate(looks(cell).items(), 4):
-        _put(sheet, row, 1, look.label, bold=True)
+        put(sheet, row, 1, look.label, bold=True)
         sheet.row_dimensions[row].height = 34
         for start, end in cell.operators[name].breaks:
             _bar(sheet, row, start, min(end, result.makespan), slot, count, BREAK, "", "mediumGray")
@@ -282,7 +268,7 @@ def _gantt(book: Workbook, result: Result, place: int, t: Words) -> None:
                 named(cell, a.task),
                 "",
             )
-    _put(sheet, len(cell.operators) + 5, 1, t("sheet.slot", seconds=t.number(slot)))
+    put(sheet, len(cell.operators) + 5, 1, t("sheet.slot", seconds=t.number(slot)))
     sheet.freeze_panes = "B4"
 
 
@@ -321,29 +307,29 @@ def _bar(
         taken.value, taken.data_type, taken.font = label, "s", Font(name=FONT, size=10, color=ink)
         taken.alignment = Alignment(horizontal="center", vertical="center", wrap_text=True)
     for column in range(first + 2, last + 2):
-        sheet.cell(row, column).border = _edge()
+        sheet.cell(row, column).border = edge()
     if last - first > 1:
         sheet.merge_cells(start_row=row, end_row=row, start_column=first + 2, end_column=last + 1)
 
 
 def _instructions(book: Workbook, result: Result, operator: str, plan: str, t: Words) -> None:
     look = looks(result.cell)[operator]
-    sheet = book.create_sheet(_sheet_name(book, look.label))
-    _title(sheet, t("steps.title", who=look.label))
+    sheet = book.create_sheet(sheet_name(book, look.label))
+    write_title(sheet, t("steps.title", who=look.label))
     found = steps(result.cell, result.schedule, operator, t)
     if not found:
-        _put(sheet, 4, 1, t("steps.none"))
+        put(sheet, 4, 1, t("steps.none"))
         return
     shown = columns(found)
-    _header(sheet, 3, [t(f"steps.{key}") for key in shown], [WIDTHS[key] for key in shown])
+    write_header(sheet, 3, [t(f"steps.{key}") for key in shown], [WIDTHS[key] for key in shown])
     for row, step in enumerate(found, 4):
-        _row(sheet, row, [_said(step, key) for key in shown])
-    _spread(sheet, 2, " ".join(rules(result.cell, operator, t)), len(shown))
-    _put(sheet, len(found) + 5, 1, origin(result, operator, plan, t))
+        write_row(sheet, row, [said(step, key) for key in shown])
+    spread(sheet, 2, " ".join(rules(result.cell, operator, t)), len(shown))
+    put(sheet, len(found) + 5, 1, origin(result, operator, plan, t))
     sheet.page_setup.fitToHeight = 1 if len(found) <= ON_A_PAGE else 0
 
 
-def _said(step: Step, key: str) -> Any:
+def said(step: Row, key: str) -> Any:
     """What stands in a column of an instruction sheet; of the conditions, the one expected last in
     bold.
     """
@@ -358,127 +344,3 @@ def _said(step: Step, key: str) -> Any:
         line = ("\n" if place else "") + condition.says
         pieces.append(TextBlock(bold, line) if condition.last else line)
     return CellRichText(pieces)
-
-
-def _made(book: Workbook, front: Front, t: Words, command: str, date: str) -> None:
-    from openpyxl.styles import Alignment
-
-    sheet = book.create_sheet(t("sheet.made"))
-    sheet.column_dimensions["A"].width, sheet.column_dimensions["B"].width = 24, 110
-    _put(sheet, 1, 1, t("assume.title"), bold=True)
-    row = 2
-    for sentence in [*assumptions(front, t), t("safety")]:
-        _put(sheet, row, 2, sentence)
-        sheet.cell(row, 2).alignment = Alignment(wrap_text=True, vertical="top")
-        row += 1
-    _put(sheet, row + 1, 1, t("made.title"), bold=True)
-    for offset, (what, value) in enumerate(made(front, t, command, date), 2):
-        _put(sheet, row + offset, 1, what)
-        _put(sheet, row + offset, 2, value)
-
-
-# --- how it looks ---------------------------------------------------------------------------------
-
-
-def _put(sheet: Worksheet, row: int, column: int, value: Any, bold: bool = False) -> None:
-    """A value as itself: a text that begins with "=" stays a text."""
-    from openpyxl.styles import Font
-
-    if value is None or value == "":
-        return
-    cell = sheet.cell(row, column, plain(round(value, 9)) if isinstance(value, float) else value)
-    if isinstance(value, str):
-        cell.data_type = "s"
-    if bold:
-        cell.font = Font(name=FONT, bold=True)
-
-
-def _row(sheet: Worksheet, row: int, values: Sequence[Any], bold: bool = False) -> None:
-    from openpyxl.cell.rich_text import CellRichText
-    from openpyxl.styles import Alignment
-
-    for column, value in enumerate(values, 1):
-        _put(sheet, row, column, value, bold)
-        sheet.cell(row, column).border = _edge()
-        sheet.cell(row, column).alignment = Alignment(
-            wrap_text=isinstance(value, str | CellRichText), vertical="top"
-        )
-    lines = [
-        _lines(str(value), sheet.column_dimensions[_letter(column)].width)
-        for column, value in enumerate(values, 1)
-        if value
-    ]
-    # programs other than Excel do not find it out themselves
-    sheet.row_dimensions[row].height = 15 * max(lines, default=1)
-
-
-def _spread(sheet: Worksheet, row: int, text: str, columns: int) -> None:
-    """A text across so many columns, the row as high as it needs."""
-    from openpyxl.styles import Alignment
-
-    _put(sheet, row, 1, text)
-    sheet.cell(row, 1).alignment = Alignment(wrap_text=True, vertical="top")
-    sheet.merge_cells(start_row=row, end_row=row, start_column=1, end_column=columns)
-    width = sum(sheet.column_dimensions[_letter(column)].width for column in range(1, columns + 1))
-    sheet.row_dimensions[row].height = 15 * _lines(text, width)
-
-
-def _lines(text: str, width: float) -> int:
-    """Lines that a text takes in so many characters across."""
-    return sum(max(ceil(len(line) / (width * 0.95)), 1) for line in text.splitlines()) or 1
-
-
-def _title(sheet: Worksheet, text: str) -> None:
-    from openpyxl.styles import Font
-
-    _put(sheet, 1, 1, text)
-    sheet.cell(1, 1).font = Font(name=FONT, bold=True, size=14)
-
-
-def _header(sheet: Worksheet, row: int, heads: Sequence[str], widths: Sequence[float]) -> None:
-    from openpyxl.styles import Alignment, Font, PatternFill
-
-    for column, head in enumerate(heads, 1):
-        cell = sheet.cell(row, column, head)
-        cell.data_type = "s"
-        cell.font, cell.fill = (
-            Font(name=FONT, bold=True, color="FFFFFF"),
-            PatternFill("solid", fgColor=HEAD),
-        )
-        cell.alignment = Alignment(wrap_text=True, vertical="center")
-    for column, width in enumerate(widths, 1):
-        sheet.column_dimensions[_letter(column)].width = width
-    sheet.row_dimensions[row].height = 32
-
-
-def _edge() -> Any:
-    from openpyxl.styles import Border, Side
-
-    side = Side(style="thin", color=RULE)
-    return Border(left=side, right=side, top=side, bottom=side)
-
-
-def _letter(column: int) -> str:
-    from openpyxl.utils import get_column_letter
-
-    letter: str = get_column_letter(column)
-    return letter
-
-
-def _sheet_name(book: Workbook, wanted: str) -> str:
-    """A name that Excel accepts and that no sheet has yet."""
-    plain_name = "".join("_" if c in "[]:*?/\\'" else c for c in wanted).strip()[:28] or "_"
-    names = {sheet.lower() for sheet in book.sheetnames}
-    return next(
-        name
-        for count in range(1, 1000)
-        if (name := plain_name if count == 1 else f"{plain_name}{count}").lower() not in names
-    )
-
-
-def _fit_to_page(sheet: Worksheet) -> None:
-    """A4 landscape, as wide as the page, and as long as need be unless the sheet says otherwise."""
-    sheet.page_setup.orientation, sheet.page_setup.paperSize = "landscape", 9
-    sheet.page_setup.fitToWidth = 1
-    sheet.page_setup.fitToHeight = sheet.page_setup.fitToHeight or 0
-    sheet.sheet_properties.pageSetUpPr.fitToPage = True

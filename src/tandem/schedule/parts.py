@@ -5,7 +5,7 @@ time and does nothing else meanwhile.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from tandem.cell.model import Cell
 from tandem.cell.precedence import between
@@ -30,6 +30,18 @@ class Hold:
     def ends(self) -> set[str]:
         """The names of both."""
         return {self.first.task, self.last.task}
+
+    def later(self, seconds: float) -> Hold:
+        """The same hold of a part that comes so much later."""
+        first, last = (
+            replace(
+                row,
+                start=float(exact(row.start) + exact(seconds)),
+                end=float(exact(row.end) + exact(seconds)),
+            )
+            for row in (self.first, self.last)
+        )
+        return replace(self, first=first, last=last)
 
 
 def holds(cell: Cell, schedule: Schedule) -> tuple[Hold, ...]:
