@@ -234,8 +234,8 @@ def kinds_are_kept_apart(lap: Lap) -> Iterator[str]:
                 if of_kind != kind and lap.overlap(arc, other):
                     yield (
                         f"zone {name!r}: keeps {checker.listed(zone.apart)} apart, but {its!r}"
-                        f" (task {other.row.task!r}, {lap.told(other)} of the cycle) and {who!r} (task"
-                        f" {arc.row.task!r}, {lap.told(arc)}) are in it at once."
+                        f" (task {other.row.task!r}, {lap.told(other)} of the cycle) and {who!r}"
+                        f" (task {arc.row.task!r}, {lap.told(arc)}) are in it at once."
                     )
 
 
