@@ -729,6 +729,32 @@ class Instance:
         lags = sum(lag.least for lag in self.lags)
         return work + swaps + waits + lags + max(self.release, default=0)
 
+    @cached_property
+    def tied(self) -> dict[int, tuple[int, ...]]:
+        """Task -> all tasks of its group, for tasks that hang together in time: something must
+        follow within a time, or a machine holds a part from one to another. Any other can be put
+        off without limit.
+
+        The groups are the strongly connected parts of what must come before what, with an arc back
+        for each wait that has a most and for each hold.
+        """
+        if not (self.has_most_lags or self.has_holds):
+            return {}
+        arcs: list[set[int]] = [set(row) for row in self.behind]
+        for lag in self.lags:
+            arcs[lag.before].add(lag.task)
+            if lag.most is not None:
+                arcs[lag.task].add(lag.before)
+        for _, first, last in self.holds:
+            arcs[last].add(first)
+        reached = [_reached(arcs, task) for task in range(len(arcs))]
+        found = {}
+        for task, there in enumerate(reached):
+            group = tuple(other for other in sorted(there) if task in reached[other])
+            if len(group) > 1:
+                found[task] = group
+        return found
+
     # ------------------------------------------------------------ back into words
 
     def seconds(self, ticks: int) -> float:
@@ -948,6 +974,16 @@ def _topological(waited_for: Sequence[int], behind: Sequence[Sequence[int]]) -> 
             if waiting[after] == 0:
                 ready.append(after)
     return tuple(ready)
+
+
+def _reached(arcs: Sequence[Iterable[int]], task: int) -> set[int]:
+    """The tasks to which arcs lead from this one."""
+    reached, pending = set[int](), [task]
+    while pending:
+        new = set(arcs[pending.pop()]) - reached
+        reached |= new
+        pending += new
+    return reached
 
 
 def _whole(number: float, scale: int) -> int:

@@ -28,7 +28,7 @@ from tandem.plan.cpsat import SOLVER
 from tandem.plan.cycle.door import Admitted, CycleDoor
 from tandem.plan.cycle.effort import Answer, Effort
 from tandem.plan.cycle.model import Cycle, allocation, formulate
-from tandem.plan.cycle.pattern import Pattern, is_tied, launched, lifted, most_laps, stacked
+from tandem.plan.cycle.pattern import Pattern, launched, lifted, makespan, stacked
 from tandem.plan.cycle.question import FRONT, CycleQuestion
 from tandem.plan.cycle.result import CycleBound, CycleFront, CycleResult
 from tandem.plan.door import RefusedScheduleWarning
@@ -133,7 +133,8 @@ class _Search:
         self.takt = _whole(question.takt, instance.per_second)
         # no cycle is looked for that is longer
         self.longest = min(instance.horizon, instance.horizon if self.takt is None else self.takt)
-        self.laps = self._laps()
+        # None while nothing limits the products in process
+        self.laps = question.max_in_process
         self.max_stress = _whole(question.max_stress, instance.per_stress)
         self.points: list[Point] = []
         self.closed = False
@@ -142,7 +143,7 @@ class _Search:
 
     def run(self) -> None:
         """Answers the question as far as time allows."""
-        if is_tied(self.instance) and not self._one_product_can_be_made():
+        if self.instance.tied and not self._one_product_can_be_made():
             self.closed = True
             return
         if self.question.takt is not None:
@@ -157,15 +158,29 @@ class _Search:
         """False when it is proven that not even one product can be made, by operators who have the
         tools at hand: then none can be made again and again.
         """
-        nobody = (None,) * len(self.instance.operators)
-        alone = replace(
-            self.instance,
-            breaks=((),) * len(self.instance.operators),
-            in_hand=nobody,
-            stands=nobody,
-        )
-        answer = self.effort.solve(cpsat.formulate(alone, alone.horizon).model, 0, share=0.25)
+        answer = self.effort.solve(self._one_product().model, 0, share=0.25)
         return answer.solver is not None or not answer.proven
+
+    def _one_product(self) -> cpsat.Decisions:
+        """The model of one product by operators who have no breaks and the tools at hand."""
+        nobody = (None,) * len(self.instance.operators)
+        none = ((),) * len(self.instance.operators)
+        alone = replace(self.instance, breaks=none, in_hand=nobody, stands=nobody)
+        return cpsat.formulate(alone, alone.horizon)
+
+    def _one_after_the_other(self, cap: int | None) -> _Starts | None:
+        """A pattern in which the station is empty between two products, where no better one was
+        found: after the last task everybody has the time to get ready for the first.
+        """
+        plan = self._one_product()
+        if cap is not None:
+            plan.model.add(plan.stress <= cap)
+        answer = self.effort.solve(plan.model, plan.makespan, share=0.5)
+        if answer.solver is None:
+            return None
+        pattern = launched(plan.read(answer.solver.value))
+        length = makespan(self.instance, pattern) + max(self.instance.longest_preparation)
+        return _Starts(pattern, length) if length <= self.longest else None
 
     def _walk(self) -> None:
         """From the least cycle time on; only to that where nothing else is asked for."""
@@ -245,13 +260,6 @@ class _Search:
         """
         return not self.instance.has_most_lags
 
-    def _laps(self) -> int | None:
-        """The cycles that a product may be in the station; None when nothing limits them."""
-        asked = self.question.max_in_process
-        if asked is None and is_tied(self.instance):
-            return most_laps(self.instance)
-        return asked
-
     @property
     def only_load_binds(self) -> bool:
         """The work of each operator alone decides about the cycle time, and any order will do."""
@@ -259,7 +267,7 @@ class _Search:
         return (
             self.laps is None
             and not (instance.has_tools or instance.has_preparations)
-            and not (instance.has_apart or instance.has_holds)
+            and not (instance.has_apart or instance.tied)
             and max(instance.timed_zone, default=-1) < 0
             and all(len(way.operators) == 1 for ways in instance.ways for way in ways)
         )
@@ -286,7 +294,7 @@ class _Search:
             if load.solver is None and load.proven:
                 return load, None
             low = max(low, load.bound)
-            at_once = self._refuted_or_found(low, cap)
+            at_once = self._refuted_or_found(low, cap, share=0.25)
             if at_once.found is not None:
                 return Answer(at_once.answer.solver, low, low, True), at_once.found
             low += at_once.answer.proven
@@ -296,7 +304,10 @@ class _Search:
                 return self._halved(low, cap)
         cycle = self._asked(low, self.longest, cap)
         answer = self.effort.solve(cycle.model, cycle.length, share=0.5)
-        return answer, None if answer.solver is None else self._read(cycle, answer.solver)
+        if answer.solver is not None or answer.proven:
+            return answer, None if answer.solver is None else self._read(cycle, answer.solver)
+        found = self._one_after_the_other(cap)
+        return Answer(None, None if found is None else found.length, low, False), found
 
     def _halved(self, low: int, cap: int | None) -> tuple[Answer, _Starts | None]:
         """The same where the ticks are fine, and a search that moves its bound tick by tick would
@@ -320,10 +331,10 @@ class _Search:
             return Answer(None, None, 0, low > high), None
         return Answer(best[0].solver, best[1].length, low, low > high), best[1]
 
-    def _refuted_or_found(self, length: int, cap: int | None) -> _Trial:
+    def _refuted_or_found(self, length: int, cap: int | None, share: float = 0.5) -> _Trial:
         """Any pattern of this cycle time and at most this stress."""
         cycle = self._asked(length, length, cap)
-        answer = self.effort.solve(cycle.model, 0, share=0.5)
+        answer = self.effort.solve(cycle.model, 0, share=share)
         found = None if answer.solver is None else self._read(cycle, answer.solver)
         return _Trial(answer, found)
 
@@ -341,7 +352,7 @@ class _Search:
     def _read(self, cycle: Cycle, solver: cp_model.CpSolver) -> _Starts:
         """The pattern that was found, from its launch on."""
         length = solver.value(cycle.length)
-        if cycle.start:
+        if cycle.makespan is not None:
             return _Starts(launched(cycle.read(solver.value)), length)
         if cycle.place:
             return _Starts(lifted(self.instance, cycle.read(solver.value), length), length)

@@ -22,7 +22,7 @@ from ortools.sat.python import cp_model
 
 from tandem.plan import cpsat
 from tandem.plan.cpsat import Decisions, Rule
-from tandem.plan.cycle.pattern import Pattern
+from tandem.plan.cycle.pattern import Pattern, most_laps
 from tandem.plan.instance import Instance
 
 ALLOCATION: tuple[Rule, ...] = (
@@ -42,7 +42,9 @@ class Cycle:
       length: the cycle time, ticks.
       place: per task, where in the cycle it starts, ticks.
       then: per task, its place in the cycle after; empty where nothing reaches over the end.
-      start: per task, ticks since its product's launch; empty when the laps are not asked.
+      start: task -> ticks since its product's launch; when laps are not asked, of tied tasks alone,
+        since the launch of their own group.
+      group: of tied tasks, all whose laps hang together.
       makespan: of one product; None when the laps are not asked.
       at: per operator, the intervals that occupy it, each once a cycle and once more in the next.
       prepared: per operator and task, the intervals in which it gets ready for it; `readying`: how
@@ -56,7 +58,8 @@ class Cycle:
     laps: int | None
     place: list[cp_model.IntVar] = field(default_factory=list)
     then: list[cp_model.LinearExprT] = field(default_factory=list)
-    start: list[cp_model.IntVar] = field(default_factory=list)
+    start: dict[int, cp_model.IntVar] = field(default_factory=dict)
+    group: dict[int, tuple[int, ...]] = field(default_factory=dict)
     makespan: cp_model.IntVar | None = None
     intervals: list[list[tuple[cp_model.IntervalVar, ...]]] = field(default_factory=list)
     at: dict[int, list[cp_model.IntervalVar]] = field(default_factory=lambda: defaultdict(list))
@@ -81,12 +84,15 @@ class Cycle:
         return self.laps != 1 or self.instance.has_preparations
 
     def read(self, value: Callable[[cp_model.IntVar], int]) -> Pattern:
-        """The pattern that the values describe; by places when the laps are not asked."""
-        when = self.start or self.place
+        """The pattern that the values describe; by places where the laps are not asked."""
         return tuple(
-            (next(w for w, x in enumerate(self.chosen[t]) if value(x)), value(when[t]))
-            for t in range(len(when))
+            (next(w for w, x in enumerate(xs) if value(x)), value(self.start.get(task, place)))
+            for task, (xs, place) in enumerate(zip(self.chosen, self.place, strict=True))
         )
+
+    def on_one_clock(self, one: int, other: int) -> bool:
+        """Whether the model knows the laps between two tasks."""
+        return self.laps is not None or other in self.group.get(one, ())
 
     def end(self, task: int) -> cp_model.LinearExprT:
         """Ticks since its product's launch."""
@@ -128,8 +134,8 @@ def formulate(instance: Instance, low: int, high: int, laps: int | None) -> Cycl
     """The whole model for cycle times from `low` to `high` ticks.
 
     Args:
-      laps: a product is in the station for at most so many cycles; None when nothing limits that,
-        nothing must follow in time, and no start is asked for.
+      laps: a product is in the station for at most so many cycles; None when nothing limits that
+        and no start is asked for but those of tied tasks.
     """
     cycle = allocation(instance, high)
     cycle.laps = laps
@@ -146,12 +152,15 @@ def formulate(instance: Instance, low: int, high: int, laps: int | None) -> Cycl
     _keep_apart(cycle)
     if laps is not None:
         _laps(cycle, low, high, laps)
-        _predecessors_end_first(cycle)
-        _waits_are_kept(cycle)
-        _hold_parts(cycle)
     else:
+        cycle.group = instance.tied
+        for task, group in cycle.group.items():
+            _starts(cycle, task, low, high, most_laps(instance, group))
         # any turn of a pattern is as good
         cycle.model.add(cycle.place[0] == 0)
+    _predecessors_end_first(cycle)
+    _waits_are_kept(cycle)
+    _hold_parts(cycle)
     return cycle
 
 
@@ -502,16 +511,20 @@ def _laps(cycle: Cycle, low: int, high: int, laps: int) -> None:
     cycle.makespan = model.new_int_var(0, laps * high, "makespan")
     model.add(cycle.makespan <= laps * cycle.length)
     for task in range(len(instance.tasks)):
-        place = cycle.place[task]
-        if laps == 1:
-            start = place
-        else:
-            latest = max(laps * high - instance.tail[task], 0)
-            start = model.new_int_var(0, latest, f"start {task}")
-            _is_some_laps_later(cycle, start, place, laps, fixed=low if low == high else None)
-        cycle.start.append(start)
+        _starts(cycle, task, low, high, laps)
         if not instance.behind[task]:
             model.add(cycle.end(task) <= cycle.makespan)
+
+
+def _starts(cycle: Cycle, task: int, low: int, high: int, laps: int) -> None:
+    """The task's start, some of so many laps behind its place."""
+    place = cycle.place[task]
+    if laps == 1:
+        cycle.start[task] = place
+        return
+    latest = max(laps * high - (0 if cycle.laps is None else cycle.instance.tail[task]), 0)
+    start = cycle.start[task] = cycle.model.new_int_var(0, latest, f"start {task}")
+    _is_some_laps_later(cycle, start, place, laps, fixed=low if low == high else None)
 
 
 def _is_some_laps_later(
@@ -532,7 +545,8 @@ def _predecessors_end_first(cycle: Cycle) -> None:
     """Within a product, a task starts when all that it comes after have ended."""
     for task, firsts in enumerate(cycle.instance.before):
         for first in firsts:
-            cycle.model.add(cycle.end(first) <= cycle.start[task])
+            if cycle.on_one_clock(first, task):
+                cycle.model.add(cycle.end(first) <= cycle.start[task])
 
 
 def _waits_are_kept(cycle: Cycle) -> None:
@@ -540,6 +554,8 @@ def _waits_are_kept(cycle: Cycle) -> None:
     ended or started.
     """
     for lag in cycle.instance.lags:
+        if not cycle.on_one_clock(lag.before, lag.task):
+            continue
         moment = cycle.start[lag.before] if lag.from_start else cycle.end(lag.before)
         if lag.least or lag.from_start:
             cycle.model.add(moment + lag.least <= cycle.start[lag.task])
@@ -585,7 +601,8 @@ def _hold_parts(cycle: Cycle) -> None:
 
 def _own_span(cycle: Cycle, first: int, last: int) -> cp_model.IntervalVar:
     """The interval of a hold on the product's own clock."""
-    model, most = cycle.model, (cycle.laps or 1) * cycle.allocation.upper
+    laps = cycle.laps or most_laps(cycle.instance, cycle.group[first])
+    model, most = cycle.model, (laps + 1) * cycle.allocation.upper
     end, length = model.new_int_var(0, most, ""), model.new_int_var(0, cycle.allocation.upper, "")
     model.add(end == cycle.end(last))
     return model.new_interval_var(cycle.start[first], length, end, "")

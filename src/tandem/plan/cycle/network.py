@@ -14,7 +14,7 @@ Slow, and sure: for cells of up to eight tasks or so.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR
 from functools import cached_property
@@ -27,7 +27,7 @@ import numpy as np
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError, UsageError
 from tandem.plan.cycle.door import Admitted, CycleDoor
-from tandem.plan.cycle.pattern import Pattern, is_tied, launched, lifted, most_laps, stacked
+from tandem.plan.cycle.pattern import Pattern, launched, lifted, most_laps, stacked
 from tandem.plan.cycle.question import FRONT, CycleQuestion
 from tandem.plan.cycle.result import CycleBound, CycleFront, CycleResult
 from tandem.plan.instance import Instance
@@ -69,10 +69,9 @@ class Network:
     least: np.ndarray
 
     @classmethod
-    def of(cls, tasks: int, window: int) -> Network:
-        """No constraint but that starts lie from 0 to `window` ticks."""
-        least = np.full((tasks + 1, tasks + 1), -window, dtype=np.int64)
-        least[-1, :-1] = 0
+    def of(cls, latest: Sequence[int]) -> Network:
+        """No constraint but that each start lies from 0 to the latest, ticks."""
+        least = np.repeat(-np.array([[*latest, 0]], dtype=np.int64).T, len(latest) + 1, axis=1)
         np.fill_diagonal(least, 0)
         return cls(least)
 
@@ -183,14 +182,9 @@ class _Allocation:
         tasks = range(len(self.ways))
         if any(self.ticks(task) > length for task in tasks):
             return None
-        if laps is None and is_tied(self.instance):
-            laps = most_laps(self.instance)
-        network: Network | None = Network.of(
-            len(tasks), length - 1 if laps is None else laps * length
+        network = Network.of([end - 1 for end in self._windows(length, laps)]).with_edges(
+            tuple(self._within_a_product(length, laps))
         )
-        if laps is not None:
-            assert network is not None
-            network = network.with_edges(tuple(self._within_a_product(laps * length, length)))
         if network is None:
             return None
         pairs = list(self._pairs())
@@ -200,13 +194,7 @@ class _Allocation:
         if found is None:
             return None
         chosen = tuple(zip(self.ways, found.starts(), strict=True))
-        return (
-            launched(chosen)
-            if laps is not None
-            else lifted(
-                self.instance, tuple((way, start % length) for way, start in chosen), length
-            )
-        )
+        return launched(chosen) if laps is not None else lifted(self.instance, chosen, length)
 
     def _needs_search(self, pairs: list[_Pair]) -> bool:
         """Whether more than work can bind: tasks of several operators, tools or zones that are
@@ -215,22 +203,39 @@ class _Allocation:
         return (
             self.instance.has_preparations
             or self.instance.has_apart
-            or self.instance.has_holds
+            or bool(self.instance.tied)
             or any(len(self.who(task)) > 1 for task in range(len(self.ways)))
             or any(pair.shared for pair in pairs)
         )
 
-    def _within_a_product(self, end: int, length: int) -> Iterator[Edge]:
-        """Predecessors end first, and everything by the end; no part is held for longer than a
-        cycle.
+    def _windows(self, length: int, laps: int | None) -> list[int]:
+        """Per task, ticks before which it starts; without a limit on laps, those of tied tasks
+        alone are asked for.
         """
+        tied, instance = self.instance.tied, self.instance
+        if laps is not None:
+            return [laps * length] * len(self.ways)
+        counts = [
+            most_laps(instance, tied[task]) if task in tied else 1 for task in range(len(self.ways))
+        ]
+        return [count * length for count in counts]
+
+    def _within_a_product(self, length: int, laps: int | None) -> Iterator[Edge]:
+        """Predecessors end first, waits are kept, no part is held for longer than a cycle, and all
+        is over within the laps; without a limit on laps, only between tasks that are tied.
+        """
+        tied = self.instance.tied
         for task, firsts in enumerate(self.instance.before):
-            yield Edge(task, -1, self.ticks(task) - end)
+            if laps is not None:
+                yield Edge(task, -1, self.ticks(task) - laps * length)
             for first in firsts:
-                yield Edge(first, task, self.ticks(first))
+                if laps is not None or first in tied.get(task, ()):
+                    yield Edge(first, task, self.ticks(first))
         for _, first, last in self.instance.holds:
             yield Edge(last, first, self.ticks(last) - length)
         for lag in self.instance.lags:
+            if laps is None and lag.before not in tied.get(lag.task, ()):
+                continue
             own = 0 if lag.from_start else self.ticks(lag.before)
             yield Edge(lag.before, lag.task, own + lag.least)
             if lag.most is not None:

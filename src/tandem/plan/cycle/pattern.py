@@ -10,28 +10,35 @@ Pattern = tuple[tuple[int, int], ...]
 """Per task `(way, start in ticks since its product's launch)`."""
 
 
-def lifted(instance: Instance, places: Pattern, length: int) -> Pattern:
+def lifted(instance: Instance, pattern: Pattern, length: int) -> Pattern:
     """The pattern in which each task keeps its place in the cycle and starts in the first cycle in
     which all that it comes after have ended, and its waits are over; the first start is at the
-    launch. Where something must follow in time, the places alone do not say when that is.
+    launch. Tasks that are tied keep the laps between them.
 
     Args:
-      places: per task `(way, place in the cycle)`.
+      pattern: per task `(way, start)`, of which the place in the cycle counts and, between tasks
+        that are tied, the laps.
       length: the cycle time, ticks.
     """
-    starts = [0] * len(places)
-    for task in instance.order:
-        ends = [
-            starts[first] + instance.ways[first][places[first][0]].ticks
-            for first in instance.before[task]
-        ]
-        for lag in instance.lags_into[task] if instance.has_lags else ():
-            own = 0 if lag.from_start else instance.ways[lag.before][places[lag.before][0]].ticks
-            ends.append(starts[lag.before] + own + lag.least)
-        ready = max(ends, default=0)
-        place = places[task][1]
-        starts[task] = place + length * max(0, -((place - ready) // length))
-    return launched(tuple((way, start) for (way, _), start in zip(places, starts, strict=True)))
+    ticks = [instance.ways[task][way].ticks for task, (way, _) in enumerate(pattern)]
+    edges = [
+        (first, task, ticks[first]) for task, row in enumerate(instance.before) for first in row
+    ]
+    for lag in instance.lags:
+        own = 0 if lag.from_start else ticks[lag.before]
+        edges.append((lag.before, lag.task, own + lag.least))
+    tied = instance.tied
+    starts = [start if task in tied else start % length for task, (_, start) in enumerate(pattern)]
+    late = True
+    while late:  # at most as often as tasks and groups lie behind each other
+        late = False
+        for first, task, apart in edges:
+            missing = starts[first] + apart - starts[task]
+            if missing > 0:
+                late = True
+                for other in tied.get(task, (task,)):
+                    starts[other] += length * -(-missing // length)
+    return launched(tuple((way, start) for (way, _), start in zip(pattern, starts, strict=True)))
 
 
 def launched(pattern: Pattern) -> Pattern:
@@ -54,20 +61,15 @@ def stacked(instance: Instance, ways: Sequence[int]) -> Pattern:
     return tuple(places)
 
 
-def is_tied(instance: Instance) -> bool:
-    """Whether laps of tasks hang together: something must follow in time, or a machine holds a part
-    from one task to another.
-    """
-    return instance.has_most_lags or instance.has_holds
-
-
-def most_laps(instance: Instance) -> int:
-    """A product need not stay for more cycles than this: from one task to the next it waits at most
-    for its place in the next cycle, and no cycle is shorter than the longest of the tasks that it
-    must hold.
+def most_laps(instance: Instance, group: Sequence[int]) -> int:
+    """Tasks that are tied lie no more cycles apart than this: from one to the next a product waits
+    at most for its place in the next cycle, and no cycle is shorter than the longest of the tasks
+    that it must hold.
     """
     shortest = max(min(way.ticks for way in ways) for ways in instance.ways)
-    return len(instance.ways) + -(-instance.horizon // shortest)
+    work = sum(max(way.ticks for way in instance.ways[task]) for task in group)
+    waits = sum(lag.least for lag in instance.lags if {lag.before, lag.task} <= set(group))
+    return len(group) + -(-(work + waits) // shortest)
 
 
 def makespan(instance: Instance, pattern: Pattern) -> int:
