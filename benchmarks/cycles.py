@@ -99,10 +99,11 @@ def _plain(instance: Instance, laps: int) -> tuple[cp_model.CpModel, dict[str, A
         model.add(again == place + length)
         literals = [model.new_bool_var("") for _ in ways]
         model.add_exactly_one(literals)
-        things = [("tool", instance.tool[task]), ("zone", instance.zone[task])]
+        zone = instance.zone[task]
         for way, literal in zip(ways, literals, strict=True):
             used = [("operator", operator) for operator in way.operators]
-            for key in [*used, *(thing for thing in things if thing[1] is not None)]:
+            used += [("tool", tool) for tool, _ in way.units]
+            for key in [*used, *([] if zone is None else [("zone", zone)])]:
                 for begin in (place, again):
                     lanes.setdefault(key, []).append(
                         model.new_optional_fixed_size_interval_var(begin, way.ticks, literal, "")

@@ -86,7 +86,7 @@ def test_a_key_is_matched_against_the_places_that_there_are() -> None:
         (
             {"walk": {"anna": {"bench-press-1": 10, "bench-shelf": 3, "shelf-press-1": 4}}},
             "walk.anna.bench-press-1: walk of 'anna': walking from 'bench' to 'press-1' takes 10 s,"
-            " but by 'shelf' 7 s. Correct one of the three.",
+            " but by 'shelf' 7 s. Give the right time of each of the",
         ),
         (
             {"walk": {"anna": {"bench-shelf": 3}}},

@@ -23,7 +23,7 @@ from tandem.files.load import load
 from tandem.plan.methods import plan
 from tandem.plan.question import Question
 
-EXAMPLES = ("thesis", "gearbox", "crew", "alternator")
+EXAMPLES = ("thesis", "gearbox", "crew", "alternator", "window")
 NOTHING = Decision((), {}, (), 0.0, "", "nobody")
 PRIOR = Options().prior
 THESIS = load("examples/thesis.yaml")

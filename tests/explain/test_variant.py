@@ -9,6 +9,8 @@ import pytest
 from tandem.cell.model import Cell
 from tandem.errors import CellError, UsageError
 from tandem.explain.variant import variant
+from tandem.files.load import load
+from tandem.files.validate import cell_of
 
 
 def test_nothing_asked_gives_the_same_cell(thesis: Cell) -> None:
@@ -138,3 +140,32 @@ def test_a_variant_that_is_no_sound_cell(
 ) -> None:
     with pytest.raises(CellError, match=message):
         variant(thesis, **asked)
+
+
+def test_an_operator_who_is_left_out_leaves_no_ways_and_tools_behind() -> None:
+    pump = load("examples/pump.yaml")
+    left = variant(pump, without=["cobot"])
+    assert left.walk.keys() == {"anna"}
+    assert left.tasks["screws"].tool == {"anna": "screwdriver"}
+    assert left.tasks["gears"].tool is None
+    assert left.tasks["cover"].together == ()
+
+
+def test_places_that_only_the_operator_had_are_left_out_with_it() -> None:
+    pump = load("examples/pump.yaml")
+    data = pump.to_dict()
+    data["operators"]["cobot"]["place"] = "dock"
+    far = {"dock-bench": 9, "dock-fixture": 9, "press-dock": 9}
+    data["walk"] = {"anna": {"bench-fixture": 3, "press-bench": 3, "press-fixture": 3, **far}}
+    left = variant(cell_of(data), without=["cobot"])
+    assert left.walk["anna"].keys() == {"bench-fixture", "press-bench", "press-fixture"}
+
+
+def test_ways_and_places_can_be_set() -> None:
+    pump = load("examples/pump.yaml")
+    assert variant(pump, ["walk.anna.speed=2"]).walking["anna"]["bench", "press"] == 2.5
+    assert variant(pump, ["tasks.seal.place=press"]).tasks["seal"].place == "press"
+    assert variant(pump, ["tasks.screws.tool.cobot=drill"]).tasks["screws"].tool == {
+        "anna": "screwdriver",
+        "cobot": "drill",
+    }

@@ -36,22 +36,25 @@ SOUND: dict[str, Any] = {
     "format": 1,
     "name": "n",
     "operators": {
-        "r": {"kind": "robot", "label": "R", "breaks": [[1, 2]], "tool": "t"},
+        "r": {"kind": "robot", "label": "R", "breaks": [[1, 2]], "tool": "t", "place": "p"},
         "h": {"kind": "human", "stress_limit": 9},
         "m": {"kind": "machine", "holds": [["a", "b"]]},
     },
     "tasks": {
         "a": {
             "label": "l", "part": "p", "time": {"r": 2, "h": 3}, "stress": 1, "after": [],
-            "tool": "t", "zone": "z",
+            "tool": "t", "zone": "z", "place": "p",
             "difficulty": {"h": 2}, "release": 1, "deadline": 99, "spread": 0.1,
         },
-        "b": {"together": [{"operators": ["r", "h"], "time": 4, "stress": {"h": 2}}],
-        "stress": {"h": 1}, "after": ["a"], "spread": {"h": 0.1},
+        "b": {"together": [{"operators": ["r", "h"], "time": 4, "stress": {"h": 2},
+        "tool": {"h": "t"}}],
+        "stress": {"h": 1}, "after": ["a"], "spread": {"h": 0.1}, "tool": {"r": "t"}, "place": "q",
         "wait": [{"after": "a", "between": "start-start", "at_least": 1, "at_most": 50}]},
     },
     "tools": {"t": {"capacity": 2, "changeover": {"r": 1}}},
     "zones": {"z": {"capacity": 2, "apart": ["human", "machine"]}},
+    "places": {"p": [0, 0], "q": [1, 2.5]},
+    "walk": {"r": {"p-q": 2}, "h": {"speed": 1.5}},
     "same_operator": [],
     "stress_of_set": {"": 0, "a": 1, "b": 1, "a,b": 3},
 }  # fmt: skip
@@ -134,6 +137,7 @@ def test_every_fault_of_a_broken_value_names_the_place_in_the_document() -> None
 
 
 UNFIT = {
+    "invested_money_is_spread_over_hours": {"cost": {"invest": 9000}},
     "operators_are_known": {"tasks": {"a": {"time": {"q": 1}}}},
     "names_can_be_told_apart": {"tasks": {"a": {"time": {"h": 1}}, "\u0430": {"time": {"h": 1}}}},
     "tasks_are_known": {"tasks": {"a": {"time": {"h": 1}, "after": ["q"]}}},
@@ -165,6 +169,19 @@ UNFIT = {
     "stress_of_a_group_is_put_on_its_members": {
         "operators": {"h": {"kind": "human"}, "k": {"kind": "human"}, "r": {"kind": "robot"}},
         "tasks": {"a": {"together": [{"operators": ["r", "h"], "time": 1, "stress": {"k": 2}}]}},
+    },
+    "a_tool_of_a_group_is_used_by_its_members": {
+        "operators": {"h": {"kind": "human"}, "k": {"kind": "human"}, "r": {"kind": "robot"}},
+        "tasks": {"a": {"together": [{"operators": ["r", "h"], "time": 1, "tool": {"k": "t"}}]}},
+    },
+    "walks_name_pairs_of_places": {"walk": {"h": {"here-there": 3}}},
+    "speeds_lead_between_coordinates": {
+        "tasks": {"a": {"time": {"h": 1}, "place": "here"}},
+        "walk": {"h": {"speed": 1}},
+    },
+    "no_detour_is_shorter": {
+        "places": {"a": [0, 0], "b": [0, 0], "c": [0, 0]},
+        "walk": {"h": {"a-b": 9, "b-c": 1, "a-c": 1}},
     },
     "breaks_are_apart": {
         "operators": {"h": {"kind": "human", "breaks": [[1, 3], [2, 4]]}, "r": {"kind": "robot"}}

@@ -239,7 +239,7 @@ def is_run_in(fault: str, in_process: int) -> bool:
     hand there is another than in the steady state, and a task without a tool stands where it would
     be changed.
     """
-    said = re.search(r"needs .* before task '[^']* #(\d+)'", fault)
+    said = re.search(r"(?:needs .* before|gets ready for) task '[^']* #(\d+)'", fault)
     return said is not None and int(said[1]) <= in_process
 
 

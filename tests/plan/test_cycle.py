@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tests.fuzz import cycles
-from tests.fuzz.cycles import drawn
+from tests.fuzz.cycles import drawn, wrong_on_the_floor
 
 import tandem
 from tandem.cell.model import Cell
@@ -253,3 +253,26 @@ def test_breaks_play_no_part(thesis: Cell):
     data["operators"]["human"]["breaks"] = [[10, 20]]
     data["operators"]["human"]["setup"] = 4
     assert plan_cycle(cell_of(data)).points == plan_cycle(thesis).points
+
+
+@pytest.mark.parametrize(
+    ("station", "takt", "makespans", "kept"),
+    [
+        ("washing-machine", 60, [62, 65], (58, 11, 2)),
+        ("planetary-gear", 60, [94, 97, 100], (54, 17, 3)),
+        ("control-box", 60, [137, 139, 140, 142, 144, 146, 151, 153], (59, 9, 3)),
+    ],
+)
+def test_stations_from_practice_keep_a_takt_below_their_makespan(
+    station: str, takt: float, makespans: list[float], kept: tuple[float, float, int]
+):
+    """None of them could, if one product had to be done before the next is begun. The takt is
+    proven by the exact method; the checker has accepted each pattern.
+    """
+    cell = tandem.load(EXAMPLES / f"{station}.yaml")
+    assert [point.makespan for point in tandem.plan(cell, time_limit=60)] == makespans
+    front = plan_cycle(cell, takt=takt, time_limit=120)
+    (point,) = front
+    assert (point.cycle_time, point.stress, point.in_process) == kept
+    assert front.complete
+    assert wrong_on_the_floor(cell, point, front.question) == ""

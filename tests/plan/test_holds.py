@@ -85,6 +85,51 @@ def test_a_changeover_for_something_else_waits_until_the_part_is_out() -> None:
     assert plan(cell, minimize="makespan", workers=1)[0].makespan == front_in_order(data)[0][0]
 
 
+def test_a_walk_to_something_else_waits_until_the_part_is_out() -> None:
+    """A handling machine stands at the jig while it holds the part, and stamps elsewhere."""
+    data = two_parts().to_dict()
+    for part in "12":
+        data["tasks"][f"run {part}"]["place"] = "jig"
+    data["tasks"]["stamp"]["place"] = "anvil"
+    data["walk"] = {"press": {"jig-anvil": 2}}
+    cell = cell_of(data)
+    assert faults(cell, by_hand(stamp=19, **{"in 2": 21, "run 2": 25, "out 2": 35})) == []
+    [said] = faults(cell, by_hand(stamp=18, **{"in 2": 21, "run 2": 25, "out 2": 35}))
+    assert said.endswith(
+        "gets ready for task 'stamp' from 16 s on meanwhile; 19 s is the earliest."
+    )
+    for method in ("exact", "exhaustive"):
+        # walking back to the jig lies within the second hold, or the stamp comes first
+        assert METHODS[method](cell, Question("makespan")).points == front_in_order(data)
+
+
+@pytest.mark.parametrize("method", ["exact", "exhaustive"])
+def test_a_hold_reaches_over_waits_and_the_part_cures_in_the_machine(method: str) -> None:
+    """No task stands in `after`: what comes between is said by waits alone."""
+    data = press(holds=[["load", "unload"]])
+    data["tasks"]["run"] |= {"after": [], "wait": {"after": "load", "at_most": 5}}
+    data["tasks"]["unload"] |= {"after": [], "wait": {"after": "run", "at_least": 30}}
+    data["tasks"]["stamp"] = {"time": {"press": 2}}
+    cell = cell_of(data)
+    assert Instance.of(cell).within == (bits(range(3)),)
+    # 4 + 20, cured for 30 s, 3 to take it out; the press stamps before or behind, not meanwhile
+    front = METHODS[method](cell, Question("makespan"))
+    assert front.points[0] == (59, 4) == front_in_order(data)[0]
+    assert faults(cell, front[0].schedule) == []
+    assert replay(cell, front[0].schedule) == 59
+
+
+def test_what_must_have_begun_before_the_last_task_is_done_before_the_part_goes_in() -> None:
+    """A wait from a start: heating need not have ended, but only the press can do it."""
+    data = press(holds=[["load", "unload"]])
+    data["tasks"]["heat"] = {"time": {"press": 6}}
+    data["tasks"]["unload"]["wait"] = {"after": "heat", "between": "start-start", "at_least": 1}
+    cell = cell_of(data)
+    instance = Instance.of(cell)
+    assert instance.ahead_of_hold == (bits({instance.tasks.index("heat")}),)
+    assert plan(cell, minimize="makespan", workers=1)[0].makespan == front_in_order(data)[0][0]
+
+
 def test_the_critical_path_leads_through_the_machine() -> None:
     assert [(link.reason, link.by) for link in critical_path(two_parts(), by_hand())][-4:] == [
         ("hold", "press"),
@@ -172,13 +217,15 @@ def test_a_rule_that_comes_to_a_dead_end_says_that_it_found_nothing() -> None:
 @pytest.mark.parametrize("seed", range(1, 40))
 def test_rules_give_sound_schedules_of_random_cells_with_holds(seed: int) -> None:
     _, data = drawn(seed, "holds")
+    for task in data["tasks"].values():  # what is late breaks nothing here
+        task.pop("deadline", None)
+        for wait in task.get("wait", ()):
+            wait.pop("at_most", None)
     try:
         cell = cell_of(data)
     except CellError:
         return
-    instance = Instance.of(cell.replace(tasks={
-        name: task.model_copy(update={"deadline": None}) for name, task in cell.tasks.items()
-    }))  # fmt: skip
+    instance = Instance.of(cell)
     layout = Layout.of(instance)
     if layout.impossible() or cell.stress_of_set is not None:
         return
@@ -187,3 +234,28 @@ def test_rules_give_sound_schedules_of_random_cells_with_holds(seed: int) -> Non
         if state is not None:
             said = faults(instance.cell, instance.schedule(state.starts()))
             assert said == [], (name, said)
+
+
+@pytest.mark.parametrize("key", ["holds", "apart"])
+def test_taking_the_rule_out_never_makes_a_plan_longer(key: str) -> None:
+    longer, shorter = 0, 0
+    for seed in range(1, 101):
+        _, data = drawn(seed, key)
+        free = {
+            **data,
+            **{
+                table: {
+                    name: {k: v for k, v in entry.items() if k != key}
+                    for name, entry in data[table].items()
+                }
+                for table in ("operators", "zones")
+            },
+        }
+        try:
+            bound = plan(cell_of(data), minimize="makespan", workers=1)[0].makespan
+        except (CellError, InfeasibleError):
+            continue
+        makespan = plan(cell_of(free), minimize="makespan", workers=1)[0].makespan
+        longer, shorter = longer + (makespan > bound), shorter + (makespan < bound)
+    assert longer == 0
+    assert shorter > 0

@@ -185,3 +185,24 @@ def test_too_wide_a_range_is_refused_with_the_step_that_would_do():
                 "tasks": {"a": {"time": {"anna": 9e6}}, "b": {"time": {"anna": 0.000001}}},
             }
         )
+
+
+def test_weights_beyond_counting_do_no_harm_where_there_is_no_stress() -> None:
+    """A robot's tasks in millionths of seconds, and a weight of stress that no solver can hold: it
+    weighs nothing.
+    """
+    robot = {
+        "kind": "robot",
+        "breaks": [[5.568393, 6.881986], [14.60234, 15.655153]],
+        "setup": 2.132975,
+    }
+    cell = cell_of({
+        "operators": {"robot": robot},
+        "tasks": {
+            "a": {"time": {"robot": 4.617091}, "stress": 2.790245, "release": 1.405225},
+            "b": {"time": {"robot": 7.189979}, "stress": 1.692779, "after": ["a"]},
+            "c": {"time": {"robot": 2.868211}, "stress": 3.931621, "after": ["b"]},
+        },
+    })  # fmt: skip
+    front = exact.solve(cell, Question("weighted", (1e-6, 1e6)))
+    assert (front.points, front.complete) == ([(25.713343, 0.0)], True)

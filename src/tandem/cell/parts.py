@@ -636,7 +636,7 @@ class Fields(Frozen):
         """Operator to seconds from one place to another, pairs of places that take none left
         out.
         """
-        return walking_times(self)
+        return walking_times(self.walk, self.places, self.place_names)
 
     @cached_property
     def zone_names(self) -> tuple[str, ...]:
@@ -654,11 +654,11 @@ class Fields(Frozen):
         """Operator to tool, of these who do the task and need one for it. Should they have no way
         of doing it, the tools that the task states.
         """
+        if not self.tool_names:
+            return {}
         who = frozenset(operators)
-        for mode in self._modes[task]:
-            if who == frozenset(mode.operators):
-                return mode.tools
-        return tools_of(self.tasks[task].tool, sorted(who))
+        known = self._tools_of_groups[task].get(who)
+        return tools_of(self.tasks[task].tool, sorted(who)) if known is None else known
 
     def takes(
         self, kind: Literal["tool", "zone"], task: str, operators: Iterable[str]
@@ -668,6 +668,13 @@ class Fields(Frozen):
             return self.tools_for(task, operators)
         zone = self.tasks[task].zone
         return {} if zone is None else dict.fromkeys(operators, zone)
+
+    @cached_property
+    def _tools_of_groups(self) -> dict[str, dict[frozenset[str], Mapping[str, str]]]:
+        return {
+            task: {frozenset(mode.operators): mode.tools for mode in modes}
+            for task, modes in self._modes.items()
+        }
 
     @cached_property
     def _modes(self) -> dict[str, tuple[Mode, ...]]:

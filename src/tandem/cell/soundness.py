@@ -20,7 +20,7 @@ from tandem.cell.times import (
     exact_planning_can_count_it,
     numbers_have_few_decimals,
 )
-from tandem.cell.walking import RULES as WALKING
+from tandem.cell.ways import RULES as WAYS
 from tandem.cell.written import number
 from tandem.errors import Fault
 
@@ -576,7 +576,7 @@ RULES: tuple[Callable[[Fields], Iterator[Fault]], ...] = (
     sets_are_spelled_in_order,
     listed_things_are_not_misspelled,
     things_are_spelled_alike,
-    *WALKING,
+    *WAYS,
     numbers_have_few_decimals,
     exact_planning_can_count_it,
     invested_money_is_spread_over_hours,

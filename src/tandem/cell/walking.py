@@ -6,24 +6,18 @@ coordinates say the rest.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from decimal import Decimal
 from fractions import Fraction
 from itertools import permutations
 from math import ceil, isqrt
-from operator import add
-from typing import TYPE_CHECKING
 
-from tandem.cell.names import Known, clean
-from tandem.cell.written import number
-from tandem.errors import Fault
+from tandem.cell.names import clean
 
-if TYPE_CHECKING:
-    from tandem.cell.parts import Fields
-
-Path = tuple[str | int, ...]
 Pair = tuple[str, str]
 """From one place to another."""
+Metres = tuple[float, float]
+"""Coordinates of a place."""
 
 SPEED = "speed"
 """The key beside the pairs: metres a second."""
@@ -31,22 +25,29 @@ TENTHS = 10
 """Times by speed are whole tenths of a second, rounded up."""
 
 
-def walking_times(cell: Fields) -> dict[str, dict[Pair, float]]:
+def walking_times(
+    walk: Mapping[str, Mapping[str, float]],
+    places: Mapping[str, Metres],
+    names: Collection[str],
+) -> dict[str, dict[Pair, float]]:
     """Operator to the seconds that it needs from one place to another; pairs that take none are
     not in it. Keys that name no pair, or several, are stepped over.
+
+    Args:
+      walk, places: as a cell states them.
+      names: all places that there are.
     """
-    known = dict.fromkeys(cell.place_names)
-    return {who: _times_of(cell, table, known) for who, table in cell.walk.items()}
+    known = dict.fromkeys(names)
+    return {who: _times_of(table, places, known) for who, table in walk.items()}
 
 
 def _times_of(
-    cell: Fields, table: Mapping[str, float], known: Collection[str]
+    table: Mapping[str, float], places: Mapping[str, Metres], known: Collection[str]
 ) -> dict[Pair, float]:
     times: dict[Pair, float] = {}
     if table.get(SPEED):
-        for one, other in permutations(cell.places, 2):
-            metres = cell.places[one], cell.places[other]
-            times[one, other] = seconds_at(table[SPEED], *metres)
+        for one, other in permutations(places, 2):
+            times[one, other] = seconds_at(table[SPEED], places[one], places[other])
     stated = {
         pairs[0]: seconds
         for key, seconds in table.items()
@@ -81,128 +82,3 @@ def seconds_at(speed: float, start: tuple[float, float], end: tuple[float, float
 
 def _exact(value: float) -> Fraction:
     return Fraction(Decimal(repr(value)))
-
-
-# ------------------------------------------------------------ what must be so
-
-
-def walks_name_pairs_of_places(cell: Fields) -> Iterator[Fault]:
-    """Each key under an operator's `walk` means one pair of known, different places, and each pair
-    is stated once.
-    """
-    names = dict.fromkeys(cell.place_names)
-    known = Known(names)
-    for who, table in cell.walk.items():
-        seen: dict[Pair, str] = {}
-        for key in table:
-            if key == SPEED:
-                continue
-            path: Path = ("walk", who, key)
-            pairs = pairs_of(key, names)
-            if len(pairs) != 1:
-                yield Fault(f"walk of {who!r}: {_no_pair(key, pairs, known)}", path)
-                continue
-            [(one, other)] = pairs
-            first = seen.setdefault((one, other), key)
-            if one == other:
-                yield Fault(
-                    f"walk of {who!r}: {key!r} leads from {one!r} to itself, which takes no time."
-                    " Leave it out.",
-                    path,
-                )
-            elif first != key:
-                yield Fault(
-                    f"walk of {who!r} states the way from {one!r} to {other!r} twice, as {first!r}"
-                    f" and {key!r}. Keep one of them.",
-                    path,
-                )
-
-
-def _no_pair(key: str, pairs: list[Pair], known: Known) -> str:
-    if pairs:
-        meant = " or ".join(f"from {one!r} to {other!r}" for one, other in pairs)
-        return f"{key!r} can mean {meant}. Rename one of the places."
-    if "-" not in key:
-        return (
-            f"{key!r} is no pair of places. Write FROM-TO, as in `bench-fixture: 3`, or `speed: 1`."
-        )
-    start, _, end = key.partition("-")
-    strange = next((name for name in (clean(start), clean(end)) if name not in known), key)
-    return f"{key!r} names {strange!r}, which is no place of the cell. {known.hint(strange)}"
-
-
-def speeds_lead_between_coordinates(cell: Fields) -> Iterator[Fault]:
-    """A speed is more than 0, and every place that is named has coordinates."""
-    unknown = [name for name in cell.place_names if name not in cell.places]
-    for who, table in cell.walk.items():
-        speed = table.get(SPEED)
-        path: Path = ("walk", who, SPEED)
-        if speed == 0:
-            yield Fault(
-                f"walk of {who!r}: speed is 0, but must be more than 0 metres a second. Leave it"
-                " out if walking takes no time.",
-                path,
-            )
-        elif speed is not None and unknown:
-            listed = ", ".join(map(repr, unknown))
-            yield Fault(
-                f"walk of {who!r} is a speed, but the cell does not say where {listed}"
-                f" {'is' if len(unknown) == 1 else 'are'}. Give coordinates in metres:"
-                f" `places: {{{unknown[0]}: [0, 0]}}`.",
-                path,
-            )
-
-
-def no_detour_is_shorter(cell: Fields) -> Iterator[Fault]:
-    """Walking straight never takes longer than by another place: times keep the triangle
-    inequality.
-    """
-    names = cell.place_names
-    known = all(name in cell.places for name in names)
-    for who, times in cell.walking.items():
-        # other rules say what is wrong there
-        if who not in cell.operators or (SPEED in cell.walk[who] and not known):
-            continue
-        rows = [[_micro(times.get((one, other), 0.0)) for other in names] for one in names]
-        columns = list(zip(*rows, strict=True))
-        told: set[frozenset[int]] = set()
-        for one, other in permutations(range(len(names)), 2):
-            by_others = list(map(add, rows[one], columns[other]))
-            if (least := min(by_others)) < rows[one][other] and {one, other} not in told:
-                told.add(frozenset((one, other)))
-                yield _detour(cell, who, names[one], names[by_others.index(least)], names[other])
-
-
-def _detour(cell: Fields, who: str, start: str, by: str, end: str) -> Fault:
-    times, known = cell.walking[who], dict.fromkeys(cell.place_names)
-    first, second = times.get((start, by), 0.0), times.get((by, end), 0.0)
-    zero = [f"{a}-{b}" for (a, b), s in (((start, by), first), ((by, end), second)) if not s]
-    remedy = (
-        f" State {' and '.join(map(repr, zero))} too: a way that is not stated takes 0 s."
-        if zero
-        else " Correct one of the three."
-    )
-    key = next(
-        (key for key in cell.walk[who] if pairs_of(key, known) in ([(start, end)], [(end, start)])),
-        SPEED,
-    )
-    total = float(Decimal(repr(first)) + Decimal(repr(second)))
-    return Fault(
-        f"walk of {who!r}: walking from {start!r} to {end!r} takes"
-        f" {number(times[start, end])} s, but by {by!r} {number(total)} s.{remedy}",
-        ("walk", who, key),
-    )
-
-
-def _micro(seconds: float) -> int:
-    return round(seconds * MICRO)
-
-
-MICRO = 1_000_000
-"""Times have six decimals at most."""
-
-RULES: tuple[Callable[[Fields], Iterator[Fault]], ...] = (
-    walks_name_pairs_of_places,
-    speeds_lead_between_coordinates,
-    no_detour_is_shorter,
-)

@@ -9,6 +9,7 @@ from typing import Any
 from tandem.cell.model import Cell, plain
 from tandem.cell.names import Known, clean
 from tandem.cell.parts import Mode, Table, Task
+from tandem.cell.walking import SPEED, pairs_of
 from tandem.errors import UsageError
 from tandem.files.validate import cell_of
 from tandem.files.yaml_writer import flow
@@ -226,6 +227,16 @@ def _leave_out(data: dict[str, Any], name: str) -> None:
             tool["changeover"].pop(name, None)
     data.get("cost", {}).get("operators", {}).pop(name, None)
     data.get("walk", {}).pop(name, None)
+    _leave_out_ways(data)
+
+
+def _leave_out_ways(data: dict[str, Any]) -> None:
+    """Takes out the ways from and to places at which nobody and nothing is any more."""
+    parts = [*data["tasks"].values(), *data["operators"].values()]
+    known = {*data.get("places", {}), *(str(part["place"]) for part in parts if "place" in part)}
+    for table in data.get("walk", {}).values():
+        for key in [key for key in table if key != SPEED and not pairs_of(key, known)]:
+            del table[key]
 
 
 def _leave_out_sets(data: dict[str, Any]) -> None:

@@ -353,16 +353,14 @@ class Branching:
             if limit is not None and node.loads[operator] + load > limit:
                 return None
         start = max(ready, self._given_back(node, task, step))
-        needs = [
-            preparation[node.stance[operator]][0]
-            for operator, preparation in zip(step.operators, step.preparations, strict=False)
-        ] or [0] * len(step.operators)
-        for operator, need in zip(step.operators, needs, strict=True):
+        before = {o: preparation[node.stance[o]][0] for o, preparation in step.preparations}
+        needs = [(operator, before.get(operator, 0)) for operator in step.operators]
+        for operator, need in needs:
             start = max(start, node.free[operator] + need)
         moved = self.instance.has_breaks
         while moved:
             moved = False
-            for operator, need in zip(step.operators, needs, strict=True):
+            for operator, need in needs:
                 for off, back in self.instance.breaks[operator]:
                     if off < start + step.ticks and start - need < back:
                         start, moved = back + need, True
@@ -404,7 +402,7 @@ class Branching:
             machine = instance.holds[hold][0]
             free[machine] = max(free[machine], end)
         if step.preparations:
-            taken_up = dict(zip(who, step.preparations, strict=True))
+            taken_up = dict(step.preparations)
             stance = tuple(
                 taken_up[operator][held][1] if operator in taken_up else held
                 for operator, held in enumerate(stance)

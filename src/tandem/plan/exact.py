@@ -303,8 +303,11 @@ class _Search:
         return None
 
     def _can_count(self, goal: Goal) -> bool:
-        """Whether the values of all schedules that may be met are small enough for the solver."""
-        return goal.value(self._most_ticks(), self._most_stress()) <= MOST_COUNTED
+        """Whether the values of all schedules that may be met are small enough for the solver, and
+        the weights too where there is no stress to weigh.
+        """
+        most = goal.value(self._most_ticks(), self._most_stress())
+        return max(most, goal.time, goal.stress) <= MOST_COUNTED
 
     def _most_ticks(self) -> int:
         """No schedule that is met ends later: from here on tasks are put as early as they can; what

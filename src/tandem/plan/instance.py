@@ -90,6 +90,11 @@ class Preparation(dict[int, tuple[int, int]]):
         return found
 
     @property
+    def is_none(self) -> bool:
+        """The work needs neither a tool nor a place."""
+        return self.tool < 0 and self.place < 0
+
+    @property
     def lengths(self) -> set[int]:
         """Every number of ticks that it may take."""
         walks = {0, *self.walk} if self.place >= 0 else {0}
@@ -517,6 +522,13 @@ class Instance:
             self._preparation(operator, tool, self.place[task])
             for operator, tool in zip(way.operators, way.tools, strict=True)
         )
+
+    def prepared(self, task: int, way: Way) -> tuple[tuple[int, Preparation], ...]:
+        """The same as `(operator, what it needs)`, without those who need neither a tool nor a
+        place.
+        """
+        needs = zip(way.operators, self.preparations(task, way), strict=False)
+        return tuple((operator, need) for operator, need in needs if not need.is_none)
 
     def _preparation(self, operator: int, tool: int | None, place: int | None) -> Preparation:
         known = self._preparations.get((operator, tool, place))

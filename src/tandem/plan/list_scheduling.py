@@ -9,7 +9,7 @@ and stress.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -23,7 +23,8 @@ class Step(NamedTuple):
     Attributes:
       way: its index in `Instance.ways`.
       operators: indices; `ticks` its duration; `stress` the sum of `load`, the stress per operator.
-      preparations: per operator, what it needs before the task; empty where nobody needs any time.
+      preparations: `(operator, what it needs before the task)`, of those who need a tool or a place
+        for it that may cost time.
       scarce: `(tool, how many of it)`, of the tools that not all can have at once.
       side: which of the kinds that the task's zone keeps apart its operators are; -1 for none.
     """
@@ -33,7 +34,7 @@ class Step(NamedTuple):
     ticks: int
     stress: int
     load: tuple[int, ...]
-    preparations: tuple[Preparation, ...]
+    preparations: tuple[tuple[int, Preparation], ...]
     scarce: tuple[tuple[int, int], ...]
     side: int = -1
 
@@ -217,18 +218,17 @@ class PartialSchedule:
         for operator in step.operators:
             if free[operator] > start:
                 start = free[operator]
-        for operator, preparation in zip(step.operators, step.preparations, strict=False):
+        for operator, preparation in step.preparations:
             begin = free[operator] + preparation[stance[operator]][0]
             if begin > start:
                 start = begin
         for tool, count in step.scarce:
-            start = max(start, self.tool_free[tool][count - 1])
+            if (there := self.tool_free[tool][count - 1]) > start:
+                start = there
         if zone >= 0:
             start = max(start, self.zone_free[zone][len(step.operators) - 1])
-        for hold in instance.held_from[task] if instance.has_holds else ():
-            start = max(start, free[instance.holds[hold][0]])
-        if step.side >= 0:
-            start = max(start, *self._others_in_the_zone(task, step))
+        if instance.has_holds or step.side >= 0:
+            start = max(start, self._given_back(task, step))
         return self._behind_breaks(step, start) if instance.has_breaks else start
 
     def put(self, task: int, step: Step, start: int) -> list[int]:
@@ -241,8 +241,10 @@ class PartialSchedule:
         for operator, load in zip(step.operators, step.load, strict=True):
             self.free[operator] = end
             self.load[operator] += load
-        for operator, preparation in zip(step.operators, step.preparations, strict=False):
-            self.stance[operator] = preparation[self.stance[operator]][1]
+        if step.preparations:
+            stance = self.stance
+            for operator, preparation in step.preparations:
+                stance[operator] = preparation[stance[operator]][1]
         if instance.has_holds:
             self._take_out_parts(task, end)
         self.stress += step.stress
@@ -301,10 +303,16 @@ class PartialSchedule:
             machine = self.instance.holds[hold][0]
             self.free[machine] = max(self.free[machine], end)
 
-    def _others_in_the_zone(self, task: int, step: Step) -> Iterator[int]:
-        """When those have left the task's zone whom it keeps apart from the step's operators."""
-        kinds = self.apart_free[self.instance.zone[task]]  # type: ignore[index]
-        return (end for side, end in enumerate(kinds) if side != step.side)
+    def _given_back(self, task: int, step: Step) -> int:
+        """When the machines are free that are to hold a part, and those have left the task's zone
+        whom it keeps apart from the step's operators.
+        """
+        machines = (self.instance.holds[hold][0] for hold in self.instance.held_from[task])
+        moments = [0, *(self.free[machine] for machine in machines)]
+        if step.side >= 0:
+            kinds = self.apart_free[self.instance.zone[task]]  # type: ignore[index]
+            moments += [end for side, end in enumerate(kinds) if side != step.side]
+        return max(moments)
 
     def _within_limits(self, task: int, step: Step) -> bool:
         must, limits = self.layout.must[task], self.instance.stress_limit
@@ -319,14 +327,14 @@ class PartialSchedule:
 
     def _behind_breaks(self, step: Step, start: int) -> int:
         breaks, moved = self.instance.breaks, True
-        needs = [
-            preparation[self.stance[o]][0]
-            for o, preparation in zip(step.operators, step.preparations, strict=False)
-        ]
-        needs = needs or [0] * len(step.operators)
+        needs = [(operator, 0) for operator in step.operators]
+        if step.preparations:
+            stance = self.stance
+            ready = {o: preparation[stance[o]][0] for o, preparation in step.preparations}
+            needs = [(operator, ready.get(operator, 0)) for operator in step.operators]
         while moved:
             moved = False
-            for operator, need in zip(step.operators, needs, strict=True):
+            for operator, need in needs:
                 for off, back in breaks[operator]:
                     if off < start + step.ticks and start - need < back:
                         start, moved = back + need, True
@@ -425,7 +433,7 @@ def _steps(instance: Instance, task: int) -> list[Step]:
                 ticks=way.ticks,
                 stress=way.stress,
                 load=way.load,
-                preparations=instance.preparations(task, way),
+                preparations=instance.prepared(task, way),
                 scarce=instance.scarce(way),
                 side=max(sides, default=-1),
             )

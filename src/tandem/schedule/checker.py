@@ -155,13 +155,13 @@ def the_group_can_do_the_task(judged: Judged) -> Iterator[str]:
             and _names_are_known(judged.cell, row)
         ):
             who = (
-                f"{_and(row.given.operators)} cannot do it"
+                f"{listed(row.given.operators)} cannot do it"
                 if row.given.operators
                 else "nobody does it"
             )
             groups = dict.fromkeys(mode.operators for mode in judged.cell.modes(row.task))
             ways = (", or " if any(len(group) > 1 for group in groups) else " or ").join(
-                map(_and, groups)
+                map(listed, groups)
             )
             yield f"task {row.task!r}: {who}; {ways} can."
 
@@ -169,13 +169,13 @@ def the_group_can_do_the_task(judged: Judged) -> Iterator[str]:
 def durations_are_right(judged: Judged) -> Iterator[str]:
     for row in judged.rows:
         if row.mode is None and (modes := _modes_of_group(judged.cell, row)):
-            right = " or ".join(_s(time) for time in sorted({exact(mode.time) for mode in modes}))
+            right = " or ".join(sec(time) for time in sorted({exact(mode.time) for mode in modes}))
             ends = " or ".join(
-                _s(row.start + time) for time in sorted({exact(mode.time) for mode in modes})
+                sec(row.start + time) for time in sorted({exact(mode.time) for mode in modes})
             )
             yield (
-                f"task {row.task!r}: {_and(row.given.operators)} cannot do it in"
-                f" {_s(row.end - row.start)} ({_span(row)}); it takes {right}, so it would end at"
+                f"task {row.task!r}: {listed(row.given.operators)} cannot do it in"
+                f" {sec(row.end - row.start)} ({_span(row)}); it takes {right}, so it would end at"
                 f" {ends}."
             )
 
@@ -183,7 +183,7 @@ def durations_are_right(judged: Judged) -> Iterator[str]:
 def nothing_starts_before_zero(judged: Judged) -> Iterator[str]:
     for row in judged.rows:
         if row.start < 0:
-            yield f"task {row.task!r}: starts at {_s(row.start)}; nothing can start before 0 s."
+            yield f"task {row.task!r}: starts at {sec(row.start)}; nothing can start before 0 s."
 
 
 def predecessors_end_first(judged: Judged) -> Iterator[str]:
@@ -192,8 +192,8 @@ def predecessors_end_first(judged: Judged) -> Iterator[str]:
             end = max((first.end for first in judged.of_task.get(name, ())), default=row.start)
             if row.start < end:
                 yield (
-                    f"task {row.task!r}: starts at {_s(row.start)}, before task {name!r} has ended,"
-                    f" which it comes after: {_s(end)} is the earliest."
+                    f"task {row.task!r}: starts at {sec(row.start)}, before task {name!r} has"
+                    f" ended, which it comes after: {sec(end)} is the earliest."
                 )
 
 
@@ -207,14 +207,14 @@ def waits_are_kept(judged: Judged) -> Iterator[str]:
             moment = max(first.end if is_end else first.start for first in firsts)
             past, least = row.start - moment, exact(wait.at_least)
             since = f"task {wait.after!r} has {'ended' if is_end else 'started'}"
-            when = f"before {since}" if past < 0 else f"{_s(past)} after {since}"
-            starts = f"task {row.task!r}: starts at {_s(row.start)}, {when}, and must"
+            when = f"before {since}" if past < 0 else f"{sec(past)} after {since}"
+            starts = f"task {row.task!r}: starts at {sec(row.start)}, {when}, and must"
             # that it starts before the other has ended is said by the rule on predecessors
             if past < least and (past >= 0 or not is_end):
-                yield f"{starts} wait {_s(least)} at least: {_s(moment + least)} is the earliest."
+                yield f"{starts} wait {sec(least)} at least: {sec(moment + least)} is the earliest."
             if wait.at_most is not None and past > exact(wait.at_most):
                 most = exact(wait.at_most)
-                yield f"{starts} start within {_s(most)}: {_s(moment + most)} is the latest."
+                yield f"{starts} start within {sec(most)}: {sec(moment + most)} is the latest."
 
 
 def an_operator_does_one_task_at_a_time(judged: Judged) -> Iterator[str]:
@@ -225,7 +225,7 @@ def an_operator_does_one_task_at_a_time(judged: Judged) -> Iterator[str]:
                 yield (
                     f"operator {name!r}: does task {latest.task!r} ({_span(latest)}) and task"
                     f" {row.task!r} ({_span(row)}) at the same time; after the first,"
-                    f" {_s(latest.end)} is the earliest."
+                    f" {sec(latest.end)} is the earliest."
                 )
             if latest is None or row.end > latest.end:
                 latest = row
@@ -236,7 +236,7 @@ def releases_are_kept(judged: Judged) -> Iterator[str]:
         release = exact(judged.cell.tasks[row.task].release)
         if row.start < release and release:
             yield (
-                f"task {row.task!r}: starts at {_s(row.start)}, before its release: {_s(release)}"
+                f"task {row.task!r}: starts at {sec(row.start)}, before its release: {sec(release)}"
                 " is the earliest."
             )
 
@@ -246,8 +246,8 @@ def deadlines_are_kept(judged: Judged) -> Iterator[str]:
         deadline = judged.cell.tasks[row.task].deadline
         if deadline is not None and row.end > exact(deadline):
             yield (
-                f"task {row.task!r}: ends at {_s(row.end)}, after its deadline:"
-                f" {_s(exact(deadline))} is the latest."
+                f"task {row.task!r}: ends at {sec(row.end)}, after its deadline:"
+                f" {sec(exact(deadline))} is the latest."
             )
 
 
@@ -257,7 +257,7 @@ def breaks_are_free_of_work(judged: Judged) -> Iterator[str]:
             for start, end in _overlapping(breaks, row.start, row.end):
                 yield (
                     f"operator {name!r}: task {row.task!r} ({_span(row)}) runs into the break from"
-                    f" {_s(start)} to {_s(end)}."
+                    f" {sec(start)} to {sec(end)}."
                 )
 
 
@@ -268,7 +268,7 @@ def operators_are_set_up_first(judged: Judged) -> Iterator[str]:
             if row.start < ready:
                 yield (
                     f"operator {name!r}: does task {row.task!r} ({_span(row)}) before it is set up,"
-                    f" which takes {_s(exact(operator.setup))} between its breaks; {_s(ready)} is"
+                    f" which takes {sec(exact(operator.setup))} between its breaks; {sec(ready)} is"
                     " the earliest."
                 )
 
@@ -288,8 +288,8 @@ def operators_are_at_hand_in_time(judged: Judged) -> Iterator[str]:
             )
             yield (
                 f"{_needs(name, before)}, which starts only"
-                f" {_s(before.row.start - before.free)} after {since};"
-                f" {_s(before.free + before.time)} is the earliest."
+                f" {sec(before.row.start - before.free)} after {since};"
+                f" {sec(before.free + before.time)} is the earliest."
             )
 
 
@@ -298,9 +298,9 @@ def breaks_are_free_of_walks_and_changeovers(judged: Judged) -> Iterator[str]:
     for name, before in _preparations(judged):
         for start, end in _overlapping(breaks_of.get(name, []), before.start, before.row.start):
             yield (
-                f"{_needs(name, before)}; from {_s(before.start)} to {_s(before.row.start)} that"
-                f" runs into the break from {_s(start)} to {_s(end)}; after it,"
-                f" {_s(end + before.time)} is the earliest."
+                f"{_needs(name, before)}; from {sec(before.start)} to {sec(before.row.start)} that"
+                f" runs into the break from {sec(start)} to {sec(end)}; after it,"
+                f" {sec(end + before.time)} is the earliest."
             )
 
 
@@ -308,14 +308,14 @@ def tools_are_enough(judged: Judged) -> Iterator[str]:
     for name, rows in _by_place(judged, "tool"):
         places = judged.cell.tools[name].capacity if name in judged.cell.tools else 1
         for crowd in _crowds(rows, places):
-            yield f"tool {name!r}: there {_are(places)} of it, but {crowd}"
+            yield f"tool {name!r}: there {only(places)} of it, but {crowd}"
 
 
 def zones_are_wide_enough(judged: Judged) -> Iterator[str]:
     for name, rows in _by_place(judged, "zone"):
         places = judged.cell.zones[name].capacity if name in judged.cell.zones else 1
         for crowd in _crowds(rows, places):
-            yield f"zone {name!r}: there {_are(places, 'place')}, but {crowd}"
+            yield f"zone {name!r}: there {only(places, 'place')}, but {crowd}"
 
 
 def kinds_are_kept_apart(judged: Judged) -> Iterator[str]:
@@ -325,9 +325,9 @@ def kinds_are_kept_apart(judged: Judged) -> Iterator[str]:
         for place, (row, who, kind) in enumerate(there):
             for earlier, other, its in there[:place]:
                 if its != kind and row.start < earlier.end:
-                    later = "" if earlier is row else f"; {_s(earlier.end)} is the earliest"
+                    later = "" if earlier is row else f"; {sec(earlier.end)} is the earliest"
                     yield (
-                        f"zone {name!r}: keeps {_and(apart)} apart, but {other!r} (task"
+                        f"zone {name!r}: keeps {listed(apart)} apart, but {other!r} (task"
                         f" {earlier.task!r}, {_span(earlier)}) and {who!r} (task {row.task!r},"
                         f" {_span(row)}) are in it at once{later}."
                     )
@@ -354,8 +354,8 @@ def machines_hold_their_part(judged: Judged) -> Iterator[str]:
                 if row.task not in hold.within and begin < hold.end and hold.start < row.end:
                     does = f"does task {row.task!r} ({_span(row)})"
                     if row.start >= hold.end:
-                        does = f"gets ready for task {row.task!r} from {_s(begin)} on"
-                    earliest = _s(hold.end + row.start - begin)
+                        does = f"gets ready for task {row.task!r} from {sec(begin)} on"
+                    earliest = sec(hold.end + row.start - begin)
                     late = f"; {earliest} is the earliest" if hold.start <= begin else ""
                     yield f"operator {name!r}: {hold}, but {does} meanwhile{late}."
         for place, hold in enumerate(found):
@@ -364,7 +364,7 @@ def machines_hold_their_part(judged: Judged) -> Iterator[str]:
                 if then.start < first.end and not lies_within(hold, other):
                     yield (
                         f"operator {name!r}: {first}, but takes up another one with task"
-                        f" {then.first!r} at {_s(then.start)}; {_s(first.end)} is the earliest."
+                        f" {then.first!r} at {sec(then.start)}; {sec(first.end)} is the earliest."
                     )
 
 
@@ -381,8 +381,8 @@ class Hold(NamedTuple):
 
     def __str__(self) -> str:
         return (
-            f"holds the part of task {self.first!r} from {_s(self.start)} until task"
-            f" {self.last!r} has ended at {_s(self.end)}"
+            f"holds the part of task {self.first!r} from {sec(self.start)} until task"
+            f" {self.last!r} has ended at {sec(self.end)}"
         )
 
 
@@ -414,11 +414,11 @@ def stress_limits_are_kept(judged: Judged) -> Iterator[str]:
         total, limit = sum((load for load, _ in loads), Decimal(0)), exact(operator.stress_limit)
         if total > limit:
             hardest = ", ".join(
-                f"{task!r} {_n(load)}" for load, task in sorted(loads, reverse=True)[:3]
+                f"{task!r} {num(load)}" for load, task in sorted(loads, reverse=True)[:3]
             )
             yield (
-                f"operator {name!r}: collects {_n(total)} of stress, the limit is {_n(limit)};"
-                f" {_n(total - limit)} must go (most from {hardest})."
+                f"operator {name!r}: collects {num(total)} of stress, the limit is {num(limit)};"
+                f" {num(total - limit)} must go (most from {hardest})."
             )
 
 
@@ -427,9 +427,10 @@ def pairs_have_the_same_operators(judged: Judged) -> Iterator[str]:
         for one in judged.of_task.get(first, ()):
             for other in judged.of_task.get(second, ()):
                 if one.who != other.who:
+                    both = f"{listed(one.given.operators)} and {listed(other.given.operators)}"
                     yield (
                         f"tasks {first!r} and {second!r}: must be done by the same operators, but"
-                        f" {_and(one.given.operators)} and {_and(other.given.operators)} do them."
+                        f" {both} do them."
                     )
 
 
@@ -447,8 +448,8 @@ def the_makespan_is_within_its_limit(judged: Judged) -> Iterator[str]:
         for row in judged.rows:
             if row.end > judged.max_makespan:
                 yield (
-                    f"task {row.task!r}: ends at {_s(row.end)}, after the limit on the makespan of"
-                    f" {_s(judged.max_makespan)}."
+                    f"task {row.task!r}: ends at {sec(row.end)}, after the limit on the makespan of"
+                    f" {sec(judged.max_makespan)}."
                 )
 
 
@@ -464,7 +465,7 @@ def the_stress_is_within_its_limit(judged: Judged) -> Iterator[str]:
         listed = stress_of_tasks(judged.cell, _human_tasks(judged))
         total = Decimal(0) if listed is None else exact(listed)
     if total > judged.max_stress:
-        yield f"stress: is {_n(total)}, over its limit of {_n(judged.max_stress)}."
+        yield f"stress: is {num(total)}, over its limit of {num(judged.max_stress)}."
 
 
 RULES: tuple[Callable[[Judged], Iterator[str]], ...] = (
@@ -536,8 +537,8 @@ def told(ready: Ready) -> str:
     """What somebody does directly before a task, in words."""
     walk, origin, place, change, tool = ready
     parts = [
-        f"{_s(exact(walk))} to walk from {origin!r} to {place!r}" if walk else "",
-        f"{_s(exact(change))} to take up tool {tool!r}" if change else "",
+        f"{sec(exact(walk))} to walk from {origin!r} to {place!r}" if walk else "",
+        f"{sec(exact(change))} to take up tool {tool!r}" if change else "",
     ]
     return " and ".join(filter(None, parts))
 
@@ -582,8 +583,8 @@ def _crowds(rows: Iterable[tuple[Row, int]], places: int) -> Iterator[str]:
             used -= count
             if crowd and used <= places:
                 yield (
-                    f"{most} operators need it at once from {_s(since)} to {_s(time)} (tasks"
-                    f" {_and(map(repr, crowd))})."
+                    f"{most} operators need it at once from {sec(since)} to {sec(time)} (tasks"
+                    f" {listed(map(repr, crowd))})."
                 )
                 most, crowd = 0, {}
 
@@ -660,12 +661,14 @@ def _nearest(name: object, known: Iterable[str]) -> str:
     )
 
 
-def _and(names: Iterable[str]) -> str:
+def listed(names: Iterable[str]) -> str:
+    """Names in a sentence: "a, b and c"; "nobody" for none."""
     *most, last = list(names) or ["nobody"]
     return f"{', '.join(most)} and {last}" if most else last
 
 
-def _are(places: int, what: str = "") -> str:
+def only(places: int, what: str = "") -> str:
+    """So few: 'is only 1', 'are only 2', of something."""
     return (
         f"is only 1 {what}".rstrip()
         if places == 1
@@ -674,12 +677,14 @@ def _are(places: int, what: str = "") -> str:
 
 
 def _span(row: Row) -> str:
-    return f"{_n(row.start)} to {_s(row.end)}"
+    return f"{num(row.start)} to {sec(row.end)}"
 
 
-def _s(seconds: Decimal) -> str:
-    return f"{_n(seconds)} s"
+def sec(seconds: Decimal) -> str:
+    """A time in a sentence."""
+    return f"{num(seconds)} s"
 
 
-def _n(number: Decimal) -> str:
+def num(number: Decimal) -> str:
+    """A number in a sentence, exactly."""
     return f"{number.normalize():f}" if abs(number) < Decimal(10) ** 15 else f"{number:.6g}"

@@ -18,7 +18,7 @@ from typing import Literal, NamedTuple
 from tandem.cell.model import Cell
 from tandem.cell.written import number
 from tandem.schedule import checker
-from tandem.schedule.checker import Hold, Judged, Row
+from tandem.schedule.checker import Hold, Judged, Row, num, sec
 from tandem.schedule.cycle import PeriodicSchedule
 from tandem.schedule.measures import exact, made_ready
 
@@ -64,13 +64,13 @@ def faults(
     found += [sentence for rule in BETWEEN_PRODUCTS for sentence in rule(lap)]
     if max_in_process is not None and lap.span > max_in_process * lap.length:
         found.append(
-            f"a product is in the station for {_s(lap.span)}, which is more than {max_in_process}"
-            f" cycle{'s' * (max_in_process != 1)} of {_s(lap.length)}: {periodic.in_process} are in"
-            " process at once."
+            f"a product is in the station for {sec(lap.span)}, which is more than {max_in_process}"
+            f" cycle{'s' * (max_in_process != 1)} of {sec(lap.length)}: {periodic.in_process} are"
+            " in process at once."
         )
     if max_cycle_time is not None and lap.length > exact(max_cycle_time):
         found.append(
-            f"the cycle time is {_s(lap.length)}, over its limit of {_s(exact(max_cycle_time))}."
+            f"the cycle time is {sec(lap.length)}, over its limit of {sec(exact(max_cycle_time))}."
         )
     return found
 
@@ -170,7 +170,7 @@ class Lap:
         """The arc in words."""
         end = arc.end % self.length or self.length
         around = " of the next" if arc.end > self.length else ""
-        return f"{_n(arc.begin)} to {_s(end)}{around}"
+        return f"{num(arc.begin)} to {sec(end)}{around}"
 
 
 def an_operator_does_one_task_at_a_time(lap: Lap) -> Iterator[str]:
@@ -179,8 +179,8 @@ def an_operator_does_one_task_at_a_time(lap: Lap) -> Iterator[str]:
         for arc in arcs:
             if arc.length > lap.length:
                 yield (
-                    f"operator {name!r}: does task {arc.row.task!r} for {_s(arc.length)}, longer"
-                    f" than the cycle of {_s(lap.length)}: the next product needs it meanwhile."
+                    f"operator {name!r}: does task {arc.row.task!r} for {sec(arc.length)}, longer"
+                    f" than the cycle of {sec(lap.length)}: the next product needs it meanwhile."
                 )
         for place, arc in enumerate(arcs):
             for other in arcs[place + 1 :]:
@@ -205,7 +205,7 @@ def operators_are_at_hand_in_time(lap: Lap) -> Iterator[str]:
                 yield (
                     f"operator {name!r}: needs {checker.told(ready)} before task"
                     f" {arc.row.task!r} ({lap.told(arc)} of the cycle), which starts only"
-                    f" {_s(free)} after task {before.row.task!r}."
+                    f" {sec(free)} after task {before.row.task!r}."
                 )
 
 
@@ -233,9 +233,9 @@ def kinds_are_kept_apart(lap: Lap) -> Iterator[str]:
             for other, its, of_kind in there[:place]:
                 if of_kind != kind and lap.overlap(arc, other):
                     yield (
-                        f"zone {name!r}: keeps {checker._and(zone.apart)} apart, but {its!r} (task"
-                        f" {other.row.task!r}, {lap.told(other)} of the cycle) and {who!r} (task"
-                        f" {arc.row.task!r}, {lap.told(arc)}) are in it at once."
+                        f"zone {name!r}: keeps {checker.listed(zone.apart)} apart, but {its!r}"
+                        f" (task {other.row.task!r}, {lap.told(other)} of the cycle) and {who!r}"
+                        f" (task {arc.row.task!r}, {lap.told(arc)}) are in it at once."
                     )
 
 
@@ -246,7 +246,7 @@ def machines_hold_their_part(lap: Lap) -> Iterator[str]:
         for hold, span in zip(found, spans, strict=True):
             if span.length > lap.length:
                 yield (
-                    f"operator {name!r}: {hold}, longer than the cycle of {_s(lap.length)}: the"
+                    f"operator {name!r}: {hold}, longer than the cycle of {sec(lap.length)}: the"
                     " next product needs it meanwhile."
                 )
                 continue
@@ -291,18 +291,15 @@ def _crowds(lap: Lap, kind: Literal["tool", "zone"], places: dict[str, int]) -> 
             there = [(lap.present(other, arc.begin), count, other) for other, count in uses]
             used = sum(products * count for products, count, _ in there)
             if used > most:
-                tasks = checker._and(
+                tasks = checker.listed(
                     repr(other.row.task) for products, _, other in there if products
                 )
-                room = checker._are(most, "place") if kind == "zone" else checker._are(most)
+                room = checker.only(most, "place") if kind == "zone" else checker.only(most)
                 yield (
                     f"{kind} {name!r}: there {room}{'' if kind == 'zone' else ' of it'}, but {used}"
-                    f" operators need it at once at {_s(arc.begin)} of the cycle (tasks {tasks})."
+                    f" operators need it at once at {sec(arc.begin)} of the cycle (tasks {tasks})."
                 )
 
 
 def _floor(number: Decimal) -> int:
     return int(number.to_integral_value(ROUND_FLOOR))
-
-
-_s, _n = checker._s, checker._n

@@ -878,6 +878,43 @@ def test_a_machine_that_does_whole_tasks_can_be_called_one(tmp_path: Path) -> No
     assert draft(tmp_path, rows, machines=["Presse"]).cell().machines == ("Presse",)
 
 
+def book_with_press(tmp_path: Path, holds: str, apart: str) -> Path:
+    return workbook(
+        tmp_path,
+        {
+            "Vorgänge": [
+                ["Vorgang", "Zeit Anna [s]", "Zeit Presse [s]", "Vorgänger", "Bereich"],
+                ["laden", 4, None, None, "Bett"],
+                ["pressen", None, 12, "laden", None],
+                ["entladen", 3, None, "pressen", "Bett"],
+            ],
+            "Bediener": [
+                ["Bediener", "Art", "hält"],
+                ["Anna", "Mensch", None],
+                ["Presse", "Maschine", holds],
+            ],
+            "Bereiche": [["Bereich", "Anzahl", "hält getrennt"], ["Bett", 2, apart]],
+        },
+    )
+
+
+def test_what_machines_hold_and_zones_keep_apart_stands_in_sheets_of_their_own(
+    tmp_path: Path,
+) -> None:
+    path = book_with_press(tmp_path, "laden > entladen", "Mensch; Roboter, Maschine")
+    cell = read_workbook(path).cell()
+    assert cell.operators["Presse"].holds == (("laden", "entladen"),)
+    assert cell.zones["Bett"].apart == ("human", "robot", "machine")
+
+
+def test_pairs_and_kinds_that_cannot_be_read_are_told_with_their_place(tmp_path: Path) -> None:
+    message = refusal(read_workbook(book_with_press(tmp_path, "laden - entladen", "Mensch; Hund")))
+    assert "Bediener!C3: holds 'laden - entladen': write from and to which task" in message
+    assert "Bereiche!C2: holds 'Hund': zone 'Bett' keeps kinds of operators apart" in message
+    unknown = refusal(read_workbook(book_with_press(tmp_path, "laden > entlade", "Mensch; Robot")))
+    assert "Bediener!C3: operator 'Presse': holds names 'entlade'" in unknown
+
+
 def test_a_machine_that_is_a_robot_can_be_called_one(tmp_path: Path) -> None:
     rows = [["Task", "Time human [s]", "Machine time [s]"], ["a", 10, 12]]
     assert draft(tmp_path, rows, robots=["machine"]).cell().robots == ("machine",)

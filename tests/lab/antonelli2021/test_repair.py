@@ -165,6 +165,35 @@ def test_a_quicker_way_of_taking_off_counts():
         ({"tasks": {"a": {"time": {"robot": 3}, "tool": "driver"}}}, "tool"),
         (
             {
+                "operators": {"robot": {"kind": "robot"}, "human": {"kind": "human"}},
+                "tasks": {
+                    "a": {
+                        "together": [
+                            {
+                                "operators": ["robot", "human"],
+                                "time": 3,
+                                "tool": {"robot": "driver"},
+                            }
+                        ]
+                    }
+                },
+            },
+            "tool",
+        ),
+        ({"tasks": {"a": {"time": {"robot": 3}, "place": "bench"}}}, "place"),
+        ({"places": {"bench": [0, 0]}}, "places"),
+        (
+            {
+                "tasks": {
+                    "a": {"time": {"robot": 3}, "place": "bench"},
+                    "b": {"time": {"robot": 3}, "place": "press"},
+                },
+                "walk": {"robot": {"bench-press": 3}},
+            },
+            "walk",
+        ),
+        (
+            {
                 "tasks": {"a": {"time": {"robot": 3}}, "b": {"time": {"robot": 3}}},
                 "same_operator": [["a", "b"]],
             },

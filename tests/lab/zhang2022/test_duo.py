@@ -542,6 +542,29 @@ def test_what_cannot_be_expressed_is_named_all_at_once() -> None:
         assert words in str(error.value)
 
 
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"tool": {"ann": "driver"}}, "these two agents know no tools per operator or group"),
+        (
+            {"together": [{"operators": ["ann", "bob"], "time": 2, "tool": "driver"}]},
+            "these two agents know no tools per operator or group",
+        ),
+        ({"place": "bench"}, "know no ways to walk"),
+    ],
+)
+def test_own_tools_and_ways_are_refused(more: dict[str, Any], words: str) -> None:
+    cell = cell_of(
+        {
+            "operators": {"ann": {"kind": "human", "place": "shelf"}, "bob": {"kind": "robot"}},
+            "tasks": {"x": {"time": {"ann": 3, "bob": 4}, **more}},
+            "walk": {"ann": {"bench-shelf": 3}} if "place" in more else {},
+        }
+    )
+    with pytest.raises(CellError, match=words):
+        duo(cell)
+
+
 def test_a_setting_checks_itself() -> None:
     with pytest.raises(UsageError, match=r"unit 0(.|\n)*change 2(.|\n)*early 3.*late 1"):
         setting(unit=0, change=2, early=3, late=1)

@@ -73,7 +73,8 @@ class Moves:
         it.
       ticks: per way, how long it takes; how long somebody is away is known to the position alone.
       price: per way, the prices of its operators together.
-      preparations: per way of doing and of taking apart, what each of its operators needs before.
+      preparations: per way of doing and of taking apart, `(operator, what it needs before)`, of
+        those who need a tool or a place that may cost time.
       scarce: per way of doing and of taking apart, `Instance.scarce`.
       timeless: no rule looks at the clock.
       plain: ways of different tasks and operators never stand in each other's way.
@@ -92,7 +93,7 @@ class Moves:
     loads: tuple[tuple[tuple[int, int], ...], ...] = field(init=False, repr=False)
     units: tuple[int, ...] = field(init=False, repr=False)
     price: tuple[int, ...] = field(init=False, repr=False)
-    preparations: tuple[tuple[Preparation, ...], ...] = field(init=False, repr=False)
+    preparations: tuple[tuple[tuple[int, Preparation], ...], ...] = field(init=False, repr=False)
     scarce: tuple[tuple[tuple[int, int], ...], ...] = field(init=False, repr=False)
     timeless: bool = field(init=False, repr=False)
     plain: bool = field(init=False, repr=False)
@@ -218,11 +219,11 @@ class Moves:
             return Position(position.done, running, position.wrong)
         stance, load, teams = position.stance, position.load, position.teams
         team = self.instance.team[self.task[way]]
-        if stance:
-            ready = dict(
-                zip(self.modes[way % self.count].operators, self.preparations[way], strict=True)
-            )
-            stance = tuple(ready[o][now][1] if o in ready else now for o, now in enumerate(stance))
+        if self.preparations[way]:
+            moved = list(stance)
+            for operator, preparation in self.preparations[way]:
+                moved[operator] = preparation[moved[operator]][1]
+            stance = tuple(moved)
         if load:
             extra = dict(self.loads[way])
             load = tuple(units + extra.get(o, 0) for o, units in enumerate(load))
@@ -527,14 +528,8 @@ class Moves:
 
     def _preparation(self, position: Position, way: int) -> int:
         """Ticks that the operators need first to get ready."""
-        preparations, stance = self.preparations[way], position.stance
-        if not preparations:
-            return 0
-        operators = self.modes[way % self.count].operators
-        return max(
-            preparation[stance[o]][0]
-            for o, preparation in zip(operators, preparations, strict=True)
-        )
+        stance = position.stance
+        return max((need[stance[o]][0] for o, need in self.preparations[way]), default=0)
 
 
 def _limits(instance: Instance, max_stress: float | None) -> tuple[int | None, ...]:
@@ -567,9 +562,7 @@ def _per_way(moves: Moves) -> dict[str, Any]:
     prices = moves.prices.of_operator
     price = [sum(prices[operator] for operator in way.operators) for way in modes]
     preparations = [
-        instance.preparations(number, way)
-        for number, row in enumerate(instance.ways)
-        for way in row
+        instance.prepared(number, way) for number, row in enumerate(instance.ways) for way in row
     ]
     scarce = [instance.scarce(way) for way in modes]
     return {

@@ -150,6 +150,8 @@ def _preparations(
     (s): walking there, and taking up their tool. Only who needs time for it.
     """
     cell, operators = situation.cell, tuple(operators)
+    if not cell.tools and not cell.walk:
+        return {}
     tools, place = cell.tools_for(task, operators), cell.tasks[task].place
     found = {}
     for who in operators:
@@ -238,7 +240,8 @@ def _times_off(situation: Situation, task: str, way: Mode) -> Iterator[str]:
 def _room(situation: Situation, task: str, way: Mode) -> Iterator[str]:
     cell = situation.cell
     for kind in KINDS:
-        for name, count in Counter(cell.takes(kind, task, way.operators).values()).items():
+        takes = cell.takes(kind, task, way.operators)
+        for name, count in Counter(takes.values()).items() if takes else ():
             places = places_of(cell, kind, name)
             taken = sum(
                 used == name

@@ -82,7 +82,7 @@ def overrides_from(texts: Mapping[str, str], grid: Grid | None = None) -> dict[s
     """
     found: dict[str, Meaning | None] = {}
     for header, text in texts.items():
-        wanted = meaning(text)
+        wanted = meaning(text) or own_tool(text, None)
         if wanted is None or wanted.what not in TASK_WORDS:
             canonical = Known(
                 [*sorted(TASK_WORDS), "time robot [s]", "time human [s]", "stress human"]

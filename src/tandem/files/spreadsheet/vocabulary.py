@@ -239,15 +239,17 @@ OWN_TOOL = re.compile(
 """A tool, and whose."""
 
 
-def own_tool(header: str, known: Collection[str]) -> Meaning | None:
+def own_tool(header: str, known: Collection[str] | None) -> Meaning | None:
     """The tool of an operator, of a group, or of one within a group: "tool anna", "tool anna +
-    cobot", "tool anna with cobot". None when the header speaks of anybody who is not known.
+    cobot", "tool anna with cobot". None when the header speaks of anybody who is not known, where
+    it is known who there is.
     """
     text, quoted = _without_quotes(tidy(header))
     if (found := OWN_TOOL.fullmatch(text)) is None:
         return None
-    who, human = _who(re.findall(r"[+&]|[^\s+&]+", found[1]), quoted, tuple(known))
-    return Meaning("tool", who, human) if who and all(name in known for name in who) else None
+    who, human = _who(re.findall(r"[+&]|[^\s+&]+", found[1]), quoted, tuple(known or ()))
+    strangers = known is not None and not all(name in known for name in who)
+    return Meaning("tool", who, human) if who and not strangers else None
 
 
 SCALE = re.compile(

@@ -23,6 +23,7 @@ from ortools.sat.python import cp_model
 
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError
+from tandem.plan import cpsat
 from tandem.plan.cpsat import SOLVER
 from tandem.plan.cycle.door import Admitted, CycleDoor
 from tandem.plan.cycle.effort import Answer, Effort
@@ -129,8 +130,10 @@ class _Search:
         effort.until = None if time_limit is None else self.began + time_limit
         self.instance = instance = Instance.of(cell)
         self.door = CycleDoor(cell, instance, question)
-        self.horizon = instance.horizon
         self.takt = _whole(question.takt, instance.per_second)
+        # no cycle is looked for that is longer
+        self.longest = min(instance.horizon, instance.horizon if self.takt is None else self.takt)
+        self.laps = self._laps()
         self.max_stress = _whole(question.max_stress, instance.per_stress)
         self.points: list[Point] = []
         self.closed = False
@@ -139,6 +142,9 @@ class _Search:
 
     def run(self) -> None:
         """Answers the question as far as time allows."""
+        if is_tied(self.instance) and not self._one_product_can_be_made():
+            self.closed = True
+            return
         if self.question.takt is not None:
             self._within_takt()
         elif self.question.minimize == "stress":
@@ -146,6 +152,20 @@ class _Search:
         else:
             self._walk()
         self._settle()
+
+    def _one_product_can_be_made(self) -> bool:
+        """False when it is proven that not even one product can be made, by operators who have the
+        tools at hand: then none can be made again and again.
+        """
+        nobody = (None,) * len(self.instance.operators)
+        alone = replace(
+            self.instance,
+            breaks=((),) * len(self.instance.operators),
+            in_hand=nobody,
+            stands=nobody,
+        )
+        answer = self.effort.solve(cpsat.formulate(alone, alone.horizon).model, 0, share=0.25)
+        return answer.solver is not None or not answer.proven
 
     def _walk(self) -> None:
         """From the least cycle time on; only to that where nothing else is asked for."""
@@ -155,7 +175,7 @@ class _Search:
             if starts is None:
                 self.closed = quickest.proven
                 return
-            calmest, better = self._least_stress(starts.length, starts.length, cap)
+            calmest, better = self._least_stress(cap, starts.length)
             least_stress = calmest.bound if better is not None else 0
             point = self._point(better or starts, max(quickest.bound, low), least_stress)
             if point is None:
@@ -170,7 +190,7 @@ class _Search:
 
     def _least_stress_first(self) -> None:
         """The least stress of any pattern, then the least cycle time that has it."""
-        calmest, starts = self._least_stress(1, self.horizon, self.max_stress)
+        calmest, starts = self._least_stress(self.max_stress)
         if starts is None:
             self.closed = calmest.proven
             return
@@ -183,12 +203,10 @@ class _Search:
         """The least stress that keeps the takt; then the fewest in process, and the least cycle
         time of those.
         """
-        takt = self.takt if self.takt is not None else self.horizon
-        longest = min(takt, self.horizon)
-        if longest < 1:
+        if self.longest < 1:
             self.closed = True  # less than a tick
             return
-        calmest, starts = self._least_stress(1, longest, self.max_stress)
+        calmest, starts = self._least_stress(self.max_stress)
         if starts is None:
             self.closed = calmest.proven
             return
@@ -196,30 +214,38 @@ class _Search:
         if first is None:
             return
         self.closed = calmest.proven
-        self._fewest_in_process(first, longest)
+        self._fewest_in_process(first)
 
-    def _fewest_in_process(self, first: Point, longest: int) -> None:
+    def _fewest_in_process(self, first: Point) -> None:
         """Puts one product after the other in the station, until the takt can be kept."""
-        known = first.found
+        known, stress = first.found, first.found.stress
         for laps in range(1, known.in_process + 1):
             if self.effort.is_spent:
                 self.closed = False
                 return
-            cycle = formulate(self.instance, 1, longest, laps)
-            cycle.model.add(cycle.stress <= known.stress)
-            answer = self.effort.solve(cycle.model, cycle.length)
-            if answer.solver is not None:
+            self.laps = laps
+            if self.is_monotone and (trial := self._refuted_or_found(self.longest, stress)):
+                self.closed = self.closed and (trial.answer.proven or trial.found is not None)
+                if trial.found is None:
+                    continue
+            quickest, starts = self._least_length(1, stress)
+            if starts is not None:
                 self.points.clear()
-                starts = self._read(cycle, answer.solver)
-                point = self._point(starts, answer.bound, first.least_stress)
-                self.closed = self.closed and answer.proven and point is not None
+                point = self._point(starts, quickest.bound, first.least_stress)
+                self.closed = self.closed and quickest.proven and point is not None
                 return
-            self.closed = self.closed and answer.proven
+            self.closed = self.closed and quickest.proven
 
     # ------------------------------------------------------------ single questions
 
     @property
-    def laps(self) -> int | None:
+    def is_monotone(self) -> bool:
+        """What is possible in a cycle is possible in every longer one: the pattern waits a tick
+        more at the end of each. Where something must follow in time, that may be too long.
+        """
+        return not self.instance.has_most_lags
+
+    def _laps(self) -> int | None:
         """The cycles that a product may be in the station; None when nothing limits them."""
         asked = self.question.max_in_process
         if asked is None and is_tied(self.instance):
@@ -253,7 +279,7 @@ class _Search:
         """The least cycle time at or above `low` of patterns with at most this stress."""
         if not self.only_load_binds:
             # what the work of each asks for is a bound, and often enough
-            cycle = allocation(self.instance, self.horizon)
+            cycle = allocation(self.instance, self.longest)
             if cap is not None:
                 cycle.model.add(cycle.stress <= cap)
             load = self.effort.solve(cycle.model, cycle.length, share=0.25)
@@ -264,21 +290,20 @@ class _Search:
             if at_once.found is not None:
                 return Answer(at_once.answer.solver, low, low, True), at_once.found
             low += at_once.answer.proven
-            if self.horizon - low > MANY_TICKS and not self.instance.has_most_lags:
+            if low > self.longest:
+                return Answer(None, None, 0, True), None
+            if self.longest - low > MANY_TICKS and self.is_monotone:
                 return self._halved(low, cap)
-        cycle = self._asked(low, self.horizon, cap)
+        cycle = self._asked(low, self.longest, cap)
         answer = self.effort.solve(cycle.model, cycle.length, share=0.5)
         return answer, None if answer.solver is None else self._read(cycle, answer.solver)
 
     def _halved(self, low: int, cap: int | None) -> tuple[Answer, _Starts | None]:
         """The same where the ticks are fine, and a search that moves its bound tick by tick would
         take too long: spans of cycle times are refuted, at first short ones, then halves.
-
-        What is possible in a cycle is possible in every longer one, where nothing must follow in
-        time.
         """
         best: tuple[Answer, _Starts] | None = None
-        step, high = 1, self.horizon
+        step, high = 1, self.longest
         while low <= high:
             # while nothing is known, steps that double; then the middle
             length = min(low + step - 1, high) if best is None else (low + high) // 2
@@ -302,8 +327,13 @@ class _Search:
         found = None if answer.solver is None else self._read(cycle, answer.solver)
         return _Trial(answer, found)
 
-    def _least_stress(self, low: int, high: int, cap: int | None) -> tuple[Answer, _Starts | None]:
-        """The least stress of patterns of these cycle times."""
+    def _least_stress(
+        self, cap: int | None, length: int | None = None
+    ) -> tuple[Answer, _Starts | None]:
+        """The least stress of patterns of this cycle time; of any, when none is given."""
+        if length is None and self.is_monotone:
+            length = self.longest
+        low, high = (1, self.longest) if length is None else (length, length)
         cycle = self._asked(low, high, cap)
         answer = self.effort.solve(cycle.model, cycle.stress, share=0.5)
         return answer, None if answer.solver is None else self._read(cycle, answer.solver)

@@ -553,6 +553,7 @@ def _hold_parts(cycle: Cycle) -> None:
     """
     instance, model = cycle.instance, cycle.model
     spans: list[list[cp_model.IntervalVar]] = []
+    within: list[cp_model.IntervalVar] = []
     for hold, (machine, first, last) in enumerate(instance.holds):
         span = _span(cycle, first, last)
         for task, ways in enumerate(instance.ways):
@@ -570,10 +571,24 @@ def _hold_parts(cycle: Cycle) -> None:
                 # not while it holds the part of the product before
                 begin = cycle.start[task] - ready  # type: ignore[operator]
                 model.add(begin >= cycle.end(last) - cycle.length)  # type: ignore[operator]
+        # implied: in one product the two do not overlap either, which is seen at once
+        own = _own_span(cycle, first, last)
         for other, its in enumerate(spans):
             if instance.rivals[hold] >> other & 1:
                 model.add_no_overlap([*span, *its])
+                model.add_no_overlap([own, within[other]])
+                if first == instance.holds[other][1] or last == instance.holds[other][2]:
+                    model.add_bool_or([])  # both at once, however long
         spans.append(span)
+        within.append(own)
+
+
+def _own_span(cycle: Cycle, first: int, last: int) -> cp_model.IntervalVar:
+    """The interval of a hold on the product's own clock."""
+    model, most = cycle.model, (cycle.laps or 1) * cycle.allocation.upper
+    end, length = model.new_int_var(0, most, ""), model.new_int_var(0, cycle.allocation.upper, "")
+    model.add(end == cycle.end(last))
+    return model.new_interval_var(cycle.start[first], length, end, "")
 
 
 def _span(cycle: Cycle, first: int, last: int) -> list[cp_model.IntervalVar]:

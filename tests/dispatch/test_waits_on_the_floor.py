@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from tests.dispatch.cells import line
+from tests.dispatch.test_forecast import ahead
 from tests.dispatch.test_situation import done, reached, started
 from tests.schedule.cells import GLUED, glued
 
@@ -86,6 +87,16 @@ def test_a_wait_from_a_start_counts_behind_the_changeover() -> None:
     moves = Moves.of(cell)
     assert moves.next_event(position(moves, situation, {})) == 5 * moves.instance.per_second
     assert moves.next_event(moves.begin(moves.root(), 0)) == 5 * moves.instance.per_second
+
+
+def test_the_forecast_waits_too() -> None:
+    """Pressed from 45 to 55 s, cooled from 49 to 55 s; and the same when the glue is on."""
+    cell = glued(tasks=QUICK)
+    assert ahead(reached(cell=cell))["plan"] == 55
+    glue = (started(0, "sort", "anna"), started(0, "glue", "cobot"), done(5, "glue"))
+    assert ahead(reached(*glue, cell=cell))["plan"] == 55
+    pressed = (*glue, done(20, "sort"), started(47, "press", "anna"))
+    assert ahead(reached(*pressed, cell=cell))["plan"] == 57
 
 
 def test_what_must_start_in_time_is_due_and_a_plan_of_the_rest_knows_it() -> None:
