@@ -22,12 +22,12 @@ SAID = {
         "break": r"own break over \((?P<off>\S+) to (?P<back>\S+) s\)",
         "release": r"(?P<release>\S+) s passed since the start",
         "lag.end": (
-            r"(?:(?:exactly )?(?P<least>\S+) s |at the latest (?P<most>\S+) s )?after (?P<who>.+)"
-            r" ended (?P<task>.+?)(?:, at the latest (?P<until>\S+) s)?"
+            r"(?:(?P<exact>exactly )?(?P<least>\S+) s |at the latest (?P<most>\S+) s )?after"
+            r" (?P<who>.+) ended (?P<task>.+?)(?:, at the latest (?P<until>\S+) s)?"
         ),
         "lag.start": (
-            r"(?:(?:exactly )?(?P<least>\S+) s |at the latest (?P<most>\S+) s )?after (?P<who>.+)"
-            r" began (?P<task>.+?)(?:, at the latest (?P<until>\S+) s)?"
+            r"(?:(?P<exact>exactly )?(?P<least>\S+) s |at the latest (?P<most>\S+) s )?after"
+            r" (?P<who>.+) began (?P<task>.+?)(?:, at the latest (?P<until>\S+) s)?"
         ),
         "hold": r"not before (?P<hold>\S+) s, so that (?P<tasks>.+) can follow in time",
         "tool.room": (
@@ -66,12 +66,12 @@ SAID = {
         "break": r"eigene Pause vorbei \((?P<off>\S+) bis (?P<back>\S+) s\)",
         "release": r"(?P<release>\S+) s seit Beginn vergangen",
         "lag.end": (
-            r"(?:(?:genau )?(?P<least>\S+) s |spätestens (?P<most>\S+) s )?nach dem Ende von"
+            r"(?:(?P<exact>genau )?(?P<least>\S+) s |spätestens (?P<most>\S+) s )?nach dem Ende von"
             r" (?P<task>.+) \((?P<who>[^()]+)\)(?:, spätestens (?P<until>\S+) s)?"
         ),
         "lag.start": (
-            r"(?:(?:genau )?(?P<least>\S+) s |spätestens (?P<most>\S+) s )?nach dem Beginn von"
-            r" (?P<task>.+) \((?P<who>[^()]+)\)(?:, spätestens (?P<until>\S+) s)?"
+            r"(?:(?P<exact>genau )?(?P<least>\S+) s |spätestens (?P<most>\S+) s )?nach dem Beginn"
+            r" von (?P<task>.+) \((?P<who>[^()]+)\)(?:, spätestens (?P<until>\S+) s)?"
         ),
         "hold": r"nicht vor (?P<hold>\S+) s, damit (?P<tasks>.+) rechtzeitig folgen kann",
         "tool.room": (
@@ -171,7 +171,9 @@ class Row:
                 values["who"],
                 values["task"],
                 number(values["least"] or "0"),
-                None if not (most := values["most"] or values["until"]) else number(most),
+                None
+                if not (most := values["most"] or values["until"] or values["exact"])
+                else number(values["least"] if values["exact"] else most),
             )
             for values in self.conditions.get(f"lag.{kind}", [])
         }

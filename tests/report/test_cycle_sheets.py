@@ -20,10 +20,11 @@ from tandem.files.validate import cell_of
 from tandem.plan.cycle.methods import plan_cycle
 from tandem.plan.cycle.result import CycleFront
 from tandem.report.cycle.sheet import Waiting, cycle_steps, sheet_columns, sheet_rules
+from tandem.report.instructions import waits_of
 from tandem.report.language import words
 from tandem.schedule import checker
 from tandem.schedule.cycle import PeriodicSchedule, copied, copy_of
-from tandem.schedule.measures import changeover_times, exact
+from tandem.schedule.measures import exact, made_ready
 from tandem.schedule.model import Assignment, Schedule
 from tandem.schedule.steady import rounds
 
@@ -139,6 +140,7 @@ class Crew:
     def __init__(self, cell: Cell, periodic: PeriodicSchedule, waiting: Waiting) -> None:
         self.cell, self.waiting = cell, waiting
         self.who = {a.task: a.operators for a in periodic}
+        self.rows = {a.task: a for a in periodic}
         self.spans = {a.task: exact(a.end) - exact(a.start) for a in periodic}
         self.lap = {a.task: periodic.lap(a.start) for a in periodic}
         self.queues = {
@@ -151,6 +153,7 @@ class Crew:
         }
         self.free = {name: exact(cell.operators[name].setup) for name in cell.operators}
         self.done: dict[str, list[str]] = {name: [] for name in cell.operators}
+        self.starts: dict[tuple[str, int], Decimal] = {}
         self.ends: dict[tuple[str, int], Decimal] = {}
 
     def work(self, random: Random) -> list[Assignment]:
@@ -170,19 +173,39 @@ class Crew:
                     end = now + span.quantize(Decimal("0.000001"))
                     found.append(self._begun(task, product, now, end))
                     moments.add(end)
+                    moments |= self._later(task, now, end)
             for name, queue in self.queues.items():
                 if queue and (ready := self._able(name, queue[0][0])) > now:
                     moments.add(ready)
         return found
 
     def _able(self, name: str, task: str) -> Decimal:
-        """When the operator can begin the task, with the changeover before it."""
+        """When the operator can begin the task, with the walk and the changeover before it."""
         product = self.queues[name][0][1]
         if not is_there(product):
             return self.free[name]
-        return self.free[name] + exact(
-            changeover_times(self.cell, name, [*self.done[name], task])[-1]
-        )
+        done = [self.rows[each] for each in [*self.done[name], task]]
+        return self.free[name] + exact(made_ready(self.cell, name, done)[-1].seconds)
+
+    def _later(self, task: str, start: Decimal, end: Decimal) -> set[Decimal]:
+        """When waits after the task are over."""
+        return {
+            (start if wait.between == "start-start" else end) + exact(wait.at_least)
+            for name in self.cell.tasks
+            for wait in waits_of(self.cell, name)
+            if wait.after == task
+        }
+
+    def _waited(self, task: str, product: int, now: Decimal) -> bool:
+        """The waits of the task are over, as its sheets say."""
+        for wait in waits_of(self.cell, task):
+            moments = self.starts if wait.between == "start-start" else self.ends
+            past = product + self.lap[wait.after] < 0
+            since = moments.get((wait.after, product))
+            least = exact(wait.at_least) if is_there(product) else 0
+            if not past and (since is None or now < since + least):
+                return False
+        return True
 
     def _ready(self, task: str, product: int, now: Decimal) -> bool:
         mine = all(
@@ -191,6 +214,7 @@ class Crew:
         )
         return (
             mine
+            and self._waited(task, product, now)
             and all(
                 not self._open(wait.task, product + wait.product, now)
                 for wait in self.waiting.waits[task]
@@ -208,12 +232,12 @@ class Crew:
         return not past and not self.ends.get((task, product), now + 1) <= now
 
     def _passed(self, task: str, product: int, now: Decimal) -> None:
-        self.ends[task, product] = now
+        self.starts[task, product] = self.ends[task, product] = now
         for name in self.who[task]:
             self.queues[name].pop(0)
 
     def _begun(self, task: str, product: int, now: Decimal, end: Decimal) -> Assignment:
-        self.ends[task, product] = end
+        self.starts[task, product], self.ends[task, product] = now, end
         for name in self.who[task]:
             self.queues[name].pop(0)
             self.free[name] = end
@@ -222,13 +246,18 @@ class Crew:
 
 
 def judged(cell: Cell, shift: list[Assignment]) -> list[str]:
-    """What the checker finds, where every task took as long as it did."""
+    """What the checker finds, where every task took as long as it did. How long a wait may last at
+    most is left out: those who are late cannot keep to it.
+    """
     document = copied(cell.replace(stress_of_set=None), PRODUCTS).to_dict()
     for operator in document["operators"].values():
         operator.pop("stress_limit", None)
         operator.pop("breaks", None)
     for a in shift:
         task = document["tasks"][a.task]
+        task["tool"] = dict(cell.tools_for(a.task.rpartition(" #")[0], a.operators))
+        for wait in task.get("wait", ()):
+            wait.pop("at_most", None)
         task.pop("together", None)
         task.pop("stress", None)
         span = float(exact(a.end) - exact(a.start))

@@ -408,7 +408,7 @@ def waiting(wait: Wait, first: Assignment, who: str, task: str, t: Words) -> Con
         who=who,
         task=task,
         span=t(f"steps.span.{kind_of(wait)}", **_ends(wait, t)),
-        until=t("steps.until", **_ends(wait, t)) if both else "",
+        until=t("steps.wait.until", **_ends(wait, t)) if both else "",
     )
     return Condition(kind, says, float(moment))
 
