@@ -52,6 +52,8 @@ def cell_reference() -> str:
         "Wait": "A wait",
         "Tool": "A tool",
         "Zone": "A zone",
+        "Cost": "What a piece costs",
+        "Variant": "A variant",
     }
     missing = [
         name for name, part in parts.items() if name not in titles and part.get("properties")
@@ -92,7 +94,8 @@ def _kind(field: Mapping[str, Any]) -> str:
     if field.get("type") == ["string", "number"]:  # a name; a number is taken as its digits
         return "text"
     if field.get("type") == "object":
-        return f"{{name: {_kind(field['additionalProperties'])}}}"
+        held = field["additionalProperties"]
+        return "{key: value}" if held is True else f"{{name: {_kind(held)}}}"
     if field.get("type") == "array":
         if "prefixItems" in field:
             return f"[{', '.join(_kind(item) for item in field['prefixItems'])}]"

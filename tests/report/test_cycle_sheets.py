@@ -24,6 +24,7 @@ from tandem.report.instructions import waits_of
 from tandem.report.language import words
 from tandem.schedule import checker
 from tandem.schedule.cycle import PeriodicSchedule, copied, copy_of
+from tandem.schedule.cycle_checker import faults
 from tandem.schedule.measures import exact, made_ready
 from tandem.schedule.model import Assignment, Schedule
 from tandem.schedule.steady import rounds
@@ -121,6 +122,66 @@ def test_a_place_that_another_product_has_before_is_waited_for() -> None:
         "cobot done with place, product after (out of zone bench)",
     ]
     assert check.then == ("cobot with place, 2 products after (zone bench)",)
+
+
+SHOP = {
+    "operators": {
+        "anna": {"kind": "human", "place": "bench"},
+        "ben": {"kind": "human"},
+        "press": {"kind": "machine", "holds": [["load", "unload"]]},
+    },
+    "tools": {"hook": {}},
+    "walk": {"anna": {"bench-press": 3}},
+    "tasks": {
+        "load": {"time": {"ben": 2}, "place": "press"},
+        "run": {"time": {"press": 4}, "after": ["load"]},
+        "unload": {
+            "time": {"anna": 2},
+            "place": "press",
+            "tool": {"anna": "hook"},
+            "after": ["run"],
+        },
+        "pack": {
+            "time": {"anna": 2},
+            "place": "bench",
+            "wait": {"after": "unload", "at_least": 3, "at_most": 9},
+        },
+    },
+}
+
+
+def test_a_sheet_says_where_to_walk_how_long_to_wait_and_that_a_machine_must_be_free() -> None:
+    times = {
+        "load": (0, 2, "ben"),
+        "run": (2, 6, "press"),
+        "unload": (6, 8, "anna"),
+        "pack": (11, 13, "anna"),
+    }
+    rows = (Assignment(a, b, task, (who,)) for task, (a, b, who) in times.items())
+    pattern = PeriodicSchedule(Schedule(tuple(rows)), 10)
+    cell = cell_of(SHOP)
+    assert faults(cell, pattern) == []
+    sheets = cycle_steps(replace(bench_front()[0], cell=cell, periodic=pattern), words("en"))
+    assert list(sheets) == ["anna", "ben"]
+    assert [(step.at, step.until, step.what) for step in sheets["anna"]] == [
+        (1, "3", "pack"),
+        (3, "6", "go from bench to press: 3 s"),
+        (6, "8", "unload"),
+        (8, "1 (next)", "go from press to bench: 3 s"),
+    ]
+    pack, _, unload, _ = sheets["anna"]
+    assert [one.says for one in pack.begin] == [
+        "previous step done",
+        "3 s after anna ended unload, same product, at the latest 9 s",
+    ]
+    assert unload.means == ("place press", "tool hook (only one)")
+    assert unload.then == (
+        "anna with pack, same product (3 s to 9 s later)",
+        "ben with load, product after (machine press)",
+    )
+    (load,) = sheets["ben"]
+    assert "anna done with unload, product before (press free)" in [one.says for one in load.begin]
+    assert "press then holds the part until unload" in load.means
 
 
 # --- that it is enough ----------------------------------------------------------------------------
