@@ -6,7 +6,7 @@ from pathlib import Path
 from random import Random
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from tests.fuzz import cycles
 from tests.fuzz.cycles import drawn, wrong_on_the_floor
@@ -126,9 +126,14 @@ def test_a_limited_zone_and_a_changeover_make_the_cycle_longer():
 
 def _front(data: dict, **asked: int) -> CycleFront | None:
     try:
-        return plan_cycle(cell_of(data), workers=1, **asked)
+        front = plan_cycle(cell_of(data), workers=1, time_limit=5, **asked)
     except InfeasibleError:
         return None
+    except NothingFoundError:
+        front = None
+    # times in millionths may take a search that moves its bound tick by tick too long
+    assume(front is not None and front.complete)
+    return front
 
 
 def _drawn(seed: int) -> dict | None:
@@ -154,10 +159,15 @@ def test_leaving_out_a_rule_never_lengthens_the_cycle(seed: int):
     if (data := _drawn(seed)) is None:
         return
     front, random = _front(data, max_in_process=2), Random(seed)
-    key = random.choice(("after", "zone", "tool", "stress_limit", "same_operator"))
-    for table in ("tasks", "operators"):
-        for entry in data[table].values():
-            entry.pop(key if table == "tasks" or key == "stress_limit" else "", None)
+    key = random.choice(
+        ("after", "wait", "zone", "tool", "walk", "stress_limit", "holds", "same_operator")
+    )
+    for entry in data["tasks"].values():
+        entry.pop(key, None)
+    for operator in data["operators"].values():
+        operator.pop(key if key in ("stress_limit", "holds") else "", None)
+        if key in ("after", "wait"):
+            operator.pop("holds", None)  # which names tasks that lie behind each other
     data.pop(key, None)
     _covers(_front(data, max_in_process=2), front)
 

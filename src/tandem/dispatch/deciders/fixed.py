@@ -22,6 +22,7 @@ from tandem.dispatch.situation.transitions import beginning
 from tandem.errors import UnsoundScheduleError
 from tandem.plan.methods import plan
 from tandem.schedule.checker import faults
+from tandem.schedule.measures import exact, made_ready
 
 PLANNING_S = 20.0
 """The plan is made once, before the shift, and takes until it is proven; so many seconds at the
@@ -103,8 +104,8 @@ class Fixed:
         return tuple(sorted(numbered(moves, situation, begins)))
 
     def held_back(self, situation: Situation) -> dict[str, float]:
-        """Open task that another one must follow within a time -> its planned start, s, while that
-        is to come.
+        """Open task that another one must follow within a time -> when its operators begin it in
+        the plan, getting ready included, s, while that is to come.
         """
         followed = {
             wait.after
@@ -113,10 +114,22 @@ class Fixed:
             if wait.at_most is not None
         }
         return {
-            a.task: a.start
-            for a in (self.chosen.schedule if followed else ())
-            if a.task in followed and a.task in situation.open and a.start > situation.now
+            task: begin
+            for task, begin in (self._begins(situation.cell) if followed else {}).items()
+            if task in followed and task in situation.open and begin > situation.now
         }
+
+    def _begins(self, cell: Cell) -> dict[str, float]:
+        """Task -> when the first of its operators begins to walk or to take up a tool for it, or it
+        starts, s.
+        """
+        begins = {a.task: a.start for a in self.chosen.schedule}
+        for name in cell.operators:
+            rows = self.chosen.schedule.of(name)
+            for a, ready in zip(rows, made_ready(cell, name, rows), strict=True):
+                begin = float(exact(a.start) - exact(ready.seconds))
+                begins[a.task] = min(begins[a.task], begin)
+        return begins
 
     def unquestioned(
         self, by: str, moves: Moves, situation: Situation, due: tuple[int, ...], began: float
