@@ -180,6 +180,11 @@ HEADS = [
         ],
     ),
     (
+        "operators: {h: {kind: human}, p: {kind: machin, holds: [[1, 2]]}}\n"
+        "tasks: {1: {time: {h: 1}}, 2: {time: {h: 1}, after: [1]}}",
+        ["1:35: operator 'p': kind is 'machin', but must be human, robot or machine. Did you"],
+    ),
+    (
         "operators: [h]\ntasks: {1: {time: {h: 1}}}",
         ["1:1: operators is a list, but a mapping is needed"],
     ),

@@ -64,6 +64,8 @@ def repaired(data: Mapping[str, Any], flaws: list[Flaw]) -> Repaired | None:
         roomless |= path in (("zones",), ("tools",)) or (
             flaw.kind == "extra_forbidden" and len(path) == 1
         )
+        if path[2:] == ("kind",) and "holds" in copy["operators"][path[1]]:
+            value = "machine"  # nobody else could hold a part
         _put(copy, path, value)
     moved: dict[Path, list[int]] = {}
     _sweep(copy, (), moved)

@@ -15,7 +15,6 @@ import warnings
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from decimal import ROUND_FLOOR
 from time import monotonic
 from typing import NamedTuple
 
@@ -29,13 +28,12 @@ from tandem.plan.cycle.door import Admitted, CycleDoor
 from tandem.plan.cycle.effort import Answer, Effort
 from tandem.plan.cycle.model import Cycle, allocation, formulate
 from tandem.plan.cycle.pattern import Pattern, launched, lifted, makespan, stacked
-from tandem.plan.cycle.question import FRONT, CycleQuestion
+from tandem.plan.cycle.question import FRONT, CycleQuestion, whole
 from tandem.plan.cycle.result import CycleBound, CycleFront, CycleResult
 from tandem.plan.door import RefusedScheduleWarning
 from tandem.plan.instance import Instance
 from tandem.plan.portfolio import MANY_TICKS, Meter
 from tandem.plan.result import Status
-from tandem.schedule.measures import exact
 
 SETTLING = (0.01, 0.1)
 """CP-SAT's deterministic seconds for the choice among the patterns of a point; more are spent only
@@ -130,12 +128,12 @@ class _Search:
         effort.until = None if time_limit is None else self.began + time_limit
         self.instance = instance = Instance.of(cell)
         self.door = CycleDoor(cell, instance, question)
-        self.takt = _whole(question.takt, instance.per_second)
+        self.takt = whole(question.takt, instance.per_second)
         # no cycle is looked for that is longer
         self.longest = min(instance.horizon, instance.horizon if self.takt is None else self.takt)
         # None while nothing limits the products in process
         self.laps = question.max_in_process
-        self.max_stress = _whole(question.max_stress, instance.per_stress)
+        self.max_stress = whole(question.max_stress, instance.per_stress)
         self.points: list[Point] = []
         self.closed = False
 
@@ -476,10 +474,3 @@ def _undominated(points: list[Point]) -> list[Point]:
         if not kept or point.found.stress < kept[-1].found.stress:
             kept.append(point)
     return kept
-
-
-def _whole(limit: float | None, scale: int) -> int | None:
-    """The limit in whole numbers, cut down."""
-    if limit is None:
-        return None
-    return int((exact(limit) * scale).to_integral_value(ROUND_FLOOR))

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from decimal import ROUND_FLOOR
 from functools import cached_property
 from itertools import combinations, pairwise, product
 from time import monotonic
@@ -28,11 +27,10 @@ from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError, UsageError
 from tandem.plan.cycle.door import Admitted, CycleDoor
 from tandem.plan.cycle.pattern import Pattern, launched, lifted, most_laps, stacked
-from tandem.plan.cycle.question import FRONT, CycleQuestion
+from tandem.plan.cycle.question import FRONT, CycleQuestion, whole
 from tandem.plan.cycle.result import CycleBound, CycleFront, CycleResult
 from tandem.plan.instance import Instance
 from tandem.plan.result import Status
-from tandem.schedule.measures import exact
 
 SOLVER = "difference constraints"
 """What proves."""
@@ -484,8 +482,8 @@ class _Enumeration:
         self.question = question
         self.door = CycleDoor(cell, instance, question)
         until = None if time_limit is None else monotonic() + time_limit
-        top = _whole(question.max_stress, instance.per_stress)
-        takt = _whole(question.takt, instance.per_second)
+        top = whole(question.max_stress, instance.per_stress)
+        takt = whole(question.takt, instance.per_second)
         self.longest = instance.horizon if takt is None else min(takt, instance.horizon)
         self.allocations = sorted(
             (
@@ -587,7 +585,3 @@ def _allowed(instance: Instance) -> Iterator[tuple[tuple[int, ...], int]]:
 
 def _asked(question: CycleQuestion) -> str:
     return " and ".join([*question.limits, "the cell's own limits"])
-
-
-def _whole(limit: float | None, scale: int) -> int | None:
-    return None if limit is None else int((exact(limit) * scale).to_integral_value(ROUND_FLOOR))

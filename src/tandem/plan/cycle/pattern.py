@@ -75,17 +75,3 @@ def most_laps(instance: Instance, group: Sequence[int]) -> int:
 def makespan(instance: Instance, pattern: Pattern) -> int:
     """How long one product is in the station, ticks."""
     return max(start + instance.ways[task][way].ticks for task, (way, start) in enumerate(pattern))
-
-
-def stress(instance: Instance, pattern: Pattern) -> int:
-    """Units of stress of one product."""
-    table = instance.stress_of_set
-    if table is None:
-        return sum(instance.ways[task][way].stress for task, (way, _) in enumerate(pattern))
-    return table[
-        frozenset(
-            task
-            for task, (way, _) in enumerate(pattern)
-            if any(instance.human[o] for o in instance.ways[task][way].operators)
-        )
-    ]

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from decimal import ROUND_FLOOR
 from typing import Any, Literal
 
 from tandem.cell.model import plain
 from tandem.cell.written import number
 from tandem.errors import UsageError
+from tandem.schedule.measures import exact
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,13 @@ class CycleQuestion:
             if (value := getattr(self, name)) is not None:
                 asked[name] = plain(value)
         return asked
+
+
+def whole(limit: float | None, scale: int) -> int | None:
+    """A limit in ticks or units of stress, cut down; None for none."""
+    if limit is None:
+        return None
+    return int((exact(limit) * scale).to_integral_value(ROUND_FLOOR))
 
 
 FRONT = CycleQuestion()
