@@ -19,7 +19,7 @@ from tandem.draw.fitted import FittedText
 from tandem.draw.front import plot_front
 from tandem.draw.lanes import products_shown, steady_lanes
 from tandem.draw.style import HUMAN_COLOURS, INK, ROBOT_COLOURS, SHADES, contrast, tint
-from tandem.draw.yamazumi import plot_yamazumi, stacks
+from tandem.draw.yamazumi import plot_yamazumi, stacks, words_at
 from tandem.errors import UsageError
 from tandem.plan.cycle.result import CycleFront
 
@@ -192,3 +192,10 @@ def test_no_two_texts_of_the_overview_lie_upon_each_other(
 def test_a_language_that_nobody_speaks_is_refused() -> None:
     with pytest.raises(UsageError, match="'fr'"):
         plot_cycle(bench(), bench_pattern(), language="fr")
+
+
+def test_the_words_of_a_cycle_time_are_not_struck_through_by_the_takt() -> None:
+    assert words_at(59, 60) == 60
+    assert words_at(54, 60) == 54
+    assert words_at(60, 60) == 60
+    assert words_at(54, None) == 54

@@ -123,9 +123,14 @@ def plot_yamazumi(
     for place, stack in enumerate(piled):
         for block in stack.blocks:
             _block(ax, place, stack.look, block, t)
-    _limit(ax, periodic.cycle_time, t("cycle.time", cycle_time=t.seconds(periodic.cycle_time)))
+    _limit(
+        ax,
+        periodic.cycle_time,
+        t("cycle.time", cycle_time=t.seconds(periodic.cycle_time)),
+        at=words_at(periodic.cycle_time, takt),
+    )
     if takt is not None:
-        _limit(ax, takt, t("cycle.takt", takt=t.seconds(takt)), takt=True)
+        _limit(ax, takt, t("cycle.takt", takt=t.seconds(takt)), at=takt, takt=True)
     ax.set_xticks(
         range(len(piled)),
         [_foot(stack, t) for stack in piled],
@@ -192,15 +197,22 @@ def _block(ax: Axes, place: int, look: Look, block: Block, t: Words) -> None:
     text.set_clip_path(patch)
 
 
-def _limit(ax: Axes, seconds: float, says: str, *, takt: bool = False) -> None:
-    """A line across all stacks; the words of the cycle time stand on the left, those of the takt on
-    the right, so that they never meet.
+def words_at(cycle_time: float, takt: float | None) -> float:
+    """The line, s, above which the cycle time is named: the takt's where that would run through the
+    words.
+    """
+    return takt if takt is not None and 0.92 * takt < cycle_time < takt else cycle_time
+
+
+def _limit(ax: Axes, seconds: float, says: str, *, at: float, takt: bool = False) -> None:
+    """A line across all stacks, and above the line `at` what it is; the words of the cycle time
+    stand on the left, those of the takt on the right, so that they never meet.
     """
     style: dict[str, Any] = {"color": ACCENT, "ls": (0, (5, 2))} if takt else {"color": INK}
     ax.axhline(seconds, lw=1.6, zorder=6, gid="takt" if takt else "cycle time", **style)
     ax.annotate(
         says,
-        (1.0 if takt else 0.0, seconds),
+        (1.0 if takt else 0.0, at),
         (-2 if takt else 2, 3),
         xycoords=("axes fraction", "data"),
         textcoords="offset points",

@@ -35,6 +35,10 @@ from tandem.plan.instance import Instance
 from tandem.plan.portfolio import MANY_TICKS, Meter
 from tandem.plan.result import Status
 
+MANY = 24
+"""With more tasks, the first pattern of a search may take long."""
+FIRST = 0.5
+"""CP-SAT's deterministic seconds for a pattern to begin with."""
 SETTLING = (0.01, 0.1)
 """CP-SAT's deterministic seconds for the choice among the patterns of a point; more are spent only
 when none was found.
@@ -144,12 +148,18 @@ class _Search:
         if self.instance.tied and not self._one_product_can_be_made():
             self.closed = True
             return
+        if len(self.instance.tasks) > MANY and not self.only_load_binds:
+            # so that whoever stops the search has something in hand
+            first = self._one_after_the_other(self.max_stress, work=FIRST)
+            if first is not None:
+                self._point(first, 1, 0)
         if self.question.takt is not None:
             self._within_takt()
         elif self.question.minimize == "stress":
             self._least_stress_first()
         else:
             self._walk()
+        self.points = _undominated(self.points)
         self._settle()
 
     def _one_product_can_be_made(self) -> bool:
@@ -166,14 +176,14 @@ class _Search:
         alone = replace(self.instance, breaks=none, in_hand=nobody, stands=nobody)
         return cpsat.formulate(alone, alone.horizon)
 
-    def _one_after_the_other(self, cap: int | None) -> _Starts | None:
-        """A pattern in which the station is empty between two products, where no better one was
-        found: after the last task everybody has the time to get ready for the first.
+    def _one_after_the_other(self, cap: int | None, work: float | None = None) -> _Starts | None:
+        """A pattern in which the station is empty between two products, as long as no better one is
+        known: after the last task everybody has the time to get ready for the first.
         """
         plan = self._one_product()
         if cap is not None:
             plan.model.add(plan.stress <= cap)
-        answer = self.effort.solve(plan.model, plan.makespan, share=0.5)
+        answer = self.effort.solve(plan.model, plan.makespan, share=0.5, work=work)
         if answer.solver is None:
             return None
         pattern = launched(plan.read(answer.solver.value))

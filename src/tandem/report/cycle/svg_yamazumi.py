@@ -7,7 +7,7 @@ from __future__ import annotations
 from tandem.cell.model import Cell
 from tandem.draw.lanes import SHADINGS
 from tandem.draw.style import looks
-from tandem.draw.yamazumi import Block, Stack, names_in, stacks
+from tandem.draw.yamazumi import Block, Stack, names_in, stacks, words_at
 from tandem.report.language import Words
 from tandem.report.markup import Markup, figure, fitting, hatch_id, tag, text, ticks, width_of
 from tandem.schedule.cycle import PeriodicSchedule
@@ -53,9 +53,10 @@ def yamazumi(
         )
     )
     told = t("cycle.time", cycle_time=t.seconds(periodic.cycle_time))
-    pieces += _limit(y(periodic.cycle_time), told, width, "end")
+    above = y(words_at(periodic.cycle_time, takt))
+    pieces += _limit(y(periodic.cycle_time), above, told, width, "end")
     if takt is not None:
-        pieces += _limit(y(takt), t("cycle.takt", takt=t.seconds(takt)), width, "takt")
+        pieces += _limit(y(takt), y(takt), t("cycle.takt", takt=t.seconds(takt)), width, "takt")
     height = TOP + HIGH + BOTTOM
     drawing = tag(
         "svg",
@@ -130,16 +131,16 @@ def _foot(stack: Stack, middle: float, t: Words) -> list[Markup]:
     return lines
 
 
-def _limit(y: float, says: str, width: float, kind: str) -> list[Markup]:
-    """A line across all stacks; the words of the takt stand on the right, so that they never meet
-    those of the cycle time.
+def _limit(y: float, above: float, says: str, width: float, kind: str) -> list[Markup]:
+    """A line across all stacks, and what it is, above that height; the words of the takt stand on
+    the right, so that they never meet those of the cycle time.
     """
     takt = kind == "takt"
     return [
         tag("line", x1=LEFT, x2=width, y1=y, y2=y, class_=kind),
         text(
             width - 4 if takt else LEFT + 6,
-            y - 6,
+            above - 6,
             says,
             text_anchor="end" if takt else "start",
             class_="strong takt-words" if takt else "strong",
