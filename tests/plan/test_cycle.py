@@ -286,3 +286,27 @@ def test_stations_from_practice_keep_a_takt_below_their_makespan(
     assert (point.cycle_time, point.stress, point.in_process) == kept
     assert front.complete
     assert wrong_on_the_floor(cell, point, front.question) == ""
+
+
+def test_a_pattern_to_begin_with_does_not_stand_beside_the_answer():
+    """Larger cells begin with one product after the other; what answers the question takes its
+    place, and where nothing else is found it is all there is.
+    """
+    data = layered(26, 2, 2, seed=2).to_dict()
+    for name in list(data["tasks"])[::3]:
+        data["tasks"][name]["zone"] = "bench"
+    cell = cell_of(data)
+    quickest = plan_cycle(cell, minimize="cycle_time", time_limit=60)
+    assert (len(quickest), quickest.complete) == (1, True)
+    within = plan_cycle(cell, takt=quickest[0].cycle_time + 20, time_limit=60)
+    assert (len(within), within.complete) == (1, True)
+    asked = []
+
+    def stop(points: int) -> None:
+        asked.append(points)
+        raise KeyboardInterrupt
+
+    stopped = plan_cycle(cell, on_point=stop)
+    assert (len(stopped), stopped.interrupted, stopped.complete) == (1, True, False)
+    assert asked == [1]
+    assert stopped[0].in_process == 1

@@ -98,7 +98,7 @@ def solve(
     try:
         search.run()
     except KeyboardInterrupt:
-        if not search.points:
+        if not search.points and search.first is None:
             raise
         interrupted = True
     return search.front(interrupted)
@@ -139,6 +139,8 @@ class _Search:
         self.laps = question.max_in_process
         self.max_stress = whole(question.max_stress, instance.per_stress)
         self.points: list[Point] = []
+        # a pattern to begin with, which counts as long as nothing answers the question better
+        self.first: Point | None = None
         self.closed = False
 
     # ------------------------------------------------------------ the search
@@ -152,14 +154,14 @@ class _Search:
             # so that whoever stops the search has something in hand
             first = self._one_after_the_other(self.max_stress, work=FIRST)
             if first is not None:
-                self._point(first, 1, 0)
+                self.first = self._point(first, 1, 0)
+                self.points.clear()
         if self.question.takt is not None:
             self._within_takt()
         elif self.question.minimize == "stress":
             self._least_stress_first()
         else:
             self._walk()
-        self.points = _undominated(self.points)
         self._settle()
 
     def _one_product_can_be_made(self) -> bool:
@@ -439,7 +441,8 @@ class _Search:
         """What was found. Raises as `solve` says."""
         wall = monotonic() - self.began
         kept = " and ".join([*self.question.limits, "the cell's own limits"])
-        if not self.points:
+        points = self._answers()
+        if not points:
             if self.door.refused:
                 raise NothingFoundError(self.door.apology())
             if self.closed:
@@ -451,7 +454,7 @@ class _Search:
         if self.door.refused:
             warnings.warn(self.door.apology(), RefusedScheduleWarning, stacklevel=3)
         believed = not self.door.refused
-        results = tuple(self._result(point, believed) for point in _undominated(self.points))
+        results = tuple(self._result(point, believed) for point in _undominated(points))
         return CycleFront(
             self.cell,
             results,
@@ -464,6 +467,14 @@ class _Search:
             self.question,
             out_of_time=self.effort.left() <= 0,
         )
+
+    def _answers(self) -> list[Point]:
+        """The points that were found; with the first pattern where nothing else was, or where a
+        front is not known to its end.
+        """
+        if self.first is None or (self.points and (self.closed or not self.question.is_front)):
+            return self.points
+        return [*self.points, self.first]
 
     def _result(self, point: Point, believed: bool) -> CycleResult:
         found, instance = point.found, self.instance
