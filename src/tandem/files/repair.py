@@ -64,7 +64,7 @@ def repaired(data: Mapping[str, Any], flaws: list[Flaw]) -> Repaired | None:
         roomless |= path in (("zones",), ("tools",)) or (
             flaw.kind == "extra_forbidden" and len(path) == 1
         )
-        if path[2:] == ("kind",) and "holds" in copy["operators"][path[1]]:
+        if path[2:] == ("kind",) and _holds(copy["operators"][path[1]]):
             value = "machine"  # nobody else could hold a part
         _put(copy, path, value)
     moved: dict[Path, list[int]] = {}
@@ -121,6 +121,10 @@ def _in_a_table(path: Path) -> tuple[Path, Any]:
         case ("stress_of_set", _):
             return path, 0
     return (path[0],), _GONE
+
+
+def _holds(operator: Any) -> bool:
+    return isinstance(operator, dict) and "holds" in operator
 
 
 def _may_be_a_way(flaw: Flaw) -> bool:

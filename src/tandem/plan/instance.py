@@ -650,11 +650,12 @@ class Instance:
         """
         found = []
         for hold, (operator, _, last) in enumerate(self.holds):
-            before = self._ancestors(last) & self.barred[hold] if last >= 0 else 0
+            before = self._ancestors(last) if last >= 0 else 0
             ahead = bits(
                 task
                 for task, ways in enumerate(self.ways)
-                if before >> task & 1 and all(way.who >> operator & 1 for way in ways)
+                if (before & self.barred[hold]) >> task & 1
+                and all(way.who >> operator & 1 for way in ways)
             )
             for other, (_, first, its_last) in enumerate(self.holds):
                 if self.rivals[hold] >> other & 1 and first >= 0 and before >> first & 1:
