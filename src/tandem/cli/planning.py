@@ -14,7 +14,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tandem.cli.cycle import Outputs, Repeated, answer, cycle_options
-from tandem.cli.options import FORMAT, LANGUAGE, OUTPUTS, Weights
+from tandem.cli.options import (
+    FORMAT,
+    LANGUAGE,
+    OUTPUTS,
+    WORK,
+    Weights,
+    check_work,
+    is_given,
+)
 from tandem.cli.outputs import (
     kept_when_interrupted,
     show,
@@ -65,15 +73,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Seconds; what is found by then is given with its bounds.",
 )
-@click.option(
-    "--work",
-    type=float,
-    help=(
-        "A limit on the work of the search instead of its time, in CP-SAT's deterministic seconds"
-        " (on one core each takes a few seconds). No clock is asked, so the run repeats exactly"
-        " for a seed, proven or not."
-    ),
-)
+@WORK
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
 @click.option(
     "--workers",
@@ -198,14 +198,13 @@ def plan_command(
     from tandem.report.language import words
     from tandem.report.progress import SolveProgress
 
-    if work is not None and _is_given("time_limit"):
-        raise UsageError("--work and --time-limit exclude each other: give one of them.")
+    check_work(work)
     if minimize and weights:
         raise UsageError("--minimize and --weights exclude each other: give one of them.")
     files = [*outputs, *([report] if report else [])]
     repeated = Repeated(cycle, takt, max_in_process, batch, mix, one_allocation)
     if repeated:
-        repeated.check(minimize, _is_given)
+        repeated.check(minimize, is_given)
     elif minimize == "cycle_time":
         raise UsageError("--minimize cycle_time goes with --cycle.")
     else:
@@ -253,12 +252,6 @@ def plan_command(
     if front.interrupted:
         click.echo(words(lang)("terminal.stopped"), err=True)
     return 130 if front.interrupted else 0
-
-
-def _is_given(option: str) -> bool:
-    """Whether the option was typed, and is not there by its default alone."""
-    source = click.get_current_context().get_parameter_source(option)
-    return source == click.core.ParameterSource.COMMANDLINE
 
 
 def _existing(front: Front, point: int, files: Sequence[Path], lang: str) -> int:

@@ -21,7 +21,9 @@ from tandem.cli.options import (
     FORMAT,
     LANGUAGE,
     OUTPUTS,
+    WORK,
     check_time,
+    check_work,
     point_options,
 )
 from tandem.cli.outputs import kept_when_interrupted, source_of, tell_written, write_outputs
@@ -90,8 +92,11 @@ if TYPE_CHECKING:
     show_default=True,
     help="Seconds for everything; what is found by then is given with its bounds.",
 )
+@WORK
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
-@click.option("--workers", type=int, help="Threads; one per core when absent.")
+@click.option(
+    "--workers", type=int, help="Threads; one per core when absent. With --work there is one."
+)
 @AS_JSON
 @OUTPUTS
 @variant_options
@@ -111,6 +116,7 @@ def replan_command(
     tolerance: float,
     front: bool,
     time_limit: float,
+    work: float | None,
     seed: int,
     workers: int | None,
     as_json: bool,
@@ -146,6 +152,7 @@ def replan_command(
     from tandem.report.progress import SolveProgress
     from tandem.report.stored import point_of
 
+    check_work(work)
     check_time(time_limit, workers)
     files = list(outputs)
     ready_to_write(files)
@@ -170,6 +177,7 @@ def replan_command(
             tolerance=tolerance,
             front=front,
             time_limit=time_limit,
+            work=work,
             seed=seed,
             workers=workers,
             on_solution=progress,
