@@ -22,7 +22,7 @@ Share = Annotated[float, Field(ge=0, le=1)]
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 Batch = Annotated[int, Field(ge=1, le=2**16)]
-"""What is played side by side, or learned from at once."""
+"""So many games, draws or decisions at once."""
 Units = Annotated[int, Field(ge=1, le=4096)]
 """Of a layer of a network."""
 
