@@ -118,6 +118,23 @@ def test_people_read_what_changes_and_that_the_plan_was_made_for_another_cell(fo
     assert "plan.json: made for another state of the cell; it is carried over." in done.stderr
 
 
+def test_people_read_it_in_their_language(folder: Path) -> None:
+    asked = ("slower.yaml", "--from", "plan.json", "--point", 2, "--tolerance", 1, "-q")
+    said = tandem("replan", *asked, "--keep", 5, "--allow", 50, "--lang", "de", cwd=folder)
+    assert said.returncode == 0
+    assert "Alter Plan" in said.stdout
+    assert "Belastung von höchstens 3. Erlaubt, 50 % darüber, ist ein Plan mit" in said.stdout
+    assert "Nicht bewegt: festgehalten 5" in said.stdout
+    assert "Vorgang 4: " in said.stdout
+    assert " verschoben, der Rest (" in said.stdout
+    assert "für einen anderen Stand der Zelle gemacht" in said.stderr
+    front = tandem("replan", *asked, "--front", "--lang", "de", cwd=folder)
+    assert "geändert" in front.stdout
+    assert "vollständig und bewiesen" in front.stdout
+    for english in ("changed", "stress", "makespan", "proven", "kept", "start"):
+        assert english not in said.stdout + front.stdout
+
+
 def test_new_tasks_and_gone_ones_are_said(folder: Path) -> None:
     text = THESIS.read_text().replace(
         "5: {time: {robot: 4, human: 2}, stress: 4, after: [3]}",
