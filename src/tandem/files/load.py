@@ -19,6 +19,7 @@ from tandem.cell.model import Cell
 from tandem.cell.names import Known
 from tandem.errors import CellError, Fault, NotReadWarning, UsageError
 from tandem.files.atomic import store
+from tandem.files.formats import hrcalbp
 from tandem.files.formats.table import FORMATS, detected
 from tandem.files.validate import cell_of
 from tandem.files.yaml_writer import escaped, to_yaml
@@ -58,7 +59,7 @@ def load(path: str | os.PathLike[str] | Mapping[str, Any], format: str | None = 
         )
     source = os.fspath(path)
     data = _bytes(Path(path), source)
-    if format is None and Path(path).suffix.lower().startswith(SHEETS):
+    if format is None and _is_sheet(Path(path), data):
         remedy = (
             f"Import it first, which shows how each column is read: `tandem import {source} -o"
             " cell.yaml`."
@@ -148,6 +149,13 @@ def _bytes(path: Path, source: str) -> bytes:
                 )
             ]
         ) from error
+
+
+def _is_sheet(path: Path, data: bytes) -> bool:
+    """Whether a file's name is that of a spreadsheet, and what is in it no public format."""
+    if not path.suffix.lower().startswith(SHEETS):
+        return False
+    return not hrcalbp.looks_like(data[:100_000].decode("latin-1"))
 
 
 def _not_there(path: Path) -> str:

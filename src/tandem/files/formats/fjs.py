@@ -53,6 +53,36 @@ def read(text: str, source: str) -> Translated:
       CellError: the file is not of this form; with the line where it ceases to be.
     """
     lines = rows(text)
+    machines, shop = jobs_of(lines, source)
+    first = counted_from(
+        source, lines[0].line, machines, [(row.line, ways) for row, job in shop for ways in job]
+    )
+    tasks: dict[str, Any] = {}
+    places: dict[Path, int] = {}
+    for number, (row, job) in enumerate(shop, 1):
+        for step, ways in enumerate(job, 1):
+            key = f"{number}.{step}"
+            tasks[key] = {
+                "time": {robot(machine): time for machine, time in ways},
+                "part": str(number),
+                "after": [f"{number}.{step - 1}"] if step > 1 else [],
+            }
+            places["tasks", key] = row.line
+    return Translated(
+        source,
+        {"name": title(source), "operators": robots(first, machines), "tasks": tasks},
+        places,
+    )
+
+
+def jobs_of(
+    lines: list[Row], source: str
+) -> tuple[int, list[tuple[Row, list[list[tuple[int, float]]]]]]:
+    """The number of machines, and each job's line with the machines and times of its operations.
+
+    Raises:
+      CellError: the file is not of this form; with the line where it ceases to be.
+    """
     if not lines:
         raise broken(
             source, 1, "the first line states the numbers of jobs and machines; this file is empty."
@@ -77,25 +107,7 @@ def read(text: str, source: str) -> Translated:
             " line for each job.",
         )
     shop = [(row, list(_operations(source, row))) for row in lines[1:]]
-    first = counted_from(
-        source, head.line, machines, [(row.line, ways) for row, job in shop for ways in job]
-    )
-    tasks: dict[str, Any] = {}
-    places: dict[Path, int] = {}
-    for number, (row, job) in enumerate(shop, 1):
-        for step, ways in enumerate(job, 1):
-            key = f"{number}.{step}"
-            tasks[key] = {
-                "time": {robot(machine): time for machine, time in ways},
-                "part": str(number),
-                "after": [f"{number}.{step - 1}"] if step > 1 else [],
-            }
-            places["tasks", key] = row.line
-    return Translated(
-        source,
-        {"name": title(source), "operators": robots(first, machines), "tasks": tasks},
-        places,
-    )
+    return machines, shop
 
 
 def _operations(source: str, row: Row) -> Iterator[list[tuple[int, float]]]:

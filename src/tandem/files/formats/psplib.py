@@ -119,7 +119,7 @@ def _sections(text: str, source: str) -> dict[str, list[Row]]:
 
 def _is_decoration(line: str) -> bool:
     """Column titles such as `jobnr. mode duration R 1`, and rulers."""
-    first = line.split()[0]
+    first = line.split(maxsplit=1)[0]
     return first.lower().startswith("jobnr") or set(first) <= {"-"} or first in ("R", "N", "R1")
 
 

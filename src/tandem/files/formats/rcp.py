@@ -74,6 +74,8 @@ def read(text: str, source: str) -> Translated:
     )
 
 
-def _activities(ways: dict[str, Way], after: dict[str, list[str]]) -> Iterator[tuple[str, Activity]]:
+def _activities(
+    ways: dict[str, Way], after: dict[str, list[str]]
+) -> Iterator[tuple[str, Activity]]:
     for name, way in ways.items():
         yield name, Activity(way.line, (way,), tuple(after[name]))

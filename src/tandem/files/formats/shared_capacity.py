@@ -22,6 +22,9 @@ from tandem.errors import CellError, Fault
 from tandem.files.formats.lines import Translated, few_enough, title
 from tandem.files.positions import Path
 
+MOST_HANDS = 2_000
+"""More than other formats may have operators: each belongs to a few activities only."""
+
 
 class Way(NamedTuple):
     """A mode: its line, its duration in whole units of time, and what it needs, resource ->
@@ -74,7 +77,7 @@ def as_cell(project: Project) -> Translated:
     crews = _crews(project, activities)
     hands = _hands(project, activities, crews)
     ways = sum(len(activity.ways) for activity in activities.values())
-    few_enough(project.source, project.stated, len(hands), ways)
+    few_enough(project.source, project.stated, len(hands), ways, MOST_HANDS)
     tasks: dict[str, Any] = {}
     places: dict[Path, int] = {}
     for name, activity in activities.items():

@@ -9,7 +9,19 @@ from typing import Any, Protocol
 
 from tandem.errors import CellError, Fault
 from tandem.files import json_reader, yaml_reader
-from tandem.files.formats import alb, alwabp, case, fjs, fjs_dag, jsp
+from tandem.files.formats import (
+    alb,
+    alwabp,
+    battery,
+    case,
+    fjs,
+    fjs_dag,
+    hrcalbp,
+    jsp,
+    psplib,
+    rcp,
+    taillard,
+)
 from tandem.files.formats.lines import nearly_numbers, rows
 from tandem.files.positions import Path, Place
 
@@ -51,6 +63,9 @@ FORMATS = {
         "cell file, JSON", json_reader.read, lambda text: text.lstrip()[:1] in ("{", "[")
     ),
     "alb": Format("assembly line balancing, .alb and .IN2", alb.read, alb.looks_like, numbers=True),
+    "hrcalbp": Format(
+        "line with human, robot and joint tasks, .csv", hrcalbp.read, hrcalbp.looks_like
+    ),
     "alwabp": Format(
         "assembly line worker assignment", alwabp.read, alwabp.looks_like, numbers=True
     ),
@@ -60,15 +75,44 @@ FORMATS = {
         fjs_dag.looks_like,
         numbers=True,
     ),
+    "psplib": Format(
+        "project under shared capacities, PSPLIB and MMLIB, .sm and .mm",
+        psplib.read,
+        psplib.looks_like,
+        numbers=True,
+    ),
+    "rcp": Format(
+        "project under shared capacities, Patterson", rcp.read, rcp.looks_like, numbers=True
+    ),
+    "taillard": Format(
+        "classic job shop, Taillard's two tables",
+        taillard.read,
+        taillard.looks_like,
+        numbers=True,
+    ),
     "jsp": Format(
         "classic job shop, OR-Library and JSPLIB", jsp.read, jsp.looks_like, numbers=True
     ),
     "fjs": Format("flexible job shop, FJSPLIB", fjs.read, fjs.looks_like, numbers=True),
+    "battery": Format(
+        "sampled battery cells, told by a name such as H2R1_7.txt",
+        battery.read,
+        battery.looks_like,
+        numbers=True,
+    ),
     "yaml": Format("cell file, YAML", yaml_reader.read, lambda text: True),
 }
 """Name -> format, in the order in which they are told. A new one is a file and a line here."""
 
-ENDINGS = {".alb": "alb", ".in2": "alb", ".fjs": "fjs", ".jsp": "jsp"}
+ENDINGS = {
+    ".alb": "alb",
+    ".in2": "alb",
+    ".fjs": "fjs",
+    ".jsp": "jsp",
+    ".mm": "psplib",
+    ".rcp": "rcp",
+    ".sm": "psplib",
+}
 """How the names of files end that nobody gives to anything else."""
 
 
@@ -84,6 +128,10 @@ def detected(text: str, source: str = "text") -> str:
     """
     ending = ENDINGS.get(PurePath(source).suffix.lower())
     found = next(name for name, format in FORMATS.items() if format.looks_like(text))
+    if ending == "rcp":
+        return ending
+    if found == "fjs" and battery.named_so(source):
+        return "battery"
     if found == "jsp" and _reads_as_flexible(text, source):
         if ending not in ("jsp", "fjs"):
             raise CellError([Fault(DOUBTFUL, (), f"{source}:1")])
