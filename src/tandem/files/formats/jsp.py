@@ -11,6 +11,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from tandem.cell.model import Cell
+from tandem.errors import Fault
 from tandem.files.formats.fjs import counted_from, robot, robots
 from tandem.files.formats.lines import (
     Row,
@@ -22,6 +24,17 @@ from tandem.files.formats.lines import (
     title,
     whole,
 )
+from tandem.files.formats.written import (
+    Written,
+    all_times,
+    alone,
+    first_machine,
+    jobs,
+    names_lost,
+    not_said,
+    refuse,
+    whole_numbers,
+)
 from tandem.files.positions import Path
 
 
@@ -32,9 +45,9 @@ def looks_like(text: str) -> bool:
     lines = [row.words for row in _bare(rows(text))]
     if not lines or len(lines[0]) != 2 or not all(_is_whole(word) for word in lines[0]):
         return False
-    jobs, machines = map(int, lines[0])
+    stated, machines = map(int, lines[0])
     if (
-        len(lines) - 1 != jobs
+        len(lines) - 1 != stated
         or machines < 1
         or any(len(words) != 2 * machines for words in lines[1:])
     ):
@@ -59,18 +72,18 @@ def read(text: str, source: str) -> Translated:
             "the first line states the numbers of jobs and of machines, and nothing else.",
         )
     head = lines[0]
-    jobs, machines = (
+    stated, machines = (
         whole(source, head.line, word, what)
         for word, what in zip(
             head.words, ("the number of jobs", "the number of machines"), strict=True
         )
     )
     few_enough(source, head.line, machines, 1)
-    if len(lines) - 1 != jobs:
+    if len(lines) - 1 != stated:
         raise broken(
             source,
             head.line,
-            f"the first line states {jobs} jobs, but {len(lines) - 1} lines follow. There is one"
+            f"the first line states {stated} jobs, but {len(lines) - 1} lines follow. There is one"
             " line for each job.",
         )
     shop = []
@@ -153,3 +166,32 @@ def _one_shop(lines: list[Row], source: str) -> list[Row]:
 
 def _is_whole(word: str) -> bool:
     return word.isascii() and word.isdigit() and len(word) < 10
+
+
+def write(cell: Cell) -> Written:
+    """The cell as a classic job shop: a job for each row of tasks, each task on its one machine.
+
+    Raises:
+      CellError: the cell says more than that, its precedence is no rows, or several operators can
+        do a task; with every reason.
+    """
+    rows_of_tasks, faults = jobs(cell, "jsp")
+    faults += [
+        Fault(
+            f"{len(task.time)} operators can do it, but jsp has one machine for each task. `fjs`"
+            " holds several.",
+            ("tasks", name, "time"),
+        )
+        for name, task in cell.tasks.items()
+        if len(task.time) > 1
+    ]
+    refuse(cell, "jsp", task=("time", "after"), further=faults)
+    unit, first = whole_numbers(all_times(cell)), first_machine(cell)
+    ways = {name: found[0] for name, found in alone(cell, unit).items()}
+    lines = [f"{len(rows_of_tasks)} {len(cell.operators)}"]
+    lines += [
+        " ".join(f"{ways[task][0] + first} {ways[task][1]}" for task in job)
+        for job in rows_of_tasks
+    ]
+    notes = (*not_said(cell, unit), *names_lost(cell, first))
+    return Written("\n".join(lines) + "\n", notes)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any, Protocol
 
+from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault
 from tandem.files import json_reader, yaml_reader
 from tandem.files.formats import (
@@ -17,13 +18,18 @@ from tandem.files.formats import (
     fjs,
     fjs_dag,
     hrcalbp,
+    job_shop_lib,
     jsp,
     psplib,
+    pyjobshop,
     rcp,
     taillard,
 )
 from tandem.files.formats.lines import nearly_numbers, rows
+from tandem.files.formats.written import Written
+from tandem.files.json_writer import to_json
 from tandem.files.positions import Path, Place
+from tandem.files.yaml_writer import to_yaml
 
 
 class Readable(Protocol):
@@ -58,6 +64,9 @@ class Format:
 
 
 FORMATS = {
+    "job-shop-lib": Format(
+        "job shop of job-shop-lib, JSON", job_shop_lib.read, job_shop_lib.looks_like
+    ),
     "case": Format("human-robot case studies and battery cells, JSON", case.read, case.looks_like),
     "json": Format(
         "cell file, JSON", json_reader.read, lambda text: text.lstrip()[:1] in ("{", "[")
@@ -103,6 +112,32 @@ FORMATS = {
     "yaml": Format("cell file, YAML", yaml_reader.read, lambda text: True),
 }
 """Name -> format, in the order in which they are told. A new one is a file and a line here."""
+
+
+@dataclass(frozen=True)
+class Writer:
+    """A form that a cell can be written in.
+
+    Attributes:
+      what: for lists and help texts.
+      write: raises CellError, with every reason, when the form cannot say all that decides which
+        schedules there are.
+    """
+
+    what: str
+    write: Callable[[Cell], Written]
+
+
+WRITERS = {
+    "yaml": Writer("cell file, YAML", lambda cell: Written(to_yaml(cell), ())),
+    "json": Writer("cell file, JSON", lambda cell: Written(to_json(cell), ())),
+    "fjs": Writer("flexible job shop, FJSPLIB", fjs.write),
+    "fjs-dag": Writer("flexible job shop with any acyclic precedence", fjs_dag.write),
+    "jsp": Writer("classic job shop, OR-Library and JSPLIB", jsp.write),
+    "job-shop-lib": Writer("job shop of job-shop-lib, JSON", job_shop_lib.write),
+    "pyjobshop": Writer("problem data of PyJobShop, JSON", pyjobshop.write),
+}
+"""Name -> form to write. A new one is a function and a line here."""
 
 ENDINGS = {
     ".alb": "alb",
