@@ -91,7 +91,7 @@ VERBS: dict[str, tuple[str, str, str]] = {
     "generate": (
         "tandem.cli.cells",
         "generate",
-        "Make a cell: random layers, chessboards, or a desk.",
+        "Make a cell: random layers, chessboards, a benchmark by name.",
     ),
     "board": (
         "tandem.cli.boards",
@@ -101,7 +101,12 @@ VERBS: dict[str, tuple[str, str, str]] = {
     "convert": (
         "tandem.cli.cells",
         "convert_command",
-        "Turn a file of a public format into a cell file.",
+        "Turn a public format into a cell file, or a cell into one.",
+    ),
+    "formats": (
+        "tandem.cli.cells",
+        "formats_command",
+        "List the formats; or which files of a folder are cells.",
     ),
     "schema": (
         "tandem.cli.cells",
