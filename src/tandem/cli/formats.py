@@ -48,7 +48,9 @@ class Set:
             self.cells += 1
         except CellError as error:
             first = error.faults[0]
-            reason = NUMBERS.sub("…", NAMED.sub(r"\1 …", first.message.partition(". ")[0]))
+            reason = NUMBERS.sub("…", NAMED.sub(r"\1 …", first.message.partition(". ")[0])).rstrip(
+                "."
+            )
             self.refused[reason] += 1
             self.example.setdefault(reason, str(first))
 

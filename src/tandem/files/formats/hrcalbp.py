@@ -120,5 +120,5 @@ def _task(row: Row, source: str, persons: int, robots: int) -> dict[str, Any]:
             for machine in range(1, robots + 1)
             if both != -1
         ],
-        "after": [word for words in row.words[4:] for word in words.split()],
+        "after": [word for words in row.words[4:] for word in words.replace(",", " ").split()],
     }

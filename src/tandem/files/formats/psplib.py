@@ -144,12 +144,14 @@ def _requests(lines: list[Row], source: str, resources: list[str]) -> dict[str, 
             if name in found:
                 raise broken(source, row.line, f"activity {name} is stated twice.")
             words = words[1:]
-        if len(words) != 2 + len(resources) or not name:
+        mode = str(len(found.get(name, [])) + 1)
+        if len(words) != 2 + len(resources) or not name or words[0] != mode:
             raise broken(
                 source,
                 row.line,
-                f"a mode is the activity, the mode, its duration and {len(resources)} demands, but"
-                f" this line has {len(row.words)} words.",
+                f"a mode is the activity (left out from its second mode on), the mode, counted from"
+                f" 1, its duration and {len(resources)} demands, but this line is"
+                f" {shown(' '.join(row.words))}.",
             )
         _, duration, *needs = (
             whole(source, row.line, word, f"a number of activity {name}") for word in words
