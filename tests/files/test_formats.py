@@ -222,7 +222,7 @@ BROKEN = [
     ("alwabp", "1\n4 five\n", "x:2: the time of worker 2 for task 1 is 'five'"),
     ("alwabp", "1\n4 5\n1 2\n", "x:3: there is no task 2"),
     ("alwabp", "1\nInf Inf\n", "x:2: task '1': nobody can do it"),
-    ("job-shop-lib", '{"duration_matrix": [["x"]],\n "machines_matrix": [[0]]}', "x:1:22: "),
+    ("job-shop-lib", '{"duration_matrix": [["x"]],\n "machines_matrix": [[0]]}', "x:1:23: "),
     (
         "job-shop-lib",
         '{"duration_matrix": [[1, 2]],\n "machines_matrix": [[0]]}',
@@ -525,8 +525,8 @@ NOT_CELLS = {
 
 
 @pytest.mark.parametrize("name", SETS)
-@pytest.mark.filterwarnings("error::tandem.errors.NotReadWarning")
 @pytest.mark.filterwarnings("ignore:.*stations are not read:tandem.errors.NotReadWarning")
+@pytest.mark.filterwarnings("error::tandem.errors.NotReadWarning")
 def test_every_file_of_a_public_set_is_detected_and_read(name):
     """All that a cell can hold; what a project uses up for good is refused, with that reason."""
     count = refused = 0

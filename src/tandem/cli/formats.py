@@ -71,7 +71,7 @@ class Set:
 def tell_formats(as_json: bool) -> None:
     """All formats, what each is, whether it is read and written."""
     names = list(dict.fromkeys([*FORMATS, *WRITERS]))
-    rows = [
+    rows: list[dict[str, Any]] = [
         {
             "name": name,
             "what": FORMATS[name].what if name in FORMATS else WRITERS[name].what,
@@ -83,7 +83,7 @@ def tell_formats(as_json: bool) -> None:
     if as_json:
         click.echo(json.dumps({"schema_version": 1, "formats": rows}, indent=1))
         return
-    shown = [("format", "read", "written", "what it is")]
+    shown: list[tuple[str, ...]] = [("format", "read", "written", "what it is")]
     shown += [(r["name"], _yes(r["read"]), _yes(r["written"]), r["what"]) for r in rows]
     click.echo("\n".join(aligned(shown)))
 

@@ -59,7 +59,7 @@ def read(text: str, source: str) -> Translated:
             f"{columns} columns are stated, but {humans} humans, {robots} robots and their"
             f" {humans * robots} teams are {humans + robots + humans * robots}.",
         )
-    who = [(f"H{number}",) for number in range(1, humans + 1)]
+    who: list[tuple[str, ...]] = [(f"H{number}",) for number in range(1, humans + 1)]
     who += [(f"R{number}",) for number in range(1, robots + 1)]
     who += [(f"H{h}", f"R{r}") for h in range(1, humans + 1) for r in range(1, robots + 1)]
     tasks: dict[str, Any] = {}
@@ -86,7 +86,7 @@ def read(text: str, source: str) -> Translated:
             ]
     operators = {
         name: {"kind": "human" if name.startswith("H") else "robot"}
-        for (name,) in who[: humans + robots]
+        for name in (alone[0] for alone in who[: humans + robots])
     }
     return Translated(
         source, {"name": title(source), "operators": operators, "tasks": tasks}, places

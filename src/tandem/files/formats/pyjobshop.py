@@ -121,10 +121,10 @@ def _resources(
         if name in set(_tools_used(cell)):
             room = cell.tools[name].capacity if name in cell.tools else 1
             found.append((("tool", name), _renewable(name, room)))
-    for name in dict.fromkeys(task.zone for task in cell.tasks.values()):
-        if name is not None:
-            room = cell.zones[name].capacity if name in cell.zones else 1
-            found.append((("zone", name), _renewable(name, room)))
+    for zone in dict.fromkeys(task.zone for task in cell.tasks.values()):
+        if zone is not None:
+            room = cell.zones[zone].capacity if zone in cell.zones else 1
+            found.append((("zone", zone), _renewable(zone, room)))
     for name, operator in cell.operators.items():
         if operator.stress_limit is not None:
             store = {"type": "consumable", "capacity": load(operator.stress_limit)}

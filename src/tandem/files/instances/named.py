@@ -46,11 +46,11 @@ def instance(name: str) -> Cell:
         return loads(_printed()[name], "jsp", source=name)
     if name in _seeds():
         return loads(_drawn(*_seeds()[name]), "jsp", source=name)
-    found = [path for path in _files() if _names(path, name)]
+    root = _folder()
+    found = [path for path in files_of(root) if _names(path, name)] if root else []
     if len(found) == 1:
         return load(found[0])
-    if found:
-        root = _folder()
+    if root and found:
         sets = [str(path.relative_to(root)) for path in found]
         raise UsageError(
             f"several instances are called {name!r}. Name the set too: {', '.join(sets[:8])}."
@@ -92,11 +92,6 @@ def _folder() -> Path | None:
         message = f"{FOLDER} names this folder, but there is none. Mend the variable."
         raise CellError([Fault(message, (), named)])
     return Path(named)
-
-
-def _files() -> Iterator[Path]:
-    root = _folder()
-    return iter(()) if root is None else files_of(root)
 
 
 def _names(path: Path, name: str) -> bool:
