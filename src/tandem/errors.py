@@ -36,6 +36,12 @@ class NotReadWarning(UserWarning):
     """
 
 
+class NotWrittenWarning(UserWarning):
+    """A cell holds something that the form it is written in does not, and on which no schedule
+    depends, such as stress or names.
+    """
+
+
 class TandemError(Exception):
     """Anything that Tandem refuses; `exit_code` is what the command line ends with."""
 
