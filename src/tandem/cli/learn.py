@@ -32,7 +32,7 @@ class _Train(click.Command):
         from tandem.learn.training.recipes import RECIPES
 
         with formatter.section("Recipes"):
-            formatter.write_dl([(name, recipe.what) for name, recipe in RECIPES.items()])
+            formatter.write_dl(list(RECIPES.told(lambda recipe: recipe.what).items()))
         super().format_options(ctx, formatter)
 
 
@@ -44,7 +44,7 @@ class _Train(click.Command):
     "recipe_name",
     default="tandem",
     show_default=True,
-    help="How to train: a name of the list above.",
+    help="How to train: a name of the list above, or one of your own, package.module:recipe.",
 )
 @click.option(
     "--set",
