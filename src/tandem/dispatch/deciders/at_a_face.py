@@ -21,8 +21,9 @@ from tandem.dispatch.deciders.policy import Decision
 from tandem.dispatch.deciders.reply import reply
 from tandem.dispatch.lookahead.objective import SECONDS, Objective
 from tandem.dispatch.situation.model import Situation
+from tandem.envs.cells import Room
 from tandem.envs.door import is_legal
-from tandem.envs.game import agents_of, mask_of
+from tandem.envs.game import agents_of, mask_of, ways_of
 from tandem.envs.observations import observe
 from tandem.errors import UsageError
 from tandem.world import state as world
@@ -40,6 +41,7 @@ def of_gymnasium(
     *,
     name: str = "own",
     asks: bool = True,
+    room: Room | None = None,
     objective: Objective = SECONDS,
 ) -> AtGymnasium:
     """A policy that was trained at "tandem/RobotBesideHuman-v0".
@@ -48,13 +50,12 @@ def of_gymnasium(
       act: the action for what is seen; of SB3's models `lambda seen: model.predict(seen,
         deterministic=True)[0]`. The same observation has to give the same action.
       asks: as it was trained: with False people are never its turn.
+      room: as it was trained: of a face of several cells `env.unwrapped.cells.room`.
       objective: its `max_stress` limits what is offered.
 
     Raises CellError for a cell that the world cannot hold.
     """
-    names = Names.of(cell)
-    models = Models(cell, objective.max_stress)
-    return AtGymnasium(act, names, names.arrays(undo=1.0), models, name, asks)
+    return AtGymnasium(act, Face.of(cell, room), Models(cell, objective.max_stress), name, asks)
 
 
 def of_pettingzoo(
@@ -62,6 +63,7 @@ def of_pettingzoo(
     act: Callable[[str, Seen], Any],
     *,
     name: str = "own",
+    room: Room | None = None,
     objective: Objective = SECONDS,
 ) -> AtPettingZoo:
     """Policies that were trained at `parallel_env("events", cell)`.
@@ -69,14 +71,48 @@ def of_pettingzoo(
     Args:
       act: the action of an agent (`robot_0`, `human_0`, ...) for what it sees. Robots do theirs,
         people are asked for theirs.
+      room: as they were trained: of a face of several cells `env.cells.room`.
       objective: its `max_stress` limits what is offered.
 
     Raises CellError for a cell that the world cannot hold.
     """
-    names = Names.of(cell)
-    models = Models(cell, objective.max_stress)
-    agents = {operator: agent for agent, operator in agents_of(names).items()}
-    return AtPettingZoo(act, names, names.arrays(undo=1.0), models, name, agents)
+    face = Face.of(cell, room)
+    agents = {operator: agent for agent, operator in agents_of(face.names).items()}
+    return AtPettingZoo(act, face, Models(cell, objective.max_stress), name, agents)
+
+
+@dataclass(frozen=True)
+class Face:
+    """What a face shows of a cell.
+
+    Attributes:
+      own: the size of the cell. `room`: what is seen is padded to it; None: it is not.
+      ways: `[3, W]`, see `envs.game.ways_of`.
+    """
+
+    names: Names
+    arrays: Arrays
+    own: Room
+    room: Room | None
+    ways: Any
+
+    @classmethod
+    def of(cls, cell: Cell, room: Room | None) -> Face:
+        """Raises UsageError for a cell that has no room."""
+        names = Names.of(cell)
+        arrays, own = names.arrays(undo=1.0), Room.of(names)
+        if room is not None and (lacks := room.lacks(own)):
+            raise UsageError(f"cell {cell.name!r}: has {lacks}; the policy was trained for less.")
+        return cls(names, arrays, own, room, ways_of(arrays))
+
+    def seen(self, turn: Turn, operator: int) -> dict[str, Any]:
+        """What the operator sees, its mask without what the situation forbids besides."""
+        seen = np.asarray(observe(self.arrays, turn.state, turn.mask, np.int32(operator)))
+        mask = mask_of(self.arrays, turn.state, turn.may, operator)
+        if self.room is not None:
+            seen = self.room.padded(seen, self.own, self.ways)
+            mask = self.room.masked(mask)
+        return {"observation": seen, "action_mask": mask}
 
 
 @dataclass(frozen=True)
@@ -86,8 +122,7 @@ class AtGymnasium:
     """
 
     act: Callable[[Seen], Any]
-    names: Names
-    arrays: Arrays
+    face: Face
     models: Models
     name: str
     asks: bool
@@ -95,7 +130,7 @@ class AtGymnasium:
     def decide(self, situation: Situation) -> Decision:
         """What the policy does at its face, seeing this."""
         began, moves = perf_counter(), self.models.of(situation, 1.0)
-        chosen = turn_by_turn(self.names, self.arrays, moves, situation, self._choose)
+        chosen = turn_by_turn(self.face.names, self.face.arrays, moves, situation, self._choose)
         here = position(moves, situation, {})
         return reply(
             self.name,
@@ -109,13 +144,15 @@ class AtGymnasium:
         )
 
     def _choose(self, turn: Turn) -> int:
-        arrays = self.arrays
+        arrays = self.face.arrays
         if not self.asks and arrays.human[turn.operator]:
             mine = np.flatnonzero(world.legal_of(arrays, turn.may, np.int32(turn.operator)))
             return max(
-                mine.tolist(), key=lambda way: (arrays.tail[arrays.way_task[way]], -way), default=WAIT
+                mine.tolist(),
+                key=lambda way: (arrays.tail[arrays.way_task[way]], -way),
+                default=WAIT,
             )
-        seen = seen_by(arrays, turn, turn.operator)
+        seen = self.face.seen(turn, turn.operator)
         action = whole(self.name, self.act(seen))
         return first_legal(seen) if not is_legal(seen["action_mask"], action) else action - 1
 
@@ -130,8 +167,7 @@ class AtPettingZoo:
     """
 
     act: Callable[[str, Seen], Any]
-    names: Names
-    arrays: Arrays
+    face: Face
     models: Models
     name: str
     agents: Mapping[int, str]
@@ -143,7 +179,11 @@ class AtPettingZoo:
         began, moves = perf_counter(), self.models.of(situation, 1.0)
         actions = self._actions(situation)
         chosen = turn_by_turn(
-            self.names, self.arrays, moves, situation, lambda turn: self._taken(turn, actions)
+            self.face.names,
+            self.face.arrays,
+            moves,
+            situation,
+            lambda turn: self._taken(turn, actions),
         )
         return reply(
             self.name,
@@ -159,30 +199,21 @@ class AtPettingZoo:
 
     def _actions(self, situation: Situation) -> dict[int, int]:
         """What each agent names, seeing the moment as it began."""
-        before = {
-            task: at for task, at in situation.running.items() if at.start < situation.now
-        }
-        state = state_of(self.names, self.arrays, replace(situation, running=before))
-        mask = np.asarray(world.legal(self.arrays, state))
-        turn = Turn(state, int(world.turn(self.arrays, mask)), mask, mask)
+        before = {task: at for task, at in situation.running.items() if at.start < situation.now}
+        names, arrays = self.face.names, self.face.arrays
+        state = state_of(names, arrays, replace(situation, running=before))
+        mask = np.asarray(world.legal(arrays, state))
+        turn = Turn(state, int(world.turn(arrays, mask)), mask, mask)
         return {
             operator: whole(f"{self.name}, {agent}", self.act(agent, seen))
             for operator, agent in self.agents.items()
-            for seen in [seen_by(self.arrays, turn, operator)]
+            for seen in [self.face.seen(turn, operator)]
         }
 
     def _taken(self, turn: Turn, actions: Mapping[int, int]) -> int:
         action = actions[turn.operator]
-        legal = is_legal(seen_by(self.arrays, turn, turn.operator)["action_mask"], action)
+        legal = is_legal(self.face.seen(turn, turn.operator)["action_mask"], action)
         return action - 1 if legal else WAIT
-
-
-def seen_by(arrays: Arrays, turn: Turn, operator: int) -> dict[str, Any]:
-    """What the operator sees at its face, its mask without what the situation forbids besides."""
-    return {
-        "observation": np.asarray(observe(arrays, turn.state, turn.mask, np.int32(operator))),
-        "action_mask": mask_of(arrays, turn.state, turn.may, operator),
-    }
 
 
 def whole(name: str, action: Any) -> int:

@@ -17,8 +17,8 @@ from typing import Any, Self
 
 from tandem.cell.model import Cell
 from tandem.dispatch.deciders.by_variant import ByVariant, order_of
-from tandem.dispatch.deciders.policy import Basis, Chosen, Options, Policy, basis_of, plan_of
 from tandem.dispatch.deciders.own import Own
+from tandem.dispatch.deciders.policy import Basis, Chosen, Options, Policy, basis_of, plan_of
 from tandem.dispatch.deciders.table import POLICIES, policy
 from tandem.dispatch.journal import Entry, Journal, JournalError
 from tandem.dispatch.lookahead.objective import Objective
