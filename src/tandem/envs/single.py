@@ -38,7 +38,8 @@ class RobotBesideHuman(gymnasium.Env[Any, Any]):
     The reward is minus the seconds that passed, less `stress_factor` for each unit of stress, or
     what `reward` says. An illegal action counts as waiting, or as the first legal way when waiting
     is none; `strict=True` raises. The same seed gives the same people and the same chance, whatever
-    is decided. The other options: see `Options`. `info["episode"]` is left to the wrappers that write it.
+    is decided. The other options: see `Options`. `info["episode"]` is left to the wrappers that
+    write it.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": list(RENDER_MODES), "render_fps": 4}  # type: ignore[misc]

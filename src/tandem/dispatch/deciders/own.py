@@ -5,7 +5,8 @@ with its place, and nobody takes it for a bug of ours.
 from __future__ import annotations
 
 import traceback
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from time import perf_counter
 from typing import Any
 
 from tandem.cell.model import Cell
@@ -41,6 +42,7 @@ class Own:
 
     def decide(self, situation: Situation) -> Decision:
         """What it says."""
+        began = perf_counter()
         try:
             said: Any = self.policy.decide(situation)
         except TandemError:
@@ -59,7 +61,7 @@ class Own:
                 f"at {situation.now:g} s: {fault} What may begin is"
                 " tandem.dispatch.situation.legal.legal(situation)."
             )
-        return said
+        return replace(said, latency_ms=1000 * (perf_counter() - began))
 
 
 def made_by(source: Any, home: str, cell: Cell, objective: Objective, options: Options) -> Policy:

@@ -47,7 +47,7 @@ class Theirs:
     decider that is made already.
 
     Attributes:
-      home: where it stands, `module:attribute`; "" for one that was handed in.
+      home: where it stands, `module:attribute`; its name for one that was handed in.
       source: the maker or the decider.
       follows: it heeds `Options.plan`, as its maker says by an attribute `follows`.
     """

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from tandem.cell.model import Cell
-from tandem.lab.kinat2023.runs import thesis_cell
+from tandem.lab.kinat2023.game import thesis_cell
 from tandem.lab.records import kept_record, stored_document, write_document
 from tandem.lab.systems import Features, Played
 from tandem.lab.zhang2022.runs import (
