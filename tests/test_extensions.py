@@ -74,7 +74,7 @@ def test_a_package_that_fails_while_it_is_imported_says_what_failed(
     installed: Callable[..., None], module: Callable[[str], str]
 ) -> None:
     installed(bad=f"{module('1 / 0')}:x")
-    with pytest.raises(UsageError, match="'bad'.*ZeroDivisionError: division by zero"):
+    with pytest.raises(UsageError, match=r"'bad'.*ZeroDivisionError: division by zero"):
         Table("x", {})["bad"]
 
 

@@ -1,8 +1,8 @@
 """A learner of your own at the PettingZoo face, in plain NumPy: independent agents, each with a
-preference for every action, moved by REINFORCE (Williams 1992, section 5) with the mean as baseline.
+preference for every action, moved by REINFORCE (Williams 1992, section 5), the mean as baseline.
 
     python examples/extensions/own_pettingzoo_learner.py examples/thesis.yaml learned.npz
-    tandem simulate examples/thesis.yaml --policy fixed,own_pettingzoo_learner:make --learned learned.npz
+    tandem simulate examples/thesis.yaml --policy own_pettingzoo_learner:make --learned learned.npz
     tandem dispatch examples/thesis.yaml --policy own_pettingzoo_learner:make --learned learned.npz
 
 In the folder of this file, or with it on PYTHONPATH. Nothing of Tandem is changed.

@@ -174,7 +174,8 @@ class AtPettingZoo:
 
     def decide(self, situation: Situation) -> Decision:
         """What the agents do at their face, seeing this. Where all wait although nothing else is to
-        come, they are asked again after a second.
+        come, they want to be asked again after a second; in the judge's world the last of them
+        begins something instead.
         """
         began, moves = perf_counter(), self.models.of(situation, 1.0)
         actions = self._actions(situation)

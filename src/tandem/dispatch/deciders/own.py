@@ -75,9 +75,9 @@ def made_by(source: Any, home: str, cell: Cell, objective: Objective, options: O
     except TandemError:
         raise
     except Exception as error:
-        raise UsageError(f"{home or source!r}: {_told(error)}. {FORM}") from error
+        raise UsageError(f"{home}: {_told(error)}. {FORM}") from error
     if not callable(getattr(policy, "decide", None)):
-        raise UsageError(f"{home or source!r}: made {policy!r}, and no policy. {FORM}")
+        raise UsageError(f"{home}: made {policy!r}, and no policy. {FORM}")
     return Own(policy, str(getattr(policy, "name", home or type(policy).__name__)))
 
 

@@ -59,7 +59,7 @@ class Theirs:
     def what(self) -> str:
         """The first line of what it says of itself."""
         said = (getattr(self.source, "__doc__", None) or "").strip().partition("\n")[0]
-        return said or f"a decider of your own, {self.home or self.source!r}"
+        return said or f"a decider of your own, {self.home}"
 
     @property
     def follows(self) -> bool:
