@@ -97,9 +97,9 @@ def stored(path: Path, cell: Cell, given: dict[str, Any]) -> tuple[Front, int]:
 def _is_heeded(policies: Sequence[str]) -> None:
     from tandem.dispatch.deciders.table import POLICIES
 
-    heeding = [name for name, entry in POLICIES.items() if entry.follows]
+    heeding = [name for name, entry in POLICIES.sound().items() if entry.follows]
     known = [name for name in policies if name in POLICIES]
-    if known and not set(known) & set(heeding):
+    if known and not any(POLICIES[name].follows for name in known):
         raise UsageError(
             f"--plan: {', '.join(known)} would not heed it; {', '.join(heeding)} do. Name one of"
             " them with --policy."

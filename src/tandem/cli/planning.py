@@ -46,7 +46,10 @@ if TYPE_CHECKING:
 @click.argument("cell_file", metavar="CELL", type=click.Path(allow_dash=True))
 @FORMAT
 @click.option(
-    "--method", default="exact", show_default=True, help="How to plan; `tandem methods` lists them."
+    "--method",
+    default="exact",
+    show_default=True,
+    help="How to plan; `tandem methods` lists them, one of your own is package.module:method.",
 )
 @click.option(
     "--minimize",

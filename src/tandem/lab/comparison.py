@@ -15,7 +15,7 @@ from tandem.cell.model import Cell
 from tandem.errors import CellError
 from tandem.files.atomic import store
 from tandem.lab.antonelli2021.cells import own_cell
-from tandem.lab.kinat2023.runs import thesis_cell
+from tandem.lab.kinat2023.game import thesis_cell
 from tandem.lab.probes import PROBES, Entry, base, features, other_cells, tooled
 from tandem.lab.published import published
 from tandem.lab.systems import SYSTEMS, System

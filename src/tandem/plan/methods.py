@@ -8,10 +8,19 @@ from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from math import inf
 from time import monotonic
+from traceback import extract_tb
 from typing import Any
 
 from tandem.cell.model import Cell
-from tandem.errors import CellError, Fault, InfeasibleError, UsageError
+from tandem.errors import (
+    CellError,
+    Fault,
+    InfeasibleError,
+    TandemError,
+    UnsoundScheduleError,
+    UsageError,
+)
+from tandem.extensions import Table
 from tandem.plan import dynamic_programming, exact, worst_stress
 from tandem.plan.canonical import settled
 from tandem.plan.infeasible import reasons
@@ -19,6 +28,7 @@ from tandem.plan.method import Method, Progress
 from tandem.plan.question import Question
 from tandem.plan.result import Front
 from tandem.plan.rules import RULES, SPECS
+from tandem.schedule.checker import faults
 from tandem.schedule.model import Schedule
 
 
@@ -40,20 +50,69 @@ class Entry:
         return self.solve(*arguments, **options)
 
 
-METHODS: dict[str, Entry] = {
-    "exact": Entry(
-        "CP-SAT beside large-neighbourhood search: the complete front with proof",
-        exact.solve,
-        settles=True,
-    ),
-    "exhaustive": Entry(
-        "dynamic programming, no constraint solver: the complete front of small cells with proof",
-        dynamic_programming.solve,
-        settles=True,
-    ),
-    **{name: Entry(SPECS[name].what, solve) for name, solve in RULES.items()},
-}
-"""Name -> method. A new one is a file and a line here."""
+def theirs(home: str, found: Any) -> Entry:
+    """The line of a method that others add. Raises UsageError for what is no method."""
+    if isinstance(found, Entry):
+        return found
+    if not callable(found):
+        raise UsageError(
+            f"{home}: is {found!r}, and no method. A method is called as"
+            " tandem.plan.method.Method says."
+        )
+    said = (found.__doc__ or "").strip().partition("\n")[0]
+    return Entry(said or f"a method of your own, {home}", _Own(home, found))
+
+
+@dataclass(frozen=True)
+class _Own:
+    """A method of somebody else: what it raises is told with its place, and its schedules are
+    checked.
+    """
+
+    home: str
+    solve: Method
+
+    def __call__(self, cell: Cell, question: Question = Question(), **options: Any) -> Front:
+        try:
+            front = self.solve(cell, question, **options)
+        except TandemError:
+            raise
+        except Exception as error:
+            last = extract_tb(error.__traceback__)[-1]
+            place = "" if last.filename == __file__ else f" ({last.filename}:{last.lineno})"
+            raise UsageError(
+                f"{self.home}: {type(error).__name__}: {' '.join(str(error).split())}{place}. A"
+                " method is called as tandem.plan.method.Method says."
+            ) from error
+        if not isinstance(front, Front):
+            raise UsageError(f"{self.home}: answered {front!r}, and no tandem.Front.")
+        for result in front:
+            if wrong := faults(cell, result.schedule):
+                raise UnsoundScheduleError([f"{self.home}: {fault}" for fault in wrong])
+        return front
+
+
+METHODS: Table[Entry] = Table(
+    "methods",
+    {
+        "exact": Entry(
+            "CP-SAT beside large-neighbourhood search: the complete front with proof",
+            exact.solve,
+            settles=True,
+        ),
+        "exhaustive": Entry(
+            "dynamic programming, no constraint solver: the complete front of small cells with"
+            " proof",
+            dynamic_programming.solve,
+            settles=True,
+        ),
+        **{name: Entry(SPECS[name].what, solve) for name, solve in RULES.items()},
+    },
+    theirs,
+)
+"""Name -> method. A new one is a file and a line here, an entry point of the group
+`tandem.methods`, or anybody's by its dotted name.
+"""
 
 
 MOST_TASKS = 20_000
@@ -67,7 +126,7 @@ schedules behind the points that are proven by then.
 
 def describe(method: str) -> str:
     """What a method does, in a line."""
-    return METHODS[method].what
+    return METHODS.told(lambda entry: entry.what)[method]
 
 
 def plan(
