@@ -15,11 +15,10 @@ from tandem.errors import CellError, Fault, InfeasibleError, UsageError
 from tandem.plan import dynamic_programming, exact, worst_stress
 from tandem.plan.canonical import settled
 from tandem.plan.infeasible import reasons
-from tandem.plan.method import Method, Progress
+from tandem.plan.method import Hint, Method, Progress
 from tandem.plan.question import Question
 from tandem.plan.result import Front
 from tandem.plan.rules import RULES, SPECS
-from tandem.schedule.model import Schedule
 
 
 @dataclass(frozen=True)
@@ -83,7 +82,7 @@ def plan(
     work: float | None = None,
     seed: int = 0,
     workers: int | None = None,
-    hint: Schedule | None = None,
+    hint: Hint = None,
     on_solution: Callable[[Progress], None] | None = None,
 ) -> Front:
     """The complete trade-off between makespan (seconds) and stress, each point with a schedule and
@@ -101,7 +100,8 @@ def plan(
         version, proven or not.
       workers: threads; None for one a core. Behind a proven point stands the same schedule
         (`canonical.py`) with any number of them.
-      hint: a schedule to begin with.
+      hint: a schedule to begin with, or several, such as those of an earlier front; the ones that
+        the checker refuses are left aside.
       on_solution: called with each improvement; raising KeyboardInterrupt in it ends the search
         with what was found.
 

@@ -27,6 +27,7 @@ and a run repeats.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import inf
 from queue import SimpleQueue
@@ -49,11 +50,13 @@ that all of it is seen.
 
 class Sweep:
     """Works on the gaps of an archive. `effort` says until when, with how many workers, from which
-    seed, and to whom schedules are offered.
+    seed, and to whom schedules are offered; `learned` is called when a question has been worked on.
     """
 
-    def __init__(self, archive: Archive, door: Door, effort: Effort) -> None:
-        self.archive, self.door, self.effort = archive, door, effort
+    def __init__(
+        self, archive: Archive, door: Door, effort: Effort, learned: Callable[[], None]
+    ) -> None:
+        self.archive, self.door, self.effort, self.learned = archive, door, effort, learned
         self.limits = archive.limits
         self.round = -1
         self.asked = 0
@@ -258,6 +261,7 @@ class Sweep:
                 del self.running[race]
                 self._learn(race, goal)
                 self._follow(race, goal)
+                self.learned()
 
     def _learn(self, race: Race, goal: Goal) -> None:
         """Makes facts of what the race has proven; the module's docstring says why they hold."""
