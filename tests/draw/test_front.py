@@ -48,7 +48,7 @@ def test_points_that_are_not_proven_are_hollow_and_reach_to_their_bounds() -> No
 
 
 def test_the_dominated_area_is_what_the_points_dominate() -> None:
-    assert staircase(thesis_front(), 40, 10) == [
+    assert staircase(thesis_front().points, 40, 10) == [
         (23, 10),
         (23, 7),
         (24, 7),

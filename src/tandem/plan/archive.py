@@ -5,6 +5,7 @@ facts that bound all others.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from math import inf
 from typing import NamedTuple
 
@@ -120,10 +121,7 @@ class Archive:
         Between the makespans of two facts the first one's stress is too little.
         """
         known = sorted(self.facts, key=lambda fact: fact[1])
-        corners = (
-            (makespan, stress + 1)
-            for (_, makespan), (stress, _) in zip(known, known[1:], strict=False)
-        )
+        corners = ((makespan, stress + 1) for (_, makespan), (stress, _) in pairwise(known))
         return [(int(m), int(s)) for m, s in corners if self.limits.allows(int(m), int(s))]
 
     def open_area(self) -> float:

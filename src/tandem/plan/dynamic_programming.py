@@ -33,7 +33,6 @@ from tandem.plan.rules import SPECS, attempts
 from tandem.plan.weights import whole
 from tandem.schedule.measures import exact
 
-
 MOST_NODES = 1_000_000
 """Nodes kept at once before the search gives up as if its time had run out: about 1 GiB."""
 

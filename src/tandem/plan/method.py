@@ -13,7 +13,6 @@ from tandem.plan.question import Question
 from tandem.plan.result import Front, Result
 from tandem.schedule.model import Schedule
 
-
 Hint = Schedule | Sequence[Schedule] | None
 """A schedule to begin with, or several; those that the checker refuses are left aside."""
 
@@ -50,9 +49,9 @@ class Method(Protocol):
     `time_limit` in seconds (None: until done), `work` a limit on work instead (CP-SAT's
     deterministic seconds, or what takes about as long): no clock is asked then, so that a run
     repeats; None for no such limit. `workers` threads or processes (None: as many as
-    there are cores; 1 repeats exactly for a seed), `hint` a schedule to begin with, or several, `on_solution`
-    is called with each improvement and may raise `KeyboardInterrupt` to stop: the front found so
-    far is then returned with `interrupted` set.
+    there are cores; 1 repeats exactly for a seed), `hint` a schedule to begin with, or several,
+    `on_solution` is called with each improvement and may raise `KeyboardInterrupt` to stop: the
+    front found so far is then returned with `interrupted` set.
 
     Raises:
       InfeasibleError: it is proven that no schedule answers the question.

@@ -22,7 +22,6 @@ from tandem.plan.method import Hint, Method, Progress
 from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Result, Status
 
-
 Priority = Callable[[Layout, Random], list[float]]
 
 
