@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from tandem.files.generators import layered
 from tandem.plan.archive import dominated_area
-from tandem.plan.knee import knee_index, recommended, rivals
+from tandem.plan.knee import knee_index, recommended
 from tandem.plan.methods import plan
 from tandem.plan.result import Front
 
@@ -38,7 +38,6 @@ def test_a_proven_knee_is_certain_once_nothing_else_can_be_the_knee(proven):
     assert recommended(TRUE, proven, TRUE) == (2, proven[0])
     behind = [*TRUE[:3], (15.0, 6.0), (22.0, 2.0), TRUE[-1]]
     assert not recommended(TRUE, proven, behind).certain
-    assert rivals(TRUE, behind) == [(15, 6)]
     harmless = [*TRUE[:3], (18.0, 6.0), (29.0, 5.0), TRUE[-1]]
     assert recommended(TRUE, proven, harmless).certain == proven[0]
 

@@ -79,16 +79,6 @@ def _is_certain(
     )
 
 
-def rivals(points: Sequence[Point], bound_front: Sequence[Point]) -> list[Point]:
-    """Of the bound front what may hide a better compromise than any that was found: as long as
-    there is one, the knee is open.
-    """
-    if len(points) < 3:
-        return []
-    most = max(_below(points))
-    return [corner for corner in bound_front if _distance(corner, points) > most + CLOSE]
-
-
 def knee_index(points: Sequence[Point]) -> int:
     """Index of the knee of points sorted by makespan: the quickest when there are fewer than three
     or none lies below the line.

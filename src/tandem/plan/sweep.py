@@ -34,7 +34,6 @@ from queue import SimpleQueue
 
 from tandem.plan.archive import Archive, Gap
 from tandem.plan.door import Door
-from tandem.plan.knee import rivals
 from tandem.plan.portfolio import Effort, Goal, Inbox, Race, hear
 
 FIRST_WORK = 0.25
@@ -64,7 +63,6 @@ class Sweep:
         self.agenda: list[Goal] = []
         self.tried: set[Goal] = set()
         self.levels: list[int] = []
-        self.deciding: set[Goal] = set()
         self.running: dict[Race, Goal] = {}
         self.inbox: Inbox = SimpleQueue()
 
@@ -110,7 +108,7 @@ class Sweep:
             waiting = self._waiting()
         if not waiting:
             return self._least_worked_on()
-        goal = max(waiting, key=lambda goal: (goal in self.deciding, self._area(goal)))
+        goal = max(waiting, key=self._area)
         self.agenda.remove(goal)
         return goal
 
@@ -124,28 +122,14 @@ class Sweep:
         there is one.
         """
         self.levels = self._spread_levels()
-        gaps = {gap: self._questions(gap, self.round + 1) for gap in self.archive.gaps}
-        questions = [goal for goals in gaps.values() for goal in goals]
+        questions = [
+            goal for gap in self.archive.gaps for goal in self._questions(gap, self.round + 1)
+        ]
         fresh = [goal for goal in questions if goal not in self.running.values()]
         if fresh:
             self.round += 1
             self.agenda = fresh
             self.tried.clear()
-            self.deciding = self._deciding(gaps)
-
-    def _deciding(self, gaps: dict[Gap, list[Goal]]) -> set[Goal]:
-        """Of the questions those on which it hangs which point is recommended: their gaps may hold
-        a better compromise than any that was found. In the first round nothing is known of it yet.
-        """
-        if self.round == 0:
-            return set()
-        corners = rivals(self.archive.points, self.archive.bound_points)
-        return {
-            goal
-            for gap, goals in gaps.items()
-            for goal in goals
-            if any(makespan < gap.end and stress <= gap.cap for makespan, stress in corners)
-        }
 
     def _spread_levels(self) -> list[int]:
         """Levels of stress that part the front, as far as it is known, into `PARTS` equal parts."""
@@ -234,7 +218,7 @@ class Sweep:
             self.effort,
             seed=self.effort.seed + self.asked,
             workers=1,
-            work=FIRST_WORK * GROWTH ** (self.round + (goal in self.deciding)),
+            work=FIRST_WORK * GROWTH**self.round,
             from_below=(self.round + company) % 2 == 0,
             refutes=self.effort.workers > 1,
         )
