@@ -84,6 +84,7 @@ def plan(
     workers: int | None = None,
     hint: Hint = None,
     on_solution: Callable[[Progress], None] | None = None,
+    settle: bool = True,
 ) -> Front:
     """The complete trade-off between makespan (seconds) and stress, each point with a schedule and
     what is proven about it.
@@ -104,6 +105,8 @@ def plan(
         the checker refuses are left aside.
       on_solution: called with each improvement; raising KeyboardInterrupt in it ends the search
         with what was found.
+      settle: choose the canonical schedule of each proven point. False for callers who read the
+        values alone: the last step often takes longer than the search.
 
     Raises:
       UsageError: an unknown method, or an option out of range.
@@ -117,7 +120,8 @@ def plan(
     if question is None:
         question = Question(minimize, weights, max_makespan, max_stress)  # type: ignore[arg-type]
     began = monotonic()
-    kept_back = LAST_STEP if question.minimize == "front" and METHODS[method].settles else 0.0
+    settles = settle and METHODS[method].settles
+    kept_back = LAST_STEP if question.minimize == "front" and settles else 0.0
     # a method that knows no limit on work is not told of one that nobody asked for
     limit: dict[str, float | None] = (
         {"time_limit": None if time_limit is None else time_limit * (1 - kept_back)}
@@ -143,7 +147,7 @@ def plan(
             front = solve(cell, question, limit["time_limit"])
     except InfeasibleError as error:
         raise InfeasibleError(str(error), reasons(cell, question)) from error
-    if METHODS[method].settles and not front.interrupted:
+    if settles and not front.interrupted:
         until = None if work is not None or time_limit is None else began + time_limit
         front = settled(front, until=until, workers=workers or os.cpu_count() or 1)
     if front.cell is not cell:
