@@ -1,8 +1,9 @@
 """The peers that Tandem is held against, given the same cell, the same cores and the same seconds:
 a plain CP-SAT model, and PyJobShop.
 
-Both minimize the makespan. They model what the benchmark cells need: precedence, eligibility, own
-times, joint tasks, `same_operator`.
+Both minimize the makespan, within a limit on stress where one is given. They model what the
+benchmark cells need: precedence, eligibility, own times, joint tasks, `same_operator`, stress that
+adds up.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from tandem.schedule.model import Schedule
 @dataclass(frozen=True)
 class Run:
     """What a solver had: `makespan` in seconds (None: nothing), a bound, whether it was proven,
-    wall time, (second, makespan) along the way.
+    wall time, (second, makespan) along the way, and the schedule where a peer gives it.
     """
 
     makespan: float | None
@@ -31,6 +32,7 @@ class Run:
     proven: bool
     wall_s: float
     course: tuple[tuple[float, float], ...] = ()
+    schedule: Schedule | None = None
 
     def after(self, seconds: float) -> float | None:
         """The makespan that it had after so many seconds."""
@@ -66,9 +68,11 @@ class _Course(cp_model.CpSolverSolutionCallback):
         self.course.append((time.monotonic() - self.began, self.objective_value / self.per_second))
 
 
-def plain_cpsat(cell: Cell, seconds: float, workers: int, seed: int = 0) -> Run:
+def plain_cpsat(
+    cell: Cell, seconds: float, workers: int, seed: int = 0, most: int | None = None
+) -> Run:
     """The model of the textbook: an optional interval per alternative, no overlap per operator,
-    precedence, and nothing else.
+    precedence, and nothing else but the limit of `most` units of stress.
     """
     began = time.monotonic()
     instance = Instance.of(cell)
@@ -104,6 +108,15 @@ def plain_cpsat(cell: Cell, seconds: float, workers: int, seed: int = 0) -> Run:
                 for task in (one, two)
             ]
             model.add(sides[0] == sides[1])
+    if most is not None:
+        model.add(
+            sum(
+                way.stress * literal
+                for ways, literals in zip(instance.ways, chosen, strict=True)
+                for way, literal in zip(ways, literals, strict=True)
+            )
+            <= most
+        )
     makespan = model.new_int_var(0, horizon, "")
     model.add_max_equality(makespan, ends)
     model.minimize(makespan)
@@ -115,27 +128,28 @@ def plain_cpsat(cell: Cell, seconds: float, workers: int, seed: int = 0) -> Run:
     status = solver.solve(model, watch)
     found = status in (cp_model.OPTIMAL, cp_model.FEASIBLE)
     value = solver.objective_value / instance.per_second if found else None
+    schedule = None
     if found:
         ways = [next(w for w, x in enumerate(literals) if solver.value(x)) for literals in chosen]
-        _must_be_sound(
-            cell,
-            instance.schedule(
-                (way, solver.value(start)) for way, start in zip(ways, starts, strict=True)
-            ),
-            "cp-sat",
+        schedule = instance.schedule(
+            (way, solver.value(start)) for way, start in zip(ways, starts, strict=True)
         )
+        _must_be_sound(cell, schedule, "cp-sat")
     return Run(
         value,
         solver.best_objective_bound / instance.per_second,
         status == cp_model.OPTIMAL,
         time.monotonic() - began,
         tuple(watch.course),
+        schedule,
     )
 
 
-def pyjobshop(cell: Cell, seconds: float, workers: int, seed: int = 0) -> Run:
-    """PyJobShop on the same OR-Tools. It tells nothing along the way, so `course` holds its end
-    alone.
+def pyjobshop(
+    cell: Cell, seconds: float, workers: int, seed: int = 0, most: int | None = None
+) -> Run:
+    """PyJobShop on the same OR-Tools; stress within `most` units is a resource that is used up. It
+    tells nothing along the way, so `course` holds its end alone.
     """
     from pyjobshop import Model
 
@@ -144,9 +158,12 @@ def pyjobshop(cell: Cell, seconds: float, workers: int, seed: int = 0) -> Run:
     model = Model()
     machines = [model.add_machine() for _ in instance.operators]
     tasks = [model.add_task() for _ in instance.tasks]
+    used_up = [] if most is None else [model.add_consumable(most)]
     for task, ways in zip(tasks, instance.ways, strict=True):
         for way in ways:
-            model.add_mode(task, [machines[operator] for operator in way.operators], way.ticks)
+            team = [machines[operator] for operator in way.operators]
+            demands = [*[0] * len(team), *[way.stress] * len(used_up)]
+            model.add_mode(task, [*team, *used_up], way.ticks, demands)
     for task, firsts in enumerate(instance.before):
         for first in firsts:
             model.add_end_before_start(tasks[first], tasks[task])
@@ -158,8 +175,9 @@ def pyjobshop(cell: Cell, seconds: float, workers: int, seed: int = 0) -> Run:
     if not result.best.tasks:
         return Run(None, None, False, wall)
     value = max(task.end for task in result.best.tasks) / instance.per_second
+    people = len(machines)
     rows = [
-        (tuple(sorted(task.resources)), task.end - task.start, task.start)
+        (tuple(sorted(r for r in task.resources if r < people)), task.end - task.start, task.start)
         for task in result.best.tasks
     ]
     ways = [
@@ -170,17 +188,17 @@ def pyjobshop(cell: Cell, seconds: float, workers: int, seed: int = 0) -> Run:
         )
         for index, (team, ticks, _) in enumerate(rows)
     ]
-    _must_be_sound(
-        cell,
-        instance.schedule((way, start) for way, (_, _, start) in zip(ways, rows, strict=True)),
-        "pyjobshop",
+    schedule = instance.schedule(
+        (way, start) for way, (_, _, start) in zip(ways, rows, strict=True)
     )
+    _must_be_sound(cell, schedule, "pyjobshop")
     return Run(
         value,
         result.lower_bound / instance.per_second,
         result.status.value == "Optimal",
         wall,
         ((wall, value),),
+        schedule,
     )
 
 

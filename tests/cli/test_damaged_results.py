@@ -66,7 +66,7 @@ def test_a_result_with_one_value_changed(result: str, tmp_path: Path, capfd, see
             ["compare", str(file), str(whole)],
             ["compare", str(whole), str(file), "--point", "2"],
             ["compare", str(whole), str(file), "--json"],
-            ["plan", str(CELL), "--hint", str(file), "--method", "longest-tail", "-q", "--json"],
+            ["plan", str(CELL), "--from", str(file), "--method", "longest-tail", "-q", "--json"],
         ):
             refused += judged(command, mutant, file, capfd) == 3
     assert refused > 40

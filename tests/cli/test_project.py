@@ -134,7 +134,7 @@ def test_a_stale_result_says_so(project: Path, capfd: pytest.CaptureFixture[str]
     assert (document["stale"], document["faults"]) == (True, [])
     change(project)
     assert "it takes 4 s" in tandem(capfd, "check", project / "cell.yaml", result, code=6)[1]
-    assert "--hint" in tandem(capfd, "plan", project / "cell.yaml", "-q", "--hint", result)[1]
+    assert "--from" in tandem(capfd, "plan", project / "cell.yaml", "-q", "--from", result)[1]
     assert f"{result}: stale" in tandem(capfd, "compare", result, result)[1]
 
 

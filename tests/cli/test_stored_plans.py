@@ -286,7 +286,7 @@ def test_the_terminal_speaks_german_when_asked(here: Path, typed: Typed) -> None
     assert code == 0
     for said in ("Punkte auf der Front", "Dauer [s]", "bewiesen", "kritischer Pfad", "24,5 s"):
         assert said in out
-    for said in ("Dauer", "Schranke", "de.json geschrieben"):
+    for said in ("Dauer", "der Fläche der Front offen", "de.json geschrieben"):
         assert said in err
     _, out, _ = typed("explain", "de.json", "--lang", "de", "--task", "7")
     assert "wartet auf Vorgang" in out
@@ -314,3 +314,67 @@ def test_both_languages_say_the_same_things(room: str) -> None:
     for key, sentence in english.items():
         places = [set(re.findall(r"{(\w+)}", text)) for text in (sentence, german[key])]
         assert places[0] == places[1], key
+
+
+def begun(typed: Typed, *more: str, code: int = 0) -> tuple[str, str]:
+    """`tandem plan cell.yaml --from plan.json`: what was printed on both sides."""
+    ended, out, err = typed("plan", "cell.yaml", "--from", "plan.json", "--work", "1", "-q", *more)
+    assert ended == code, err
+    return out, err
+
+
+def test_a_plan_begins_with_the_schedules_of_a_stored_one(here: Path, typed: Typed) -> None:
+    out, err = begun(typed, "--json")
+    assert err == "--from plan.json: 3 of 3 schedules fit.\n"
+    old, new = json.loads((here / "plan.json").read_text()), json.loads(out)
+    assert new["front"] == old["front"]
+
+
+def test_with_no_work_to_speak_of_it_still_has_what_was_stored(here: Path, typed: Typed) -> None:
+    points = json.loads((here / "plan.json").read_text())["front"]
+    out, _ = begun(typed, "--minimize", "stress", "--method", "exhaustive", "--json")
+    assert json.loads(out)["front"][0]["stress"] == points[-1]["stress"] == 2
+
+
+@pytest.mark.parametrize(
+    ("limit", "fits"), [(("--max-stress", "3"), 2), (("--max-makespan", "24"), 2)]
+)
+def test_what_breaks_a_limit_is_left_aside_and_said(
+    here: Path, typed: Typed, limit: tuple[str, str], fits: int
+) -> None:
+    _, err = begun(typed, *limit)
+    assert f"--from plan.json: {fits} of 3 schedules fit; 1 left aside, point " in err
+    assert err.count("\n") == 1
+
+
+def test_what_a_changed_cell_refuses_is_left_aside_and_said(here: Path, typed: Typed) -> None:
+    change(here / "cell.yaml", *ROBOT_1)
+    _, err = begun(typed)
+    assert err.startswith(f"--from plan.json, {STALE}: ")
+    assert re.search(r"\d of 3 schedules fit; \d left aside, point 1: .*8 s", err), err
+    assert err.count("\n") == 1
+
+
+def test_a_stored_plan_goes_with_no_cycle(here: Path, typed: Typed) -> None:
+    code, _, err = typed("plan", "cell.yaml", "--cycle", "--from", "plan.json")
+    assert (code, err.count("\n")) == (2, 1)
+    assert "--from: asks about one product alone" in err
+
+
+def test_the_recommended_point_of_a_kept_front_is_the_one_it_was_stored_with(
+    here: Path, typed: Typed
+) -> None:
+    """Of a front cut short as well, whose bounds are read back with it."""
+    layers = ("generate", "layered", "--tasks", "30", "--humans", "2", "--seed", "0")
+    assert typed(*layers, "-o", "layers.yaml")[0] == 0
+    assert typed("plan", "layers.yaml", "--work", "0.05", "-q", "-o", "cut.json")[0] == 0
+    kept = json.loads((here / "cut.json").read_text())
+    assert not kept["complete"]
+    code, out, _ = typed("report", "cut.json", "--json")
+    assert code == 0
+    shown = json.loads(out)
+    for key in ("recommended", "open_area", "bound_front"):
+        assert shown[key] == kept[key]
+    _, told, _ = typed("report", "cut.json")
+    assert "by what is known" in told
+    assert "of the front's area" in told

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from tests.draw.cells import front_of, layered_front, rows, thesis, thesis_front, thesis_schedules
 
@@ -48,7 +50,7 @@ def test_points_that_are_not_proven_are_hollow_and_reach_to_their_bounds() -> No
 
 
 def test_the_dominated_area_is_what_the_points_dominate() -> None:
-    assert staircase(thesis_front(), 40, 10) == [
+    assert staircase(thesis_front().points, 40, 10) == [
         (23, 10),
         (23, 7),
         (24, 7),
@@ -122,3 +124,43 @@ def test_a_german_overview_has_german_words_and_a_decimal_comma() -> None:
 def test_a_language_that_pictures_do_not_speak_is_refused() -> None:
     with pytest.raises(UsageError, match=r"'fr': reports speak de, en\."):
         overview(thesis_front(), language="fr")
+
+
+def cut_short() -> Front:
+    """A front of which a part is open: three proven points, one that is not, and the bound."""
+    front = front_of(thesis(), thesis_schedules(), proven=False, slack=0.0)
+    corners = ((23.0, 5.0), (24.0, 3.0), (30.0, 2.0))
+    return replace(front, complete=False, bound_front=corners, open_area=0.1)
+
+
+def test_of_a_front_cut_short_the_bound_and_what_is_open_are_drawn() -> None:
+    ax = plot_front(cut_short())
+    bound = next(line for line in ax.lines if line.get_gid() == "bound")
+    assert bound.get_linestyle() == "--"
+    corners = list(zip(bound.get_xdata(), bound.get_ydata(), strict=True))
+    assert corners[2:-1] == [(24, 5), (24, 3), (30, 3), (30, 2)]
+    between = next(patch for patch in ax.patches if patch.get_gid() == "open")
+    assert between.get_hatch()
+    assert not any(line.get_marker() in ("|", "_") for line in ax.lines)
+    assert "24 s, 3 (recommended)" in words(ax)
+
+
+@pytest.mark.parametrize(
+    ("language", "said"),
+    [
+        (
+            "en",
+            ["found, not proven", "open: better may exist here", "bound: nothing lies below it"],
+        ),
+        ("de", ["gefunden, nicht bewiesen", "offen: hier kann es Besseres geben"]),
+    ],
+)
+def test_the_legend_says_what_is_found_proven_and_open(language: str, said: list[str]) -> None:
+    legend = plot_front(cut_short(), language=language).get_legend()
+    assert legend is not None
+    assert set(said) <= {text.get_text() for text in legend.get_texts()}
+
+
+def test_a_complete_front_has_neither() -> None:
+    ax = plot_front(thesis_front())
+    assert not {"bound", "open"} & {artist.get_gid() for artist in [*ax.lines, *ax.patches]}

@@ -305,3 +305,27 @@ def test_an_interrupt_in_the_last_step_keeps_what_was_found(monkeypatch):
     assert front.interrupted
     assert front.ended_by == "interrupted"
     assert not any(result.canonical for result in front)
+
+
+def test_the_recommended_point_has_its_turn_first(monkeypatch):
+    from tandem.plan import canonical
+
+    settle, seen = canonical._LastStep.settle, []
+
+    def watched(self: Any, result: Any) -> Any:
+        seen.append((result.makespan, result.stress))
+        return settle(self, result)
+
+    monkeypatch.setattr(canonical._LastStep, "settle", watched)
+    front = plan(load(EXAMPLES / "thesis.yaml"), workers=1)
+    assert front.knee_place == 1
+    assert seen == [front.points[1], front.points[0], front.points[2]]
+
+
+def test_who_reads_the_values_alone_gets_them_without_the_last_step():
+    cell = load(EXAMPLES / "thesis.yaml")
+    front = plan(cell, settle=False)
+    assert front.complete
+    assert front.points == plan(cell).points
+    assert not any(result.canonical for result in front)
+    assert all(faults(cell, result.schedule) == [] for result in front)

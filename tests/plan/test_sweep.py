@@ -14,6 +14,7 @@ from tests.strategies import cells
 from tandem.errors import InfeasibleError, NothingFoundError
 from tandem.files.generators import layered
 from tandem.plan import sweep
+from tandem.plan.knee import knee_index
 from tandem.plan.methods import METHODS, plan
 from tandem.plan.question import Question
 from tandem.plan.sweep import Sweep
@@ -65,8 +66,14 @@ def assert_nothing_is_claimed_that_is_not_so(front, points):
         assert result.bound.stress <= gentlest <= result.stress
         if result.status == "optimal":
             assert (result.makespan, result.stress) in points
+    if front.bound_front:
+        for point in points:
+            assert any(m <= point[0] and s <= point[1] for m, s in front.bound_front)
+    if points and front.is_knee_certain:
+        assert front.points[front.knee_place] == points[knee_index(points)]
     if front.complete:
         assert front.points == points
+        assert not front.bound_front
 
 
 @pytest.mark.parametrize(

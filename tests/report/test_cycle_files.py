@@ -360,7 +360,7 @@ def test_report_and_check_know_cycles(
         ["simulate", "cell.yaml", "--plan", "cycle.json", "--policy", "fixed"],
         ["dispatch", "cell.yaml", "--plan", "cycle.json"],
         ["replan", "cell.yaml", "--from", "cycle.json"],
-        ["plan", "cell.yaml", "--hint", "cycle.json"],
+        ["plan", "cell.yaml", "--from", "cycle.json"],
     ],
     ids=lambda arguments: arguments[0],
 )

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from html import escape
 from html.parser import HTMLParser
 from xml.etree import ElementTree
@@ -25,7 +26,7 @@ from tests.draw.cells import (
 from tandem.draw.layers import reduced
 from tandem.draw.style import contrast
 from tandem.errors import UsageError
-from tandem.plan.result import Front
+from tandem.plan.result import Front, Status
 from tandem.report.html import html, summary
 from tandem.report.instructions import steps
 from tandem.report.language import words
@@ -97,6 +98,34 @@ def test_every_point_is_a_link_to_its_plan() -> None:
     assert [p.get("href") for p in points] == ["#plan-1", "#plan-2", "#plan-3"]
     assert points[1].get("aria-label") == "Plan 2: 24 s, stress 3, proven"
     assert all(f'id="{p.get("href")[1:]}"' in page for p in points)
+
+
+@pytest.mark.parametrize(
+    ("language", "said", "doubted"),
+    [
+        ("en", "Dashed line: the bound", "with more time it may be another"),
+        ("de", "Gestrichelte Linie: die Schranke", "Mit mehr Zeit kann es eine andere sein"),
+    ],
+)
+def test_what_is_found_proven_and_open_differs_by_more_than_colour(
+    language: str, said: str, doubted: str
+) -> None:
+    whole = thesis_front()
+    cut = replace(
+        whole,
+        results=tuple(replace(result, status=Status.FEASIBLE) for result in whole),
+        complete=False,
+        bound_front=((23.0, 5.0), (24.0, 3.0), (30.0, 2.0)),
+    )
+    page = html(cut, language=language)
+    (chart,) = charts(page, "front")
+    assert len(with_class(chart, "bound")) == len(with_class(chart, "open-area")) == 1
+    assert not with_class(chart, "bounds")
+    assert len(with_class(chart, "dot open")) == 3
+    assert said in page
+    assert doubted in page
+    (chart,) = charts(html(whole, language=language), "front")
+    assert not with_class(chart, "bound", "open-area")
 
 
 @pytest.mark.parametrize("name", FRONTS)

@@ -93,7 +93,7 @@ def test_quiet_is_quiet(capsys: pytest.CaptureFixture[str]) -> None:
     with SolveProgress(quiet=True) as progress:
         progress(Progress((KNEE,), 20, 0))
     assert capsys.readouterr() == ("", "")
-    assert progress.newest == (24, 3)
+    assert progress.newest is KNEE
 
 
 def test_an_interruption_passes_through_and_the_reminder_ends() -> None:
@@ -103,3 +103,23 @@ def test_an_interruption_passes_through_and_the_reminder_ends() -> None:
     before = stream.getvalue()
     time.sleep(0.05)
     assert stream.getvalue() == before
+
+
+def test_of_a_front_it_is_said_how_much_is_open_and_proven() -> None:
+    stream = io.StringIO()
+    with SolveProgress(stream) as progress:
+        for found, share in (
+            ((KNEE,), 1.0),
+            ((KNEE,), 0.95),
+            ((KNEE,), 0.5),
+            ((QUICK, KNEE), 0.0004),
+            ((QUICK, KNEE), 0.0),
+        ):
+            progress(Progress(found, 20, 0.1, share))
+    told = [line.partition("  ")[2] for line in stream.getvalue().splitlines()]
+    assert told == [
+        "makespan 24 s, stress 3; 1 point, 1 proven, 100 % of the front's area open",
+        "makespan 24 s, stress 3; 1 point, 1 proven, 50 % of the front's area open",
+        "makespan 23 s, stress 7; 2 points, 2 proven, < 0.1 % of the front's area open",
+        "makespan 23 s, stress 7; 2 points, 2 proven, 0 % of the front's area open",
+    ]

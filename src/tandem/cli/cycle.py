@@ -25,8 +25,15 @@ if TYPE_CHECKING:
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-NOT_OF_A_CYCLE = ("weights", "max_makespan", "cv", "robust", "risk", "hint")
-"""Options that ask about one product alone."""
+NOT_OF_A_CYCLE = {
+    "weights": "--weights",
+    "max_makespan": "--max-makespan",
+    "cv": "--cv",
+    "robust": "--robust",
+    "risk": "--risk",
+    "plan_file": "--from",
+}
+"""Options that ask about one product alone: the name of the argument, and what is typed."""
 
 
 SHARES = "shares"
@@ -156,8 +163,8 @@ class Repeated:
         asked = "--cycle" if self.of_cycle else "--batch"
         if self.max_in_process is not None and not self.of_cycle:
             raise UsageError("--max-in-process goes with --cycle or --takt: give one of them.")
-        if wrong := [name for name in NOT_OF_A_CYCLE if given(name)]:
-            names = " and ".join(f"--{name.replace('_', '-')}" for name in wrong)
+        if wrong := [typed for name, typed in NOT_OF_A_CYCLE.items() if given(name)]:
+            names = " and ".join(wrong)
             raise UsageError(f"{names}: asks about one product alone, and not with {asked}.")
         if self.of_cycle and minimize in ("makespan", "worst-stress"):
             raise UsageError(f"--minimize {minimize}: with --cycle choose cycle_time or stress.")

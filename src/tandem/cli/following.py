@@ -119,7 +119,6 @@ def _recommended(cell: Cell, seed: int) -> tuple[Front, int] | None:
     schedule is found. What is not proven is said.
     """
     from tandem.plan.methods import plan
-    from tandem.plan.result import knee_index
 
     try:
         front = plan(cell, time_limit=FRONT_S, seed=seed)
@@ -129,7 +128,7 @@ def _recommended(cell: Cell, seed: int) -> tuple[Front, int] | None:
             f"no point of a front can be recommended ({why}): seconds alone count.", err=True
         )
         return None
-    point = knee_index(front.points)
+    point = front.knee_place
     if not front.complete:
         time, stress = front.points[point]
         click.echo(

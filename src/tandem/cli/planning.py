@@ -38,6 +38,7 @@ from tandem.errors import CellError, Fault, UnsoundScheduleError, UsageError
 
 if TYPE_CHECKING:
     from tandem.cell.model import Cell
+    from tandem.plan.question import Question
     from tandem.plan.result import Front
     from tandem.schedule.model import Schedule
 
@@ -107,9 +108,15 @@ if TYPE_CHECKING:
     ),
 )
 @click.option(
+    "--from",
     "--hint",
+    "plan_file",
+    metavar="PLAN.json",
     type=click.Path(dir_okay=False, path_type=Path),
-    help="A result document whose first schedule to begin with.",
+    help=(
+        "A stored plan whose schedules to begin with: what `tandem plan --json` or `-o PLAN.json`"
+        " wrote. Those that this cell and the limits refuse are left aside, and it is said why."
+    ),
 )
 @click.option(
     "--json",
@@ -156,7 +163,7 @@ def plan_command(
     cv: float,
     robust: bool,
     risk: bool | None,
-    hint: Path | None,
+    plan_file: Path | None,
     as_json: bool,
     outputs: tuple[Path, ...],
     point: int | None,
@@ -179,6 +186,7 @@ def plan_command(
       tandem plan cell.yaml --cycle --mix short=2,long=1
       tandem plan cell.yaml -o plan.json -o sheets.xlsx --point 2 --lang de
       tandem plan cell.yaml --seed 7 --work 5 --json
+      tandem plan cell.yaml --from plan.json --time-limit 600 -o plan.json
       tandem plan cell.yaml --set tasks.6.time.robot=8 --without robot2 --force 5=human
 
     With --set, --without or --force the variant is planned, and what becomes of each point of
@@ -230,7 +238,7 @@ def plan_command(
         )
     kind = minimize or ("weighted" if weights else "front")
     question = Question(kind, weights or (1.0, 1.0), max_makespan, max_stress)  # type: ignore[arg-type]
-    begin = _first_schedule(hint, cell) if hint else None
+    begin = _schedules_that_fit(plan_file, cell, question) if plan_file else None
     solve = partial(plan, question=question, method=method)
     with SolveProgress(quiet=quiet, language=lang) as progress:
         front = solve(cell, hint=begin, on_solution=progress, **effort)
@@ -389,14 +397,28 @@ def methods_command(as_json: bool) -> None:
         click.echo(f"{name:<{width}}  {describe(name)}")
 
 
-def _first_schedule(path: Path, cell: Cell) -> Schedule:
+def _schedules_that_fit(path: Path, cell: Cell, question: Question) -> list[Schedule]:
+    """The schedules of a stored plan that keep the cell and the limits; how many do, and what is
+    wrong with the others, is said in one line.
+    """
     from tandem.report.results import read_result, schedules_of, stale
-    from tandem.report.stored import stale_note
+    from tandem.schedule.checker import faults
 
     document = read_result(path)
     schedules = schedules_of(document)
     if not schedules:
         raise CellError([Fault("holds no schedule.", (), str(path))])
-    if stale(document, cell):
-        click.echo(f"--hint {stale_note(path)} What does not fit is not used.", err=True)
-    return schedules[0]
+    limits = {"max_makespan": question.max_makespan, "max_stress": question.max_stress}
+    wrong = {
+        place: found[0]
+        for place, schedule in enumerate(schedules)
+        if (found := faults(cell, schedule, **limits))
+    }
+    fit = [schedule for place, schedule in enumerate(schedules) if place not in wrong]
+    made_for = ", stale: made for another state of the cell" if stale(document, cell) else ""
+    told = f"--from {path}{made_for}: {len(fit)} of {len(schedules)} schedules fit"
+    if wrong:
+        place, fault = next(iter(wrong.items()))
+        told += f"; {len(wrong)} left aside, point {place + 1}: {fault}"
+    click.echo(told.rstrip(".") + ".", err=True)
+    return fit

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from tandem.draw.figure import axes_or_new, legend_below, numbers_in
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
 
 POINT = "#0072B2"
 MOST_LABELS = 40
+OPEN: dict[str, Any] = {"hatch": "////", "edgecolor": "#9AA3AB"}
+BOUND: dict[str, Any] = {"color": INK, "lw": 1.3, "ls": (0, (4, 2))}
 
 
 def plot_front(
@@ -28,7 +31,9 @@ def plot_front(
     """Draws every point with its numbers and returns the axes.
 
     What the points dominate is shaded, the knee has a ring, and a point that is not proven is
-    hollow, with lines that reach to its bounds. `point`, counted from 1, has a square around it
+    hollow. A dashed line is the bound: no schedule lies below or left of it; what lies between it
+    and the points is open, and hatched. Where the front knows no such line, the hollow points have
+    dashed lines that reach to their own bounds. `point`, counted from 1, has a square around it
     when it is another than the knee. Raises UsageError when pictures do not speak the language.
     """
     t = words(language)
@@ -46,8 +51,10 @@ def plot_front(
         ax.spines[side].set_visible(False)
     if len(front):
         _dominated(ax, front, right, high)
+        if bound_points(front):
+            _open(ax, front, right, high)
         for result in front:
-            _point(ax, result)
+            _point(ax, result, reaches=not bound_points(front))
         _frame(ax, front.knee, "knee")
         if front.shown(point) is not front.knee:
             _frame(ax, front.shown(point), "shown")
@@ -80,6 +87,25 @@ def time_axis(front: Front | CycleFront) -> str:
     return "front.cycle_time" if isinstance(front, CycleFront) else "front.makespan"
 
 
+def bound_points(front: Front | CycleFront) -> tuple[tuple[float, float], ...]:
+    """Corners of what is proven of the points that were not found: see `Front.bound_front`."""
+    return front.bound_front if isinstance(front, Front) and not front.complete else ()
+
+
+def knee_key(front: Front | CycleFront) -> str:
+    """The key of the words for the ring: what is recommended, and whether it may change."""
+    if isinstance(front, Front) and len(front) > 1 and not front.is_knee_certain:
+        return "picture.knee.open"
+    return "picture.knee" if len(front) > 2 else "picture.recommended"
+
+
+def knee_label(front: Front | CycleFront) -> str:
+    """The key of the words that stand at the recommended point."""
+    if knee_key(front) == "picture.knee.open":
+        return "picture.point.recommended"
+    return "picture.point.knee" if len(front) > 2 else "picture.point"
+
+
 def window(front: Front | CycleFront) -> tuple[float, float, float, float]:
     """Left, right, low, high of a chart in which every point and bound has room, seconds and
     stress.
@@ -88,12 +114,12 @@ def window(front: Front | CycleFront) -> tuple[float, float, float, float]:
         value
         for r in front
         for value in (time_of(r), least_time(r) if r.status != Status.OPTIMAL else time_of(r))
-    ] or [0.0, 1.0]
+    ] + [time for time, _ in bound_points(front)] or [0.0, 1.0]
     loads = [
         value
         for r in front
         for value in (r.stress, r.bound.stress if r.status != Status.OPTIMAL else r.stress)
-    ] or [0.0, 1.0]
+    ] + [load for _, load in bound_points(front)] or [0.0, 1.0]
     across = (
         max(max(times) - min(times), 0.02 * max(times))
         if len(front) > 1
@@ -112,20 +138,22 @@ def window(front: Front | CycleFront) -> tuple[float, float, float, float]:
     )
 
 
-def staircase(front: Front | CycleFront, right: float, high: float) -> list[tuple[float, float]]:
+def staircase(
+    points: Sequence[tuple[float, float]], right: float, high: float
+) -> list[tuple[float, float]]:
     """Corners of the edge between what the points dominate and the rest, from top left to bottom
-    right.
+    right. Points are (time, stress), sorted by time, each with less stress than the one before.
     """
-    corners = [(time_of(front[0]), high)]
-    for result in front:
-        corners += [(time_of(result), corners[-1][1]), (time_of(result), result.stress)]
+    corners = [(points[0][0], high)]
+    for time, stress in points:
+        corners += [(time, corners[-1][1]), (time, stress)]
     return [*corners[1:], (right, corners[-1][1])]
 
 
 def _dominated(ax: Axes, front: Front | CycleFront, right: float, high: float) -> None:
     from matplotlib.patches import Polygon
 
-    edge = staircase(front, right, high)
+    edge = staircase(front.points, right, high)
     ax.add_patch(
         Polygon(
             [*edge, (right, high)], closed=True, facecolor=SHADE, lw=0, zorder=0.6, gid="dominated"
@@ -134,10 +162,28 @@ def _dominated(ax: Axes, front: Front | CycleFront, right: float, high: float) -
     ax.plot([x for x, _ in edge], [y for _, y in edge], color="#7A828A", lw=1.1, zorder=1)
 
 
-def _point(ax: Axes, result: Result | CycleResult) -> None:
+def _open(ax: Axes, front: Front | CycleFront, right: float, high: float) -> None:
+    """The bound, and what is open between it and the points."""
+    from matplotlib.patches import Polygon
+
+    edge, bound = (staircase(points, right, high) for points in (front.points, bound_points(front)))
+    between = Polygon(
+        [*bound, *reversed(edge)],
+        closed=True,
+        facecolor="none",
+        lw=0,
+        zorder=0.8,
+        gid="open",
+        **OPEN,
+    )
+    ax.add_patch(between)
+    ax.plot([x for x, _ in bound], [y for _, y in bound], zorder=1.5, gid="bound", **BOUND)
+
+
+def _point(ax: Axes, result: Result | CycleResult, *, reaches: bool) -> None:
     x, y = time_of(result), result.stress
     proven = result.status == Status.OPTIMAL
-    if not proven:
+    if not proven and reaches:
         ax.plot(
             [least_time(result), x],
             [y, y],
@@ -196,7 +242,7 @@ def _labels(ax: Axes, front: Front | CycleFront, point: int | None, t: Words) ->
     taken: list[Bbox] = [Bbox.from_bounds(x - 5, y - 5, 10, 10) for x, y in dots]
     for place in order[: 3 * MOST_LABELS]:
         result, (x, y) = front[place], dots[place]
-        key = "picture.point.knee" if place == knee and len(front) > 2 else "picture.point"
+        key = knee_label(front) if place == knee else "picture.point"
         label = t(key, makespan=t.seconds(time_of(result)), stress=t.number(result.stress))
         away = 10 if place in (knee, shown) else 7
         # Above right of a point lies only what it dominates: the one side that is always free of
@@ -224,11 +270,16 @@ def _legend(ax: Axes, front: Front | CycleFront, point: int | None, t: Words) ->
     entries: list[tuple[Artist, str]] = []
     if any(r.status == Status.OPTIMAL for r in front):
         entries.append((Line2D([], [], mfc=POINT, ms=8, **marks), t("picture.proven")))
+    bounded = bool(bound_points(front))
     if any(r.status != Status.OPTIMAL for r in front):
-        entries.append((Line2D([], [], mfc="white", ms=8, **marks), t("picture.unproven")))
+        unproven = t("picture.found" if bounded else "picture.unproven")
+        entries.append((Line2D([], [], mfc="white", ms=8, **marks), unproven))
     ring = Line2D([], [], ms=12, **FRAMES["knee"])
-    entries.append((ring, t("picture.knee" if len(front) > 2 else "picture.recommended")))
+    entries.append((ring, t(knee_key(front))))
     if front.shown(point) is not front.knee:
         entries.append((Line2D([], [], ms=12, **FRAMES["shown"]), t("picture.shown")))
     entries.append((Patch(facecolor=SHADE, edgecolor="#7A828A"), t("picture.dominated")))
+    if bounded:
+        entries.append((Patch(facecolor="none", lw=0, **OPEN), t("picture.between")))
+        entries.append((Line2D([], [], **BOUND), t("picture.bound")))
     legend_below(ax, entries)

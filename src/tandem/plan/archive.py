@@ -4,6 +4,8 @@ facts that bound all others.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
 from math import inf
 from typing import NamedTuple
 
@@ -35,6 +37,10 @@ class Gap(NamedTuple):
     low: int
 
 
+LEAST_OPEN = 1e-6
+"""The open area of a front of which only something beyond its frame is open."""
+
+
 class Archive:
     """Schedules that the checker has accepted, and facts.
 
@@ -47,6 +53,7 @@ class Archive:
         self.cell, self.layout, self.limits = cell, layout, limits
         self.found: dict[Point, Admitted] = {}
         self.least_stress = least_stress(layout) or 0
+        self.frame: tuple[int, int, int, int] | None = None
         self.facts: list[tuple[float, float]] = [
             (inf, max(chain_bound(layout), one_operator_bound(layout))),
             (self.least_stress - 1, inf),
@@ -107,6 +114,37 @@ class Archive:
         ]
 
     @property
+    def bound_points(self) -> list[Point]:
+        """Each schedule within the limits is at least as great in both as one of these; by
+        makespan.
+
+        Between the makespans of two facts the first one's stress is too little.
+        """
+        known = sorted(self.facts, key=lambda fact: fact[1])
+        corners = ((makespan, stress + 1) for (_, makespan), (stress, _) in pairwise(known))
+        return [(int(m), int(s)) for m, s in corners if self.limits.allows(int(m), int(s))]
+
+    def open_area(self) -> float:
+        """The share of the front's area that is open: neither reached by what is kept nor ruled out
+        by the facts. 0 when the front is complete, above it before.
+
+        The area is a frame that is set when this is asked for the first time, by what is known
+        then: from the least of both objectives to just beyond the latest and the hardest schedule.
+        What lies beyond is not counted, so the share can only shrink.
+        """
+        if self.complete:
+            return 0.0
+        bounds, points = self.bound_points, self.points
+        if not points or not bounds:
+            return 1.0
+        if self.frame is None:
+            self.frame = (bounds[0][0], bounds[-1][1], points[-1][0] + 1, points[0][1] + 1)
+        left, low, right, high = self.frame
+        whole = (right - left) * (high - low)
+        reached = dominated_area(points, right, high)
+        return max(LEAST_OPEN, (dominated_area(bounds, right, high) - reached) / whole)
+
+    @property
     def complete(self) -> bool:
         """Every kept point is optimal and no other exists."""
         return bool(self.found) and not self.gaps
@@ -130,3 +168,16 @@ class Archive:
             Status.OPTIMAL if optimal else Status.FEASIBLE,
             bound,
         )
+
+
+def dominated_area(points: Sequence[Point], right: int, high: int) -> int:
+    """The area that the points dominate, up to `right` ticks and `high` units (the hypervolume;
+    Zitzler and Thiele 1999, IEEE Transactions on Evolutionary Computation 3(4), 257-271). Points
+    are sorted by makespan, each with less stress than the one before.
+    """
+    area, roof = 0, high
+    for makespan, stress in points:
+        if makespan < right and stress < roof:
+            area += (right - makespan) * (roof - stress)
+            roof = stress
+    return area

@@ -80,7 +80,10 @@ def settled(front: Front, *, until: float | None, workers: int) -> Front:
     interrupted = front.interrupted
     results = list(front.results)
     with ThreadPoolExecutor(workers) as pool:
-        waiting = [pool.submit(last_step.settle, result) for result in results]
+        # time may end the step before all have had their turn: the recommended point comes first
+        order = sorted(range(len(results)), key=lambda place: place != front.knee_place)
+        submitted = {place: pool.submit(last_step.settle, results[place]) for place in order}
+        waiting = [submitted[place] for place in range(len(results))]
         try:
             results = [one.result() for one in waiting]
         except BaseException as error:

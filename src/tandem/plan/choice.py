@@ -8,7 +8,8 @@ from math import inf
 from tandem.cell.written import number
 from tandem.errors import UsageError
 from tandem.plan.cycle.result import CycleFront
-from tandem.plan.result import Front, knee_index
+from tandem.plan.knee import knee_index
+from tandem.plan.result import Front
 
 CLOSE = 1e-6
 """What a limit may be exceeded by, seconds or stress: people type what was printed for them."""

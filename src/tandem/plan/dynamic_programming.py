@@ -26,13 +26,12 @@ from tandem.plan.chronological import Branching, Key, Node
 from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
-from tandem.plan.method import Progress
+from tandem.plan.method import Hint, Progress, schedules_in
 from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Result, Status
 from tandem.plan.rules import SPECS, attempts
 from tandem.plan.weights import whole
 from tandem.schedule.measures import exact
-from tandem.schedule.model import Schedule
 
 MOST_NODES = 1_000_000
 """Nodes kept at once before the search gives up as if its time had run out: about 1 GiB."""
@@ -46,7 +45,7 @@ def solve(
     work: float | None = None,
     seed: int = 0,
     workers: int | None = None,
-    hint: Schedule | None = None,
+    hint: Hint = None,
     on_solution: Callable[[Progress], None] | None = None,
 ) -> Front:
     """The exact front, or one best schedule, of a small cell (a dozen tasks or so); see
@@ -167,12 +166,12 @@ class ExhaustiveSearch:
         self.done = False
         self.nodes_left = None if work is None else round(work * NODES_A_SECOND)
 
-    def begin(self, seed: int, hint: Schedule | None) -> None:
-        """Takes the hint and a few dozen schedules by rules as a start, if they answer the
+    def begin(self, seed: int, hint: Hint) -> None:
+        """Takes the hints and a few dozen schedules by rules as a start, if they answer the
         question.
         """
-        if hint is not None:
-            self._take(self.door.hinted(hint))
+        for schedule in schedules_in(hint):
+            self._take(self.door.hinted(schedule))
         specs = ("balanced", "weighted")
         states = chain.from_iterable(
             attempts(

@@ -16,6 +16,7 @@ from itertools import islice
 from math import inf
 from random import Random
 from time import monotonic
+from typing import Any
 
 from tandem.cell.model import Cell
 from tandem.errors import InfeasibleError, NothingFoundError
@@ -25,7 +26,7 @@ from tandem.plan.cpsat import SOLVER
 from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout
-from tandem.plan.method import Progress
+from tandem.plan.method import Hint, Progress, schedules_in
 from tandem.plan.portfolio import SMALL, Effort, Goal, GoalStatus, Meter, Race
 from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Result, Status
@@ -34,7 +35,9 @@ from tandem.plan.starts import Starts, appended, measures
 from tandem.plan.sweep import Sweep
 from tandem.plan.weights import MOST_COUNTED, simplest, whole
 from tandem.schedule.measures import exact
-from tandem.schedule.model import Schedule
+
+TOLD = 0.98
+"""Of the open area as it was told last: with less than this it is told again."""
 
 SAMPLING = ("longest-tail", "balanced", "random", "best-of-n", "weighted")
 """Rules that are not tried once more at the beginning: two have been, the others draw many
@@ -50,7 +53,7 @@ def solve(
     work: float | None = None,
     seed: int = 0,
     workers: int | None = None,
-    hint: Schedule | None = None,
+    hint: Hint = None,
     on_solution: Callable[[Progress], None] | None = None,
 ) -> Front:
     """The front or the one best schedule that the question asks for, proven as far as time allows;
@@ -107,15 +110,17 @@ class _Search:
         self.archive = Archive(cell, self.layout, self.limits)
         self.infeasible = False
         self.optimal = False
+        # of a front all is open until the first schedules and bounds set its frame
+        self.open = 1.0 if question.minimize == "front" else None
 
-    def begin(self, hint: Schedule | None) -> None:
-        """The first schedules: the hint, and what the dispatch rules give; what costs more than a
+    def begin(self, hint: Hint) -> None:
+        """The first schedules: the hints, and what the dispatch rules give; what costs more than a
         moment comes after the first.
         """
         if self.layout.impossible():
             return
         # what the user has is first: whatever is found later has to be better
-        if hint is not None and (hinted := self.door.hinted(hint)) is not None:
+        for hinted in filter(None, map(self.door.hinted, schedules_in(hint))):
             self._offer(self.door.admit(appended(self.layout, hinted.starts)))
             self._offer(hinted)
         random = Random(self.seed)
@@ -206,7 +211,18 @@ class _Search:
             interrupted,
             self.asked,
             out_of_time=self._is_late(),
+            **self._open_part(),
         )
+
+    def _open_part(self) -> dict[str, Any]:
+        """What a front says of the part of it that is not known."""
+        if self.question.minimize != "front" or self.archive.complete or self.door.refused:
+            return {}
+        corners = tuple(
+            (self.instance.seconds(makespan), self.instance.stress(stress))
+            for makespan, stress in self.archive.bound_points
+        )
+        return {"bound_front": corners, "open_area": self.archive.open_area()}
 
     def _results(self) -> tuple[Result, ...]:
         if self.question.minimize == "front":
@@ -228,7 +244,9 @@ class _Search:
 
     def _front(self) -> None:
         """Gap by gap."""
-        Sweep(self.archive, self.door, self._effort()).run()
+        self.open = self.archive.open_area()
+        self._tell()
+        Sweep(self.archive, self.door, self._effort(), self._tell_less_open).run()
         self.infeasible = not self.archive.found and not self.archive.gaps
 
     def _quickest(self, cap: int | None) -> GoalStatus:
@@ -348,9 +366,23 @@ class _Search:
         self.archive.learn(stress, makespan)
 
     def _offer(self, schedule: Admitted | None) -> None:
-        if schedule is not None and self.archive.offer(schedule) and self.on_solution is not None:
-            floor = self.instance.seconds(int(self.archive.least_makespan(inf)))
-            self.on_solution(Progress(self.archive.results(), floor, monotonic() - self.began))
+        if schedule is not None and self.archive.offer(schedule):
+            self._tell()
+
+    def _tell_less_open(self) -> None:
+        """Tells that less of the front is open, when it is much less."""
+        if self.archive.open_area() < TOLD * (self.open or 0.0):
+            self._tell()
+
+    def _tell(self) -> None:
+        if self.on_solution is None or not self.archive.found:
+            return
+        if self.archive.frame is not None:
+            self.open = self.archive.open_area()
+        floor = self.instance.seconds(int(self.archive.least_makespan(inf)))
+        self.on_solution(
+            Progress(self.archive.results(), floor, monotonic() - self.began, self.open)
+        )
 
     def _point(self, starts: Starts) -> tuple[int, int]:
         return measures(self.instance, starts)

@@ -24,12 +24,11 @@ from tandem.extensions import Table
 from tandem.plan import dynamic_programming, exact, worst_stress
 from tandem.plan.canonical import settled
 from tandem.plan.infeasible import reasons
-from tandem.plan.method import Method, Progress
+from tandem.plan.method import Hint, Method, Progress
 from tandem.plan.question import Question
 from tandem.plan.result import Front
 from tandem.plan.rules import RULES, SPECS
 from tandem.schedule.checker import faults
-from tandem.schedule.model import Schedule
 
 
 @dataclass(frozen=True)
@@ -142,8 +141,9 @@ def plan(
     work: float | None = None,
     seed: int = 0,
     workers: int | None = None,
-    hint: Schedule | None = None,
+    hint: Hint = None,
     on_solution: Callable[[Progress], None] | None = None,
+    settle: bool = True,
 ) -> Front:
     """The complete trade-off between makespan (seconds) and stress, each point with a schedule and
     what is proven about it.
@@ -160,9 +160,12 @@ def plan(
         version, proven or not.
       workers: threads; None for one a core. Behind a proven point stands the same schedule
         (`canonical.py`) with any number of them.
-      hint: a schedule to begin with.
+      hint: a schedule to begin with, or several, such as those of an earlier front; the ones that
+        the checker refuses are left aside.
       on_solution: called with each improvement; raising KeyboardInterrupt in it ends the search
         with what was found.
+      settle: choose the canonical schedule of each proven point. False for callers who read the
+        values alone: the last step often takes longer than the search.
 
     Raises:
       UsageError: an unknown method, or an option out of range.
@@ -176,7 +179,8 @@ def plan(
     if question is None:
         question = Question(minimize, weights, max_makespan, max_stress)  # type: ignore[arg-type]
     began = monotonic()
-    kept_back = LAST_STEP if question.minimize == "front" and METHODS[method].settles else 0.0
+    settles = settle and METHODS[method].settles
+    kept_back = LAST_STEP if question.minimize == "front" and settles else 0.0
     # a method that knows no limit on work is not told of one that nobody asked for
     limit: dict[str, float | None] = (
         {"time_limit": None if time_limit is None else time_limit * (1 - kept_back)}
@@ -202,7 +206,7 @@ def plan(
             front = solve(cell, question, limit["time_limit"])
     except InfeasibleError as error:
         raise InfeasibleError(str(error), reasons(cell, question)) from error
-    if METHODS[method].settles and not front.interrupted:
+    if settles and not front.interrupted:
         until = None if work is not None or time_limit is None else began + time_limit
         front = settled(front, until=until, workers=workers or os.cpu_count() or 1)
     if front.cell is not cell:

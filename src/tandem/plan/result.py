@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from tandem.cell.model import Cell, plain
+from tandem.plan.knee import Recommended, knee_index, recommended
 from tandem.plan.question import Question
 from tandem.schedule.cost import cost_of_a_piece
 from tandem.schedule.measures import makespan, stress, stress_by_human
@@ -144,6 +145,13 @@ class Front:
       question: what was asked: all compromises or one, and within which limits.
       source: the file of the cell as it was named; None when the cell came from elsewhere.
       robust: what is recommended is chosen by the P95 of the makespan as carried out.
+      bound_front: (makespan, stress), sorted by makespan: each schedule that answers the question
+        is at least as great in both as one of these (a lower bound set; Ehrgott and Gandibleux
+        2007, Bound sets for biobjective combinatorial optimization problems, Computers and
+        Operations Research 34(9), 2674-2694). Empty where the method says nothing of them, or
+        nothing is open.
+      open_area: the share of the front's area that is neither reached by what was found nor ruled
+        out by what was proven (`Archive.open_area`); None where that was not told.
     """
 
     cell: Cell
@@ -158,6 +166,8 @@ class Front:
     source: str | None = None
     robust: bool = False
     out_of_time: bool = False
+    bound_front: tuple[tuple[float, float], ...] = ()
+    open_area: float | None = None
 
     def __iter__(self) -> Iterator[Result]:
         return iter(self.results)
@@ -188,16 +198,32 @@ class Front:
     def knee(self) -> Result:
         """The recommended compromise: the point farthest below the straight line between the
         front's two ends, both axes scaled to the front's own range (Das 1999). The quickest when
-        the front has fewer than three points or none lies below the line. Of a `robust` front it
-        is that of the points (P95 of the makespan as carried out, stress).
+        the front has fewer than three points or none lies below the line. Where the front is not
+        complete, a proven point that is nearly as good is preferred (`plan.knee`). Of a `robust`
+        front it is that of the points (P95 of the makespan as carried out, stress).
         """
         return self.results[self.knee_place]
 
     @property
     def knee_place(self) -> int:
         """Index of the knee."""
-        if not self.robust:
-            return knee_index(self.points)
+        return self._recommended.place
+
+    @property
+    def is_knee_certain(self) -> bool:
+        """Whether the recommended point stays the recommended one whatever is learned later."""
+        return self._recommended.certain
+
+    @cached_property
+    def _recommended(self) -> Recommended:
+        if self.robust:
+            return Recommended(self._robust_place(), self.complete)
+        if self.complete:
+            return Recommended(knee_index(self.points), True)
+        proven = [result.status == Status.OPTIMAL for result in self]
+        return recommended(self.points, proven, self.bound_front)
+
+    def _robust_place(self) -> int:
         late = [
             result.makespan if result.risk is None else result.risk.fixed.p95 for result in self
         ]
@@ -233,9 +259,10 @@ class Front:
             "seed": self.seed,
             "wall_s": round(self.wall_s, 4),
             "interrupted": self.interrupted,
-            **({"recommended_by": "p95"} if self.robust else {}),
+            **self._recommendation(),
             "ended_by": self.ended_by,
             "question": self.question.to_dict(),
+            **self._open(),
             "front": [
                 {
                     **result.to_dict(),
@@ -246,6 +273,24 @@ class Front:
             "source": self.source,
             "cell_document": self.cell.to_dict(),
         }
+
+    def _recommendation(self) -> dict[str, Any]:
+        """What a result document says of the point that is recommended."""
+        if not self.results:
+            return {}
+        chosen = {"point": self.knee_place + 1, "certain": self.is_knee_certain}
+        return {**({"recommended_by": "p95"} if self.robust else {}), "recommended": chosen}
+
+    def _open(self) -> dict[str, Any]:
+        """What a result document says of the part of the front that is not known."""
+        if self.complete or not self.bound_front:
+            return {}
+        pairs = [
+            {"makespan": plain(makespan), "stress": plain(stress)}
+            for makespan, stress in self.bound_front
+        ]
+        share = {} if self.open_area is None else {"open_area": round(self.open_area, 6)}
+        return {**share, "bound_front": pairs}
 
     def to_frame(self) -> pandas.DataFrame:
         """One row a point: makespan, stress, status, bounds. Needs pandas."""
@@ -268,15 +313,3 @@ class Front:
         from tandem.draw.front import plot_front
 
         return plot_front(self, ax=ax)
-
-
-def knee_index(points: list[tuple[float, float]]) -> int:
-    """Index of the knee of points sorted by makespan; see `Front.knee`."""
-    if len(points) < 3:
-        return 0
-    (t0, s0), (t1, s1) = points[0], points[-1]
-    if not (t1 > t0 and s1 < s0):
-        return 0  # no trade-off of the two: what was asked is another one
-    below = [1 - (t - t0) / (t1 - t0) - (s - s1) / (s0 - s1) for t, s in points]
-    best = max(range(len(points)), key=below.__getitem__)
-    return best if below[best] > 1e-12 else 0

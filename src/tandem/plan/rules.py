@@ -18,10 +18,9 @@ from tandem.plan.door import Door
 from tandem.plan.greedy import Score, by_rank, by_score, clockwise
 from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout, PartialSchedule, Step, append_in_order, by_start
-from tandem.plan.method import Method, Progress
+from tandem.plan.method import Hint, Method, Progress
 from tandem.plan.question import Question
 from tandem.plan.result import Bound, Front, Result, Status
-from tandem.schedule.model import Schedule
 
 Priority = Callable[[Layout, Random], list[float]]
 
@@ -221,7 +220,7 @@ def method(
     work: float | None = None,
     seed: int = 0,
     workers: int | None = None,
-    hint: Schedule | None = None,
+    hint: Hint = None,
     on_solution: Callable[[Progress], None] | None = None,
 ) -> Front:
     """Schedules by the rule of this name, as every planning method gives them; see

@@ -21,15 +21,18 @@ with the same small work for each question; so what is cheap to prove is proven 
 the front is seen early. A question that is proven leads to the gap behind its point in the same
 round; one that is not rests until the next, which allows `GROWTH` times the work. Each worker has a
 question of its own; when there are fewer questions than workers, the others go at the same ones in
-another way. So nobody is idle while anything is open. With one worker nothing depends on the clock,
-and a run repeats.
+another way. So nobody is idle while anything is open. Towards the end of a limit no question gets
+more work than its share of what is left, so that the last of it does not go to a single one. With
+one worker and no limit on time nothing depends on the clock, and a run repeats.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import inf
 from queue import SimpleQueue
+from time import monotonic
 
 from tandem.plan.archive import Archive, Gap
 from tandem.plan.door import Door
@@ -49,11 +52,13 @@ that all of it is seen.
 
 class Sweep:
     """Works on the gaps of an archive. `effort` says until when, with how many workers, from which
-    seed, and to whom schedules are offered.
+    seed, and to whom schedules are offered; `learned` is called when a question has been worked on.
     """
 
-    def __init__(self, archive: Archive, door: Door, effort: Effort) -> None:
-        self.archive, self.door, self.effort = archive, door, effort
+    def __init__(
+        self, archive: Archive, door: Door, effort: Effort, learned: Callable[[], None]
+    ) -> None:
+        self.archive, self.door, self.effort, self.learned = archive, door, effort, learned
         self.limits = archive.limits
         self.round = -1
         self.asked = 0
@@ -61,6 +66,8 @@ class Sweep:
         self.tried: set[Goal] = set()
         self.levels: list[int] = []
         self.running: dict[Race, Goal] = {}
+        self.given: dict[Race, tuple[float, float]] = {}
+        self.pace: float | None = None
         self.inbox: Inbox = SimpleQueue()
 
     def run(self) -> None:
@@ -215,7 +222,7 @@ class Sweep:
             self.effort,
             seed=self.effort.seed + self.asked,
             workers=1,
-            work=FIRST_WORK * GROWTH**self.round,
+            work=self._work(),
             from_below=(self.round + company) % 2 == 0,
             refutes=self.effort.workers > 1,
         )
@@ -225,8 +232,25 @@ class Sweep:
         race = Race(
             self.door, layout, goal, effort, self.archive.best(goal), int(known), self.inbox
         )
-        self.running[race] = goal
+        self.running[race], self.given[race] = goal, (monotonic(), effort.work or FIRST_WORK)
         race.start()
+
+    def _work(self) -> float:
+        """CP-SAT's deterministic seconds for the next question: what the round allows, but no more
+        than its share of what is left of the limit.
+        """
+        share = self._work_left() / (len(self.agenda) + 1)
+        return min(FIRST_WORK * GROWTH**self.round, max(FIRST_WORK, share))
+
+    def _work_left(self) -> float:
+        """What is left for all workers, at the pace that was seen; infinite when there is no
+        limit.
+        """
+        if self.effort.meter is not None:
+            return self.effort.meter.left
+        if self.effort.until is None or not self.pace:
+            return inf
+        return max(0.0, self.effort.left()) * self.effort.workers / self.pace
 
     def _share(self) -> None:
         """Each race learns what the others found and proved; a lone one has nobody to learn
@@ -256,8 +280,19 @@ class Sweep:
             if not race.at_work:
                 race.halt()
                 del self.running[race]
+                self._keep_pace(race)
                 self._learn(race, goal)
                 self._follow(race, goal)
+                self.learned()
+
+    def _keep_pace(self, race: Race) -> None:
+        """How many seconds a unit of work takes, by a question that used up what it was given; the
+        latest ones count most, since others may come to use the machine.
+        """
+        began, work = self.given.pop(race)
+        if not race.answer.proven and not race.over:
+            pace = (monotonic() - began) / work
+            self.pace = pace if self.pace is None else (self.pace + pace) / 2
 
     def _learn(self, race: Race, goal: Goal) -> None:
         """Makes facts of what the race has proven; the module's docstring says why they hold."""

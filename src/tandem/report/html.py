@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from tandem.cell.model import Cell
+from tandem.draw.front import bound_points
 from tandem.draw.imprint import imprint, remarks
 from tandem.draw.lanes import kinds_shaded, lanes
 from tandem.draw.style import looks
@@ -34,7 +35,7 @@ from tandem.report.sources import assumptions, made
 from tandem.report.svg_front import front_chart
 from tandem.report.svg_gantt import gantt
 from tandem.report.svg_graph import chain_words, graph
-from tandem.report.tables import balance, plans, steps, table, tasks
+from tandem.report.tables import balance, doubt, plans, steps, table, tasks
 from tandem.schedule.critical import critical_path
 
 
@@ -166,15 +167,16 @@ def _advice(front: Front, t: Words) -> str:
         "stress": t.number(knee.stress),
     }
     if knee is quickest:
-        return t("summary.knee.first", **values)
+        return " ".join([t("summary.knee.first", **values), *doubt(front, t)])
     longer, spared = knee.makespan - quickest.makespan, quickest.stress - knee.stress
     part = t.share(spared / quickest.stress) if quickest.stress else "0 %"
-    return t(
+    advice = t(
         "summary.knee",
         **values,
         longer=f"{t.seconds(longer)} ({t.share(longer / quickest.makespan)})",
         spared=f"{t.number(spared)} ({part})",
     )
+    return " ".join([advice, *doubt(front, t)])
 
 
 def _printing(front: Front, t: Words) -> Markup:
@@ -189,7 +191,8 @@ def _trade_off(front: Front, t: Words, players: Sequence[Player]) -> Markup:
     if not len(front):
         return Markup("")
     hint = all_or_one(t) if len(front) > 1 else Markup("")
-    legend = tag("p", t("front.legend"), class_="note")
+    key_to_it = "front.legend.open" if bound_points(front) else "front.legend"
+    legend = tag("p", t(key_to_it), class_="note")
     return tag(
         "section",
         tag("h2", t("front.title"), id="trade-off"),

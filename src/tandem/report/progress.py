@@ -11,7 +11,8 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Self, TextIO
 
 from tandem.plan.method import Progress
-from tandem.report.language import words
+from tandem.plan.result import Result, Status
+from tandem.report.language import Words, words
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -19,6 +20,10 @@ if TYPE_CHECKING:
     from rich.text import Text
 
 EVERY_S = 10.0
+LESS = 0.8
+"""A line is written when less than this is open of what was open at the line before."""
+LEAST_SHOWN = 0.001
+"""A share that is open and less is said to be less than this."""
 
 
 class SolveProgress:
@@ -46,7 +51,8 @@ class SolveProgress:
         self.stream, self.quiet, self.every_s = stream, quiet, every_s
         self.words = words(language)
         self.last: Progress | None = None
-        self.newest: tuple[float, float] | None = None
+        self.newest: Result | None = None
+        self._open = 1.0 / LESS
         self._began = time.monotonic()
         self._live: Live | None = None
         self._console: Console | None = None
@@ -91,16 +97,19 @@ class SolveProgress:
 
     def __call__(self, progress: Progress) -> None:
         known = set(self._points(self.last))
-        new = [point for point in self._points(progress) if point not in known]
+        new = [result for result in progress.found if _point(result) not in known]
         better_bound = self.last is None or progress.bound > self.last.bound
         self.last = progress
         self.newest = new[-1] if new else self.newest
-        if (new or better_bound) and self._live is None and not self.quiet:
+        less_open = progress.open_area is not None and progress.open_area < LESS * self._open
+        if (new or better_bound or less_open) and self._live is None and not self.quiet:
+            self._open = progress.open_area or self._open
             self._write()
 
     def wording(self) -> str:
         """The line: time, objective, bound, gap, points so far. The gap is that of the newest
-        point, to which the bound belongs.
+        point, to which the bound belongs. Of a front that is worked through: how many points, how
+        many of them proven, how much of its area is open.
         """
         t = self.words
         tenths = f"{time.monotonic() - self._began:.1f}"
@@ -109,25 +118,35 @@ class SolveProgress:
             return f"{time_s}  {t('progress.searching')}"
         if self.newest is None:
             return f"{time_s}  {t('progress.nothing', bound=t.seconds(self.last.bound))}"
-        makespan, stress = self.newest
+        if self.last.open_area is not None:
+            return f"{time_s}  {self._front(self.newest, self.last, self.last.open_area)}"
+        makespan = self.newest.makespan
         gap = max(0.0, makespan - self.last.bound) / max(makespan, 1e-9)
         found = t(
             "progress.found",
             makespan=t.seconds(makespan),
-            stress=t.number(stress),
+            stress=t.number(self.newest.stress),
             bound=t.seconds(self.last.bound),
             gap=t.share(gap),
             points=t.count("picture.points", len(self.last.found)),
         )
         return f"{time_s}  {found}"
 
+    def _front(self, newest: Result, progress: Progress, open_area: float) -> str:
+        """What is said of a front that is worked through."""
+        t = self.words
+        return t(
+            "progress.front",
+            makespan=t.seconds(newest.makespan),
+            stress=t.number(newest.stress),
+            points=t.count("picture.points", len(progress.found)),
+            proven=sum(result.status == Status.OPTIMAL for result in progress.found),
+            open=open_share(open_area, t),
+        )
+
     @staticmethod
     def _points(progress: Progress | None) -> list[tuple[float, float]]:
-        return (
-            []
-            if progress is None
-            else [(result.makespan, result.stress) for result in progress.found]
-        )
+        return [] if progress is None else [_point(result) for result in progress.found]
 
     def _line(self) -> Text:
         from rich.text import Text
@@ -145,3 +164,12 @@ class SolveProgress:
         while not self._done.wait(max(0.0, self._written_at + self.every_s - time.monotonic())):
             if time.monotonic() - self._written_at >= self.every_s:
                 self._write()
+
+
+def open_share(share: float, t: Words) -> str:
+    """How much of a front's area is open, in words; never that nothing is while anything is."""
+    return f"< {t.share(LEAST_SHOWN)}" if 0 < share < LEAST_SHOWN else t.share(share)
+
+
+def _point(result: Result) -> tuple[float, float]:
+    return result.makespan, result.stress

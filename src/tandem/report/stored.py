@@ -270,7 +270,18 @@ def _front(document: Mapping[str, Any], cell: Cell) -> Front:
         source if isinstance(source, str) else None,
         document.get("recommended_by") == "p95",
         out_of_time=document.get("ended_by") == "time",
+        bound_front=_bound_front(document.get("bound_front")),
+        open_area=document["open_area"] if is_number(document.get("open_area")) else None,
     )
+
+
+def _bound_front(told: Any) -> tuple[tuple[float, float], ...]:
+    """What is proven of the points that were not found; nothing where the document does not say."""
+    try:
+        pairs = tuple((corner["makespan"], corner["stress"]) for corner in told)
+    except (TypeError, KeyError):
+        return ()
+    return pairs if all(is_number(value) for pair in pairs for value in pair) else ()
 
 
 def status_of(row: Mapping[str, Any]) -> Status:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tandem.draw.front import least_time, staircase, time_axis, time_of, window
+from tandem.draw.front import bound_points, least_time, staircase, time_axis, time_of, window
 from tandem.plan.cycle.result import CycleFront, CycleResult
 from tandem.plan.result import Front, Result, Status
 from tandem.report.language import Words
@@ -34,14 +34,15 @@ def front_chart(front: Front | CycleFront, t: Words, players: Sequence[Player] =
             HEIGHT - TOP - BOTTOM
         )
 
-    edge = [at(*corner) for corner in staircase(front, high_x, high_y)]
-    corner = at(high_x, high_y)
-    area = " ".join(f"{x:.2f},{y:.2f}" for x, y in [*edge, corner])
-    line = " ".join(f"{x:.2f},{y:.2f}" for x, y in edge)
+    edge = [at(*corner) for corner in staircase(front.points, high_x, high_y)]
+    area = _joined([*edge, at(high_x, high_y)])
+    bounded = bound_points(front)
+    bound = [at(*corner) for corner in staircase(bounded, high_x, high_y)] if bounded else []
     pieces = [
         tag("polygon", tag("title", t("front.dominated")), points=area, class_="dominated"),
         _axes(low_x, high_x, low_y, high_y, at, t(time_axis(front)), t),
-        tag("polyline", points=line, class_="edge"),
+        *(_between(edge, bound, t) if bounded else []),
+        tag("polyline", points=_joined(edge), class_="edge"),
     ]
     places = [at(time_of(r), r.stress) for r in front]
     knee = front.knee_place
@@ -59,6 +60,7 @@ def front_chart(front: Front | CycleFront, t: Words, players: Sequence[Player] =
                 knee=place == knee,
                 label=place in labelled,
                 many=len(front) > 2,
+                reaches=not bounded,
             )
         )
     for place_of, names in _together(
@@ -78,6 +80,36 @@ def front_chart(front: Front | CycleFront, t: Words, players: Sequence[Player] =
         xmlns="http://www.w3.org/2000/svg",
     )
     return figure(drawing, label)
+
+
+def _joined(corners: Sequence[tuple[float, float]]) -> str:
+    return " ".join(f"{x:.2f},{y:.2f}" for x, y in corners)
+
+
+def _between(
+    edge: Sequence[tuple[float, float]], bound: Sequence[tuple[float, float]], t: Words
+) -> list[Markup]:
+    """What is open between the points and the bound, hatched, and the bound."""
+    hatch = tag(
+        "pattern",
+        tag("path", d="M0,8 L8,0 M-2,2 L2,-2 M6,10 L10,6", class_="hatch"),
+        id="open-hatch",
+        width=8,
+        height=8,
+        patternUnits="userSpaceOnUse",
+    )
+    area = _joined([*bound, *reversed(edge)])
+    return [
+        tag("defs", hatch),
+        tag(
+            "polygon",
+            tag("title", t("front.between")),
+            points=area,
+            fill="url(#open-hatch)",
+            class_="open-area",
+        ),
+        tag("polyline", tag("title", t("front.bound")), points=_joined(bound), class_="bound"),
+    ]
 
 
 def _axes(
@@ -183,6 +215,7 @@ def _point(
     knee: bool,
     label: bool,
     many: bool,
+    reaches: bool,
 ) -> Markup:
     x, y = at
     proven = result.status == Status.OPTIMAL
@@ -197,7 +230,7 @@ def _point(
         **values,
     )
     pieces = [tag("title", words)]
-    if not proven:
+    if not proven and reaches:
         pieces.append(
             tag(
                 "path",

@@ -84,6 +84,14 @@ def plans(front: Front, t: Words) -> Markup:
     return join([table(heads, rows, t("front.table")), tag("p", some, class_="paper some note")])
 
 
+def doubt(front: Front, t: Words) -> list[str]:
+    """That another point may be the recommended one when more is known."""
+    if front.is_knee_certain:
+        return []
+    proven = front.knee.status == Status.OPTIMAL
+    return [t("summary.knee.proven" if proven else "summary.knee.open", n=front.knee_place + 1)]
+
+
 def status(result: Result, t: Words) -> str:
     """Proven, or the gap and the bounds."""
     if result.status == Status.OPTIMAL:

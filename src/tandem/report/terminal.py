@@ -21,6 +21,7 @@ from tandem.draw.style import looks, shorten, task_label
 from tandem.plan.cycle.result import CycleFront
 from tandem.plan.result import Front, Result, Status
 from tandem.report.language import Words, words
+from tandem.report.progress import open_share
 from tandem.report.risk import is_told, risk_heads, risk_note, risk_rows
 from tandem.schedule.critical import critical_path
 from tandem.schedule.measures import makespan
@@ -119,17 +120,20 @@ def _limits(front: Front, t: Words) -> str:
 
 def remarks(front: Front, language: str = "en") -> list[str]:
     """What is to be said of a front that is not all that it could be: which points time has cut
-    short, and which proven ones may have another schedule in the next run.
+    short, which proven ones may have another schedule in the next run, and how much is open.
     """
     t, places = words(language), list(enumerate(front, 1))
     cut = [str(place) for place, r in places if r.status != Status.OPTIMAL]
     loose = [str(p) for p, r in places if r.status == Status.OPTIMAL and not r.canonical]
     found = {"cut": cut if front.ended_by == "time" else [], "loose": loose}
-    return [
+    said = [
         t(f"terminal.{key}", points=t.count("points", len(names), names=", ".join(names)))
         for key, names in found.items()
         if names
     ]
+    if front.open_area is not None:
+        said.append(t("terminal.open_area", share=open_share(front.open_area, t)))
+    return said
 
 
 def front_table(front: Front, *, width: int = 80, language: str = "en") -> Table:
@@ -212,7 +216,9 @@ def points_table(
             style="bold" if place == knee else "",
         )
     if knee is not None:
-        table.caption, table.caption_justify = t("terminal.knee"), "left"
+        sure = isinstance(front, CycleFront) or front.is_knee_certain
+        table.caption = t("terminal.knee" if sure else "terminal.knee.open")
+        table.caption_justify = "left"
     return table
 
 

@@ -16,7 +16,7 @@ from tandem.report.instructions import Row, columns, instructed, origin, rules, 
 from tandem.report.language import Words, words
 from tandem.report.risk import is_told, risk_heads, risk_note, risk_values
 from tandem.report.sources import assumptions, made
-from tandem.report.tables import between, named, shown_plans, status
+from tandem.report.tables import between, doubt, named, shown_plans, status
 from tandem.report.workbook import (
     FONT,
     book_of,
@@ -139,6 +139,7 @@ def _front(book: Workbook, front: Front, t: Words, point: int | None, stale: boo
             bold=len(front) > 1 and result is front.knee,
         )
     below = [f"{t('front.knee')}: {front.results.index(front.knee) + 1}"] if len(front) > 1 else []
+    below += doubt(front, t) if len(front) > 1 else []
     if len(front) and front.shown(point) is not front.knee:
         below.append(f"{t('plan.shown')}: {point}")
     for row, says in enumerate([*below, *([t("summary.stale")] if stale else [])], len(front) + 5):

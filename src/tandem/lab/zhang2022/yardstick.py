@@ -54,7 +54,7 @@ def exact_front(cell: Cell, *, time_limit: float = 120.0) -> Front:
     """Every compromise between makespan and difficulty (there called stress), with proof when it is
     complete.
     """
-    return plan(as_stress(cell), time_limit=time_limit, seed=0, workers=1)
+    return plan(as_stress(cell), time_limit=time_limit, seed=0, workers=1, settle=False)
 
 
 def matching(
@@ -91,6 +91,7 @@ def best_of_rest(
         time_limit=time_limit,
         seed=0,
         workers=1,
+        settle=False,
     )[0]
     if best.status != Status.OPTIMAL:
         return None

@@ -9,7 +9,8 @@ from typing import Any
 
 from tandem.cell.model import Cell, plain
 from tandem.plan.cycle.question import FRONT, CycleQuestion
-from tandem.plan.result import SCHEMA_VERSION, Status, knee_index
+from tandem.plan.knee import knee_index
+from tandem.plan.result import SCHEMA_VERSION, Status
 from tandem.schedule import measures
 from tandem.schedule.cost import cost_of_a_piece
 from tandem.schedule.cycle import PeriodicSchedule
