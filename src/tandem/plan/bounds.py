@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 
 from tandem.plan.list_scheduling import Layout
+from tandem.plan.provers import Prover, Step, rising
+from tandem.plan.result import Bound
 
 
 def least_makespan(layout: Layout) -> int:
@@ -16,6 +18,31 @@ def least_makespan(layout: Layout) -> int:
     all shared out at its best.
     """
     return max(chain_bound(layout), one_operator_bound(layout), load_bound(layout))
+
+
+def closed_forms(layout: Layout) -> tuple[Step, ...]:
+    """The parts of `least_makespan`, ticks, each with its name, as far as it says more than those
+    before.
+    """
+    return rising(
+        [
+            Step(chain_bound(layout), Prover.CHAIN),
+            Step(one_operator_bound(layout), Prover.LOAD),
+            Step(load_bound(layout), Prover.SHARED),
+        ]
+    )
+
+
+def reckoned(layout: Layout) -> Bound:
+    """What holds of every schedule of the cell and needs no search."""
+    instance, times = layout.instance, closed_forms(layout)
+    stress = instance.stress(least_stress(layout) or 0)
+    return Bound(
+        instance.seconds(int(times[-1].value)),
+        stress,
+        tuple(Step(instance.seconds(int(ticks)), by) for ticks, by in times),
+        (Step(stress, Prover.LEAST_STRESS),),
+    )
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -13,11 +14,14 @@ from typing import Any
 from tandem.cell.model import Cell
 from tandem.errors import CellError, Fault, InfeasibleError, UsageError
 from tandem.plan import dynamic_programming, exact, worst_stress
-from tandem.plan.canonical import settled
+from tandem.plan.canonical import settled, unproven
+from tandem.plan.confirm import SHARE, apology, confirm_none, confirmed, is_asked
+from tandem.plan.cpsat import SOLVER
+from tandem.plan.door import RefusedScheduleWarning
 from tandem.plan.infeasible import reasons
 from tandem.plan.method import Method, Progress
 from tandem.plan.question import Question
-from tandem.plan.result import Front
+from tandem.plan.result import Front, Outcome
 from tandem.plan.rules import RULES, SPECS
 from tandem.schedule.model import Schedule
 
@@ -85,6 +89,7 @@ def plan(
     workers: int | None = None,
     hint: Schedule | None = None,
     on_solution: Callable[[Progress], None] | None = None,
+    confirm: bool = True,
 ) -> Front:
     """The complete trade-off between makespan (seconds) and stress, each point with a schedule and
     what is proven about it.
@@ -104,6 +109,8 @@ def plan(
       hint: a schedule to begin with.
       on_solution: called with each improvement; raising KeyboardInterrupt in it ends the search
         with what was found.
+      confirm: what CP-SAT has proven of a cell of up to `confirm.MOST_TASKS` tasks is confirmed by
+        the dynamic program, which calls no solver. Leave it out where only values are wanted.
 
     Raises:
       UsageError: an unknown method, or an option out of range.
@@ -136,13 +143,24 @@ def plan(
             on_solution=on_solution,
         )
 
+    def for_confirming() -> float | None:
+        if work is not None or time_limit is None:
+            return None
+        return min(began + time_limit - monotonic(), SHARE * time_limit)
+
     try:
         if question.minimize == "worst-stress":
             front = worst_stress.solve(cell, question, solve, limit["time_limit"])
         else:
             front = solve(cell, question, limit["time_limit"])
     except InfeasibleError as error:
+        if confirm and method == "exact" and is_asked(cell, question):
+            confirm_none(cell, question, for_confirming())
         raise InfeasibleError(str(error), reasons(cell, question)) from error
+    if confirm and front.complete and front.solver == SOLVER and is_asked(cell, question):
+        front = confirmed(front, for_confirming(), unproven)
+        if front.confirmation is not None and front.confirmation.outcome == Outcome.DISAGREES:
+            warnings.warn(apology(), RefusedScheduleWarning, stacklevel=2)
     if METHODS[method].settles and not front.interrupted:
         until = None if work is not None or time_limit is None else began + time_limit
         front = settled(front, until=until, workers=workers or os.cpu_count() or 1)

@@ -264,9 +264,11 @@ class Sweep:
         answer = race.answer
         none = answer.proven and answer.starts is None
         if goal.time:
-            self.archive.learn(
-                inf if goal.max_stress is None else goal.max_stress, inf if none else answer.bound
-            )
+            cap = inf if goal.max_stress is None else goal.max_stress
+            for bound, by in answer.steps:
+                self.archive.learn(cap, bound, by)
+            if none:
+                self.archive.learn(cap, inf, answer.by)
         else:
             latest = (
                 inf
@@ -274,7 +276,10 @@ class Sweep:
                 else (goal.max_makespan or 0) + 1
             )
             cap = inf if goal.max_stress is None else goal.max_stress
-            self.archive.learn(cap if none else answer.bound - 1, latest)
+            for bound, by in answer.steps:
+                self.archive.learn(bound - 1, latest, by)
+            if none:
+                self.archive.learn(cap, latest, answer.by)
 
     def _follow(self, race: Race, goal: Goal) -> None:
         """Goes on along the front in the same round: from a proven point first to the least stress

@@ -55,7 +55,7 @@ def exact_front(cell: Cell, *, time_limit: float = 120.0) -> Front:
     """Every compromise between makespan and difficulty (there called stress), with proof when it is
     complete.
     """
-    return plan(as_stress(cell), time_limit=time_limit, seed=0, workers=1)
+    return plan(as_stress(cell), time_limit=time_limit, seed=0, workers=1, confirm=False)
 
 
 def matching(
@@ -108,6 +108,7 @@ def best_of_rest(
         time_limit=time_limit,
         seed=0,
         workers=1,
+        confirm=False,
     )[0]
     if best.status != Status.OPTIMAL:
         return None
