@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-NOT_OF_A_CYCLE = ("weights", "max_makespan", "cv", "robust", "risk", "hint")
+NOT_OF_A_CYCLE = ("weights", "max_makespan", "cv", "robust", "risk", "hint", "explain_bound")
 """Options that ask about one product alone."""
 
 

@@ -12,7 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tandem.errors import UsageError
+
 if TYPE_CHECKING:
+    from tandem.explain.bounds import ProofChain
     from tandem.plan.cycle.result import CycleFront
     from tandem.plan.result import Front
 
@@ -76,10 +79,15 @@ def show(
     *,
     point: int | None = None,
     stale: bool = False,
+    explain_bound: bool = False,
 ) -> None:
-    """The front on stdout: as the result document, or for people."""
+    """The front on stdout: as the result document, or for people; with who proved what where that
+    is asked for.
+    """
+    proofs = proofs_of(front) if explain_bound else None
     if as_json:
-        click.echo(json.dumps(front.to_dict(), ensure_ascii=False))
+        more = {} if proofs is None else {"bounds": proofs.to_dict(lang)}
+        click.echo(json.dumps({**front.to_dict(), **more}, ensure_ascii=False))
         return
     from rich.console import Console
 
@@ -93,3 +101,15 @@ def show(
         else FrontView(front, language=lang, point=point, stale=stale)
     )
     Console(file=sys.stdout, highlight=False).print(view)
+    if proofs is not None:
+        click.echo("\n".join(["", *proofs.sentences(lang)]))
+
+
+def proofs_of(front: Front | CycleFront) -> ProofChain:
+    """Who proved what of the front. Raises UsageError when it is one of cycles."""
+    from tandem.explain.bounds import ProofChain
+    from tandem.plan.cycle.result import CycleFront
+
+    if isinstance(front, CycleFront):
+        raise UsageError("--explain-bound is told of fronts of one product, without --cycle.")
+    return ProofChain.of(front)
