@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import datetime
+import functools
 import json
 import shlex
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from tandem.errors import UsageError
+from tandem.errors import InfeasibleError, UsageError
 
 if TYPE_CHECKING:
     from tandem.explain.bounds import ProofChain
@@ -70,6 +71,23 @@ def tell_written(files: Iterable[Path], lang: str) -> None:
 
     for path in files:
         click.echo(words(lang)("terminal.wrote", path=path), err=True)
+
+
+def says_infeasible(command: Callable[..., int | None]) -> Callable[..., int | None]:
+    """The command, which with --json also prints what cannot be kept together when that is the
+    answer: one document on stdout, the same in words on stderr, exit code 4.
+    """
+
+    @functools.wraps(command)
+    def told(*arguments: Any, as_json: bool, **options: Any) -> int | None:
+        try:
+            return command(*arguments, as_json=as_json, **options)
+        except InfeasibleError as error:
+            if as_json:
+                click.echo(json.dumps(error.to_dict(), ensure_ascii=False))
+            raise
+
+    return told
 
 
 def show(

@@ -18,6 +18,7 @@ from tandem.cli.options import FORMAT, LANGUAGE, OUTPUTS, Weights
 from tandem.cli.outputs import (
     kept_when_interrupted,
     proofs_of,
+    says_infeasible,
     show,
     source_of,
     tell_written,
@@ -137,6 +138,7 @@ if TYPE_CHECKING:
 )
 @LANGUAGE
 @click.option("-q", "--quiet", is_flag=True, help="No progress on stderr.")
+@says_infeasible
 def plan_command(
     cell_file: str,
     form: str | None,

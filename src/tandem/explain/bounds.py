@@ -81,7 +81,7 @@ class Reckoned:
                 names=listed(t, list(self.chain)),
                 parts=parts,
                 begin=begin,
-                waits=t("bounds.waits", seconds=t.seconds(waits)) if waits else "",
+                waits=t("bounds.waits", seconds=t.seconds(float(waits))) if waits else "",
             )
         ]
         for operator, (tasks, seconds) in self.load.items():

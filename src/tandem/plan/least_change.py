@@ -27,7 +27,7 @@ from ortools.sat.python import cp_model
 
 from tandem.cell.model import Cell
 from tandem.cell.written import number
-from tandem.errors import InfeasibleError, NothingFoundError, UsageError
+from tandem.errors import NothingFoundError, UsageError
 from tandem.plan.bounds import closed_forms, least_makespan
 from tandem.plan.change_terms import Aim, rules, what_changes
 from tandem.plan.cpsat import SOLVER, Decisions, formulate
@@ -559,7 +559,7 @@ class _Search:
             if self.door.refused:
                 raise NothingFoundError(f"no plan was found: {self.door.apology()}")
             if self.infeasible:
-                raise InfeasibleError(*in_the_way(self.standing))
+                raise in_the_way(self.standing)
             if interrupted:
                 raise KeyboardInterrupt
             raise NothingFoundError(

@@ -18,7 +18,7 @@ from tandem.plan.canonical import settled, unproven
 from tandem.plan.confirm import SHARE, apology, confirm_none, confirmed, is_asked
 from tandem.plan.cpsat import SOLVER
 from tandem.plan.door import RefusedScheduleWarning
-from tandem.plan.infeasible import reasons
+from tandem.plan.infeasible import infeasible
 from tandem.plan.method import Method, Progress
 from tandem.plan.question import Question
 from tandem.plan.result import Front, Outcome
@@ -156,7 +156,7 @@ def plan(
     except InfeasibleError as error:
         if confirm and method == "exact" and is_asked(cell, question):
             confirm_none(cell, question, for_confirming())
-        raise InfeasibleError(str(error), reasons(cell, question)) from error
+        raise infeasible(str(error), cell, question) from error
     if confirm and front.complete and front.solver == SOLVER and is_asked(cell, question):
         front = confirmed(front, for_confirming(), unproven)
         if front.confirmation is not None and front.confirmation.outcome == Outcome.DISAGREES:
