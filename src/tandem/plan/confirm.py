@@ -25,8 +25,8 @@ MOST_STATES = 30_000
 """Partial schedules after which the second opinion is given up, some 6 s of one core. Most cells of
 12 tasks need a fifth of that, the cell of the thesis 32.
 """
-SHARE = 0.1
-"""And never more than this share of the time limit."""
+SHARE = 0.5
+"""And never more than this share of the time that the proof has left."""
 
 Confirmable = ("front", "makespan", "stress", "weighted")
 """What the dynamic program can be asked."""

@@ -146,7 +146,7 @@ def plan(
     def for_confirming() -> float | None:
         if work is not None or time_limit is None:
             return None
-        return min(began + time_limit - monotonic(), SHARE * time_limit)
+        return SHARE * (began + time_limit - monotonic())
 
     try:
         if question.minimize == "worst-stress":
