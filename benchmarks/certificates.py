@@ -72,7 +72,9 @@ def _of_size(tasks: int, options: argparse.Namespace) -> dict[str, Any]:
         cell = layered(tasks, 1, 1, seed=seed)
         front = plan(cell, time_limit=options.seconds, seed=seed, workers=options.workers)
         counts["fronts complete"] += front.complete
-        counts["partial schedules"] += 0 if front.confirmation is None else front.confirmation.states
+        counts["partial schedules"] += (
+            0 if front.confirmation is None else front.confirmation.states
+        )
         for result in front:
             _count(front, result, counts, options.certify)
     return {"tasks": tasks, "seeds": options.seeds, **counts}
