@@ -121,7 +121,7 @@ def _recommended(cell: Cell, seed: int) -> tuple[Front, int] | None:
     from tandem.plan.methods import plan
 
     try:
-        front = plan(cell, time_limit=FRONT_S, seed=seed)
+        front = plan(cell, time_limit=FRONT_S, seed=seed, confirm=False)
     except (InfeasibleError, NothingFoundError) as error:
         why = str(error).splitlines()[0].rstrip(".")
         click.echo(

@@ -25,6 +25,8 @@ from tandem.cli.options import (
 )
 from tandem.cli.outputs import (
     kept_when_interrupted,
+    proofs_of,
+    says_infeasible,
     show,
     source_of,
     tell_written,
@@ -124,6 +126,11 @@ if TYPE_CHECKING:
     is_flag=True,
     help="Print the result document on stdout and nothing else there.",
 )
+@click.option(
+    "--explain-bound",
+    is_flag=True,
+    help="Say who proved each bound: sums, relaxations, CP-SAT, and what was confirmed without it.",
+)
 @OUTPUTS
 @click.option(
     "--point",
@@ -141,6 +148,7 @@ if TYPE_CHECKING:
 )
 @LANGUAGE
 @click.option("-q", "--quiet", is_flag=True, help="No progress on stderr.")
+@says_infeasible
 def plan_command(
     cell_file: str,
     form: str | None,
@@ -165,6 +173,7 @@ def plan_command(
     risk: bool | None,
     plan_file: Path | None,
     as_json: bool,
+    explain_bound: bool,
     outputs: tuple[Path, ...],
     point: int | None,
     report: Path | None,
@@ -180,6 +189,7 @@ def plan_command(
     Examples:
       tandem plan cell.yaml
       tandem plan cell.yaml --minimize makespan --json > result.json
+      tandem plan cell.yaml --explain-bound
       tandem plan cell.yaml --cv 0.2 --robust
       tandem plan cell.yaml --cycle
       tandem plan cell.yaml --takt 30 --max-in-process 2 --report takt.html
@@ -249,7 +259,7 @@ def plan_command(
     point = None if point is None else _existing(front, point, files, lang) + 1
     write_outputs(front, files, lang, point=point)
     if base is None or front.interrupted:
-        show(front, as_json, lang, point=point)
+        show(front, as_json, lang, point=point, explain_bound=explain_bound)
     else:
         _show_variant(
             base,
@@ -258,6 +268,7 @@ def plan_command(
             partial(solve, base, **effort),
             lang,
             point,
+            explain_bound,
         )
     tell_written(files, lang)
     if front.interrupted:
@@ -287,19 +298,17 @@ def _show_variant(
     plan_base: Callable[[], Front],
     lang: str,
     point: int | None,
+    explain_bound: bool,
 ) -> None:
     """The front of a variant, and how it differs from that of the cell as it is: under `difference`
     in the document, or in words.
     """
     if as_json:
-        click.echo(
-            json.dumps(
-                {**front.to_dict(), "difference": difference(base, front, plan_base, lang)},
-                ensure_ascii=False,
-            )
-        )
+        bounds = {"bounds": proofs_of(front).to_dict(lang)} if explain_bound else {}
+        more = {"difference": difference(base, front, plan_base, lang), **bounds}
+        click.echo(json.dumps({**front.to_dict(), **more}, ensure_ascii=False))
         return
-    show(front, as_json, lang, point=point)
+    show(front, as_json, lang, point=point, explain_bound=explain_bound)
     tell_difference(base, front, plan_base, lang)
 
 

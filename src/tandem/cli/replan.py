@@ -25,7 +25,13 @@ from tandem.cli.options import (
     check_work,
     point_options,
 )
-from tandem.cli.outputs import kept_when_interrupted, source_of, tell_written, write_outputs
+from tandem.cli.outputs import (
+    kept_when_interrupted,
+    says_infeasible,
+    source_of,
+    tell_written,
+    write_outputs,
+)
 from tandem.cli.what_if import variant_options
 from tandem.errors import UsageError
 
@@ -101,6 +107,7 @@ if TYPE_CHECKING:
 @variant_options
 @LANGUAGE
 @click.option("-q", "--quiet", is_flag=True, help="No progress on stderr.")
+@says_infeasible
 def replan_command(
     cell_file: str,
     form: str | None,

@@ -27,8 +27,8 @@ from ortools.sat.python import cp_model
 
 from tandem.cell.model import Cell
 from tandem.cell.written import number
-from tandem.errors import InfeasibleError, NothingFoundError, UsageError
-from tandem.plan.bounds import least_makespan
+from tandem.errors import NothingFoundError, UsageError
+from tandem.plan.bounds import closed_forms, least_makespan
 from tandem.plan.change_terms import Aim, rules, what_changes
 from tandem.plan.cpsat import SOLVER, Decisions, formulate
 from tandem.plan.door import Admitted, Door, RefusedScheduleWarning
@@ -36,6 +36,7 @@ from tandem.plan.in_the_way import in_the_way
 from tandem.plan.list_scheduling import Layout
 from tandem.plan.method import Progress
 from tandem.plan.portfolio import LEAST_SPENT, Effort, Goal, GoalStatus, Meter, Race
+from tandem.plan.provers import Prover, Step, rising
 from tandem.plan.question import Question
 from tandem.plan.replanned import Optimum, Replan, Replanned
 from tandem.plan.result import Bound, Status
@@ -548,7 +549,16 @@ class _Search:
         admitted = known.admitted
         bounds = (self._least_makespan, self._least_stress())
         makespan, stress = admitted.point if proven else bounds
-        bound = Bound(self.instance.seconds(makespan), self.instance.stress(stress))
+        times = rising([*closed_forms(self.layout), Step(makespan, Prover.CP_SAT)])
+        loads = rising(
+            [Step(self._least_stress(), Prover.LEAST_STRESS), Step(stress, Prover.CP_SAT)]
+        )
+        bound = Bound(
+            self.instance.seconds(makespan),
+            self.instance.stress(stress),
+            tuple(Step(self.instance.seconds(int(ticks)), by) for ticks, by in times),
+            tuple(Step(self.instance.stress(int(units)), by) for units, by in loads),
+        )
         return Replan(
             self.standing.cell,
             admitted.schedule,
@@ -570,7 +580,7 @@ class _Search:
             if self.door.refused:
                 raise NothingFoundError(f"no plan was found: {self.door.apology()}")
             if self.infeasible:
-                raise InfeasibleError(*in_the_way(self.standing))
+                raise in_the_way(self.standing)
             if interrupted:
                 raise KeyboardInterrupt
             raise NothingFoundError(

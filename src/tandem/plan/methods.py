@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -22,11 +23,14 @@ from tandem.errors import (
 )
 from tandem.extensions import Table
 from tandem.plan import dynamic_programming, exact, worst_stress
-from tandem.plan.canonical import settled
-from tandem.plan.infeasible import reasons
+from tandem.plan.canonical import settled, unproven
+from tandem.plan.confirm import SHARE, apology, confirm_none, confirmed, is_asked
+from tandem.plan.cpsat import SOLVER
+from tandem.plan.door import RefusedScheduleWarning
+from tandem.plan.infeasible import infeasible
 from tandem.plan.method import Hint, Method, Progress
 from tandem.plan.question import Question
-from tandem.plan.result import Front
+from tandem.plan.result import Front, Outcome
 from tandem.plan.rules import RULES, SPECS
 from tandem.schedule.checker import faults
 
@@ -144,6 +148,7 @@ def plan(
     hint: Hint = None,
     on_solution: Callable[[Progress], None] | None = None,
     settle: bool = True,
+    confirm: bool = True,
 ) -> Front:
     """The complete trade-off between makespan (seconds) and stress, each point with a schedule and
     what is proven about it.
@@ -166,6 +171,8 @@ def plan(
         with what was found.
       settle: choose the canonical schedule of each proven point. False for callers who read the
         values alone: the last step often takes longer than the search.
+      confirm: what CP-SAT has proven of a cell of up to `confirm.MOST_TASKS` tasks is confirmed by
+        the dynamic program, which calls no solver. Leave it out where only values are wanted.
 
     Raises:
       UsageError: an unknown method, or an option out of range.
@@ -199,13 +206,24 @@ def plan(
             on_solution=on_solution,
         )
 
+    def for_confirming() -> float | None:
+        if work is not None or time_limit is None:
+            return None
+        return SHARE * (began + time_limit - monotonic())
+
     try:
         if question.minimize == "worst-stress":
             front = worst_stress.solve(cell, question, solve, limit["time_limit"])
         else:
             front = solve(cell, question, limit["time_limit"])
     except InfeasibleError as error:
-        raise InfeasibleError(str(error), reasons(cell, question)) from error
+        if confirm and method == "exact" and is_asked(cell, question):
+            confirm_none(cell, question, for_confirming())
+        raise infeasible(str(error), cell, question) from error
+    if confirm and front.complete and front.solver == SOLVER and is_asked(cell, question):
+        front = confirmed(front, for_confirming(), unproven)
+        if front.confirmation is not None and front.confirmation.outcome == Outcome.DISAGREES:
+            warnings.warn(apology(), RefusedScheduleWarning, stacklevel=2)
     if settles and not front.interrupted:
         until = None if work is not None or time_limit is None else began + time_limit
         front = settled(front, until=until, workers=workers or os.cpu_count() or 1)

@@ -27,6 +27,7 @@ from tandem.plan.list_scheduling import Layout, by_start
 from tandem.plan.lns import WORK as STRETCH_WORK
 from tandem.plan.lns import plan_anew, take_out
 from tandem.plan.lower_bound import Proof, prove_makespan
+from tandem.plan.provers import Prover, Step
 from tandem.plan.starts import Starts, append, appended, in_time, list_schedule, measures
 from tandem.plan.weights import MOST_COUNTED
 
@@ -60,11 +61,15 @@ class GoalStatus:
       bound: no schedule within the limits has a lower value; meaningless when the goal is proven
         infeasible.
       proven: the schedule is optimal or, when there is none, no schedule keeps the limits.
+      steps: what each prover has added to the bound that was known before, rising.
+      by: who proved last.
     """
 
     starts: Starts | None
     bound: int
     proven: bool
+    steps: tuple[Step, ...] = ()
+    by: Prover = Prover.CP_SAT
 
 
 @dataclass
@@ -203,6 +208,8 @@ class Race:
         self.best = incumbent
         self.value = None if incumbent is None else goal.value(*incumbent.point)
         self.known = self.bound = bound
+        self.raised: dict[Prover, int] = {}
+        self.by = Prover.CP_SAT
         self.infeasible = False
         self.stopped = False
         self.inbox: Inbox = SimpleQueue() if inbox is None else inbox
@@ -265,10 +272,15 @@ class Race:
         self.inbox.put((self, schedule))
         return True
 
-    def raise_bound(self, bound: int) -> None:
-        """Takes a bound from a worker."""
+    def raise_bound(self, bound: int, by: Prover | None = None) -> None:
+        """Takes a bound from a worker, who says who proved it; or from elsewhere, where that is
+        known already.
+        """
         with self.lock:
-            self.bound = max(self.bound, bound)
+            if bound > self.bound:
+                self.bound = bound
+                if by is not None:
+                    self.raised[by], self.by = bound, by
 
     def run(self) -> GoalStatus:
         """Works until it is proven, time is up or someone interrupts."""
@@ -292,6 +304,8 @@ class Race:
             starts,
             self.bound,
             self.infeasible or (self.value is not None and self.bound >= self.value),
+            tuple(sorted(Step(bound, by) for by, bound in self.raised.items())),
+            self.by,
         )
 
     def start(self) -> None:
@@ -319,6 +333,7 @@ class Race:
                 thread.join(0.02)
         if self.door.refused:
             self.bound = self.known
+            self.raised.clear()
 
     def _guarded(self, job: Callable[[], None]) -> None:
         try:
@@ -399,9 +414,9 @@ class Race:
         solver = self._solver(1, seed, RELAX_WORK)
         status = self._solve(solver, plan)
         if status == cp_model.INFEASIBLE:
-            return self._ruled_out()
+            return self._ruled_out(Prover.ALLOCATION)
         if status in (cp_model.OPTIMAL, cp_model.FEASIBLE):
-            self.raise_bound(ceil(solver.best_objective_bound - 1e-6))
+            self.raise_bound(ceil(solver.best_objective_bound - 1e-6), Prover.ALLOCATION)
             ways = [way for way, _ in plan.read(solver.value)]
             if (starts := list_schedule(self.layout, ways)) is not None:
                 self.found(starts)
@@ -422,10 +437,12 @@ class Race:
             if self.door.refused:
                 return None
             if status == cp_model.INFEASIBLE:
-                return self._ruled_out() if cut is None else self._nothing_below(cut)
+                if cut is None:
+                    return self._ruled_out(Prover.CP_SAT)
+                return self._nothing_below(cut)
             if status == cp_model.OPTIMAL:
                 value = self.proposed(plan.read(solver.value), round(solver.objective_value))
-                return None if value is None else self.raise_bound(value)
+                return None if value is None else self.raise_bound(value, Prover.CP_SAT)
             if not watcher.outdated or work is not None:
                 return None
             patience *= 2
@@ -446,7 +463,7 @@ class Race:
         spent = thread_time() + seconds
         while not self.over and thread_time() < spent:
             proof = self._refuted(self.value or 0, spent)
-            self.raise_bound(proof.bound * self.goal.time)
+            self.raise_bound(proof.bound * self.goal.time, Prover.STATES)
             if proof.starts is not None and not self._take(proof.starts):
                 return
 
@@ -657,13 +674,13 @@ class Race:
         if self._is_fine:
             self.door.refuse(["the model leaves out a schedule that the checker has accepted."])
         else:
-            self.raise_bound(value)
+            self.raise_bound(value, Prover.CP_SAT)
 
-    def _ruled_out(self) -> None:
+    def _ruled_out(self, by: Prover) -> None:
         if self.value is None:
-            self.infeasible = True
+            self.infeasible, self.by = True, by
         else:
-            self.raise_bound(self.value)
+            self.raise_bound(self.value, by)
 
 
 class _Watcher(cp_model.CpSolverSolutionCallback):
@@ -694,7 +711,8 @@ class _Watcher(cp_model.CpSolverSolutionCallback):
 
     def on_bound(self, bound: float) -> None:
         known = ceil(bound - 1e-6)
-        self.race.raise_bound(known if self.cut is None else min(known, self.cut))
+        least = known if self.cut is None else min(known, self.cut)
+        self.race.raise_bound(least, Prover.CP_SAT)
         self._look()
 
     def _look(self) -> None:

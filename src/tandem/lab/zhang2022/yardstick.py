@@ -54,7 +54,9 @@ def exact_front(cell: Cell, *, time_limit: float = 120.0) -> Front:
     """Every compromise between makespan and difficulty (there called stress), with proof when it is
     complete.
     """
-    return plan(as_stress(cell), time_limit=time_limit, seed=0, workers=1, settle=False)
+    return plan(
+        as_stress(cell), time_limit=time_limit, seed=0, workers=1, settle=False, confirm=False
+    )
 
 
 def matching(
@@ -92,6 +94,7 @@ def best_of_rest(
         seed=0,
         workers=1,
         settle=False,
+        confirm=False,
     )[0]
     if best.status != Status.OPTIMAL:
         return None
