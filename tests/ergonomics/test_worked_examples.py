@@ -34,7 +34,7 @@ def test_what_is_printed_and_not_reproduced_is_what_the_page_says():
     assert f"{answer(example_of('niosh-ex1-origin'))['RWL']:.1f}" == "15.9"
     metric = {"lever_cm": 41.0, "load_kg": 9 / 9.80665, "reps": 2880.0}
     exact = published("shoulder_tool", "shoulder_task", metric)
-    assert f"{exact.outputs['probability']:.3f}" == "0.211"
+    assert f"{exact.outputs['probability']:.3f}" == "0.210"
 
 
 def test_the_share_of_the_heaviest_task_is_as_the_duet_paper_says():

@@ -242,7 +242,7 @@ def _rwl(facts: NioshFacts, origin: Multipliers) -> Outcome:
             ends = "origin"
     index = facts.L / limit if facts.L is not None and limit > 0 else None
     steps = [Step("LC", lc, (Reason("load_constant", lc),))]
-    steps += _steps(facts if ends != "destination" else _at_destination(facts), found)
+    steps += _steps(facts if ends != "destination" else _at_destination(facts), found, facts.unit)
     steps.append(Step("RWL", limit, (Reason(f"rwl_{ends or 'one'}", system.mass),)))
     if facts.L is not None:
         steps.append(Step("LI", index, (Reason("load_of_limit", facts.L),)))
@@ -260,14 +260,23 @@ def _at_destination(facts: NioshFacts) -> Lift:
     )
 
 
-def _steps(lift: Lift, found: Multipliers) -> list[Step]:
+def _steps(lift: Lift, found: Multipliers, unit: Unit) -> list[Step]:
     given: dict[str, float | str] = {
         "HM": lift.H, "VM": lift.V, "DM": lift.D, "AM": lift.A, "FM": lift.F, "CM": lift.coupling,
     }  # fmt: skip
     return [
-        Step(name, value, (Reason(name, given[name], neutral=value >= 1),), weight=1 - value)
+        Step(
+            name,
+            value,
+            (Reason(_in_unit(name, unit), given[name], neutral=value >= 1),),
+            weight=1 - value,
+        )
         for name, value in found._asdict().items()
     ]
+
+
+def _in_unit(name: str, unit: Unit) -> str:
+    return f"{name}_in" if unit == "in" and name in ("HM", "VM", "DM") else name
 
 
 def _level(index: float | None) -> int:

@@ -1,0 +1,49 @@
+"""A file of facts in: `load_facts("facts.yaml")`, or a workbook."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from tandem.ergonomics.facts import FactsError
+from tandem.ergonomics.tasks import TaskFacts
+from tandem.errors import Fault
+from tandem.files.facts import document, sheet
+from tandem.files.facts.entry import Conditions
+from tandem.files.spreadsheet.workbook import is_spreadsheet
+
+LARGEST = 20_000_000
+
+
+def load_facts(
+    path: str | os.PathLike[str], whole: Conditions | None = None
+) -> tuple[list[TaskFacts], list[str]]:
+    """The tasks that a file describes, with their facts, and remarks on what was not read.
+
+    Args:
+      path: YAML or JSON, or a spreadsheet by its ending.
+
+    Raises:
+      FactsError, CellError: with every fault at its place.
+    """
+    whole = whole or Conditions()
+    where = Path(path)
+    if is_spreadsheet(where):
+        return sheet.read(where, whole)
+    try:
+        with open(where, "rb") as file:
+            data = file.read(LARGEST + 1)
+    except OSError as error:
+        said = (error.strerror or str(error)).lower()
+        raise FactsError([Fault(f"the file cannot be read: {said}.", place=str(path))]) from error
+    if len(data) > LARGEST:
+        raise FactsError([Fault("the file has more than 20 MB.", place=str(path))])
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FactsError(
+            [Fault("the text is not UTF-8. Save the file as UTF-8.", place=str(path))]
+        ) from error
+    if not text.strip():
+        raise FactsError([Fault("the file is empty. It needs `tasks`.", place=str(path))])
+    return document.read(text, str(path), whole), []
