@@ -28,6 +28,7 @@ STYLE = """
 section.task { break-inside: avoid; border-top: 1px solid #c8ccd0; margin-top: 1.6rem; }
 section.task h3 { margin-top: .8rem; }
 table { font-size: .92rem; }
+.columns td:last-child { min-width: 6.2rem; }
 td.level { padding-left: .5rem; }
 td.default { font-style: italic; }
 .columns { display: flex; flex-wrap: wrap; gap: 0 2.4rem; }
@@ -78,7 +79,7 @@ def _facts(t: Words, row: Scored) -> Iterator[tuple[list[str], bool]]:
         if value is None:
             continue
         shown = [
-            say.fact(t, name),
+            say.fact(t, row.given.method, name),
             say.number(t, value),
             say.unit_of(row, name),
             t(f"source.{origin.source}"),

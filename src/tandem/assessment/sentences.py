@@ -104,9 +104,10 @@ def _listed(t: Words, items: list[str]) -> str:
     return t("and", first=", ".join(items[:-1]), last=items[-1])
 
 
-def fact(t: Words, name: str) -> str:
-    """What a fact is called."""
-    return t.sentences.get(f"fact.{name}", name)
+def fact(t: Words, method: str, name: str) -> str:
+    """What a fact of a method is called."""
+    common = t.sentences.get(f"fact.{name}", name)
+    return t.sentences.get(f"fact.{method}.{name}", common)
 
 
 def unit_of(row: Scored, name: str) -> str:
@@ -133,7 +134,7 @@ def stability(t: Words, row: Scored) -> str:
         told.append(
             t(
                 "move",
-                fact=fact(t, move.fact),
+                fact=fact(t, row.given.method, move.fact),
                 value=number(t, move.value) + space + unit,
                 old=number(t, getattr(row.given.facts, move.fact)) + space + unit,
                 change=change,
@@ -149,7 +150,10 @@ def unstated(t: Words, row: Scored) -> str:
     """
     if not row.unstated:
         return ""
-    named = ", ".join(f"{fact(t, name)} {number(t, value)}" for name, value in row.unstated.items())
+    named = ", ".join(
+        f"{fact(t, row.given.method, name)} {number(t, value)}"
+        for name, value in row.unstated.items()
+    )
     said = t("unstated", facts=named)
     if row.at_worst is None or row.at_worst.level == row.outcome.level:
         return said
@@ -217,7 +221,7 @@ def provenance(t: Words, row: Scored) -> str:
     for name, origin in row.given.origins.items():
         if origin.source != "default" or name in row.given.facts.model_fields_set:
             who = ", ".join(part for part in (origin.assessor, origin.date) if part)
-            groups.setdefault((origin.source, who), []).append(fact(t, name))
+            groups.setdefault((origin.source, who), []).append(fact(t, row.given.method, name))
     if not groups:
         return ""
     told = [

@@ -200,7 +200,8 @@ def _sentence(
     if kind == "finite_number":
         return f"{name} is {value}, but must be a number. Write the number."
     in_unit = f" of {unit}" if unit else ""
-    return f"{name} is {value!r}, but a number{in_unit} is needed. Write it in digits."
+    whole = "whole " if kind.startswith("int") else ""
+    return f"{name} is {value!r}, but a {whole}number{in_unit} is needed. Write it in digits."
 
 
 def _bound(kind: str, context: Mapping[str, Any]) -> str:

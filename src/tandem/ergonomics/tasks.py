@@ -21,7 +21,7 @@ SIDES: tuple[Side, ...] = ("left", "right", "both")
 SOURCES = ("measured", "video", "estimated", "default", "stated")
 """Where a fact came from. Whoever names no source has `stated` it; `default` was not stated."""
 ANGLE, SHARE = 5.0, 0.10
-"""How far a fact is moved to see whether the level stays: degrees of an angle, a share of others."""
+"""How far a fact is moved to see whether the level stays: degrees of an angle, a share else."""
 CHANCES = {
     "lifft": (lifft.CHANCE, lifft.level),
     "duet": (duet.CHANCE, lambda dose, risk: int(dose > duet.CUT)),

@@ -1,4 +1,4 @@
-"""The revised NIOSH lifting equation once more, for arrays of lifts, with the frequency table as its
+"""The revised NIOSH lifting equation once more, for arrays of lifts; the frequency table as the
 manual prints it: a line for each frequency.
 """
 

@@ -29,7 +29,8 @@ def read(text: str, source: str, whole: Conditions) -> list[TaskFacts]:
     document = reader.read(text, source)
     plain = document.plain()
     faults = [*document.faults, *_top(document, plain)]
-    if faults and not (isinstance(plain, dict) and isinstance(plain.get("tasks"), dict)):
+    usable = isinstance(plain, dict) and isinstance(plain.get("tasks"), dict)
+    if not usable or "operators" in plain:
         raise FactsError(faults)
     whole = replace(
         whole,

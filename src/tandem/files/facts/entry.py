@@ -26,16 +26,21 @@ from tandem.files.spreadsheet.vocabulary import VOCABULARY, key
 
 ROW_KEYS = ("method", "side", "source", "assessor", "date", "minutes", "reps_per_cycle")
 """What a row says beside the facts of its method."""
-SPELLED: dict[str, list[str]] = {}
-"""A folded spelling -> the facts that it may mean; which one, the method of the row decides."""
-for _fact, _spellings in {**VOCABULARY["facts"], **VOCABULARY["rows of facts"]}.items():
-    for _spelling in _spellings:
-        SPELLED.setdefault(_spelling, []).append(_fact)
-WORDS: dict[str, list[str]] = {}
-"""A folded spelling -> the words of methods that it may mean."""
-for _word, _spellings in VOCABULARY["words of facts"].items():
-    for _spelling in _spellings:
-        WORDS.setdefault(_spelling, []).append(_word)
+
+
+def _by_spelling(*tables: str) -> dict[str, list[str]]:
+    """A folded spelling -> the names that it may mean, in the order of the tables."""
+    found: dict[str, list[str]] = {}
+    for table in tables:
+        for name, spellings in VOCABULARY[table].items():
+            for spelling in spellings:
+                found.setdefault(spelling, []).append(name)
+    return found
+
+
+SPELLED = _by_spelling("facts", "rows of facts")
+"""Which of the facts a spelling means, the method of the row decides."""
+WORDS = _by_spelling("words of facts")
 FACTS = {name for method in METHODS.values() for name in method.model.model_fields}
 OTHER_SIGN = {("rsi", "wrist_flexion_deg"): "P"}
 """Facts that a method counts the other way round: the Strain Index takes extension as positive."""
@@ -301,6 +306,8 @@ class _Entry:
         ]
         taken = set()
         for name in missing:
+            if name == "reps" and "reps_per_cycle" in self.about:
+                continue  # told already
             info = model.model_fields[name]
             cautious = about(info)["cautious"]
             if self.whole.cautious and cautious is not None:
@@ -323,6 +330,8 @@ class _Entry:
         except ValidationError as error:
             for refusal in refusals(error, model, self.method):
                 name = str(refusal.path[0]) if refusal.path else ""
+                if name in model.model_fields and name not in facts and not self.faults:
+                    self.fault(refusal.message)
                 if name in model.model_fields and name not in facts:
                     continue  # told already
                 given = self.stated.get(name)
