@@ -270,8 +270,9 @@ def xlsx(t: Words, found: Assessment) -> bytes:
     book.remove(book.worksheets[0])
     title = t("title", name=found.name)
     summary = [
-        [*_summary(t, row), say.explanation(t, row.outcome), say.stability(t, row)]
+        [*cells[:3], row.outcome.score, *cells[4:], say.explanation(t, row.outcome), stays]
         for row in found.rows
+        for cells, stays in [(_summary(t, row), say.stability(t, row))]
     ]
     heads = [*_heads(t, SUMMARY), t("col.explanation"), t("col.stable")]
     sheet = _sheet(book, t("sheet.summary"), title, heads, summary, (26, 11, 18, 10, 30, 8, 60, 50))
@@ -317,7 +318,7 @@ def _sheet(
     name: str,
     title: str,
     heads: Sequence[str],
-    rows: Sequence[Sequence[str]],
+    rows: Sequence[Sequence[object]],
     widths: Sequence[float],
 ) -> Worksheet:
     from tandem.report.workbook import fit_to_page, write_header, write_row, write_title

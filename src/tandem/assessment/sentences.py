@@ -115,7 +115,7 @@ def unit_of(row: Scored, name: str) -> str:
     unit = str(about(type(row.given.facts).model_fields[name])["unit"])
     if getattr(row.given.facts, "unit", "cm") == "in":
         unit = {"cm": "in", "kg": "lb"}.get(unit, unit)
-    return {"deg": "°", "1/day": ""}.get(unit, unit)
+    return {"deg": "°", "1/day": "", "1/min": "/min", "1/s": "/s"}.get(unit, unit)
 
 
 def stability(t: Words, row: Scored) -> str:
@@ -125,7 +125,7 @@ def stability(t: Words, row: Scored) -> str:
     told = []
     for move in row.moves:
         unit = unit_of(row, move.fact)
-        space = "" if unit in ("", "°") else " "
+        space = "" if unit in ("", "°") or unit.startswith("/") else " "
         change = (
             t.signed(round(100 * move.change)) + " %"
             if move.is_share

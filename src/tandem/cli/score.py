@@ -37,6 +37,11 @@ if TYPE_CHECKING:
     metavar="FILE|-",
     help="Facts of one calculation of --method, JSON or YAML, by their published names.",
 )
+@click.option(
+    "--angles",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Joint angles per frame, CSV: --method of the median, 95th percentile and peak posture.",
+)
 @click.option("--cycles", type=click.FloatRange(0, min_open=True), help="Products a shift.")
 @click.option(
     "--cautious",
@@ -64,6 +69,7 @@ def score_command(
     method: str | None,
     step: str | None,
     facts: str | None,
+    angles: Path | None,
     cycles: float | None,
     cautious: bool,
     outputs: tuple[Path, ...],
@@ -84,18 +90,20 @@ def score_command(
       tandem score facts.xlsx --lang de -o assessment.html
       tandem score facts.yaml --cycles 420 --json
       tandem score --method rula --function rula_table_c --facts step.json --json
+      tandem score --method reba --angles frames.csv --facts rest.yaml
     """
-    _check_use(facts_file, method, step, facts, template, listed)
+    _check_use(facts_file, method, step, facts, angles, template, listed)
+    whole = {"method": method or "", "cycles": cycles, "cautious": cautious}
     if listed:
         _list(as_json)
     elif template is not None:
         _template(template, lang)
+    elif angles is not None:
+        _angles(angles, facts, whole, outputs, as_json, lang)
     elif facts is not None:
-        assert method is not None
-        _one(method, step, facts, as_json, lang)
-    else:
-        assert facts_file is not None
-        _file(facts_file, method or "", cycles, cautious, outputs, as_json, lang)
+        _one(method or "", step, facts, as_json, lang)
+    elif facts_file is not None:
+        _file(facts_file, whole, outputs, as_json, lang)
 
 
 def _check_use(
@@ -103,17 +111,20 @@ def _check_use(
     method: str | None,
     step: str | None,
     facts: str | None,
+    angles: Path | None,
     template: Path | None,
     listed: bool,
 ) -> None:
-    chosen = [given for given in (facts_file, facts, template, listed or None) if given is not None]
+    alone = None if angles is not None else facts
+    ways = (facts_file, alone, angles, template, listed or None)
+    chosen = [given for given in ways if given is not None]
     if len(chosen) != 1:
         raise UsageError(
             "give one of: FILE (facts of tasks), --method NAME with --facts FILE (one calculation),"
-            " --template FILE, --list."
+            " --angles FILE, --template FILE, --list."
         )
-    if facts is not None and method is None:
-        raise UsageError("--facts needs --method NAME; `tandem score --list` names them.")
+    if (facts is not None or angles is not None) and method is None:
+        raise UsageError("--facts and --angles need --method NAME; `--list` names them.")
     if step is not None and facts is None:
         raise UsageError("--function needs --facts FILE with the facts of that step.")
 
@@ -215,15 +226,8 @@ def _by_published_names(given: dict[str, Any], model: Any) -> dict[str, Any]:
 
 
 def _file(
-    path: Path,
-    method: str,
-    cycles: float | None,
-    cautious: bool,
-    outputs: Iterable[Path],
-    as_json: bool,
-    lang: str,
+    path: Path, whole: Mapping[str, Any], outputs: Iterable[Path], as_json: bool, lang: str
 ) -> None:
-    from tandem import __version__
     from tandem.assessment import pages
     from tandem.assessment import sentences as say
     from tandem.ergonomics.methods import method_named
@@ -231,17 +235,50 @@ def _file(
     from tandem.files.facts.entry import Conditions
     from tandem.files.facts.load import load_facts
 
-    if method:
-        method_named(method)
+    if whole["method"]:
+        method_named(whole["method"])
     for output in outputs:
         pages.check(output)
-    tasks, remarks = load_facts(path, Conditions(method, cycles, cautious))
+    file = load_facts(path, Conditions(**whole))
     t = say.words(lang)
-    for remark in remarks:
+    for remark in file.remarks:
         click.echo(t("remark", what=remark), err=True)
+    rows = [scored(task) for task in file.tasks]
+    _put(t, pages.Assessment(file.name, rows, totals(rows), _made()), outputs, as_json)
+
+
+def _angles(
+    path: Path,
+    facts: str | None,
+    whole: Mapping[str, Any],
+    outputs: Iterable[Path],
+    as_json: bool,
+    lang: str,
+) -> None:
+    """The postures of a recording. They are no tasks of a shift, so that nothing is summed up."""
+    from tandem.assessment import pages
+    from tandem.assessment import sentences as say
+    from tandem.ergonomics.tasks import scored
+    from tandem.files.facts.angles import load_angles
+    from tandem.files.facts.entry import Conditions
+
+    for output in outputs:
+        pages.check(output)
+    rest = {} if facts is None else _facts_of(facts)
+    tasks = load_angles(path, whole["method"], rest, Conditions(**whole))
     rows = [scored(task) for task in tasks]
-    made = {"version": __version__, "command": shlex.join(["tandem", *sys.argv[1:]])}
-    found = pages.Assessment(path.stem, rows, totals(rows), made)
+    _put(say.words(lang), pages.Assessment(path.stem, rows, [], _made()), outputs, as_json)
+
+
+def _made() -> dict[str, str]:
+    from tandem import __version__
+
+    return {"version": __version__, "command": shlex.join(["tandem", *sys.argv[1:]])}
+
+
+def _put(t: Words, found: Assessment, outputs: Iterable[Path], as_json: bool) -> None:
+    from tandem.assessment import pages
+
     for output in outputs:
         pages.write(t, found, output)
     if as_json:

@@ -183,7 +183,7 @@ class LmFacts(Facts):
     V: float | None = fact("height of the hands", "m", 0, 2.5, default=None)
     DH: float | None = fact("horizontal travel", "m", above=0, high=100, default=None)
     F: float = fact("actions per minute", "1/min", above=0, high=30, cautious=6.0)
-    load_kg: float | None = fact("load or force", "kg", 0, 300, default=None)
+    load_kg: float | None = fact("load or force", "kg", 0, 300, default=None, asked=True)
 
     @property
     def name(self) -> str:

@@ -100,7 +100,9 @@ class Lift(Facts):
 class NioshFacts(Lift):
     """A lift, its load, and the destination when the load must be placed with care there."""
 
-    L: float | None = fact("load (kg, or lb with unit in)", "kg", above=0, high=500, default=None)
+    L: float | None = fact(
+        "load (kg, or lb with unit in)", "kg", above=0, high=500, default=None, asked=True
+    )
     unit: Unit = fact("of lengths: cm (with kg) or in (with lb)", default="cm")
     V_origin: float | None = fact(
         "height at the origin, when V is that of the destination", "cm", 0, 250, default=None

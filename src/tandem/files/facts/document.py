@@ -19,8 +19,8 @@ OWN = ("value", "unit", "source", "assessor", "date")
 """Keys of a fact that says where it came from: `trunk: {value: 45, source: video}`."""
 
 
-def read(text: str, source: str, whole: Conditions) -> list[TaskFacts]:
-    """The tasks of a text with their facts.
+def read(text: str, source: str, whole: Conditions) -> tuple[list[TaskFacts], str]:
+    """The tasks of a text with their facts, and its name, empty when it has none.
 
     Raises:
       FactsError, CellError: it cannot be read, or facts are wrong; with every fault at its line.
@@ -50,7 +50,7 @@ def read(text: str, source: str, whole: Conditions) -> list[TaskFacts]:
     faults += twice(found)
     if faults:
         raise FactsError(faults)
-    return found
+    return found, str(plain.get("name") or "")
 
 
 def _top(document: Document, plain: Any) -> Iterator[Fault]:

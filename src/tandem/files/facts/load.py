@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import dataclass
 from pathlib import Path
 
 from tandem.ergonomics.facts import FactsError
@@ -15,10 +16,23 @@ from tandem.files.spreadsheet.workbook import is_spreadsheet
 LARGEST = 20_000_000
 
 
-def load_facts(
-    path: str | os.PathLike[str], whole: Conditions | None = None
-) -> tuple[list[TaskFacts], list[str]]:
-    """The tasks that a file describes, with their facts, and remarks on what was not read.
+@dataclass(frozen=True)
+class FactsFile:
+    """What a file of facts holds.
+
+    Attributes:
+      name: of the whole, from the file or its name.
+      tasks: one for each task, side and method.
+      remarks: what stands there and was not read, a sentence each.
+    """
+
+    name: str
+    tasks: tuple[TaskFacts, ...]
+    remarks: tuple[str, ...] = ()
+
+
+def load_facts(path: str | os.PathLike[str], whole: Conditions | None = None) -> FactsFile:
+    """The tasks that a file describes, with their facts.
 
     Args:
       path: YAML or JSON, or a spreadsheet by its ending.
@@ -29,7 +43,8 @@ def load_facts(
     whole = whole or Conditions()
     where = Path(path)
     if is_spreadsheet(where):
-        return sheet.read(where, whole)
+        tasks, remarks = sheet.read(where, whole)
+        return FactsFile(where.stem, tuple(tasks), tuple(remarks))
     try:
         with open(where, "rb") as file:
             data = file.read(LARGEST + 1)
@@ -46,4 +61,5 @@ def load_facts(
         ) from error
     if not text.strip():
         raise FactsError([Fault("the file is empty. It needs `tasks`.", place=str(path))])
-    return document.read(text, str(path), whole), []
+    tasks, name = document.read(text, str(path), whole)
+    return FactsFile(name or where.stem, tuple(tasks))
