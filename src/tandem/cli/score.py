@@ -167,7 +167,7 @@ def _one(name: str, step: str | None, facts: str, as_json: bool, lang: str) -> N
 def _facts_of(source: str) -> dict[str, Any]:
     from tandem.ergonomics.facts import FactsError
     from tandem.errors import Fault
-    from tandem.files import json_reader, yaml_reader
+    from tandem.files.facts.document import tree
 
     try:
         text = sys.stdin.read() if source == "-" else Path(source).read_text("utf-8-sig")
@@ -175,8 +175,7 @@ def _facts_of(source: str) -> dict[str, Any]:
         said = getattr(error, "strerror", None) or "it is not UTF-8"
         raise FactsError([Fault(f"cannot be read: {said.lower()}.", place=source)]) from error
     name = "standard input" if source == "-" else source
-    reader = json_reader if text.lstrip().startswith(("{", "[")) else yaml_reader
-    document = reader.read(text, name)
+    document = tree(text, name)
     if document.faults:
         raise FactsError(document.faults)
     found = document.plain()

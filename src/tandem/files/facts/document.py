@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -19,14 +20,19 @@ OWN = ("value", "unit", "source", "assessor", "date")
 """Keys of a fact that says where it came from: `trunk: {value: 45, source: video}`."""
 
 
+def tree(text: str, source: str) -> Document:
+    """The text as a tree: JSON when it begins as JSON does, else YAML. Raises CellError."""
+    is_json = re.match(r'\s*({\s*["}]|\[)', text) is not None
+    return json_reader.read(text, source) if is_json else yaml_reader.read(text, source)
+
+
 def read(text: str, source: str, whole: Conditions) -> tuple[list[TaskFacts], str]:
     """The tasks of a text with their facts, and its name, empty when it has none.
 
     Raises:
       FactsError, CellError: it cannot be read, or facts are wrong; with every fault at its line.
     """
-    reader = json_reader if text.lstrip().startswith(("{", "[")) else yaml_reader
-    document = reader.read(text, source)
+    document = tree(text, source)
     plain = document.plain()
     faults = [*document.faults, *_top(document, plain)]
     usable = isinstance(plain, dict) and isinstance(plain.get("tasks"), dict)
