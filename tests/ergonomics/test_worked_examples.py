@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import pytest
-from tests.ergonomics.worked_examples import EXAMPLES, NOT_REPRODUCED, answer, compared
+from tests.ergonomics.worked_examples import EXAMPLES, NOT_REPRODUCED, answer, compared, table
 
 from tandem.ergonomics import METHODS, published
 
@@ -35,6 +36,11 @@ def test_what_is_printed_and_not_reproduced_is_what_the_page_says():
     metric = {"lever_cm": 41.0, "load_kg": 9 / 9.80665, "reps": 2880.0}
     exact = published("shoulder_tool", "shoulder_task", metric)
     assert f"{exact.outputs['probability']:.3f}" == "0.210"
+
+
+def test_the_page_shows_the_table_as_it_is_printed():
+    page = Path(__file__).parents[2] / "docs" / "ergonomics.md"
+    assert table() in page.read_text("utf-8")
 
 
 def test_the_share_of_the_heaviest_task_is_as_the_duet_paper_says():

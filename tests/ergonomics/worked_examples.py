@@ -17,8 +17,10 @@ from tandem.ergonomics.outcome import Outcome
 FILE = json.loads(Path(__file__).with_suffix(".json").read_text("utf-8"))
 EXAMPLES: list[dict[str, Any]] = FILE["examples"]
 NOT_REPRODUCED: list[dict[str, str]] = FILE["not_reproduced"]
-PRINTED = ("published", "published_partial", "software_output")
-"""Kinds of examples whose result somebody else has printed; others are regression values."""
+PRINTED = ("published", "software_output")
+"""Kinds of examples whose result somebody else has printed. Others are regression values, or inputs
+that were printed without the result of that step.
+"""
 
 
 def answer(example: Mapping[str, Any]) -> Mapping[str, Any]:
