@@ -83,6 +83,14 @@ def test_json_is_one_document_on_stdout_and_nothing_else(capsys):
     assert json.loads(out)["tasks"][0]["score"] == 7
 
 
+def test_a_file_comes_from_standard_input_too(monkeypatch, capsys):
+    text = EXAMPLE.read_bytes()
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(text), "utf-8"))
+    code, out, _ = asked(capsys, "-", "--json")
+    assert code == 0
+    assert json.loads(out)["name"] == "Gearbox, station 3"
+
+
 def test_the_template_is_scored_as_it_is(tmp_path, capsys):
     path = tmp_path / "facts.xlsx"
     assert asked(capsys, "--template", str(path), "--lang", "de")[0] == 0

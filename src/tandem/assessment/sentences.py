@@ -79,9 +79,12 @@ def explanation(t: Words, outcome: Outcome) -> str:
     """One sentence: the score, what made it so, and what it means."""
     told = sorted((s for s in outcome.steps if s.weight > 0), key=lambda s: -s.weight)
     parts = [_part(t, one) for one in told[:MOST_PARTS]]
+    shown = score(t, outcome.method, outcome.score)
+    if "probability" in outcome.outputs:
+        shown = t("with_chance", score=shown, risk=t.share(outcome.outputs["probability"]))
     values = {
         "method": t(f"method.{outcome.method}"),
-        "score": score(t, outcome.method, outcome.score),
+        "score": shown,
         "level": level(t, outcome.method, outcome.level),
     }
     if not parts:

@@ -22,7 +22,10 @@ if TYPE_CHECKING:
 
 @click.command("score", epilog="What each method is for, its facts and sources: docs/ergonomics.md")
 @click.argument(
-    "facts_file", metavar="[FILE]", required=False, type=click.Path(path_type=Path, dir_okay=False)
+    "facts_file",
+    metavar="[FILE]",
+    required=False,
+    type=click.Path(path_type=Path, dir_okay=False, allow_dash=True),
 )
 @click.option("--method", metavar="NAME", help="Of rows that name none; alone with --facts.")
 @click.option(

@@ -142,6 +142,8 @@ def test_a_lift_in_inches_and_pounds_stays_in_the_us_system(tmp_path):
     )
     (task,) = read(tmp_path, text).tasks
     assert scored(task).outcome.score == pytest.approx(1.0)
+    (other,) = read(tmp_path, text.replace("L: 51", "L: 23.13321087 kg")).tasks
+    assert dict(other.facts)["L"] == pytest.approx(51)
 
 
 def test_the_wrist_is_turned_round_for_the_strain_index(tmp_path):

@@ -265,8 +265,8 @@ class _Entry:
         if number is None:
             return given.value
         wanted, unit = about(info)["unit"], own or given.unit
-        if self.stated.get("unit") is not None and wanted in ("cm", "kg") and not unit:
-            wanted = ""  # NIOSH in inches and pounds
+        if "unit" in self.stated and self.stated["unit"].value == "in":
+            wanted = {"cm": "in", "kg": "lb"}.get(wanted, wanted)  # the equation's US system
         if unit and wanted:
             try:
                 number = converted(number, unit, wanted)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -35,7 +36,7 @@ def load_facts(path: str | os.PathLike[str], whole: Conditions | None = None) ->
     """The tasks that a file describes, with their facts.
 
     Args:
-      path: YAML or JSON, or a spreadsheet by its ending.
+      path: YAML or JSON, `-` of standard input, or a spreadsheet by its ending.
 
     Raises:
       FactsError, CellError: with every fault at its place.
@@ -46,8 +47,7 @@ def load_facts(path: str | os.PathLike[str], whole: Conditions | None = None) ->
         tasks, remarks = sheet.read(where, whole)
         return FactsFile(where.stem, tuple(tasks), tuple(remarks))
     try:
-        with open(where, "rb") as file:
-            data = file.read(LARGEST + 1)
+        data = _bytes(where)
     except OSError as error:
         said = (error.strerror or str(error)).lower()
         raise FactsError([Fault(f"the file cannot be read: {said}.", place=str(path))]) from error
@@ -61,5 +61,13 @@ def load_facts(path: str | os.PathLike[str], whole: Conditions | None = None) ->
         ) from error
     if not text.strip():
         raise FactsError([Fault("the file is empty. It needs `tasks`.", place=str(path))])
-    tasks, name = document.read(text, str(path), whole)
-    return FactsFile(name or where.stem, tuple(tasks))
+    source = "standard input" if str(path) == "-" else str(path)
+    tasks, name = document.read(text, source, whole)
+    return FactsFile(name or Path(source).stem, tuple(tasks))
+
+
+def _bytes(path: Path) -> bytes:
+    if str(path) == "-":
+        return sys.stdin.buffer.read(LARGEST + 1)
+    with open(path, "rb") as file:
+        return file.read(LARGEST + 1)
