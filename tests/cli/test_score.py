@@ -27,7 +27,7 @@ def test_every_worked_example_can_be_asked_by_name(example: dict[str, Any], tmp_
     facts.write_text(json.dumps(example["inputs"]))
     code, out, _ = asked(
         capsys, "--method", example["method"], "--function", example["function"],
-        "--facts", str(facts), "--json",
+        "--facts", str(facts), "--json", "--unverified",
     )  # fmt: skip
     assert code == 0
     answer = json.loads(out)
@@ -59,6 +59,19 @@ def test_recalled_numbers_are_marked(tmp_path, capsys):
     code, out, err = asked(
         capsys, "--method", "hal_tlv", "--function", "hal_2018", "--facts", str(facts), "--json"
     )
+    assert code == 0
+    assert json.loads(out)["unverified"] is True
+    assert "recalled" in err
+
+
+def test_methods_with_recalled_tables_are_computed_on_request_alone(tmp_path, capsys):
+    facts = tmp_path / "facts.json"
+    facts.write_text('{"rating_points_sum": 14, "time_rating": 3.5}')
+    arguments = ("--method", "kim_lhc", "--facts", str(facts), "--json")
+    code, _, err = asked(capsys, *arguments)
+    assert code == 2
+    assert "Give --unverified" in err
+    code, out, err = asked(capsys, *arguments, "--unverified")
     assert code == 0
     assert json.loads(out)["unverified"] is True
     assert "recalled" in err

@@ -206,7 +206,7 @@ def test_more_exertion_than_the_minute_has_is_refused():
 def test_an_unknown_method_is_met_with_the_nearest_and_a_licensed_one_with_the_reason():
     with pytest.raises(UsageError, match="'reba'"):
         score("rebe", {})
-    with pytest.raises(UsageError, match="no tables of EAWS are shipped"):
+    with pytest.raises(UsageError, match="EAWS scores no tasks here"):
         score("eaws", {})
 
 

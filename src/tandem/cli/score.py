@@ -64,6 +64,11 @@ if TYPE_CHECKING:
     type=click.Path(dir_okay=False, path_type=Path),
     help="Write a workbook of 20 example tasks to overwrite, and score nothing.",
 )
+@click.option(
+    "--unverified",
+    is_flag=True,
+    help="Allow steps of ocra and kim_lhc, whose tables were recalled and not read.",
+)
 @click.option("--list", "listed", is_flag=True, help="List the methods and their facts.")
 @AS_JSON
 @LANGUAGE
@@ -77,6 +82,7 @@ def score_command(
     cautious: bool,
     outputs: tuple[Path, ...],
     template: Path | None,
+    unverified: bool,
     listed: bool,
     as_json: bool,
     lang: str,
@@ -104,6 +110,7 @@ def score_command(
     elif angles is not None:
         _angles(angles, facts, whole, outputs, as_json, lang)
     elif facts is not None:
+        _refuse_unverified(method or "", unverified)
         _one(method or "", step, facts, as_json, lang)
     elif facts_file is not None:
         _file(facts_file, whole, outputs, as_json, lang)
@@ -130,6 +137,16 @@ def _check_use(
         raise UsageError("--facts and --angles need --method NAME; `--list` names them.")
     if step is not None and facts is None:
         raise UsageError("--function needs --facts FILE with the facts of that step.")
+
+
+def _refuse_unverified(method: str, allowed: bool) -> None:
+    from tandem.ergonomics.methods import UNVERIFIED
+
+    if method in UNVERIFIED and not allowed:
+        raise UsageError(
+            f"--method {method}: tables or limits of it were recalled and not read in the source."
+            " Give --unverified to compute it all the same; the answer says so."
+        )
 
 
 # --- one calculation ------------------------------------------------------------------------------

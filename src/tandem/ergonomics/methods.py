@@ -12,9 +12,11 @@ from tandem.ergonomics import (
     exposure,
     garg_energy,
     hal_tlv,
+    kim_lhc,
     lifft,
     lm_mmh,
     niosh,
+    ocra,
     reba,
     rest_allowance,
     rsi,
@@ -91,14 +93,17 @@ METHODS: dict[str, Method] = {
 }  # fmt: skip
 """Name -> method; the names are those of the published worked examples' files."""
 
-OTHERS = {exposure.METHOD: exposure.FUNCTIONS}
-"""Published steps that belong to no single method."""
+UNVERIFIED = {ocra.METHOD: ocra.FUNCTIONS, kim_lhc.METHOD: kim_lhc.FUNCTIONS}
+"""Methods whose tables or limits were recalled, not read: single steps alone, on request."""
+
+OTHERS = {exposure.METHOD: exposure.FUNCTIONS, **UNVERIFIED}
+"""Published steps beside those of the methods."""
 
 LICENSED = {
     "eaws": "EAWS", "mtm": "MTM", "most": "MOST", "ocra": "OCRA", "kim": "KIM",
     "kim_lhc": "KIM-LHC",
 }  # fmt: skip
-"""Methods of which no tables are shipped, licensed ones and those whose tables we only recall."""
+"""Methods that score no tasks here: licensed ones, and those whose tables were only recalled."""
 
 
 def method_named(name: str) -> Method:
@@ -112,7 +117,7 @@ def unknown(name: str) -> str:
     """What to say of a method that is not in the table."""
     if name.casefold() in LICENSED:
         return (
-            f"no tables of {LICENSED[name.casefold()]} are shipped: they are licensed, or not"
+            f"{LICENSED[name.casefold()]} scores no tasks here: its tables are licensed, or not"
             " verified. State its number as `stress` in the cell file, or score with one of"
             f" {', '.join(METHODS)}."
         )

@@ -198,7 +198,7 @@ def test_cautious_takes_the_value_and_marks_it(tmp_path):
         ("grip: great", "coupling is 'great', but must be 'good', 'fair'"),
         ("side: middle", "side is 'middle', but must be left, right, both"),
         ("method: rebba", "there is no method 'rebba'. Did you mean 'reba'?"),
-        ("method: eaws", "no tables of EAWS are shipped"),
+        ("method: eaws", "EAWS scores no tasks here"),
         ("omni_res: 4", "'omni_res' is a fact of duet, but the row is scored by reba. Scales are"),
         ("turnk: 3", "reba knows no fact 'turnk'"),
         ("source: guess", "source is 'guess', but must be measured, video, estimated"),
