@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.ergonomics.worked_examples import EXAMPLES, _close
+from tests.ergonomics.worked_examples import EXAMPLES, close
 
 from tandem.cli.root import run
 
@@ -33,7 +33,7 @@ def test_every_worked_example_can_be_asked_by_name(example: dict[str, Any], tmp_
     answer = json.loads(out)
     assert answer["steps"]
     for name, printed in example["expected"].items():
-        assert _close(printed, answer[name], example["tolerance"])
+        assert close(printed, answer[name], example["tolerance"])
 
 
 def test_facts_come_from_standard_input_too(monkeypatch, capsys):

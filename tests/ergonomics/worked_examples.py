@@ -44,12 +44,12 @@ def compared(example: Mapping[str, Any]) -> Iterator[Compared]:
     ours, tolerance = answer(example), example["tolerance"]
     for name, printed in example["expected"].items():
         found = ours.get(name)
-        yield Compared(name, printed, found, _close(printed, found, tolerance))
+        yield Compared(name, printed, found, close(printed, found, tolerance))
 
 
-def _close(printed: Any, found: Any, tolerance: Mapping[str, float]) -> bool:
+def close(printed: Any, found: Any, tolerance: Mapping[str, float]) -> bool:
     if isinstance(printed, dict):
-        return all(_close(value, found[key], tolerance) for key, value in printed.items())
+        return all(close(value, found[key], tolerance) for key, value in printed.items())
     if isinstance(printed, str) or found is None:
         return bool(printed == found)
     allowed = tolerance.get("abs", tolerance.get("rel", 0.0) * abs(printed))
