@@ -262,6 +262,7 @@ def test_repetitions_per_cycle_need_the_cycles_of_a_shift(tmp_path):
         ("", "the file is empty"),
         ("[1, 2]", "a mapping with the key `tasks`"),
         ("tasks: {}", "`tasks` is missing or empty"),
+        ("tasks: {a: []}", "task 'a': a mapping of facts is needed"),
         ("operators: {a: {kind: human}}\ntasks: {1: {time: {a: 3}}}", "this is a cell file"),
         ("tasks: {a: {method: duet, omni_res: {values: 3}, reps: 3}}", "needs `value`"),
         ("tasks: {a: {omni_res: 3, reps: 3}}", "no method is named"),

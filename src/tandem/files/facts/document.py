@@ -48,7 +48,14 @@ def read(text: str, source: str, whole: Conditions) -> tuple[list[TaskFacts], st
     for task, path, row in _rows(plain["tasks"]):
         place = document.place(path).text
         if not isinstance(row, dict):
-            faults.append(Fault(f"task {task!r}: a mapping of facts is needed.", path, place))
+            faults.append(
+                Fault(
+                    f"task {task!r}: a mapping of facts is needed, or a list of them, such as"
+                    " `{method: reba, trunk: 45, ...}`.",
+                    path,
+                    place,
+                )
+            )
             continue
         one, wrong = entry(task, _given(document, path, row, faults), place, whole)
         faults += wrong
@@ -102,7 +109,7 @@ def _cycles(document: Document, plain: dict[str, Any], faults: list[Fault]) -> f
 
 def _rows(tasks: dict[str, Any]) -> Iterator[tuple[str, Path, Any]]:
     for task, rows in tasks.items():
-        if isinstance(rows, list):
+        if isinstance(rows, list) and rows:
             for place, row in enumerate(rows):
                 yield task, ("tasks", task, place), row
         else:
