@@ -28,7 +28,8 @@ STYLE = """
 section.task { break-inside: avoid; border-top: 1px solid #c8ccd0; margin-top: 1.6rem; }
 section.task h3 { margin-top: .8rem; }
 table { font-size: .92rem; }
-.columns td:last-child { min-width: 6.2rem; }
+.columns td:last-child { min-width: 6rem; }
+.columns table { font-size: .82rem; }
 td.level { padding-left: .5rem; }
 td.default { font-style: italic; }
 .columns { display: flex; flex-wrap: wrap; gap: 0 2.4rem; }
