@@ -94,9 +94,9 @@ _HOME = {
 
 
 def __getattr__(name: str) -> Any:
-    # a room and a verb: tandem.plan(cell) plans, tandem.plan.methods is a module
-    if name == "plan":
-        return importlib.import_module("tandem.plan")
+    # a room and a verb: tandem.plan(cell) plans, tandem.plan.methods is a module; and a room alone
+    if name in ("plan", "ergonomics"):
+        return importlib.import_module(f"tandem.{name}")
     for home, names in _HOME.items():
         if name in names:
             return getattr(importlib.import_module(home), name)

@@ -118,6 +118,11 @@ VERBS: dict[str, tuple[str, str, str]] = {
         "import_command",
         "Turn a planner's workbook into a cell file.",
     ),
+    "score": (
+        "tandem.cli.score",
+        "score_command",
+        "Score tasks by ergonomic methods, from posture, load and rate.",
+    ),
     "template": (
         "tandem.cli.sheets",
         "template_command",
