@@ -158,7 +158,7 @@ class Entry:
         self.schedule = {"makespan": short(value), "tasks": packed(schedule), **how}
 
     def take_bound(self, value: float, by: str, how: Row) -> None:
-        """Takes a bound that is higher. Raises ContradictionError when it lies above the schedule."""
+        """Takes a bound that is higher. Raises ContradictionError when it is above a schedule."""
         if value <= self.lower:
             return
         if value > self.upper:
@@ -170,7 +170,7 @@ class Entry:
 
 
 def packed(schedule: Schedule) -> dict[str, list[Any]]:
-    """Task -> operators and start in seconds. The ends, which are the instance's times, stay out."""
+    """Task -> operators and start in seconds. The ends, which are times of the cell, stay out."""
     return {a.task: [list(a.operators), short(a.start)] for a in schedule}
 
 
