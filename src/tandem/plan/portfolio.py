@@ -433,7 +433,7 @@ class Race:
                 self._prove(False, workers - 1, seed, work)
                 return beside.result()
         turn = FIRST_TURN if work is None else work
-        while not self.over:
+        while self._may_prove:
             self._prove(True, 1, seed, turn * ROWS_SHARE)
             self._prove(False, 1, seed, turn * (1 - ROWS_SHARE))
             if work is not None:
@@ -444,11 +444,11 @@ class Race:
     def _now_and_then(self, seed: int) -> None:
         """The implied rows beside a plain model: each time with twice the work, after a rest."""
         work = ROWS_WORK
-        while not self.over:
+        while self._may_prove:
             began = monotonic()
             self._prove(True, 1, seed, work)
             rested = monotonic() + (monotonic() - began) * (1 / ROWS_SHARE - 1)
-            while not self.over and monotonic() < rested:
+            while self._may_prove and monotonic() < rested:
                 threading.Event().wait(0.02)
             work *= 2
 
@@ -476,6 +476,11 @@ class Race:
                 return None
             patience *= 2
         return None
+
+    @property
+    def _may_prove(self) -> bool:
+        """What is asked of a model that was wrong counts for nothing."""
+        return not self.over and not self.door.refused
 
     @property
     def _plain(self) -> tuple[cpsat.Rule, ...]:
