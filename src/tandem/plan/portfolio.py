@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
 from math import ceil
@@ -129,6 +130,8 @@ all cores improve.
 """
 REFUTABLE = 80
 """Up to so many tasks a state-space search is tried beside the others."""
+REFUTABLE_OPERATORS = 3
+"""And of so many operators: with more there are too many states that none of them beats."""
 REFUTE_NEAR = 0.9
 """It begins when the bound has come so near to the incumbent: far from it there is too much to
 refute.
@@ -149,6 +152,16 @@ EASY_WORK = STRETCH_WORK / 2
 """With less work than this a stretch was easy, and a longer one may be tried."""
 LEAST_SPENT = 0.002
 """Deterministic seconds that a question counts besides its own, for stating it."""
+FIRST_TURN = 1.0
+"""Deterministic seconds for a lone prover's first turn at both models; the next has twice that."""
+ROWS_WORK = 0.25
+"""Deterministic seconds at first for the implied rows beside a plain model: they prove soon, or
+late.
+"""
+ROWS_SHARE = 0.25
+"""Their share of the time."""
+PATIENT_S = 1.0
+"""Seconds for which a prover goes on when it has been overtaken; twice that the next time."""
 RELAX_WORK = 2.0
 """Deterministic seconds for the question who does what."""
 
@@ -410,7 +423,7 @@ class Race:
         """Who does what, the order left out: a bound, and work shared out so that a list schedule
         is a good beginning.
         """
-        plan = self._model(cpsat.ALLOCATION)
+        plan = self._model(cpsat.ALLOCATION, self.best, True)
         solver = self._solver(1, seed, RELAX_WORK)
         status = self._solve(solver, plan)
         if status == cp_model.INFEASIBLE:
@@ -423,13 +436,46 @@ class Race:
         return None
 
     def prove(self, workers: int, seed: int, work: float | None = None) -> None:
-        """CP-SAT on the whole cell, begun again whenever the incumbent has moved away from under
-        it. `work` in deterministic seconds.
+        """CP-SAT on the whole cell, in two models that prove unlike questions: the implied rows
+        below the incumbent, and a plain one that begins with it. Side by side where there are
+        `workers`, else in turns. `work` in deterministic seconds.
         """
-        patience = 1.0
+        if self.effort.from_below or self._is_fine:
+            return self._prove(not self._is_fine, workers, seed, work)
+        if workers > 1:
+            with ThreadPoolExecutor(1) as pool:
+                beside = pool.submit(self._now_and_then, seed)
+                self._prove(False, workers - 1, seed, work)
+                return beside.result()
+        turn = FIRST_TURN if work is None else work
+        while self._may_prove:
+            self._prove(True, 1, seed, turn * ROWS_SHARE)
+            self._prove(False, 1, seed, turn * (1 - ROWS_SHARE))
+            if work is not None:
+                return None
+            turn *= 2
+        return None
+
+    def _now_and_then(self, seed: int) -> None:
+        """The implied rows beside a plain model: each time with twice the work, after a rest."""
+        work = ROWS_WORK
+        while self._may_prove:
+            began = monotonic()
+            self._prove(True, 1, seed, work)
+            rested = monotonic() + (monotonic() - began) * (1 / ROWS_SHARE - 1)
+            while self._may_prove and monotonic() < rested:
+                threading.Event().wait(0.02)
+            work *= 2
+
+    def _prove(self, below: bool, workers: int, seed: int, work: float | None) -> None:
+        """One of the models, begun again whenever the incumbent has moved away from under it."""
+        # where ticks are fine one model does it all
+        rules = self.rules if below or self._is_fine else self._plain
+        patience = PATIENT_S
         while not self.over:
-            cut = self.value
-            plan = self._model(self.rules)
+            with self.lock:
+                incumbent, cut = self.best, self.value
+            plan = self._model(rules, incumbent, below)
             solver = self._solver(workers, seed, work)
             watcher = _Watcher(self, solver, plan, cut, patience)
             solver.best_bound_callback = watcher.on_bound
@@ -439,7 +485,7 @@ class Race:
             if status == cp_model.INFEASIBLE:
                 if cut is None:
                     return self._ruled_out(Prover.CP_SAT)
-                return self._nothing_below(cut)
+                return self._nothing_below(cut, below)
             if status == cp_model.OPTIMAL:
                 value = self.proposed(plan.read(solver.value), round(solver.objective_value))
                 return None if value is None else self.raise_bound(value, Prover.CP_SAT)
@@ -448,18 +494,36 @@ class Race:
             patience *= 2
         return None
 
+    @property
+    def _may_prove(self) -> bool:
+        """What is asked of a model that was wrong counts for nothing."""
+        return not self.over and not self.door.refused
+
+    @property
+    def _plain(self) -> tuple[cpsat.Rule, ...]:
+        return tuple(rule for rule in self.rules if rule not in cpsat.IMPLIED)
+
     def refute(self) -> None:
         """State-space search for anything quicker than the incumbent; where operators have little
         choice it proves in a second what CP-SAT cannot.
         """
-        if self.goal.stress or len(self.instance.tasks) > REFUTABLE or not self._await_incumbent():
+        if self.goal.stress or not self._is_refutable or not self._await_incumbent():
             return
         while not self.over and self.bound < REFUTE_NEAR * (self.value or 0):
             threading.Event().wait(0.05)
         self._refute_for(REFUTE_S)
 
+    @property
+    def _is_refutable(self) -> bool:
+        return (
+            len(self.instance.tasks) <= REFUTABLE
+            and len(self.instance.operators) <= REFUTABLE_OPERATORS
+        )
+
     def _refute_for(self, seconds: float) -> None:
         """The same for so many processor seconds."""
+        if not self._is_refutable:
+            return
         spent = thread_time() + seconds
         while not self.over and thread_time() < spent:
             proof = self._refuted(self.value or 0, spent)
@@ -589,40 +653,44 @@ class Race:
             threading.Event().wait(0.02)
         return self.best is not None and not self.over
 
-    def _model(self, rules: Sequence[cpsat.Rule]) -> Decisions:
-        """The question as a model: anything better than the incumbent or, where ticks are fine, the
-        incumbent to begin with.
+    def _model(
+        self, rules: Sequence[cpsat.Rule], incumbent: Admitted | None, below: bool
+    ) -> Decisions:
+        """The question as a model: anything below the incumbent, or the incumbent to begin with.
 
-        To refute "better by a tick" CP-SAT may walk through millions of ticks one by one, on four
-        tasks for minutes; but it proves at once that the schedule in its hands is the best.
+        Below, work that no longer fits is refuted at once. But to refute "better by a tick" CP-SAT
+        may walk through millions of ticks one by one, on four tasks for minutes; and what a search
+        learns from a schedule in its hands is lost. There it is left all of the time: with shorter
+        domains it took several times as long to prove the same, or did not. Only where ticks are
+        fine do they pay.
         """
         goal = self.goal
-        with self.lock:
-            best, value = self.best, self.value
-        at_most = 0 if value is None else value - (0 if self._is_fine else 1)
-        least = (
-            sum(min(way.stress for way in ways) for ways in self.instance.ways)
-            if self.instance.stress_of_set is None
-            else 0
-        )
+        value = None if incumbent is None else goal.value(*incumbent.point)
         upper = (
             self.instance.horizon
             if goal.max_makespan is None
             else min(goal.max_makespan, self.instance.horizon)
         )
-        # with the least stress paid, the objective's bound is one on the time: shorter domains
-        if value is not None and goal.time:
-            upper = min(upper, (at_most - goal.stress * least) // goal.time)
+        at_most = None if value is None or not (below or self._is_fine) else value - below
+        if at_most is not None and goal.time:
+            # with the least stress paid, the objective's bound is one on the time
+            upper = min(upper, (at_most - goal.stress * self._least_stress) // goal.time)
         plan = formulate(self.instance, upper, rules)
         objective = goal.time * plan.makespan + goal.stress * plan.stress
         if goal.max_stress is not None:
             plan.model.add(plan.stress <= goal.max_stress)
-        if value is not None:
+        if at_most is not None:
             plan.model.add(objective <= at_most)
-        if best is not None and self._is_fine:
-            plan.hint(best.starts)
+        if incumbent is not None and not below:
+            plan.hint(incumbent.starts)
         plan.model.minimize(objective)
         return plan
+
+    @property
+    def _least_stress(self) -> int:
+        if self.instance.stress_of_set is not None:
+            return 0
+        return sum(min(way.stress for way in ways) for ways in self.instance.ways)
 
     def _solver(self, workers: int, seed: int, work: float | None) -> cp_model.CpSolver:
         solver = cp_model.CpSolver()
@@ -667,11 +735,11 @@ class Race:
         if self.effort.meter is not None:
             self.effort.meter.spend(work + LEAST_SPENT)
 
-    def _nothing_below(self, value: int) -> None:
-        """The model has no solution although the incumbent's value is given; where ticks are fine
-        the incumbent itself was in it.
+    def _nothing_below(self, value: int, below: bool) -> None:
+        """The model has no solution although the incumbent's value is given; unless it asked for
+        what is `below`, the incumbent itself was in it.
         """
-        if self._is_fine:
+        if not below:
             self.door.refuse(["the model leaves out a schedule that the checker has accepted."])
         else:
             self.raise_bound(value, Prover.CP_SAT)
