@@ -12,7 +12,7 @@ import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from math import ceil
+from math import ceil, inf
 from queue import Empty, SimpleQueue
 from random import Random
 from time import monotonic, thread_time
@@ -20,9 +20,10 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
-from tandem.plan import cpsat
+from tandem.plan import cpsat, insertion
 from tandem.plan.cpsat import Decisions, formulate
 from tandem.plan.door import Admitted, Door
+from tandem.plan.insertion import Insertion
 from tandem.plan.list_scheduling import Layout, by_start
 from tandem.plan.lns import WORK as STRETCH_WORK
 from tandem.plan.lns import plan_anew, take_out
@@ -140,6 +141,20 @@ LEAST_WORK = 1.0
 """Deterministic seconds below which CP-SAT does not come to search a large cell, so it is not
 asked.
 """
+VISITS_PER_WORK = 1e7
+"""Inserting passes by so many tasks in what counts as a deterministic second of CP-SAT, and takes
+about as long.
+"""
+FEW_CORES = 3
+"""With so many workers at most, the first turn of insertion goes before the proof."""
+LOADING_S = 2.0
+"""Seconds that compiled code is waited for; once for each installation it takes longer."""
+FIRST_VISITS, MOST_VISITS = 50_000, 1_000_000
+"""So many between two looks at what the others found: few at first, when much is found."""
+VAIN_VISITS = 2e7
+"""Without an improvement for so many, stretches have their turn."""
+VAIN_STRETCHES = 20
+"""Without an improvement for so many stretches, insertion has its turn."""
 EASY_WORK = STRETCH_WORK / 2
 """With less work than this a stretch was easy, and a longer one may be tried."""
 LEAST_SPENT = 0.002
@@ -205,6 +220,7 @@ class Race:
         self.known = self.bound = bound
         self.infeasible = False
         self.stopped = False
+        self.inserted = False
         self.inbox: Inbox = SimpleQueue() if inbox is None else inbox
         self.at_work = 0
         self.threads: list[threading.Thread] = []
@@ -296,6 +312,8 @@ class Race:
 
     def start(self) -> None:
         """Sets the workers to work; `at_work` of them have not yet been heard to be done."""
+        if self._inserts:
+            insertion.load()  # it comes while the others begin
         jobs = self._alone() if self.effort.workers == 1 else self._together()
         self.threads = [
             threading.Thread(target=self._guarded, args=(job,), daemon=True) for job in jobs
@@ -346,13 +364,27 @@ class Race:
         ]
         if tasks < LARGE:
             # one search more than cores: unlike ones help each other
-            return [*jobs, partial(self.prove, workers + 1, seed), self.refute]
+            return [*jobs, partial(self._prove_later, workers + 1, seed), self.refute]
 
         def bound_then_improve() -> None:
             self.relax(seed)
             self.improve(Random(f"{seed} -"))
 
         return [*jobs, bound_then_improve]
+
+    def _prove_later(self, workers: int, seed: int) -> None:
+        """Proves when insertion has had its first turn: on few cores it would come late else, and
+        what it finds makes the proof shorter.
+        """
+        until = monotonic() + LOADING_S
+        if self._inserts and self.effort.workers <= FEW_CORES:
+            while not self.inserted and monotonic() < until and not self.over:
+                threading.Event().wait(0.01)
+        self.prove(workers, seed)
+
+    @property
+    def _inserts(self) -> bool:
+        return not self._is_small and insertion.knows(self.instance)
 
     def _alone(self) -> list[Callable[[], None]]:
         """Turn by turn in one thread, by counts and not by clocks, so that a run repeats."""
@@ -368,7 +400,7 @@ class Race:
             self.relax(seed)
         while not self.over:
             if self.best is not None:
-                self.improve(random, PATIENCE)
+                self._improve_once(random, PATIENCE)
             self.prove(1, seed, work=slice_)
             slice_ *= 2
         return None
@@ -384,7 +416,7 @@ class Race:
             self.prove(1, seed, work=work)
         if self.best is None or self._is_small:
             return
-        self.improve(Random(str(seed)), stretches=ceil(STRETCHES_PER_WORK * work))
+        self._improve_once(Random(str(seed)), work=work)
         refutable = (
             self.effort.refutes and not self.goal.stress and len(self.instance.tasks) <= REFUTABLE
         )
@@ -478,31 +510,85 @@ class Race:
         sound = append(self.layout, order, [way for way, _ in starts])
         return sound is not None and in_time(self.instance, sound) and self.found(sound)
 
-    def improve(
-        self, random: Random, patience: int | None = None, stretches: int | None = None
-    ) -> None:
-        """Takes out stretches and plans them anew, larger ones when that is quick; ends after so
-        many `stretches` in all, or `patience` of them in vain in a row.
+    def improve(self, random: Random) -> None:
+        """Inserts tasks elsewhere as long as that helps, then plans stretches anew, then inserts
+        again.
         """
         if not self._await_incumbent():
             return
+        search, sizes = self._insertion(random, LOADING_S), self._first_sizes()
+        while not self.over:
+            if search is not None:
+                self._insert(search, VAIN_VISITS)
+                self._plan_stretches(random, sizes, patience=VAIN_STRETCHES)
+            else:
+                self._plan_stretches(random, sizes, most=1)
+                search = self._insertion(random, 0)
+
+    def _improve_once(self, random: Random, patience: float = inf, work: float = inf) -> None:
+        """The same in one thread, with so much work for each of both, by counts alone."""
+        # where no clock runs the search is waited for, so that a run repeats
+        search = self._insertion(random, None if self.effort.until is None else LOADING_S)
+        if search is not None:
+            self._insert(search, VAIN_VISITS, work * VISITS_PER_WORK)
+        if not self.over:
+            most = work if work == inf else ceil(STRETCHES_PER_WORK * work)
+            self._plan_stretches(random, self._first_sizes(), patience, most)
+
+    def _insertion(self, random: Random, seconds: float | None) -> Insertion | None:
+        """The compiled search, None where it does not know the cell or is not there within so many
+        seconds (None: however long that takes).
+        """
+        if not insertion.knows(self.instance):
+            return None
+        until = inf if seconds is None else monotonic() + seconds
+        while insertion.is_loading() and monotonic() < until and not self.over:
+            threading.Event().wait(0.02)
+        if (moves := insertion.moves()) is None:
+            return None
+        goal, search = self.goal, Insertion(self.layout, moves, random)
+        search.aim(goal.time, goal.stress, goal.max_makespan, goal.max_stress)
+        return search
+
+    def _insert(self, search: Insertion, patience: float, visits: float = inf) -> None:
+        """Inserts until so many visits were in vain in a row, or so many in all were made; takes in
+        what is better on the way.
+        """
+        portion, vain, value = FIRST_VISITS, 0, None
+        while not self.over and vain < patience and visits > 0:
+            if value != self.value:  # somebody has found something better
+                if self.best is None or not search.begin(self.best.starts):
+                    return
+                value, vain = self.value, 0
+            done = search.go(min(portion, int(min(visits, MOST_VISITS))))
+            self._spend(done / VISITS_PER_WORK)
+            self.inserted = self.inserted or portion == MOST_VISITS
+            vain, visits, portion = vain + done, visits - done, min(2 * portion, MOST_VISITS)
+            if value is not None and search.value < value:
+                starts = search.best()
+                if starts is None or not self.found(starts):
+                    value = None
+                    vain += MOST_VISITS
+                else:
+                    value, vain = search.value, 0
+
+    def _first_sizes(self) -> dict[int, float]:
+        """Tasks in a stretch by how many operators are free in it, to begin with."""
+        operators = len(self.instance.operators)
+        some = (operators + 2) // 2 if operators > 2 else operators
+        return dict.fromkeys({operators, min(operators, 2), some}, 24.0)
+
+    def _plan_stretches(
+        self, random: Random, sizes: dict[int, float], patience: float = inf, most: float = inf
+    ) -> None:
+        """Takes out stretches and plans them anew, larger ones when that is quick; ends after
+        `most` in all, or `patience` of them in vain in a row.
+        """
         assert self.best is not None
         current = self.best.starts
-        operators, tasks, failures, tried = (
-            len(self.instance.operators),
-            len(self.instance.tasks),
-            0,
-            0,
-        )
-        sizes = dict.fromkeys(
-            {operators, min(operators, 2), (operators + 2) // 2 if operators > 2 else operators},
-            24.0,
-        )
-        while (
-            not self.over
-            and (patience is None or failures < patience)
-            and (stretches is None or tried < stretches)
-        ):
+        operators, tasks = len(self.instance.operators), len(self.instance.tasks)
+        failures = tried = 0
+        while not self.over and failures < patience and tried < most:
             tried += 1
             if self.goal.value(*measures(self.instance, current)) > (self.value or 0):
                 current = current if self.best is None else self.best.starts
