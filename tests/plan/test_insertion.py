@@ -41,7 +41,7 @@ def _search(cell: Cell, seed: int = 0) -> tuple[Insertion, tuple[tuple[int, int]
 
 
 @given(cells(max_tasks=7), st.integers(0, 9))
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=60)
 def test_compiled_and_plain_list_scheduling_give_the_same_starts(cell: Cell, seed: int) -> None:
     search, starts = _search(cell, seed)
     layout = search.layout
@@ -56,7 +56,7 @@ def test_compiled_and_plain_list_scheduling_give_the_same_starts(cell: Cell, see
     st.integers(0, 99),
     st.sampled_from([(1, 0), (0, 1), (3, 2)]),
 )
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=50)
 def test_what_insertion_finds_is_sound_and_worth_what_it_reckons(
     cell: Cell, seed: int, weights: tuple[int, int]
 ) -> None:
