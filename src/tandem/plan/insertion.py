@@ -212,7 +212,7 @@ def _resources(instance: Instance, task: int, step: Step) -> tuple[int, ...]:
     )
 
 
-_lock = threading.Lock()
+_lock, _compiling = threading.Lock(), threading.Event()
 _loaded: list[ModuleType | None] = []
 _loading: list[threading.Thread] = []
 
@@ -235,6 +235,11 @@ def is_loading() -> bool:
     return not _loaded
 
 
+def is_compiling() -> bool:
+    """Whether nothing was kept from an earlier process, so that it takes long to come."""
+    return _compiling.is_set() and not _loaded
+
+
 def moves() -> ModuleType | None:
     """The compiled code, `insertion_moves`; None while it is loading and where Numba is not
     installed.
@@ -247,6 +252,8 @@ def _load() -> None:
     try:
         from tandem.plan import insertion_moves
 
+        if not insertion_moves.is_kept():
+            _compiling.set()
         insertion_moves.warm()
         found = insertion_moves
     except ImportError:

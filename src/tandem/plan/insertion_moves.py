@@ -19,6 +19,7 @@ This file imports Numba, so it is itself imported only when a cell is large enou
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -447,6 +448,12 @@ def rounds(parts: Parts, walk: Walk, aim: Aim, visits: int) -> int:
                 walk.best_order[i] = walk.now.order[i]
                 walk.best_way[i] = walk.now.way[i]
     return spent
+
+
+def is_kept() -> bool:
+    """Whether an earlier process has left compiled code, maybe of another version."""
+    folder = rounds.stats.cache_path
+    return folder is not None and any(Path(folder).glob("insertion_moves.rounds-*.nbi"))
 
 
 def warm() -> None:

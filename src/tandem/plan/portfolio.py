@@ -123,6 +123,10 @@ LARGE = 150
 """From so many tasks on CP-SAT no longer proves anything whole; a relaxation gives the bound and
 all cores improve.
 """
+RELAXABLE = 1000
+"""Beyond so many tasks the relaxation is left out: to state it takes seconds in which nobody can be
+interrupted, and the prices of the operators' time, which are known by then, give the same bound.
+"""
 REFUTABLE = 80
 """Up to so many tasks a state-space search is tried beside the others."""
 REFUTE_NEAR = 0.9
@@ -147,8 +151,8 @@ about as long.
 """
 FEW_CORES = 3
 """With so many workers at most, the first turn of insertion goes before the proof."""
-LOADING_S = 2.0
-"""Seconds that compiled code is waited for; once for each installation it takes longer."""
+FIRST_TURN_S = 0.3
+"""Seconds that its first turn takes at most."""
 FIRST_VISITS, MOST_VISITS = 50_000, 1_000_000
 """So many between two looks at what the others found: few at first, when much is found."""
 VAIN_VISITS = 2e7
@@ -288,6 +292,8 @@ class Race:
 
     def run(self) -> GoalStatus:
         """Works until it is proven, time is up or someone interrupts."""
+        if self.over:
+            return self.answer
         try:
             self.start()
             while self.at_work:
@@ -367,7 +373,10 @@ class Race:
             return [*jobs, partial(self._prove_later, workers + 1, seed), self.refute]
 
         def bound_then_improve() -> None:
-            self.relax(seed)
+            if workers <= FEW_CORES:
+                self._await_loading()
+            if tasks <= RELAXABLE and not self.over:
+                self.relax(seed)
             self.improve(Random(f"{seed} -"))
 
         return [*jobs, bound_then_improve]
@@ -376,8 +385,9 @@ class Race:
         """Proves when insertion has had its first turn: on few cores it would come late else, and
         what it finds makes the proof shorter.
         """
-        until = monotonic() + LOADING_S
         if self._inserts and self.effort.workers <= FEW_CORES:
+            self._await_loading()
+            until = monotonic() + FIRST_TURN_S
             while not self.inserted and monotonic() < until and not self.over:
                 threading.Event().wait(0.01)
         self.prove(workers, seed)
@@ -396,7 +406,7 @@ class Race:
         seed, random, slice_ = self.effort.seed, Random(str(self.effort.seed)), 4.0
         if self._is_small:
             return self.prove(1, seed)
-        if len(self.instance.tasks) >= LARGE:
+        if LARGE <= len(self.instance.tasks) <= RELAXABLE:
             self.relax(seed)
         while not self.over:
             if self.best is not None:
@@ -410,7 +420,7 @@ class Race:
         then better schedules, and a search through all states if they are near the bound.
         """
         seed = self.effort.seed
-        if not self._is_small:
+        if not self._is_small and len(self.instance.tasks) <= RELAXABLE:
             self.relax(seed)
         if not self.over and (work >= LEAST_WORK or len(self.instance.tasks) < LARGE):
             self.prove(1, seed, work=work)
@@ -516,35 +526,39 @@ class Race:
         """
         if not self._await_incumbent():
             return
-        search, sizes = self._insertion(random, LOADING_S), self._first_sizes()
+        self._await_loading()
+        search, sizes = self._insertion(random), self._first_sizes()
         while not self.over:
             if search is not None:
                 self._insert(search, VAIN_VISITS)
                 self._plan_stretches(random, sizes, patience=VAIN_STRETCHES)
             else:
                 self._plan_stretches(random, sizes, most=1)
-                search = self._insertion(random, 0)
+                search = self._insertion(random)
 
     def _improve_once(self, random: Random, patience: float = inf, work: float = inf) -> None:
         """The same in one thread, with so much work for each of both, by counts alone."""
-        # where no clock runs the search is waited for, so that a run repeats
-        search = self._insertion(random, None if self.effort.until is None else LOADING_S)
+        self._await_loading()
+        search = self._insertion(random)
         if search is not None:
             self._insert(search, VAIN_VISITS, work * VISITS_PER_WORK)
         if not self.over:
             most = work if work == inf else ceil(STRETCHES_PER_WORK * work)
             self._plan_stretches(random, self._first_sizes(), patience, most)
 
-    def _insertion(self, random: Random, seconds: float | None) -> Insertion | None:
-        """The compiled search, None where it does not know the cell or is not there within so many
-        seconds (None: however long that takes).
+    def _await_loading(self) -> None:
+        """Waits until the compiled search is there. Where a clock runs, not until it is compiled
+        anew; where none does, always, so that a run repeats.
         """
-        if not insertion.knows(self.instance):
-            return None
-        until = inf if seconds is None else monotonic() + seconds
-        while insertion.is_loading() and monotonic() < until and not self.over:
-            threading.Event().wait(0.02)
-        if (moves := insertion.moves()) is None:
+        while self._inserts and insertion.is_loading() and not self.over:
+            if self.effort.until is not None and insertion.is_compiling():
+                return
+            threading.Event().wait(0.01)
+
+    def _insertion(self, random: Random) -> Insertion | None:
+        """The compiled search, None where it does not know the cell or is not there yet."""
+        moves = insertion.moves()
+        if moves is None or not self._inserts:
             return None
         goal, search = self.goal, Insertion(self.layout, moves, random)
         search.aim(goal.time, goal.stress, goal.max_makespan, goal.max_stress)
