@@ -23,8 +23,10 @@ from tandem.plan.instance import Instance
 from tandem.plan.list_scheduling import Layout, Step, by_start
 from tandem.plan.starts import Starts, append
 
-WARMTH = 0.03
-"""The loss accepted with probability 1/e, in mean ticks (and mean stress) of a task."""
+WARMTH_OF_FEW, WARMTH_OF_MANY, FEW = 0.06, 0.03, 100
+"""The loss accepted with probability 1/e, in mean ticks (and mean stress) of a task: up to `FEW`
+tasks, and from twice as many on.
+"""
 MOST_OUT = 3
 """So many tasks are taken out at once at most."""
 
@@ -93,12 +95,13 @@ class Insertion:
             for row in self.layout.steps
         ]
         mean_ticks = sum(self.layout.quickest) / len(spread)
+        warmth = min(WARMTH_OF_FEW, max(WARMTH_OF_MANY, WARMTH_OF_FEW * FEW / len(spread)))
         self.sought = self.moves.Aim(
             time,
             stress,
             self.moves.INFINITE if most_ticks is None else most_ticks,
             self.moves.INFINITE if most_units is None else most_units,
-            max(1e-9, WARMTH * (time * mean_ticks + stress * sum(spread) / len(spread))),
+            max(1e-9, warmth * (time * mean_ticks + stress * sum(spread) / len(spread))),
             MOST_OUT,
         )
 
