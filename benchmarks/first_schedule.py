@@ -74,10 +74,10 @@ def _measure(tasks: int, operators: int, turns: int, seconds: float) -> None:
         front = plan(cell, minimize=minimize, time_limit=seconds)
         took = time.perf_counter() - began
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        gap = front[0].makespan / front[0].bound.makespan - 1
         print(
-            f"  {minimize}, limit {seconds:g} s: over by {took - seconds:.2f} s, {len(front)} points,"
-            f" {front[0].makespan / front[0].bound.makespan - 1:.1%} above the bound, peak memory"
-            f" {peak:.0f} MiB",
+            f"  {minimize}, limit {seconds:g} s: over by {took - seconds:.2f} s, {len(front)}"
+            f" points, {gap:.1%} above the bound, peak memory {peak:.0f} MiB",
             flush=True,
         )
 

@@ -292,8 +292,6 @@ class Race:
 
     def run(self) -> GoalStatus:
         """Works until it is proven, time is up or someone interrupts."""
-        if self.over:
-            return self.answer
         try:
             self.start()
             while self.at_work:
@@ -321,6 +319,8 @@ class Race:
         if self._inserts:
             insertion.load()  # it comes while the others begin
         jobs = self._alone() if self.effort.workers == 1 else self._together()
+        if self.over:
+            jobs = []
         self.threads = [
             threading.Thread(target=self._guarded, args=(job,), daemon=True) for job in jobs
         ]
