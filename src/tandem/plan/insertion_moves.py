@@ -143,12 +143,50 @@ def draw(draws: np.ndarray) -> float:
 
 
 @_inner
-def set_heads(parts: Parts, plan: Plan, count: int, free: np.ndarray) -> int:
-    """Every task appended in the plan's order: its head. Gives the makespan."""
-    makespan = 0
+def _set_free(parts: Parts, plan: Plan, place: int, free: np.ndarray) -> None:
+    """Per resource, when it is free of what comes before the place in the order."""
+    unknown = free.shape[0]
     for resource in range(free.shape[0]):
-        free[resource] = 0
-    for i in range(count):
+        free[resource] = -1
+    for i in range(place - 1, -1, -1):
+        way = plan.way[plan.order[i]]
+        end = plan.head[plan.order[i]] + parts.ticks[way]
+        for j in range(parts.who_of[way], parts.who_of[way + 1]):
+            if free[parts.who[j]] < 0:
+                free[parts.who[j]] = end
+                unknown -= 1
+        if not unknown:
+            return
+    for resource in range(free.shape[0]):
+        free[resource] = max(free[resource], 0)
+
+
+@_inner
+def _set_behind(parts: Parts, plan: Plan, place: int, count: int, behind: np.ndarray) -> None:
+    """Per resource, the tail of its first task at the place in the order or behind it."""
+    unknown = behind.shape[0]
+    for resource in range(behind.shape[0]):
+        behind[resource] = -1
+    for i in range(place, count):
+        task = plan.order[i]
+        way = plan.way[task]
+        for j in range(parts.who_of[way], parts.who_of[way + 1]):
+            if behind[parts.who[j]] < 0:
+                behind[parts.who[j]] = plan.tail[task]
+                unknown -= 1
+        if not unknown:
+            return
+    for resource in range(behind.shape[0]):
+        behind[resource] = max(behind[resource], 0)
+
+
+@_inner
+def set_heads(parts: Parts, plan: Plan, begin: int, count: int, free: np.ndarray) -> int:
+    """Every task appended in the plan's order: its head. Those before the place `begin` have theirs
+    already. Gives the makespan.
+    """
+    _set_free(parts, plan, begin, free)
+    for i in range(begin, count):
         task = plan.order[i]
         way = plan.way[task]
         start = parts.release[task]
@@ -163,16 +201,19 @@ def set_heads(parts: Parts, plan: Plan, count: int, free: np.ndarray) -> int:
         end = start + parts.ticks[way]
         for j in range(parts.who_of[way], parts.who_of[way + 1]):
             free[parts.who[j]] = end
-        makespan = max(makespan, end)
+    makespan = 0  # every task has a resource, so the last of some resource ends last
+    for resource in range(free.shape[0]):
+        makespan = max(makespan, free[resource])
     return makespan
 
 
 @_inner
-def set_tails(parts: Parts, plan: Plan, count: int, free: np.ndarray) -> None:
-    """Of every task the longest path from its start to the end of all."""
-    for resource in range(free.shape[0]):
-        free[resource] = 0
-    for i in range(count - 1, -1, -1):
+def set_tails(parts: Parts, plan: Plan, end: int, count: int, free: np.ndarray) -> None:
+    """Of every task the longest path from its start to the end of all. Those from the place `end`
+    on have theirs already.
+    """
+    _set_behind(parts, plan, end, count, free)
+    for i in range(end - 1, -1, -1):
         task = plan.order[i]
         way = plan.way[task]
         longest = 0
@@ -202,9 +243,10 @@ def _sort(order: np.ndarray, key: np.ndarray, sign: int) -> None:
 
 
 @_inner
-def _take_out(walk: Walk, most: int) -> int:
+def _take_out(walk: Walk, most: int) -> tuple[int, int, int]:
     """Chooses a task on a longest path and some near it, writes them into `out` and leaves them
-    out of the trial plan; says how many.
+    out of the trial plan. Says how many, and of how many tasks in front the heads, in the rear the
+    tails stay as they are.
     """
     now, trial, tasks = walk.now, walk.trial, walk.now.order.shape[0]
     wanted = min(tasks, 1 + int(draw(walk.draws) * most))
@@ -224,16 +266,19 @@ def _take_out(walk: Walk, most: int) -> int:
             walk.out[count] = now.order[i]
             walk.is_out[now.order[i]] = True
             count += 1
-    kept = 0
+    kept, front, rear = 0, tasks, 0
     for i in range(tasks):
         task = now.order[i]
         trial.way[task] = now.way[task]
         if walk.is_out[task]:
             trial.head[task] = trial.tail[task] = -1
+            front = min(front, kept)
+            rear = tasks - 1 - i
         else:
+            trial.head[task], trial.tail[task] = now.head[task], now.tail[task]
             trial.order[kept] = task
             kept += 1
-    return count
+    return count, front, rear
 
 
 @_inner
@@ -277,19 +322,15 @@ def _set_free_and_behind(parts: Parts, walk: Walk, first: int, last: int, count:
     task at each place from there to `last` (`behind`).
     """
     plan = walk.trial
-    for resource in range(walk.free.shape[0]):
-        walk.free[resource] = walk.behind[last, resource] = 0
-    for i in range(first):
-        _pass_by(parts, walk, plan.order[i])
-    for i in range(count - 1, first - 1, -1):
+    _set_free(parts, plan, first, walk.free)
+    _set_behind(parts, plan, last, count, walk.behind[last])
+    for i in range(last - 1, first - 1, -1):
         task = plan.order[i]
         way = plan.way[task]
-        row = min(i, last)
-        if i < last:
-            for resource in range(walk.free.shape[0]):
-                walk.behind[i, resource] = walk.behind[i + 1, resource]
+        for resource in range(walk.free.shape[0]):
+            walk.behind[i, resource] = walk.behind[i + 1, resource]
         for j in range(parts.who_of[way], parts.who_of[way + 1]):
-            walk.behind[row, parts.who[j]] = plan.tail[task]
+            walk.behind[i, parts.who[j]] = plan.tail[task]
 
 
 @_inner
@@ -364,7 +405,9 @@ def _carry(parts: Parts, walk: Walk, way: int, sign: int) -> None:
 
 
 @_inner
-def _put_back(parts: Parts, walk: Walk, aim: Aim, out: int) -> tuple[bool, int, int]:
+def _put_back(
+    parts: Parts, walk: Walk, aim: Aim, out: int, front: int, rear: int
+) -> tuple[bool, int, int]:
     """Puts the tasks in `out` back, in random order; says whether limits let them all be, and the
     makespan and stress then.
     """
@@ -378,8 +421,8 @@ def _put_back(parts: Parts, walk: Walk, aim: Aim, out: int) -> tuple[bool, int, 
         task = walk.out[y]
         walk.out[y], walk.out[x] = walk.out[x], task
         if sound:
-            without = set_heads(parts, trial, count, walk.free)
-            set_tails(parts, trial, count, walk.free)
+            without = set_heads(parts, trial, front, count, walk.free)
+            set_tails(parts, trial, count - rear, count, walk.free)
             for i in range(count):
                 walk.place[trial.order[i]] = i
             place, way, makespan = _best_place(parts, walk, aim, task, count, without, units)
@@ -389,6 +432,7 @@ def _put_back(parts: Parts, walk: Walk, aim: Aim, out: int) -> tuple[bool, int, 
                 trial.order[i] = trial.order[i - 1]
             trial.order[place] = task
             trial.way[task] = way
+            front, rear = min(front, place), min(rear, count - place)
             count += 1
             units += parts.stress[way]
             _carry(parts, walk, way, 1)
@@ -405,8 +449,8 @@ def take(parts: Parts, walk: Walk, source: Plan, units: int, sort: int) -> None:
     for i in range(now.order.shape[0]):
         now.order[i] = source.order[i]
         now.way[i] = source.way[i]
-    walk.worth[2] = set_heads(parts, now, now.order.shape[0], walk.free)
-    set_tails(parts, now, now.order.shape[0], walk.free)
+    walk.worth[2] = set_heads(parts, now, 0, now.order.shape[0], walk.free)
+    set_tails(parts, now, now.order.shape[0], now.order.shape[0], walk.free)
     walk.worth[3] = units
     if sort > 0:
         _sort(now.order, now.head, 1)
@@ -431,8 +475,8 @@ def rounds(parts: Parts, walk: Walk, aim: Aim, visits: int) -> int:
     """
     spent, tasks = 0, walk.now.order.shape[0]
     while spent < visits:
-        out = _take_out(walk, aim.most_out)
-        sound, makespan, units = _put_back(parts, walk, aim, out)
+        out, front, rear = _take_out(walk, aim.most_out)
+        sound, makespan, units = _put_back(parts, walk, aim, out, front, rear)
         spent += (out + 1) * tasks
         value = aim.time * makespan + aim.stress * units
         loss = value - walk.worth[0]

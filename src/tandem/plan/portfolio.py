@@ -369,13 +369,16 @@ class Race:
             partial(self.improve, Random(f"{seed} {i}")) for i in range(max(1, workers // 2))
         ]
         if tasks < LARGE:
-            # one search more than cores: unlike ones help each other
-            return [*jobs, partial(self._prove_later, workers + 1, seed), self.refute]
+            # where nothing inserts, one search more than cores: unlike ones help each other
+            provers = workers if self._inserts else workers + 1
+            return [*jobs, partial(self._prove_later, provers, seed), self.refute]
 
         def bound_then_improve() -> None:
             if workers <= FEW_CORES:
                 self._await_loading()
-            if tasks <= RELAXABLE and not self.over:
+            # without stress in it the prices of the operators' time have given the same bound
+            stress = self.goal.stress or self.goal.max_stress is not None
+            if tasks <= RELAXABLE and (stress or not self._inserts) and not self.over:
                 self.relax(seed)
             self.improve(Random(f"{seed} -"))
 
