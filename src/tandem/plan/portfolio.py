@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
-from math import ceil
+from math import ceil, inf
 from queue import Empty, SimpleQueue
 from random import Random
 from time import monotonic, thread_time
@@ -21,9 +21,10 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
-from tandem.plan import cpsat
+from tandem.plan import cpsat, insertion
 from tandem.plan.cpsat import Decisions, formulate
 from tandem.plan.door import Admitted, Door
+from tandem.plan.insertion import Insertion
 from tandem.plan.list_scheduling import Layout, by_start
 from tandem.plan.lns import WORK as STRETCH_WORK
 from tandem.plan.lns import plan_anew, take_out
@@ -128,6 +129,10 @@ LARGE = 150
 """From so many tasks on CP-SAT no longer proves anything whole; a relaxation gives the bound and
 all cores improve.
 """
+RELAXABLE = 1000
+"""Beyond so many tasks the relaxation is left out: to state it takes seconds in which nobody can be
+interrupted, and the prices of the operators' time, which are known by then, give the same bound.
+"""
 REFUTABLE = 80
 """Up to so many tasks a state-space search is tried beside the others."""
 REFUTABLE_OPERATORS = 3
@@ -148,6 +153,20 @@ LEAST_WORK = 1.0
 """Deterministic seconds below which CP-SAT does not come to search a large cell, so it is not
 asked.
 """
+VISITS_PER_WORK = 1e7
+"""Inserting passes by so many tasks in what counts as a deterministic second of CP-SAT, and takes
+about as long.
+"""
+FEW_CORES = 3
+"""With so many workers at most, the first turn of insertion goes before the proof."""
+FIRST_TURN_S = 0.3
+"""Seconds that its first turn takes at most."""
+FIRST_VISITS, MOST_VISITS = 50_000, 1_000_000
+"""So many between two looks at what the others found: few at first, when much is found."""
+VAIN_VISITS = 2e7
+"""Without an improvement for so many, stretches have their turn."""
+VAIN_STRETCHES = 20
+"""Without an improvement for so many stretches, insertion has its turn."""
 EASY_WORK = STRETCH_WORK / 2
 """With less work than this a stretch was easy, and a longer one may be tried."""
 LEAST_SPENT = 0.002
@@ -225,6 +244,7 @@ class Race:
         self.by = Prover.CP_SAT
         self.infeasible = False
         self.stopped = False
+        self.inserted = False
         self.inbox: Inbox = SimpleQueue() if inbox is None else inbox
         self.at_work = 0
         self.threads: list[threading.Thread] = []
@@ -323,7 +343,11 @@ class Race:
 
     def start(self) -> None:
         """Sets the workers to work; `at_work` of them have not yet been heard to be done."""
+        if self._inserts:
+            insertion.load()  # it comes while the others begin
         jobs = self._alone() if self.effort.workers == 1 else self._together()
+        if self.over:
+            jobs = []
         self.threads = [
             threading.Thread(target=self._guarded, args=(job,), daemon=True) for job in jobs
         ]
@@ -373,14 +397,35 @@ class Race:
             partial(self.improve, Random(f"{seed} {i}")) for i in range(max(1, workers // 2))
         ]
         if tasks < LARGE:
-            # one search more than cores: unlike ones help each other
-            return [*jobs, partial(self.prove, workers + 1, seed), self.refute]
+            # where nothing inserts, one search more than cores: unlike ones help each other
+            provers = workers if self._inserts else workers + 1
+            return [*jobs, partial(self._prove_later, provers, seed), self.refute]
 
         def bound_then_improve() -> None:
-            self.relax(seed)
+            if workers <= FEW_CORES:
+                self._await_loading()
+            # without stress in it the prices of the operators' time have given the same bound
+            stress = self.goal.stress or self.goal.max_stress is not None
+            if tasks <= RELAXABLE and (stress or not self._inserts) and not self.over:
+                self.relax(seed)
             self.improve(Random(f"{seed} -"))
 
         return [*jobs, bound_then_improve]
+
+    def _prove_later(self, workers: int, seed: int) -> None:
+        """Proves when insertion has had its first turn: on few cores it would come late else, and
+        what it finds makes the proof shorter.
+        """
+        if self._inserts and self.effort.workers <= FEW_CORES:
+            self._await_loading()
+            until = monotonic() + FIRST_TURN_S
+            while not self.inserted and monotonic() < until and not self.over:
+                threading.Event().wait(0.01)
+        self.prove(workers, seed)
+
+    @property
+    def _inserts(self) -> bool:
+        return not self._is_small and insertion.knows(self.instance)
 
     def _alone(self) -> list[Callable[[], None]]:
         """Turn by turn in one thread, by counts and not by clocks, so that a run repeats."""
@@ -392,11 +437,11 @@ class Race:
         seed, random, slice_ = self.effort.seed, Random(str(self.effort.seed)), 4.0
         if self._is_small:
             return self.prove(1, seed)
-        if len(self.instance.tasks) >= LARGE:
+        if LARGE <= len(self.instance.tasks) <= RELAXABLE:
             self.relax(seed)
         while not self.over:
             if self.best is not None:
-                self.improve(random, PATIENCE)
+                self._improve_once(random, PATIENCE)
             self.prove(1, seed, work=slice_)
             slice_ *= 2
         return None
@@ -406,13 +451,13 @@ class Race:
         then better schedules, and a search through all states if they are near the bound.
         """
         seed = self.effort.seed
-        if not self._is_small:
+        if not self._is_small and len(self.instance.tasks) <= RELAXABLE:
             self.relax(seed)
         if not self.over and (work >= LEAST_WORK or len(self.instance.tasks) < LARGE):
             self.prove(1, seed, work=work)
         if self.best is None or self._is_small:
             return
-        self.improve(Random(str(seed)), stretches=ceil(STRETCHES_PER_WORK * work))
+        self._improve_once(Random(str(seed)), work=work)
         refutable = (
             self.effort.refutes and not self.goal.stress and len(self.instance.tasks) <= REFUTABLE
         )
@@ -559,31 +604,89 @@ class Race:
         sound = append(self.layout, order, [way for way, _ in starts])
         return sound is not None and in_time(self.instance, sound) and self.found(sound)
 
-    def improve(
-        self, random: Random, patience: int | None = None, stretches: int | None = None
-    ) -> None:
-        """Takes out stretches and plans them anew, larger ones when that is quick; ends after so
-        many `stretches` in all, or `patience` of them in vain in a row.
+    def improve(self, random: Random) -> None:
+        """Inserts tasks elsewhere as long as that helps, then plans stretches anew, then inserts
+        again.
         """
         if not self._await_incumbent():
             return
+        self._await_loading()
+        search, sizes = self._insertion(random), self._first_sizes()
+        while not self.over:
+            if search is not None:
+                self._insert(search, VAIN_VISITS)
+                self._plan_stretches(random, sizes, patience=VAIN_STRETCHES)
+            else:
+                self._plan_stretches(random, sizes, most=1)
+                search = self._insertion(random)
+
+    def _improve_once(self, random: Random, patience: float = inf, work: float = inf) -> None:
+        """The same in one thread, with so much work for each of both, by counts alone."""
+        self._await_loading()
+        search = self._insertion(random)
+        if search is not None:
+            self._insert(search, VAIN_VISITS, work * VISITS_PER_WORK)
+        if not self.over:
+            most = work if work == inf else ceil(STRETCHES_PER_WORK * work)
+            self._plan_stretches(random, self._first_sizes(), patience, most)
+
+    def _await_loading(self) -> None:
+        """Waits until the compiled search is there. Where a clock runs, not until it is compiled
+        anew; where none does, always, so that a run repeats.
+        """
+        while self._inserts and insertion.is_loading() and not self.over:
+            if self.effort.until is not None and insertion.is_compiling():
+                return
+            threading.Event().wait(0.01)
+
+    def _insertion(self, random: Random) -> Insertion | None:
+        """The compiled search, None where it does not know the cell or is not there yet."""
+        moves = insertion.moves()
+        if moves is None or not self._inserts:
+            return None
+        goal, search = self.goal, Insertion(self.layout, moves, random)
+        search.aim(goal.time, goal.stress, goal.max_makespan, goal.max_stress)
+        return search
+
+    def _insert(self, search: Insertion, patience: float, visits: float = inf) -> None:
+        """Inserts until so many visits were in vain in a row, or so many in all were made; takes in
+        what is better on the way.
+        """
+        portion, vain, value = FIRST_VISITS, 0, None
+        while not self.over and vain < patience and visits > 0:
+            if value != self.value:  # somebody has found something better
+                if self.best is None or not search.begin(self.best.starts):
+                    return
+                value, vain = self.value, 0
+            done = search.go(min(portion, int(min(visits, MOST_VISITS))))
+            self._spend(done / VISITS_PER_WORK)
+            self.inserted = self.inserted or portion == MOST_VISITS
+            vain, visits, portion = vain + done, visits - done, min(2 * portion, MOST_VISITS)
+            if value is not None and search.value < value:
+                starts = search.best()
+                if starts is None or not self.found(starts):
+                    value = None
+                    vain += MOST_VISITS
+                else:
+                    value, vain = search.value, 0
+
+    def _first_sizes(self) -> dict[int, float]:
+        """Tasks in a stretch by how many operators are free in it, to begin with."""
+        operators = len(self.instance.operators)
+        some = (operators + 2) // 2 if operators > 2 else operators
+        return dict.fromkeys({operators, min(operators, 2), some}, 24.0)
+
+    def _plan_stretches(
+        self, random: Random, sizes: dict[int, float], patience: float = inf, most: float = inf
+    ) -> None:
+        """Takes out stretches and plans them anew, larger ones when that is quick; ends after
+        `most` in all, or `patience` of them in vain in a row.
+        """
         assert self.best is not None
         current = self.best.starts
-        operators, tasks, failures, tried = (
-            len(self.instance.operators),
-            len(self.instance.tasks),
-            0,
-            0,
-        )
-        sizes = dict.fromkeys(
-            {operators, min(operators, 2), (operators + 2) // 2 if operators > 2 else operators},
-            24.0,
-        )
-        while (
-            not self.over
-            and (patience is None or failures < patience)
-            and (stretches is None or tried < stretches)
-        ):
+        operators, tasks = len(self.instance.operators), len(self.instance.tasks)
+        failures = tried = 0
+        while not self.over and failures < patience and tried < most:
             tried += 1
             if self.goal.value(*measures(self.instance, current)) > (self.value or 0):
                 current = current if self.best is None else self.best.starts
