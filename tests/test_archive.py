@@ -8,10 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from tests.benchmark_data import folder
 
 from tandem.files.load import load
 from tandem.plan.methods import plan
+from tests.benchmark_data import folder
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
