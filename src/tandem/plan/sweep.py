@@ -240,7 +240,7 @@ class Sweep:
         than its share of what is left of the limit.
         """
         share = self._work_left() / (len(self.agenda) + 1)
-        return min(FIRST_WORK * GROWTH**self.round, max(FIRST_WORK, share))
+        return min(FIRST_WORK * float(GROWTH) ** self.round, max(FIRST_WORK, share))
 
     def _work_left(self) -> float:
         """What is left for all workers, at the pace that was seen; infinite when there is no
